@@ -16,7 +16,7 @@ import torch
 from torch import Tensor
 
 from benchmarks.diffsheg import in_turns
-from generators.amuse.config import SPEECH_PARTS, MotionConfig, SpeechConfig
+from generators.amuse.config import PARTS, MotionConfig, SpeechConfig
 from generators.amuse.model import MotionModel
 from generators.amuse.speech import SpeechModel
 from training.device import torch_threads
@@ -61,7 +61,7 @@ def main() -> None:
     args = options.parse_args()
     motion = MotionModel(MotionConfig()).eval().requires_grad_(False)
     latents, noise = (
-        [torch.randn(1, 1, 256) for _ in SPEECH_PARTS],
+        [torch.randn(1, 1, 256) for _ in PARTS],
         torch.randn(1, 1, motion.config.width),
     )
 
@@ -81,7 +81,7 @@ def main() -> None:
     plain = {name: speech_model(name) for name in ("eager", "sdpa")}
 
     def latent(model: SpeechModel) -> Tensor:
-        return torch.cat([model.latent(part, filterbank) for part in SPEECH_PARTS])
+        return torch.cat([model.latent(part, filterbank) for part in PARTS])
 
     with torch_threads(args.threads):
         print(f"{args.threads} threads, {args.rounds} turns, ten seconds of speech")

@@ -50,7 +50,7 @@ def clear_of_body(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
     for side, sign in (("left", 1.0), ("right", -1.0)):
         for _ in range(_ROUNDS):
             turn = _smooth(
-                _outward_rotations(clip, side, sign), round(_SMOOTHED_OVER * clip.frame_rate)
+                _outward_turns(clip, side, sign), round(_SMOOTHED_OVER * clip.frame_rate)
             )
             if not turn.any():
                 break
@@ -76,7 +76,7 @@ def _arm_rotation_angles(before: MotionClip, after: MotionClip) -> FloatArray:
     return np.asarray(np.max(turns, axis=0))
 
 
-def _outward_rotations(clip: MotionClip, side: str, sign: float) -> FloatArray:
+def _outward_turns(clip: MotionClip, side: str, sign: float) -> FloatArray:
     """Return the turn in the world, axis-angle, that takes each frame's hand out, shape (T, 3)."""
     positions, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     outward = sign * rotations[:, 0, :, 0]

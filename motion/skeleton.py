@@ -159,7 +159,7 @@ REST_JOINTS.setflags(write=False)
 FINGERS: Final = slice(joint_index("left_index1"), JOINT_COUNT)
 """Where the finger joints are among the 55."""
 
-_FINGER_FLEXION: Final = {
+_FLEXION: Final = {
     "index": (0.30, 0.44, 0.25),
     "middle": (0.34, 0.50, 0.28),
     "pinky": (0.42, 0.52, 0.30),
@@ -167,7 +167,7 @@ _FINGER_FLEXION: Final = {
 }
 """Radians by which the three joints of each finger of a relaxed hand bend."""
 
-_FINGER_SPREAD: Final = {"index": 0.09, "middle": -0.05, "pinky": -0.17, "ring": -0.12}
+_SPREAD: Final = {"index": 0.09, "middle": -0.05, "pinky": -0.17, "ring": -0.12}
 """Radians by which each left finger turns about y towards the others; at rest they are spread."""
 
 _THUMB_ROTATIONS: Final = ((-0.02, 0.26, 0.29), (0.05, 0.10, -0.05), (0.05, 0.10, -0.05))
@@ -183,11 +183,7 @@ def _relaxed_hands() -> NDArray[np.float32]:
         if finger == "thumb":
             left[number] = _THUMB_ROTATIONS[phalanx]
         else:
-            left[number] = (
-                0,
-                0 if phalanx else _FINGER_SPREAD[finger],
-                -_FINGER_FLEXION[finger][phalanx],
-            )
+            left[number] = (0, 0 if phalanx else _SPREAD[finger], -_FLEXION[finger][phalanx])
     hands = np.concatenate([left, left * [1, -1, -1]]).astype(np.float32)
     hands.setflags(write=False)
     return hands

@@ -39,7 +39,7 @@ _STREAM_OPTIONS: Final = {
 _LOSSLESS_OPTIONS: Final = {"qp": "0", "preset": "ultrafast"}
 _SOUND_BITS_PER_SECOND: Final = 128_000
 
-_HEADER_BYTES: Final = 8
+_HEADER: Final = 8
 """Bytes of a box header: four for its size, four for its type (ISO/IEC 14496-12, 4.2)."""
 _PATH_TO_RATES: Final = (b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsd", b"mp4a", b"esds")
 _BEFORE_BOXES: Final = {b"stsd": 8, b"mp4a": 28}
@@ -176,16 +176,14 @@ def clear_bit_rates(video: Path) -> None:
 
 def _clear_rates(file: BinaryIO, start: int, stop: int, path: tuple[bytes, ...]) -> None:
     """Follow `path` through the boxes between `start` and `stop`."""
-    while start + _HEADER_BYTES <= stop:
+    while start + _HEADER <= stop:
         file.seek(start)
-        header = file.read(_HEADER_BYTES)
+        header = file.read(_HEADER)
         size, box_type = int.from_bytes(header[:4], "big"), header[4:]
-        if (
-            size < _HEADER_BYTES
-        ):  # the last box, to the end of the file, or one above 4 GiB: no index
+        if size < _HEADER:  # the last box, to the end of the file, or one above 4 GiB: no index
             return
         if box_type == path[0]:
-            inner = start + _HEADER_BYTES + _BEFORE_BOXES.get(box_type, 0)
+            inner = start + _HEADER + _BEFORE_BOXES.get(box_type, 0)
             if len(path) > 1:
                 _clear_rates(file, inner, start + size, path[1:])
             else:
@@ -231,8 +229,8 @@ def pad_to_equal_size(videos: Sequence[Path]) -> None:
     largest = max(sizes.values(), default=0)
     if all(size == largest for size in sizes.values()):
         return
-    if any(0 < largest - size < _HEADER_BYTES for size in sizes.values()):
-        largest += _HEADER_BYTES
+    if any(0 < largest - size < _HEADER for size in sizes.values()):
+        largest += _HEADER
     for video, size in sizes.items():
         padding = largest - size
         if padding:
@@ -243,4 +241,4 @@ def _append_free_box(video: Path, size: int) -> None:
     with replacing(video) as temporary:
         shutil.copyfile(video, temporary)
         with temporary.open("ab") as file:
-            file.write(size.to_bytes(4, "big") + b"free" + bytes(size - _HEADER_BYTES))
+            file.write(size.to_bytes(4, "big") + b"free" + bytes(size - _HEADER))

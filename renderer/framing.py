@@ -91,7 +91,7 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
         If there is no clip.
     """
     turn = VIEWS[look.view]
-    points = [_rotate_points(_points_to_show(clip, body, look), -turn) for clip in clips]
+    points = [_rotated(_points_to_show(clip, body, look), -turn) for clip in clips]
     if not points:
         raise InputError("there is no clip to frame", remedy="Generate or import motion first")
     all_points = np.concatenate(points)
@@ -122,13 +122,11 @@ def rotate_camera(camera: Camera, turn: float) -> Camera:
     """
     if not turn:
         return camera
-    (x, y, z), target = np.round(
-        _rotate_points(np.array([camera.eye, camera.target]), turn), 4
-    ).tolist()
+    (x, y, z), target = np.round(_rotated(np.array([camera.eye, camera.target]), turn), 4).tolist()
     return replace(camera, eye=(x, y, z), target=tuple(target))
 
 
-def _rotate_points(points: NDArray[np.float64], turn: float) -> NDArray[np.float64]:
+def _rotated(points: NDArray[np.float64], turn: float) -> NDArray[np.float64]:
     """Return `points`, shape (n, 3), turned by degrees from +z towards +x."""
     if not turn:
         return points
@@ -157,14 +155,12 @@ def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> NDArray[np
     """Return points of the posed body that must be in the picture, shape (n, 3)."""
     step = max(1, len(clip) // _MAX_FRAMES)
     sampled = clip.frames(slice(None, None, step))
-    positions, rotations = forward_kinematics(sampled.poses, sampled.trans, body.joints(clip.betas))
+    positions, turns = forward_kinematics(sampled.poses, sampled.trans, body.joints(clip.betas))
     head = joint_index("head")
     if look.framing == "face":
-        head_points = positions[:, head, None] + (rotations[:, head] @ _AROUND_HEAD.T).transpose(
-            0, 2, 1
-        )
-        return np.concatenate([head_points.reshape(-1, 3), positions[:, joint_index("neck")]])
-    crown = positions[:, head] + rotations[:, head] @ np.array([0.0, _ABOVE_HEAD, 0.0])
+        outline = positions[:, head, None] + (turns[:, head] @ _AROUND_HEAD.T).transpose(0, 2, 1)
+        return np.concatenate([outline.reshape(-1, 3), positions[:, joint_index("neck")]])
+    crown = positions[:, head] + turns[:, head] @ np.array([0.0, _ABOVE_HEAD, 0.0])
     hands = positions[:, _HANDS].reshape(-1, 3)
     fingers = (hands[:, None] + _AROUND_FINGER).reshape(-1, 3)
     if look.framing == "hands":

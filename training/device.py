@@ -43,9 +43,7 @@ def torch_threads(number: int) -> Iterator[None]:
         torch.set_num_threads(previous)
 
 
-def run_side_by_side(
-    first: Callable[[], First], second: Callable[[], Second]
-) -> tuple[First, Second]:
+def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tuple[First, Second]:
     """Return what both compute, `second` on this thread and `first` on another one.
 
     Each has half of torch's threads meanwhile. Where torch has one thread, `first` runs before

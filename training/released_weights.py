@@ -55,9 +55,7 @@ def tensors_in(content: object, file: Path) -> dict[str, Tensor]:
     InputError
         If it is no mapping, or holds anything but tensors.
     """
-    if not isinstance(content, Mapping) or not all(
-        isinstance(value, Tensor) for value in content.values()
-    ):
+    if not isinstance(content, Mapping) or not all(isinstance(v, Tensor) for v in content.values()):
         raise not_weights_error(file, "it holds more than named tensors")
     return {str(name).removeprefix("module."): weight for name, weight in content.items()}
 

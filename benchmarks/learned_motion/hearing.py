@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from generators.amuse.config import LABEL_FIELDS, SPEECH_PRESETS
+from generators.amuse.config import LABELS, SPEECH_PRESETS
 from generators.amuse.losses import SPEECH_LOSSES
 from generators.amuse.network_file import load_speech
 from generators.amuse.train_speech import SpeechTask
@@ -36,6 +36,6 @@ def heard_apart(takes: TakeFolder, network: Path, cache: Path) -> Mapping[str, f
         training=training,
         held_out=test,
         quadruples=np.empty((0, 4), dtype=np.int64),
-        classes=Classes({of: tuple(speech.latents[part]) for part, of in LABEL_FIELDS.items()}),
+        classes=Classes({of: tuple(speech.latents[part]) for part, of in LABELS.items()}),
     )
     return task.validation(speech.model)

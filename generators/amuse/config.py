@@ -19,10 +19,10 @@ FRAME_RATE: Final = 30
 STEPS: Final = 50
 """Of DDIM, of the 1000 that the denoiser learns."""
 
-SPEECH_PARTS: Final = ("content", "emotion", "style")
+PARTS: Final = ("content", "emotion", "style")
 """The latents of disentangled speech."""
 
-LABEL_FIELDS: Final[Mapping[str, str]] = {"emotion": "emotion", "style": "speaker"}
+LABELS: Final[Mapping[str, str]] = {"emotion": "emotion", "style": "speaker"}
 """What of a take names its emotion and its style."""
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from generators.amuse.config import FRAME_RATE, LABEL_FIELDS, SPEECH_PARTS, STEPS
+from generators.amuse.config import FRAME_RATE, LABELS, PARTS, STEPS
 from generators.amuse.network_file import MotionNetworks, SpeechNetwork, load_motion, load_speech
 from generators.interface import OnPart, SpeechSegment, seeded_stream
 from generators.learned import NetworkGenerator, check_finite, network_provenance
@@ -23,10 +23,10 @@ from training.layers.transformers import pack
 from training.spaces.smplx_bodies import smplx_6d_clip
 from training.speech_features.speech_windows import WindowPlan, filterbanks_under, plan_windows
 
-FADE_FRAMES: Final = 30
+FADE: Final = 30
 """Frames in which a window takes over from the one before."""
 
-_WINDOWS_AT_ONCE: Final = 8
+_AT_ONCE: Final = 8
 """Windows that are decoded together, so that memory does not grow with the speech."""
 
 
@@ -50,23 +50,19 @@ class Amuse(NetworkGenerator[AmuseSettings]):
         random = np.random.default_rng(seeded_stream(seed))
         noise = random.standard_normal((plan.count, *model.prior.latent_shape)).astype(np.float32)
         z = model.sample(torch.from_numpy(noise).to(self._device), latents)
-        windows = torch.cat([model.prior.decode(part) for part in torch.split(z, _WINDOWS_AT_ONCE)])
+        windows = torch.cat([model.prior.decode(part) for part in torch.split(z, _AT_ONCE)])
         motion = plan.join(windows).cpu().numpy().astype(np.float64)
         check_finite(motion, self._settings.checkpoint)
         length = max(1, round(speech.audio.duration * FRAME_RATE))
-        frames = plan.stride + FADE_FRAMES
+        frames = plan.stride + FADE
         return smplx_6d_clip(motion[:length], FRAME_RATE), {
             "sampling": f"{STEPS} steps",
             **network_provenance(
-                self._settings,
-                self._device,
-                frames=frames,
-                overlap=FADE_FRAMES,
-                frame_rate=FRAME_RATE,
+                self._settings, self._device, frames=frames, overlap=FADE, frame_rate=FRAME_RATE
             ),
             "speech_model": self._settings.speech_model.name,
             "strength": f"{self._settings.strength:g}",
-            **{key: Path(replacement).name for key, replacement in self._replacements.items()},
+            **{key: Path(chosen).name for key, chosen in self._chosen.items()},
         }
 
     @cached_property
@@ -79,19 +75,19 @@ class Amuse(NetworkGenerator[AmuseSettings]):
     def _speech(self) -> SpeechNetwork:
         file = self._settings.speech_model
         network, motion = load_speech(file), self._networks
-        parts, motion_config = network.model.parts, motion.model.config
-        matches = (network.model.config.latent, len(parts)) == (
-            motion_config.condition_width,
-            motion_config.conditions,
+        parts, denoiser_config = network.model.parts, motion.model.config
+        fits = (network.model.config.latent, len(parts)) == (
+            denoiser_config.condition_width,
+            denoiser_config.conditions,
         )
-        if not matches or motion.training.get("speech_model", content(file)) != content(file):
+        if not fits or motion.training.get("speech_model", content(file)) != content(file):
             raise InputError(
                 "the denoiser was trained with another speech model, whose latents mean something "
                 "else",
                 where=file,
                 remedy="Give the speech model that the denoiser was trained with",
             )
-        for part in (_part_of(key) for key in self._replacements):
+        for part in (_part_of(key) for key in self._chosen):
             if part not in parts:
                 raise InputError(
                     f"the speech model does not disentangle speech, so {part} cannot be another's",
@@ -102,41 +98,35 @@ class Amuse(NetworkGenerator[AmuseSettings]):
         return network
 
     @cached_property
-    def _replacements(self) -> dict[str, str | Path]:
+    def _chosen(self) -> dict[str, str | Path]:
         """The recordings and labels that stand in for parts of the speech, by their keys."""
-        keys = (*SPEECH_PARTS, *(f"from_{part}" for part in LABEL_FIELDS))
+        keys = (*PARTS, *(f"from_{part}" for part in LABELS))
         values = {key: getattr(self._settings, key) for key in keys}
         return {key: value for key, value in values.items() if value is not None}
 
     def _plan(self, audio: Audio) -> WindowPlan:
         frames = round(audio.duration * FRAME_RATE)
-        return plan_windows(frames, self._networks.model.config.frames, FADE_FRAMES)
+        return plan_windows(frames, self._networks.model.config.frames, FADE)
 
     def _latents(self, audio: Audio, plan: WindowPlan, on_part: OnPart) -> list[Tensor]:
         """Return content, emotion and style of each window, (windows, 1, latent) each."""
         model, strength = self._speech.model, self._settings.strength
         # What is shorter than the speech begins again.
         positions = torch.arange(plan.count)
-        replacements = {
-            key: rows[positions % len(rows)] for key, rows in self._replacement_latents.items()
-        }
+        chosen = {key: rows[positions % len(rows)] for key, rows in self._chosen_latents.items()}
         speech_latents: dict[str, list[Tensor]] = {
             part: []
             for part in model.parts
-            if part not in replacements
-            or (part in LABEL_FIELDS and strength < 1 and f"from_{part}" not in replacements)
+            if part not in chosen
+            or (part in LABELS and strength < 1 and f"from_{part}" not in chosen)
         }
         for number, rows in enumerate(self._windows(audio, plan), start=1):
-            for part, rows_of_part in speech_latents.items():
-                rows_of_part.append(model.latent(part, rows))
+            for part, parts_rows in speech_latents.items():
+                parts_rows.append(model.latent(part, rows))
             on_part(number, plan.count)
-        start = {part: torch.cat(rows_of_part) for part, rows_of_part in speech_latents.items()}
-        end = start | replacements
-        start = (
-            end
-            | start
-            | {_part_of(key): replacements[key] for key in replacements if key not in SPEECH_PARTS}
-        )
+        start = {part: torch.cat(parts_rows) for part, parts_rows in speech_latents.items()}
+        end = start | chosen
+        start = end | start | {_part_of(key): chosen[key] for key in chosen if key not in PARTS}
         return [torch.lerp(start[part], end[part], strength)[:, None] for part in model.parts]
 
     def _windows(self, audio: Audio, plan: WindowPlan) -> list[Tensor]:
@@ -146,27 +136,24 @@ class Amuse(NetworkGenerator[AmuseSettings]):
         return [rows.to(self._device) for rows in windows]
 
     @cached_property
-    def _replacement_latents(self) -> dict[str, Tensor]:
+    def _chosen_latents(self) -> dict[str, Tensor]:
         """Latents (windows, latent) that replace parts of the speech, by their keys."""
         return {
-            key: self._latents_of_replacement(_part_of(key), replacement)
-            for key, replacement in self._replacements.items()
+            key: self._latents_of(_part_of(key), chosen) for key, chosen in self._chosen.items()
         }
 
-    def _latents_of_replacement(self, part: str, replacement: str | Path) -> Tensor:
+    def _latents_of(self, part: str, chosen: str | Path) -> Tensor:
         """Return the content of a recording's windows; of emotion and style the mean."""
-        if isinstance(replacement, str):
-            return self._speech.labelled(part, replacement)[None].to(self._device)
+        if isinstance(chosen, str):
+            return self._speech.labelled(part, chosen)[None].to(self._device)
         try:
-            audio = read_audio(replacement)
+            audio = read_audio(chosen)
             windows = self._windows(audio, self._plan(audio))
         except InputError as error:
             problem = f"{part} cannot be heard: {error.what}"
-            raise InputError(
-                problem, where=error.where or replacement, remedy=error.remedy
-            ) from error
+            raise InputError(problem, where=error.where or chosen, remedy=error.remedy) from error
         latents = torch.cat([self._speech.model.latent(part, rows) for rows in windows])
-        return latents.mean(dim=0, keepdim=True) if part in LABEL_FIELDS else latents
+        return latents.mean(dim=0, keepdim=True) if part in LABELS else latents
 
 
 def _part_of(key: str) -> str:

@@ -9,9 +9,9 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from generators.amuse.config import FRAME_RATE, SPEECH_PARTS, STEPS
+from generators.amuse.config import FRAME_RATE, PARTS, STEPS
 from generators.amuse.model import Denoiser, MotionModel
-from generators.amuse.speech import DisentangledSpeech, SpeechDecoder, SpeechModel
+from generators.amuse.speech import SpeechDecoder, SpeechModel, SpeechOutput
 from training.diffusion import SCALED_LINEAR
 
 Weights = Mapping[str, float]
@@ -51,7 +51,7 @@ OTHER_CONTENT: Final = (1, 0, 3, 2)
 OTHER_STYLE: Final = (2, 3, 0, 1)
 """For each of the four, one of the same text by the other speaker: j(k) = [(1 + k) mod 4] + 1."""
 
-CROSS_RECONSTRUCTIONS: Final = {
+CROSSED: Final = {
     "xcon": ("content", OTHER_STYLE),
     "xemo": ("emotion", OTHER_CONTENT),
     "xsty": ("style", OTHER_CONTENT),
@@ -61,7 +61,7 @@ CROSS_RECONSTRUCTIONS: Final = {
 _SMALLEST_DISTANCE: Final = 1e-6
 
 
-def without_losses(weights: Weights, *names: str) -> Weights:
+def without(weights: Weights, *names: str) -> Weights:
     """Return the weights without those of some losses, or of what `ABLATED_LOSSES` leaves out."""
     dropped = {loss for name in names for loss in ABLATED_LOSSES.get(name, (name,))}
     return {name: weight for name, weight in weights.items() if name not in dropped}
@@ -126,10 +126,10 @@ def motion_losses(
         return decoded
 
     if weights.keys() & {"rec", "vrec", "velocity"}:
-        velocity, target_velocity = (
+        velocity, true_velocity = (
             FRAME_RATE * values.diff(dim=1) for values in (compare(z, "rec", "vrec"), motion)
         )
-        parts["velocity"] = functional.smooth_l1_loss(velocity, target_velocity)
+        parts["velocity"] = functional.smooth_l1_loss(velocity, true_velocity)
     if "ld" in weights:
         parts["ld"] = _denoising_loss(model.denoiser, z.detach(), latents, noise[2:], timestep)
     if weights.keys() & set(ALIGNMENT_LOSSES):
@@ -176,7 +176,7 @@ def speech_losses(
         how far those of two texts by one speaker are: as printed, it is least where all contents
         are one, and within some hundred steps they were.
     """
-    output: DisentangledSpeech = model(filterbanks)
+    output: SpeechOutput = model(filterbanks)
     content = output.content.view(-1, 4, output.content.shape[-1])
     distance = functional.l1_loss(content[:, ::2], content[:, 1::2]).clamp_min(_SMALLEST_DISTANCE)
     parts = {
@@ -189,7 +189,7 @@ def speech_losses(
 
 
 def reconstruction_errors(
-    decoder: SpeechDecoder, output: DisentangledSpeech, target: Tensor, names: Collection[str]
+    decoder: SpeechDecoder, output: SpeechOutput, target: Tensor, names: Collection[str]
 ) -> dict[str, Tensor]:
     """Return how much filterbanks miss that are rebuilt from latents of quadruples (Table A.2).
 
@@ -211,9 +211,9 @@ def reconstruction_errors(
         ``xsty``, with one latent of another of the four.
     """
     errors = {"self": functional.l1_loss(output.reconstruction, target)}
-    for name, (part, order) in CROSS_RECONSTRUCTIONS.items():
+    for name, (part, order) in CROSSED.items():
         if name in names:
-            latents = dict(zip(SPEECH_PARTS, output[:3], strict=True))
+            latents = dict(zip(PARTS, output[:3], strict=True))
             quadruples = latents[part].view(-1, 4, latents[part].shape[-1])
             latents[part] = quadruples[:, list(order)].flatten(0, 1)
             errors[name] = functional.l1_loss(decoder(**latents), target)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
-from generators.amuse.config import SPEECH_PARTS, STEPS, MotionConfig
+from generators.amuse.config import PARTS, STEPS, MotionConfig
 from training.diffusion import SCALED_LINEAR, step_embedding
 from training.layers.transformers import SkipTransformer
 from training.spaces.smplx_bodies import BodyPoints
@@ -103,7 +103,7 @@ class Denoiser(nn.Module):
             nn.SiLU(),
             nn.Linear(config.width, config.width),
         )
-        for part in SPEECH_PARTS[: config.conditions]:
+        for part in PARTS[: config.conditions]:
             projection = nn.Sequential(nn.ReLU(), nn.Linear(config.condition_width, config.width))
             self.add_module(part, projection)
         self.query_pos = Positions(config)
@@ -140,10 +140,7 @@ class Denoiser(nn.Module):
         """
         t = timestep.reshape(-1).expand(len(z_t))
         step = self.time_embedding(step_embedding(t, self.config.condition_width))
-        conditions = (
-            self.get_submodule(part)(latent)
-            for part, latent in zip(SPEECH_PARTS, speech, strict=False)
-        )
+        conditions = (self.get_submodule(part)(zs) for part, zs in zip(PARTS, speech, strict=False))
         x = torch.cat([self.embedding(z_t), step[:, None].to(z_t.dtype), *conditions], dim=1)
         predicted: Tensor = self.final_layer(self.encoder(self.query_pos(x))[:, : z_t.shape[1]])
         return predicted

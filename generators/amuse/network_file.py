@@ -14,7 +14,7 @@ from typing import Final
 import torch
 from torch import Tensor
 
-from generators.amuse.config import LABEL_FIELDS, MotionConfig, SpeechConfig
+from generators.amuse.config import LABELS, MotionConfig, SpeechConfig
 from generators.amuse.model import MotionModel
 from generators.amuse.speech import AnySpeechModel, SpeechModel, make_speech_model
 from motion.errors import InputError, listed
@@ -23,9 +23,7 @@ from training.weights_file import NetworkKind, TrainedNetwork, holds_facts
 
 _MOTION: Final = NetworkKind(name="amuse motion", wanted="AMUSE's motion prior and denoiser")
 _SPEECH: Final = NetworkKind(name="amuse speech", wanted="AMUSE's speech model")
-_RELEASED_REMEDY: Final = (
-    "Give the released checkpoint, or what torch.save wrote of its state dictionary"
-)
+_REMEDY: Final = "Give the released checkpoint, or what torch.save wrote of its state dictionary"
 
 _NAMES: Final = ReleasedNames.read(Path(__file__).with_name("released_names.toml"))
 
@@ -108,7 +106,7 @@ def load_speech(path: Path) -> SpeechNetwork:
     with _SPEECH.reading(path) as file:
         return SpeechNetwork(
             model=file.loaded(make_speech_model(SpeechConfig(**file.facts["config"])), "model"),
-            latents={part: latents for part in LABEL_FIELDS if (latents := file.with_prefix(part))},
+            latents={part: latents for part in LABELS if (latents := file.with_prefix(part))},
             training=file.facts["training"],
         )
 
@@ -121,7 +119,7 @@ def read_motion_model(file: Path) -> MotionModel:
     model = MotionModel(MotionConfig())
     for part, description in (("prior", "motion prior"), ("denoiser", "latent denoiser")):
         weights = _forward_pass_weights(content[part], file)
-        fill(model.get_submodule(part), weights, file, f"AMUSE's {description}", _RELEASED_REMEDY)
+        fill(model.get_submodule(part), weights, file, f"AMUSE's {description}", _REMEDY)
     return model.eval()
 
 
@@ -133,7 +131,7 @@ def read_speech_model(file: Path) -> SpeechModel:
             weights[name.replace(".attn.qkv.", f".attention.{letter}_proj.")] = part.clone()
     with torch.device("meta"):
         model = SpeechModel(SpeechConfig())
-    return fill(model, weights, file, "AMUSE's speech model", _RELEASED_REMEDY)
+    return fill(model, weights, file, "AMUSE's speech model", _REMEDY)
 
 
 def _forward_pass_weights(content: object, file: Path) -> dict[str, Tensor]:

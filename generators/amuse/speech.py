@@ -16,10 +16,10 @@ from torch import Tensor, nn
 from torch.nn import functional
 from transformers import ASTConfig, ASTModel
 
-from generators.amuse.config import SPEECH_PARTS, SpeechConfig
+from generators.amuse.config import PARTS, SpeechConfig
 
 
-class DisentangledSpeech(NamedTuple):
+class SpeechOutput(NamedTuple):
     """The speech model's output for filterbanks, one row each.
 
     Attributes
@@ -114,7 +114,7 @@ class SpeechDecoder(nn.Module):
 class SpeechModel(nn.Module):
     """The whole model."""
 
-    parts: Final = SPEECH_PARTS
+    parts: Final = PARTS
 
     def __init__(self, config: SpeechConfig) -> None:
         super().__init__()
@@ -129,13 +129,13 @@ class SpeechModel(nn.Module):
         latent: Tensor = self.get_submodule(part)(filterbank)[0]
         return latent
 
-    def forward(self, filterbank: Tensor) -> DisentangledSpeech:
+    def forward(self, filterbank: Tensor) -> SpeechOutput:
         """Return the latents of filterbanks (batch, frames, bands)."""
         content, _ = self.content(filterbank)
         emotion, emotion_logits = self.emotion(filterbank)
         style, style_logits = self.style(filterbank)
         rebuilt = self.decoder(content, emotion, style)
-        return DisentangledSpeech(content, emotion, style, rebuilt, emotion_logits, style_logits)
+        return SpeechOutput(content, emotion, style, rebuilt, emotion_logits, style_logits)
 
 
 class SpeechAutoencoder(nn.Module):
@@ -145,7 +145,7 @@ class SpeechAutoencoder(nn.Module):
     part of the speech can be swapped.
     """
 
-    parts: Final = SPEECH_PARTS[:1]
+    parts: Final = PARTS[:1]
 
     def __init__(self, config: SpeechConfig) -> None:
         super().__init__()

@@ -14,20 +14,8 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from generators.amuse import network_file
-from generators.amuse.config import (
-    FRAME_RATE,
-    LABEL_FIELDS,
-    MOTION_PRESETS,
-    SPEECH_PARTS,
-    MotionConfig,
-)
-from generators.amuse.losses import (
-    MOTION_LOSSES,
-    PRIOR_LOSSES,
-    Weights,
-    motion_losses,
-    without_losses,
-)
+from generators.amuse.config import FRAME_RATE, LABELS, MOTION_PRESETS, PARTS, MotionConfig
+from generators.amuse.losses import MOTION_LOSSES, PRIOR_LOSSES, Weights, motion_losses, without
 from generators.amuse.model import MotionModel, MotionPrior
 from generators.amuse.network_file import SpeechNetwork
 from generators.learned import cut_windows, describe_training, run_training
@@ -93,7 +81,7 @@ class MotionTask(WindowTask):
             initialise_prior(model.prior, torch.from_numpy(windows["motion"]))
         # All parts of the speech have the same weight.
         latents_by_part = self._split_latents(torch.from_numpy(windows["latents"][:, 0]))
-        for part, latents in zip(SPEECH_PARTS, latents_by_part, strict=False):
+        for part, latents in zip(PARTS, latents_by_part, strict=False):
             layer = model.denoiser.get_submodule(f"{part}.1")
             first_weights.standardise_inputs(layer, latents.relu())
         return model.to(self.device)
@@ -105,7 +93,7 @@ class MotionTask(WindowTask):
 
         Chance draws steps and noise.
         """
-        return self._losses(network, self.training, rows, without_losses(self.weights, name))
+        return self._losses(network, self.training, rows, without(self.weights, name))
 
     def validation(self, network: MotionModel) -> Mapping[str, float]:
         """Return `motion_losses` of held-out windows, evenly among them.
@@ -113,9 +101,7 @@ class MotionTask(WindowTask):
         All losses count, also those not trained by, so that ablations are comparable.
         """
         rows = evenly_spaced(len(self.held_out), MOST_HELD_OUT)
-        weights = (
-            MOTION_LOSSES if self.config.prior else without_losses(MOTION_LOSSES, *PRIOR_LOSSES)
-        )
+        weights = MOTION_LOSSES if self.config.prior else without(MOTION_LOSSES, *PRIOR_LOSSES)
         losses = self._losses(network, self.held_out, rows, weights)
         return {name: float(value) for name, value in losses.items()}
 
@@ -128,7 +114,7 @@ class MotionTask(WindowTask):
         # All frames of a window get the same latents of its speech.
         latents = self._split_latents(values["latents"][:, :1])
         if self.named and windows is self.training:
-            latents = self._with_label_means(latents, windows.takes(rows))
+            latents = self._by_label(latents, windows.takes(rows))
         return motion_losses(
             network, values["motion"], latents, noise, timestep, weights, self.align_steps
         )
@@ -137,15 +123,13 @@ class MotionTask(WindowTask):
         """Return content, emotion and style of what the feature ``latents`` holds."""
         return torch.chunk(latents, self.config.conditions, dim=-1)
 
-    def _with_label_means(
-        self, latents: Sequence[Tensor], takes: Sequence[Take]
-    ) -> Sequence[Tensor]:
+    def _by_label(self, latents: Sequence[Tensor], takes: Sequence[Take]) -> Sequence[Tensor]:
         """Return latents (batch, 1, width), some of them the mean of their label where known."""
-        by_part = dict(zip(SPEECH_PARTS, latents, strict=False))
-        for part, means_of_label in self.means.items():
+        by_part = dict(zip(PARTS, latents, strict=False))
+        for part, by_label in self.means.items():
             by_name = torch.rand(len(takes), 1, 1) < self.named
             means = [
-                means_of_label.get(getattr(take, LABEL_FIELDS[part]), latent[0]).to(latent)[None]
+                by_label.get(getattr(take, LABELS[part]), latent[0]).to(latent)[None]
                 for latent, take in zip(by_part[part], takes, strict=True)
             ]
             by_part[part] = torch.where(by_name.to(self.device), torch.stack(means), by_part[part])
@@ -241,7 +225,7 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
     extra_settings = {"stride": stride, "align steps": preset.align_steps, "named": preset.named}
     task = MotionTask(
         config=config,
-        weights=without_losses({**MOTION_LOSSES, **preset.weights}, ablation),
+        weights=without({**MOTION_LOSSES, **preset.weights}, ablation),
         align_steps=preset.align_steps,
         named=preset.named,
         means=speech.latents,
@@ -272,8 +256,6 @@ def _passes(together: int | None, steps: int, *, disjoint: bool) -> tuple[Pass, 
     """Return what learns when: both together and then the denoiser, or one after the other."""
     if together is None and not disjoint:
         return ()
-    first_stage_end = together or max(1, steps // 2)
+    end = together or max(1, steps // 2)
     first = Pass(name="prior", parts=("prior",)) if disjoint else Pass(name="together")
-    return replace(first, end=first_stage_end), Pass(
-        name="denoiser", parts=("denoiser",), first=first_stage_end
-    )
+    return replace(first, end=end), Pass(name="denoiser", parts=("denoiser",), first=end)

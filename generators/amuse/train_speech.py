@@ -15,14 +15,9 @@ from torch import Tensor
 from torch.nn import functional
 
 from generators.amuse import losses, speech
-from generators.amuse.config import LABEL_FIELDS, SPEECH_PRESETS, SpeechConfig
+from generators.amuse.config import LABELS, SPEECH_PRESETS, SpeechConfig
 from generators.amuse.network_file import SpeechNetwork, write_speech
-from generators.amuse.speech import (
-    AnySpeechModel,
-    DisentangledSpeech,
-    SpeechAutoencoder,
-    SpeechModel,
-)
+from generators.amuse.speech import AnySpeechModel, SpeechAutoencoder, SpeechModel, SpeechOutput
 from generators.learned import cut_windows, describe_training, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from generators.settings import content
@@ -49,7 +44,7 @@ MOST_HELD_OUT: Final = 64
 MOST_INITIAL: Final = 200
 """Largest number of windows by which patches are analysed."""
 
-QUADRUPLE_SELF_ERROR: Final = "self of fours"
+SELF_ERROR: Final = "self of fours"
 """Self-reconstruction error of the very windows whose latents are swapped."""
 
 MFCC: Final = 13
@@ -129,27 +124,21 @@ class SpeechTask(WindowTask):
             return {
                 "loss": float(network.reconstruction_error(self._filterbanks(self.held_out, rows)))
             }
-        filterbanks, output = self._encode_held_out(network, rows)
-        losses_by_name = {"self": float(functional.l1_loss(output.reconstruction, filterbanks))}
+        filterbanks, out = self._encode(network, rows)
+        losses_by_name = {"self": float(functional.l1_loss(out.reconstruction, filterbanks))}
         scores: dict[str, float] = {}
         numbers = self._numbers(self.held_out, rows)
-        for short, kind, logits, labels in zip(
-            ("emo", "sty"),
-            LABEL_FIELDS,
-            (output.emotion_logits, output.style_logits),
-            numbers,
-            strict=True,
+        for short, kind, logits, true in zip(
+            ("emo", "sty"), LABELS, (out.emotion_logits, out.style_logits), numbers, strict=True
         ):
-            losses_by_name[short] = float(functional.cross_entropy(logits, labels))
-            predicted, actual = logits.argmax(1).cpu().numpy(), labels.cpu().numpy()
+            losses_by_name[short] = float(functional.cross_entropy(logits, true))
+            predicted, actual = logits.argmax(1).cpu().numpy(), true.cpu().numpy()
             scores |= {f"{kind} accuracy": float((predicted == actual).mean())}
             scores |= {f"{kind} F1": macro_f1(predicted, actual)}
-        if len(quadruple_rows := self.held_out_quadruples):
-            filterbanks, output = self._encode_held_out(network, quadruple_rows.ravel())
-            errors = losses.reconstruction_errors(
-                network.decoder, output, filterbanks, self.weights
-            )
-            scores |= {QUADRUPLE_SELF_ERROR: float(errors.pop("self"))}
+        if len(rows_of_four := self.held_out_quadruples):
+            filterbanks, out = self._encode(network, rows_of_four.ravel())
+            errors = losses.reconstruction_errors(network.decoder, out, filterbanks, self.weights)
+            scores |= {SELF_ERROR: float(errors.pop("self"))}
             scores |= {name: float(error) for name, error in errors.items()}
         return {"loss": sum(losses_by_name.values()), **losses_by_name, **scores}
 
@@ -166,15 +155,11 @@ class SpeechTask(WindowTask):
         rows = rows[np.isin(rows, self.classes.labelled_rows(self.held_out)).all(axis=1)]
         return rows[evenly_spaced(len(rows), MOST_HELD_OUT // 4)]
 
-    def _encode_held_out(
-        self, network: SpeechModel, rows: NDArray[np.int64]
-    ) -> tuple[Tensor, DisentangledSpeech]:
+    def _encode(self, network: SpeechModel, rows: NDArray[np.int64]) -> tuple[Tensor, SpeechOutput]:
         """Return held-out filterbanks and their latents."""
         filterbanks = self._filterbanks(self.held_out, rows)
         outputs = [network(part) for part in torch.split(filterbanks, _AT_ONCE)]
-        return filterbanks, DisentangledSpeech(
-            *(torch.cat(part) for part in zip(*outputs, strict=True))
-        )
+        return filterbanks, SpeechOutput(*(torch.cat(part) for part in zip(*outputs, strict=True)))
 
     @torch.inference_mode()
     def mean_latents(self, model: AnySpeechModel) -> dict[str, dict[str, Tensor]]:
@@ -184,13 +169,9 @@ class SpeechTask(WindowTask):
         rows = self.classes.labelled_rows(self.training)
         parts = [rows[first : first + _AT_ONCE] for first in range(0, len(rows), _AT_ONCE)]
         means: dict[str, dict[str, Tensor]] = {}
-        for part, numbers in zip(LABEL_FIELDS, self._numbers(self.training, rows), strict=True):
-            latents = [
-                model.latent(part, self._filterbanks(self.training, batch)) for batch in parts
-            ]
-            means[part] = self.classes.means(
-                LABEL_FIELDS[part], torch.cat(latents).cpu(), numbers.cpu()
-            )
+        for part, numbers in zip(LABELS, self._numbers(self.training, rows), strict=True):
+            z = [model.latent(part, self._filterbanks(self.training, batch)) for batch in parts]
+            means[part] = self.classes.means(LABELS[part], torch.cat(z).cpu(), numbers.cpu())
         return means
 
     def _filterbanks(self, windows: Windows, rows: NDArray[np.int64]) -> Tensor:
@@ -215,11 +196,11 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
     windows = cut_windows(request, features, ROWS_PER_SECOND, frames, stride)
     training = windows["training"]
     rows = quadruples(training, limit=MOST_QUADRUPLES, seed=preset.training.seed, required=True)
-    classes = Classes.from_windows(training, LABEL_FIELDS.values())
+    classes = Classes.from_windows(training, LABELS.values())
     emotions, speakers = classes.names.values()
     task = SpeechTask(
         config=replace(config, emotions=len(emotions), styles=len(speakers)),
-        weights=losses.without_losses(losses.SPEECH_LOSSES, ablation),
+        weights=losses.without(losses.SPEECH_LOSSES, ablation),
         quadruples=rows,
         classes=classes,
         extra_settings={"emotions": list(emotions), "speakers": list(speakers), **origin},
@@ -233,10 +214,8 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
         )
     schedule = preset.config_for(task.examples, request.changes)
     trained, facts = run_training(request, task, schedule, ("transformers",))
-    network, latents = trained.network, task.mean_latents(trained.network)
-    write_speech(
-        request.out, SpeechNetwork(model=network, latents=latents, training={**facts, **origin})
-    )
+    network, z = trained.network, task.mean_latents(trained.network)
+    write_speech(request.out, SpeechNetwork(model=network, latents=z, training={**facts, **origin}))
     return describe_training(
         task,
         trained,
@@ -273,17 +252,15 @@ def _describe_measures(task: SpeechTask, measured: Mapping[str, float]) -> str:
         f"{emotion_chance:.0%}) and the speaker of {measured['style accuracy']:.0%} (chance "
         f"{speaker_chance:.0%}); its reconstruction error is {measured['self']:.3f}."
     )
-    if QUADRUPLE_SELF_ERROR not in measured:
+    if SELF_ERROR not in measured:
         return (
             f"{summary} Cross-reconstruction is not measured: no two speakers speak two held-out "
             "texts in one emotion. A split list (--split) can hold out such texts."
         )
-    parts = {
-        name: part for name, (part, _) in losses.CROSS_RECONSTRUCTIONS.items() if name in measured
-    }
+    parts = {name: part for name, (part, _) in losses.CROSSED.items() if name in measured}
     errors = [f"{measured[name]:.3f} with another's {part}" for name, part in parts.items()]
     return (
         f"{summary} In {len(task.held_out_quadruples)} held-out quadruples it is "
-        f"{measured[QUADRUPLE_SELF_ERROR]:.3f}, and with parts of two recordings "
+        f"{measured[SELF_ERROR]:.3f}, and with parts of two recordings "
         f"{listed(errors)}."
     )

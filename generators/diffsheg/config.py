@@ -118,11 +118,9 @@ class DenoiserConfig:
         )
         _check(0 <= self.dropout < 1, f"dropout is {self.dropout}", "Give a share below 1")
         _check(self.frame_rate > 0, f"the frame rate is {self.frame_rate}", "Give a rate above 0")
-        for name, allowed in (("flow", FLOWS), ("loudness", get_args(Loudness))):
+        for name, known in (("flow", FLOWS), ("loudness", get_args(Loudness))):
             value = getattr(self, name)
-            _check(
-                value in allowed, f"there is no {name} {value!r}", f"Use one of {listed(allowed)}"
-            )
+            _check(value in known, f"there is no {name} {value!r}", f"Use one of {listed(known)}")
 
     @property
     def motion_width(self) -> int:
@@ -194,13 +192,11 @@ class Sampling:
         Lugmayr et al. 2022 (RePaint), Figure 9: each stretch of `JUMP_LENGTH` steps is walked
         `jump_count` times, noise being added in between.
         """
-        repeats = dict.fromkeys(
-            range(0, self.entry - JUMP_LENGTH, JUMP_LENGTH), self.jump_count - 1
-        )
+        left = dict.fromkeys(range(0, self.entry - JUMP_LENGTH, JUMP_LENGTH), self.jump_count - 1)
         place, places = self.entry - 1, [self.entry - 1]
         while place >= 0:
-            if repeats.get(place, 0):
-                repeats[place] -= 1
+            if left.get(place, 0):
+                left[place] -= 1
                 places += range(place + 1, place + JUMP_LENGTH + 1)
                 place += JUMP_LENGTH
             place -= 1

@@ -121,9 +121,7 @@ class StyledBlock(nn.Module):
     def modulate(self, style: Tensor) -> Tensor:
         """Return both modulations of `style` (batch, style width), (batch, 1, 4 · width)."""
         stylizations = (self.attention.stylization, self.feed_forward.stylization)
-        return torch.cat(
-            [stylization.modulation(style) for stylization in stylizations], dim=-1
-        ).unsqueeze(1)
+        return torch.cat([s.modulation(style) for s in stylizations], dim=-1).unsqueeze(1)
 
     def forward(self, h: Tensor, modulation: Tensor) -> Tensor:
         """Return (batch, frames, width)."""

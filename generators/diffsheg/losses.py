@@ -90,11 +90,11 @@ def motion_losses(
     error = (noise - predicted).float()
     # The clean motion that follows from the found noise (equation 5) misses the true one by this.
     motion_error = error * ((1 - alpha_bar) / alpha_bar).sqrt()
-    weighted_error = (
+    weighted = (
         motion_error if semantic is None or not weights.semantic else motion_error * (1 + semantic)
     )
     huber = functional.huber_loss(
-        weighted_error, torch.zeros_like(weighted_error), delta=weights.turn, reduction="none"
+        weighted, torch.zeros_like(weighted), delta=weights.turn, reduction="none"
     )
     if weights.slope is not None:
         huber = huber * (weights.slope / weights.turn)

@@ -44,9 +44,7 @@ class Branch(nn.Module):
 
     position: Tensor
 
-    def __init__(
-        self, config: DenoiserConfig, values: int, condition_values: int, width: int
-    ) -> None:
+    def __init__(self, config: DenoiserConfig, values: int, cond_values: int, width: int) -> None:
         super().__init__()
         self.inward = nn.Linear(values, width)
         self.register_buffer("position", frame_positions(config.longest, width))
@@ -55,7 +53,7 @@ class Branch(nn.Module):
         self.speech = SpeechEncoder(config.speech_features, config.speech_width)
         self.step = Embedding(width, 4 * width)
         self.speaker = Embedding(config.speakers, 4 * width)
-        conditions = 2 * config.audio_width + config.speech_width + condition_values
+        conditions = 2 * config.audio_width + config.speech_width + cond_values
         self.fusions = nn.ModuleList(Fusion(width, conditions) for _ in range(config.layers))
         self.blocks = nn.ModuleList(
             StyledBlock(width, config.feed_forward, config.heads, 4 * width, config.dropout)
@@ -152,7 +150,7 @@ class Denoiser(nn.Module):
         self.branches = nn.ModuleDict(
             {
                 name: Branch(config, _size(part), _size(given), width)
-                for name, part, given, width in _branch_layout(config)
+                for name, part, given, width in _layout(config)
             }
         )
 
@@ -198,9 +196,7 @@ class Denoiser(nn.Module):
 
     def part_of(self, name: str) -> slice:
         """Return which values of a frame are a branch's."""
-        return next(
-            part for branch_name, part, _, _ in _branch_layout(self.config) if branch_name == name
-        )
+        return next(part for other, part, _, _ in _layout(self.config) if other == name)
 
     def join_parts(self, parts: Mapping[str, Tensor]) -> Tensor:
         """Return the branches' parts of the motion as one, (…, motion width)."""
@@ -260,23 +256,17 @@ class Denoiser(nn.Module):
                 branch.skip.fit(windows[..., self.part_of(name)])
 
 
-def _branch_layout(config: DenoiserConfig) -> list[tuple[str, slice, slice, int]]:
+def _layout(config: DenoiserConfig) -> list[tuple[str, slice, slice, int]]:
     """Return each branch's name, its values of a frame, its conditions, and its width."""
-    no_values = slice(0, 0)
+    empty = slice(0, 0)
     body = slice(0, config.gesture_width)
     face = slice(config.gesture_width, config.motion_width)
     if config.flow == "joint":
-        return [("whole", slice(0, config.motion_width), no_values, config.joint_width)]
+        return [("whole", slice(0, config.motion_width), empty, config.joint_width)]
     if config.flow == "gesture_to_expression":
-        return [
-            ("gesture", body, no_values, config.width),
-            ("expression", face, body, config.width),
-        ]
-    condition = face if config.flow == "expression_to_gesture" else no_values
-    return [
-        ("expression", face, no_values, config.width),
-        ("gesture", body, condition, config.width),
-    ]
+        return [("gesture", body, empty, config.width), ("expression", face, body, config.width)]
+    cond = face if config.flow == "expression_to_gesture" else empty
+    return [("expression", face, empty, config.width), ("gesture", body, cond, config.width)]
 
 
 def _size(part: slice) -> int:

@@ -28,7 +28,7 @@ DATASETS: Final[Mapping[str, DenoiserConfig]] = {"beat": BEAT, "show": SHOW}
 
 _NAMES: Final = ReleasedNames.read(Path(__file__).with_name("released_names.toml"))
 
-_STATISTICS_REMEDY: Final = (
+_STATS_REMEDY: Final = (
     "Name the folder that holds axis_angle_mean.npy, axis_angle_std.npy, json_mean.npy and "
     "json_std.npy, as released beside the checkpoint"
 )
@@ -113,9 +113,7 @@ def read_normalisation(folder: Path, config: DenoiserConfig) -> Normalisation:
         for kind in ("mean", "std")
     )
     if (std < 0).any():
-        raise InputError(
-            "a standard deviation is negative", where=folder, remedy=_STATISTICS_REMEDY
-        )
+        raise InputError("a standard deviation is negative", where=folder, remedy=_STATS_REMEDY)
     return Normalisation(mean, std)
 
 
@@ -127,17 +125,17 @@ def _read_statistic(folder: Path, name: str, width: int) -> NDArray[np.float64]:
     try:
         values = np.load(path, allow_pickle=False)
     except FileNotFoundError as error:
-        raise InputError("there is no such file", where=path, remedy=_STATISTICS_REMEDY) from error
+        raise InputError("there is no such file", where=path, remedy=_STATS_REMEDY) from error
     except (OSError, EOFError, ValueError) as error:
         raise InputError(
-            "the file cannot be read as a plain array", where=path, remedy=_STATISTICS_REMEDY
+            "the file cannot be read as a plain array", where=path, remedy=_STATS_REMEDY
         ) from error
     if values.shape != (width,) or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
         raise InputError(
             f"the array has shape {values.shape} and type {values.dtype}, and {width} finite "
             "numbers are needed",
             where=path,
-            remedy=_STATISTICS_REMEDY,
+            remedy=_STATS_REMEDY,
         )
     return np.asarray(values, dtype=np.float64)
 

@@ -23,7 +23,7 @@ from generators.diffsheg.layers import FusedSpeech
 from generators.diffsheg.model import Branch, Denoiser
 from generators.interface import seeded_stream
 from motion.errors import InputError
-from training.device import run_side_by_side
+from training.device import side_by_side
 from training.diffusion import LINEAR
 from training.speech_features.speech_frames import SpeechFrames
 
@@ -83,22 +83,20 @@ def stream(
             remedy="Let windows share fewer frames than they have",
         )
     stride, number = frames - sampling.overlap, 0
-    overlap_motion: Tensor | None = None
+    shared: Tensor | None = None
     pending: SpeechFrames | None = None
 
-    def moved(pieces_of_speech: Sequence[SpeechFrames]) -> list[Tensor]:
+    def moved(speeches: Sequence[SpeechFrames]) -> list[Tensor]:
         nonlocal number
         windows: list[Window] = []
         with torch.inference_mode():
-            for piece_of_speech in pieces_of_speech:
-                continues = overlap_motion is not None or (bool(windows) and sampling.overlap > 0)
+            for piece_of_speech in speeches:
+                continues = shared is not None or (bool(windows) and sampling.overlap > 0)
                 shape = (len(piece_of_speech), width)
-                noise = draw_noise(
-                    shape, sampling, _window_generator(seed, number), continues=continues
-                )
+                noise = draw_noise(shape, sampling, _generator(seed, number), continues=continues)
                 windows.append(Window(piece_of_speech, noise))
                 number += 1
-            return sampler(windows, overlap_motion)
+            return sampler(windows, shared)
 
     for piece in speech:
         pending = piece if pending is None else pending.followed_by(piece)
@@ -107,17 +105,17 @@ def stream(
             starts = range(0, count * stride, stride)
             motions = moved([pending.slice(start, start + frames) for start in starts])
             pending = pending.slice(count * stride)
-            overlap_motion = shared_frames(motions[-1], sampling)
+            shared = shared_frames(motions[-1], sampling)
             yield from (motion[:stride] for motion in motions)
     if pending is None:
         return
-    if overlap_motion is not None and len(pending) == len(overlap_motion):
-        yield overlap_motion
+    if shared is not None and len(pending) == len(shared):
+        yield shared
     elif len(pending):
         yield from moved([pending])
 
 
-def _window_generator(seed: int, number: int) -> torch.Generator:
+def _generator(seed: int, number: int) -> torch.Generator:
     """Return what the noise of a window is drawn from."""
     entropy = np.random.SeedSequence(seeded_stream(seed, "foppas", str(number)))
     return torch.Generator().manual_seed(int(entropy.generate_state(1, np.uint64)[0]))
@@ -175,15 +173,13 @@ def draw_noise(
 
 
 def sample_windows(
-    windows: Iterable[tuple[Estimate, WindowNoise]],
-    sampling: Sampling,
-    overlap_motion: Tensor | None,
+    windows: Iterable[tuple[Estimate, WindowNoise]], sampling: Sampling, shared: Tensor | None
 ) -> list[Tensor]:
     """Return the motion of windows of which each continues the one before; see `sample_window`."""
     motions = []
     for estimate, noise in windows:
-        motions.append(sample_window(estimate, sampling, noise, overlap_motion))
-        overlap_motion = shared_frames(motions[-1], sampling)
+        motions.append(sample_window(estimate, sampling, noise, shared))
+        shared = shared_frames(motions[-1], sampling)
     return motions
 
 
@@ -193,7 +189,7 @@ def shared_frames(motion: Tensor, sampling: Sampling) -> Tensor | None:
 
 
 def sample_window(
-    estimate: Estimate, sampling: Sampling, noise: WindowNoise, overlap_motion: Tensor | None = None
+    estimate: Estimate, sampling: Sampling, noise: WindowNoise, shared: Tensor | None = None
 ) -> Tensor:
     """Return a window of motion, or a part of one.
 
@@ -205,39 +201,35 @@ def sample_window(
         How to walk.
     noise : WindowNoise
         Of as many values as `estimate` reads.
-    overlap_motion : Tensor, optional
+    shared : Tensor, optional
         (overlap, values), the last frames of the window before, which the first frames continue.
 
     Returns
     -------
     Tensor
-        (frames, values); the first frames are `overlap_motion`, blended into what follows.
+        (frames, values); the first frames are `shared`, blended into what follows.
     """
-    walk = sampling.first_walk if overlap_motion is None else sampling.later_walk
+    walk = sampling.first_walk if shared is None else sampling.later_walk
     alpha_bar = _signal_variance(sampling)
     motion, later = noise.start, iter(noise.later)
-    if overlap_motion is not None and sampling.keeps_pose:
-        pose = torch.cat(
-            [overlap_motion, overlap_motion[-1:].expand(motion.shape[1] - len(overlap_motion), -1)]
-        )
+    if shared is not None and sampling.keeps_pose:
+        pose = torch.cat([shared, shared[-1:].expand(motion.shape[1] - len(shared), -1)])
         motion = np.sqrt(alpha_bar(walk[0])) * pose + np.sqrt(1 - alpha_bar(walk[0])) * motion
-    for place, next_place in pairwise(walk):
-        if next_place > place:
-            share = alpha_bar(next_place) / alpha_bar(place)
+    for place, after in pairwise(walk):
+        if after > place:
+            share = alpha_bar(after) / alpha_bar(place)
             motion = np.sqrt(share) * motion + np.sqrt(1 - share) * next(later)
             continue
         eps = estimate(motion, place)
         x0_hat = (motion - np.sqrt(1 - alpha_bar(place)) * eps) / np.sqrt(alpha_bar(place))
-        motion = np.sqrt(alpha_bar(next_place)) * x0_hat + np.sqrt(1 - alpha_bar(next_place)) * eps
-        if overlap_motion is not None:
-            spread = float(np.sqrt(1 - alpha_bar(next_place)))
+        motion = np.sqrt(alpha_bar(after)) * x0_hat + np.sqrt(1 - alpha_bar(after)) * eps
+        if shared is not None:
+            spread = float(np.sqrt(1 - alpha_bar(after)))
             fresh = next(later)
-            overlap_noise = (eps if sampling.own_noise else fresh)[0, : len(overlap_motion)]
-            noisy_overlap = np.sqrt(alpha_bar(next_place)) * overlap_motion + spread * overlap_noise
-            weight = _blend_weight(overlap_motion, blends=spread < BLEND_BELOW)
-            motion[0, : len(overlap_motion)] = (
-                weight * noisy_overlap + (1 - weight) * motion[0, : len(overlap_motion)]
-            )
+            noise_ahead = (eps if sampling.own_noise else fresh)[0, : len(shared)]
+            noisy = np.sqrt(alpha_bar(after)) * shared + spread * noise_ahead
+            weight = _blend_weight(shared, blends=spread < BLEND_BELOW)
+            motion[0, : len(shared)] = weight * noisy + (1 - weight) * motion[0, : len(shared)]
     return motion[0]
 
 
@@ -250,12 +242,10 @@ def _signal_variance(sampling: Sampling) -> Callable[[int], float]:
     return alpha_bar
 
 
-def _blend_weight(overlap_motion: Tensor, *, blends: bool) -> Tensor:
+def _blend_weight(shared: Tensor, *, blends: bool) -> Tensor:
     """Return how much each shared frame is that of the window before, (overlap, 1)."""
-    overlap = len(overlap_motion)
-    fade = torch.arange(overlap, dtype=torch.float32, device=overlap_motion.device) / max(
-        overlap, 1
-    )
+    overlap = len(shared)
+    fade = torch.arange(overlap, dtype=torch.float32, device=shared.device) / max(overlap, 1)
     return (1 - fade if blends else torch.ones_like(fade))[:, None]
 
 
@@ -285,24 +275,24 @@ class WindowSampler:
         if self._on_processor:
             transpose_weight_layout(denoiser)
 
-    def __call__(self, windows: Sequence[Window], overlap_motion: Tensor | None) -> list[Tensor]:
+    def __call__(self, windows: Sequence[Window], shared: Tensor | None) -> list[Tensor]:
         """Return the motion of each window, (frames, values).
 
         Parameters
         ----------
         windows : sequence of Window
             In order.
-        overlap_motion : Tensor or None
+        shared : Tensor or None
             (overlap, values), what the first window continues.
         """
         (first, first_branch), *others = self._denoiser.ordered_branches
         estimates: SimpleQueue[Tensor | BaseException | None] = SimpleQueue()
-        speech_queue: SimpleQueue[list[FusedSpeech] | BaseException] = SimpleQueue()
+        encoded: SimpleQueue[list[FusedSpeech] | BaseException] = SimpleQueue()
 
         def hear_all(window: Window) -> list[FusedSpeech]:
             by_branch = self._encode_speech(window)
             for name, _ in others:
-                speech_queue.put(by_branch[name])
+                encoded.put(by_branch[name])
             return by_branch[first]
 
         def eps_ahead(x_t: Tensor, place: int, speech: list[FusedSpeech]) -> Tensor:
@@ -313,10 +303,10 @@ class WindowSampler:
 
         def ahead() -> list[Tensor]:
             try:
-                return self._sample_branch(first, windows, overlap_motion, hear_all, eps_ahead)
+                return self._sample(first, windows, shared, hear_all, eps_ahead)
             except BaseException as error:
                 estimates.put(error)
-                speech_queue.put(error)
+                encoded.put(error)
                 raise
 
         if not others:
@@ -327,35 +317,30 @@ class WindowSampler:
             return self._eps(second, second_branch, x_t, place, speech, _receive(estimates))
 
         def behind() -> list[Tensor]:
-            return self._sample_branch(
-                second, windows, overlap_motion, lambda _: _receive(speech_queue), eps_behind
-            )
+            return self._sample(second, windows, shared, lambda _: _receive(encoded), eps_behind)
 
-        parts_by_branch = (
-            run_side_by_side(ahead, behind) if self._on_processor else (ahead(), behind())
-        )
+        branches = side_by_side(ahead, behind) if self._on_processor else (ahead(), behind())
         return [
             self._denoiser.join_parts(dict(zip((first, second), parts, strict=True)))
-            for parts in zip(*parts_by_branch, strict=True)
+            for parts in zip(*branches, strict=True)
         ]
 
     def _encode_speech(self, window: Window) -> dict[str, list[FusedSpeech]]:
         """Return each branch's speech condition at each place of the window's walk."""
         places = self._sampling.entry if window.noise.continues else self._sampling.steps
         modulations = {
-            name: [modulation[:places] for modulation in blocks]
-            for name, blocks in self._modulations.items()
+            name: [m[:places] for m in blocks] for name, blocks in self._modulations.items()
         }
         mel = window.speech.mel.to(self._device).expand(places, -1, -1)
         return self._denoiser.encode_speech(
             mel, window.speech.hubert.to(self._device)[None], modulations
         )
 
-    def _sample_branch(
+    def _sample(
         self,
         name: str,
         windows: Sequence[Window],
-        overlap_motion: Tensor | None,
+        shared: Tensor | None,
         encode: Callable[[Window], list[FusedSpeech]],
         eps: Callable[..., Tensor],
     ) -> list[Tensor]:
@@ -367,9 +352,7 @@ class WindowSampler:
                 noise = window.noise.slice_values(part).to(self._device)
                 yield partial(eps, speech=encode(window)), noise
 
-        return sample_windows(
-            asked(), self._sampling, None if overlap_motion is None else overlap_motion[:, part]
-        )
+        return sample_windows(asked(), self._sampling, None if shared is None else shared[:, part])
 
     def _eps(
         self,

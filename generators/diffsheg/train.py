@@ -51,7 +51,7 @@ VALIDATION_WINDOWS: Final = 1024
 """So many windows tell how well held-out takes are known, each several times where there are
 fewer: with other noise."""
 
-SELECTION_METRIC: Final = "noise_and_reconstruction"
+METRIC: Final = "noise_and_reconstruction"
 """The measure of held-out windows by which the best weights are chosen."""
 
 _VALIDATION_BATCH: Final = 64
@@ -126,10 +126,7 @@ class DiffShegTask(WindowTask):
                 for name, value in losses.items():
                     sums[name] = sums.get(name, 0.0) + float(value) * len(batch["motion"])
         means = {name: total / len(rows) for name, total in sums.items()}
-        return {
-            SELECTION_METRIC: means["loss"] - self.weights.velocity * means["velocity"],
-            **means,
-        }
+        return {METRIC: means["loss"] - self.weights.velocity * means["velocity"], **means}
 
     @cached_property
     def _covariance_windows(self) -> NDArray[np.float32]:
@@ -141,10 +138,8 @@ class DiffShegTask(WindowTask):
         self, network: Denoiser, batch: Mapping[str, Tensor], steps: Tensor, noise: Tensor
     ) -> dict[str, Tensor]:
         noisy = LINEAR.x_t(batch["motion"], noise, steps)
-        predicted: Tensor = network(
-            noisy, steps, *(batch[name] for name in ("mel", "hubert", "person"))
-        )
-        return motion_losses(noise, predicted, steps, self.weights, batch.get("semantic"))
+        eps: Tensor = network(noisy, steps, *(batch[name] for name in ("mel", "hubert", "person")))
+        return motion_losses(noise, eps, steps, self.weights, batch.get("semantic"))
 
     def _batch(self, windows: Windows, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
         """Return windows by feature, with normalised ``motion`` and one-hot each ``person``."""
@@ -284,7 +279,7 @@ def _task(
         extra_settings={
             "hubert": hubert.identity,
             "speakers": list(names),
-            "weights chosen by": f"{SELECTION_METRIC} of {VALIDATION_WINDOWS} windows",
+            "weights chosen by": f"{METRIC} of {VALIDATION_WINDOWS} windows",
         },
         **windows,
     )
@@ -326,10 +321,10 @@ def _describe(
         f"{measured['noise']:.3f} of 1, and {untrained['noise']:.3f} untrained; loss "
         f"{measured['loss']:.4g}, and {untrained['loss']:.4g} untrained.",
         f"Its weights are those of step {trained.best.step} of {trained.steps}, where "
-        f"{SELECTION_METRIC.replace('_', ' ')} of held-out windows were least.",
+        f"{METRIC.replace('_', ' ')} of held-out windows were least.",
     ]
     warnings = []
-    if measured[SELECTION_METRIC] >= untrained[SELECTION_METRIC]:
+    if measured[METRIC] >= untrained[METRIC]:
         warnings.append(
             "It knows held-out takes no better than a network that learned nothing: give more "
             "recordings, or more steps."

@@ -58,7 +58,7 @@ class Limb:
         return float(np.linalg.norm(self.upper) + np.linalg.norm(self.lower))
 
 
-def solve_limb(
+def solve(
     limb: Limb, root: FloatArray, target: FloatArray, pole: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return how the two bones are turned so that the limb's end is at `target`.
@@ -89,7 +89,7 @@ def solve_limb(
     lower = (span[..., None] * direction - a * upper) / b
     hinge = np.cross(side, direction)
     rest_hinge = np.cross(limb.upper, limb.folds_toward)
-    return _bone_rotation(limb.upper, rest_hinge, upper, hinge), _bone_rotation(
+    return _bone_turn(limb.upper, rest_hinge, upper, hinge), _bone_turn(
         limb.lower, rest_hinge, lower, hinge
     )
 
@@ -102,7 +102,7 @@ def _reachable_share(share: FloatArray, comfort: float) -> FloatArray:
     return np.asarray(np.maximum(eased, _NEAREST))
 
 
-def _bone_rotation(
+def _bone_turn(
     bone: FloatArray, rest_hinge: FloatArray, direction: FloatArray, hinge: FloatArray
 ) -> FloatArray:
     """Return the rotation that takes the bone `bone` along `direction`, its hinge along `hinge`."""
@@ -224,9 +224,7 @@ def _pose_arm(
     spine3 = joint_index("spine3")
     socket = REST_JOINTS[shoulder] - REST_JOINTS[spine3]
     target = joints[:, spine3] + np.einsum("tij,tj->ti", chest, socket + place)
-    upper, lower = solve_limb(
-        arm, joints[:, shoulder], target, np.einsum("tij,tj->ti", chest, pole)
-    )
+    upper, lower = solve(arm, joints[:, shoulder], target, np.einsum("tij,tj->ti", chest, pole))
     collar = turns[:, joint_index(f"{side}_collar")]
     bend = np.swapaxes(upper, 1, 2) @ lower
     forearm = np.array([1.0, 0.0, 0.0])
@@ -257,7 +255,7 @@ def _pose_leg(
     outward, up, forward = _KNEES_POINT
     pole = np.tile([sign * outward, up, forward], (frames, 1))
     foot = np.tile(REST_JOINTS[ankle], (frames, 1))
-    upper, lower = solve_limb(leg, joints[:, hip], foot, pole)
+    upper, lower = solve(leg, joints[:, hip], foot, pole)
     pelvis = turns[:, joint_index("pelvis")]
     poses[:, hip] = _matrix_rotvec(np.swapaxes(pelvis, 1, 2) @ upper)
     poses[:, knee] = _matrix_rotvec(np.swapaxes(upper, 1, 2) @ lower)

@@ -154,18 +154,16 @@ def endings(gestures: Sequence[Gesture], tempo: float) -> tuple[Ending, ...]:
     tempo : float
         Speed of the retraction against an unmoved speaker's.
     """
-    endings_in_order: list[Ending] = []
+    endings: list[Ending] = []
     for number, gesture in enumerate(gestures):
         release = gesture.apex + gesture.hold
         following = gestures[number + 1].begin if number + 1 < len(gestures) else np.inf
         room = following - release
         if room < _WORTH_RETRACTING:
-            endings_in_order.append(Ending(release=following, rest=None))
+            endings.append(Ending(release=following, rest=None))
         else:
-            endings_in_order.append(
-                Ending(release=release, rest=release + min(_RETRACTION / tempo, room))
-            )
-    return tuple(endings_in_order)
+            endings.append(Ending(release=release, rest=release + min(_RETRACTION / tempo, room)))
+    return tuple(endings)
 
 
 def _pick_accents(prosody: Prosody, least_gap: float) -> NDArray[np.intp]:

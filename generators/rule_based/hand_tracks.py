@@ -36,8 +36,8 @@ _OVERLAP: Final = 0.2
 _REBOUND: Final = 0.14
 _REBOUND_SECONDS: Final = 0.35
 _SHORTEST_REBOUND: Final = 0.2
-_IS_ALONE: Final = CHANNELS
-_IS_RESTING: Final = CHANNELS + 1
+_ALONE: Final = CHANNELS
+_RESTING: Final = CHANNELS + 1
 _IS_ON_TOP: Final = CHANNELS + 2
 _DETOUR: Final = (0.0, 0.0, 0.5)
 
@@ -76,14 +76,12 @@ def hand_track(
     habit = _variety(rng) * 0.5
     habit[ELBOW_OUT] += manner.elbows_out
     poses = [(rest.begin, _rest_pose(rest, hand, habit + _variety(rng) * 0.1)) for rest in rests]
-    own_gestures = [gesture for gesture in gestures if hand in gesture.hands]
+    own = [gesture for gesture in gestures if hand in gesture.hands]
     start = poses[0][1]
-    movements = _settling(
-        poses, 0.0, own_gestures[0].begin if own_gestures else np.inf, manner.tempo
-    )
-    following = [*(gesture.begin for gesture in own_gestures[1:]), np.inf]
+    movements = _settling(poses, 0.0, own[0].begin if own else np.inf, manner.tempo)
+    following = [*(gesture.begin for gesture in own[1:]), np.inf]
     for gesture, ending, free_until in zip(
-        own_gestures, endings(own_gestures, manner.tempo), following, strict=False
+        own, endings(own, manner.tempo), following, strict=False
     ):
         size = manner.amplitude * (0.75 + 0.35 * gesture.strength) * rng.uniform(0.9, 1.1)
         if len(gesture.hands) == 2 and hand == "left":
@@ -120,7 +118,7 @@ def hand_track(
     course[:, PLACE] += on_top * (1 - on_top) * _DETOUR
     return clip_to_joint_range(
         idling.add_to(
-            hand, course[:, :CHANNELS], alone=course[:, _IS_ALONE], resting=course[:, _IS_RESTING]
+            hand, course[:, :CHANNELS], alone=course[:, _ALONE], resting=course[:, _RESTING]
         )
     )
 

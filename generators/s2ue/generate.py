@@ -34,10 +34,10 @@ from training.speech_features.word_vectors import (
 TRANSITION_SHARE: Final = 0.4
 """Of a window's new frames, over which it comes to where it would be without the one before."""
 
-_WEIGHT_DECAY: Final = 0.3
+_DECAY: Final = 0.3
 """By how much less each shared frame is held where the window before has it than the one before."""
 
-_BENDING_COST: Final = 0.01
+_BENDING: Final = 0.01
 """What bending costs of the way from one window to the next, beside being off at the first frame
 that they share."""
 
@@ -62,7 +62,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         transcript = find_transcript(folder, segment.name, segment.transcript, speech.audio)
         words = word_rows(transcript, self._vectors, frames, rate) if transcript else None
         sound = at_speech_rate(speech.audio)
-        motion = self.stream([sound], seed=seed, words=words, segment_speaker=segment.speaker)
+        motion = self.stream([sound], seed=seed, words=words, speaking=segment.speaker)
         facts = self._facts(segment.speaker, transcript)
         return self.clip_of(concatenate_parts(motion, frames, on_part)), facts
 
@@ -72,7 +72,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         *,
         seed: int,
         words: NDArray[np.float32] | None = None,
-        segment_speaker: str | None = None,
+        speaking: str | None = None,
     ) -> Iterator[NDArray[np.float64]]:
         """Yield motion of live speech as soon as it is final.
 
@@ -87,7 +87,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
             Not negative.
         words : ndarray, shape (frames, width), optional
             See `training.speech_features.word_vectors.word_rows`; by default the words are unknown.
-        segment_speaker : str, optional
+        speaking : str, optional
             The speaker, whose motion it is unless the settings name another.
 
         Yields
@@ -99,38 +99,34 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         config = network.config
         chance = np.random.default_rng(seeded_stream(seed))
         noise = self._settings.variation * chance.standard_normal(config.latents)
-        name = self._name(segment_speaker)
+        name = self._name(speaking)
         person = (
             speakers.one_hot([name])[0]
             if name in speakers.names
             else chance.dirichlet(np.ones(len(speakers.names)))
         )
         windows = stream_windows(pieces, config.frame_rate, config.frames, config.seeds)
-        tensors = (torch.from_numpy(values.astype(np.float32)) for values in (person, noise))
-        return synthesise_windows(
-            windows, words, network, *(values.to(self._device) for values in tensors)
-        )
+        tensors = (torch.from_numpy(x.astype(np.float32)) for x in (person, noise))
+        return synthesise_windows(windows, words, network, *(x.to(self._device) for x in tensors))
 
     def clip_of(self, values: NDArray[np.float64]) -> MotionClip:
         """Return the clip of values of motion, (T, 27 + 3 L)."""
         check_finite(values, self._settings.checkpoint)
         return bone_and_landmark_clip(values, self._network.network.config.frame_rate, self._face)
 
-    def _name(self, segment_speaker: str | None) -> str:
+    def _name(self, speaking: str | None) -> str:
         """Return the speaker to move as: one of its speakers, or a mixture of them."""
-        speakers, requested = self._network.speakers, self._settings.speaker
-        if requested == MIXED_SPEAKER:
+        speakers, chosen = self._network.speakers, self._settings.speaker
+        if chosen == MIXED_SPEAKER:
             return MIXED_SPEAKER
-        return speakers.names[
-            speakers.resolve(requested, segment_speaker, self._settings.checkpoint) - 1
-        ]
+        return speakers.names[speakers.resolve(chosen, speaking, self._settings.checkpoint) - 1]
 
-    def _facts(self, segment_speaker: str, transcript: tuple[Word, ...]) -> dict[str, str]:
-        config, name = self._network.network.config, self._name(segment_speaker)
+    def _facts(self, speaking: str, transcript: tuple[Word, ...]) -> dict[str, str]:
+        config, name = self._network.network.config, self._name(speaking)
         stand_ins = ["silence for the words, which nobody told"] if not transcript else []
         if transcript and isinstance(self._vectors, StandIn):
             stand_ins.append(self._vectors.description)
-        if self._settings.speaker is None and name != segment_speaker:
+        if self._settings.speaker is None and name != speaking:
             stand_ins.append(f"speaker {name} for who is heard")
         return {
             "speaker": name,
@@ -218,12 +214,8 @@ def _transition_matrix(frames: int, seeds: int) -> NDArray[np.float64]:
     ndarray, shape (frames, seeds)
         Times the distances of the shared frames, what is added to the second window.
     """
-    transition_frames = seeds + round(TRANSITION_SHARE * (frames - seeds))
-    anchors = np.diag(
-        np.append(_WEIGHT_DECAY ** np.arange(seeds), np.zeros(transition_frames - seeds))
-    )
-    second_differences = np.diff(np.eye(frames + 2), n=2, axis=0)[:, :transition_frames]
-    transition = np.linalg.solve(
-        anchors + _BENDING_COST * second_differences.T @ second_differences, anchors[:, :seeds]
-    )
-    return np.pad(transition, ((0, frames - transition_frames), (0, 0)))
+    count = seeds + round(TRANSITION_SHARE * (frames - seeds))
+    anchors = np.diag(np.append(_DECAY ** np.arange(seeds), np.zeros(count - seeds)))
+    bends = np.diff(np.eye(frames + 2), n=2, axis=0)[:, :count]
+    transition = np.linalg.solve(anchors + _BENDING * bends.T @ bends, anchors[:, :seeds])
+    return np.pad(transition, ((0, frames - count), (0, 0)))

@@ -11,31 +11,27 @@ from generators.s2ue.model import Network
 from training.spaces.bones_and_landmarks import joint_tensors, split_motion
 
 
-def phoneme_loss(predicted: Tensor, target: Tensor, spread: Tensor) -> Tensor:
+def phoneme_loss(output: Tensor, target: Tensor, spread: Tensor) -> Tensor:
     """Return equation 16 of lips (B, T, lips, 3): their places and their steps."""
-    return _distance(predicted, target, spread) + _distance(
-        _steps(predicted), _steps(target), spread
-    )
+    return _distance(output, target, spread) + _distance(_steps(output), _steps(target), spread)
 
 
 def reconstruction_losses(
-    network: Network, predicted: Tensor, target: Tensor, weights: LossWeights
+    network: Network, output: Tensor, target: Tensor, weights: LossWeights
 ) -> dict[str, Tensor]:
     """Return equation 17 of values (B, T, 27 + 3 L), ``reconstruction``, and its parts.
 
     Landmarks are the neutral face and their shifts (equation 1), so that places of landmarks and
     shifts are equally far apart. What the network does not tell does not count.
     """
-    predicted_parts, target_parts = split_motion(predicted), split_motion(target)
+    outputs, targets = split_motion(output), split_motion(target)
     spread = dict(zip(("face", "pose", "joints"), network.spread, strict=True))
-    parts = dict.fromkeys(("place", "velocity", "acceleration"), predicted.new_zeros(()))
+    parts = dict.fromkeys(("place", "velocity", "acceleration"), output.new_zeros(()))
     for name in (modality for modalities in network.config.modalities for modality in modalities):
-        motion = _distance(predicted_parts[name], target_parts[name], spread[name])
-        steps = _distance(_steps(predicted_parts[name]), _steps(target_parts[name]), spread[name])
+        motion = _distance(outputs[name], targets[name], spread[name])
+        steps = _distance(_steps(outputs[name]), _steps(targets[name]), spread[name])
         joints = (
-            (joint_tensors(predicted_parts[name]), joint_tensors(target_parts[name]))
-            if name == "pose"
-            else None
+            (joint_tensors(outputs[name]), joint_tensors(targets[name])) if name == "pose" else None
         )
         parts["place"] = parts["place"] + (
             _distance(*joints, spread["joints"]) if joints else motion
@@ -62,8 +58,8 @@ def diversity_loss(
     return functional.relu(distances[0] - distances[1] + margin).mean()
 
 
-def _distance(predicted: Tensor, target: Tensor, spread: Tensor) -> Tensor:
-    return (predicted - target).abs().mean() / spread
+def _distance(output: Tensor, target: Tensor, spread: Tensor) -> Tensor:
+    return (output - target).abs().mean() / spread
 
 
 def _steps(values: Tensor) -> Tensor:

@@ -32,7 +32,7 @@ Latents = list[tuple[Tensor, Tensor]]
 
 
 def expression_encoders(
-    config: NetworkConfig, face: FaceLandmarks, modalities: Sequence[str], frames: tuple[int, int]
+    config: NetworkConfig, face: FaceLandmarks, group: Sequence[str], frames: tuple[int, int]
 ) -> nn.ModuleDict:
     """Return the encoders of faces and poses; generator and discriminator have each their own."""
     parts = components_of(face.actions)
@@ -49,7 +49,7 @@ def expression_encoders(
                 (config.node_width, config.part_width, config.width_of((name,))),
                 config.reach,
             )
-            for name in modalities
+            for name in group
         }
     )
 
@@ -57,9 +57,7 @@ def expression_encoders(
 class Synthesis(nn.Module):
     """Motion of some modalities from one embedding of all that is given (section 3.3.3)."""
 
-    def __init__(
-        self, config: NetworkConfig, face: FaceLandmarks, modalities: tuple[str, ...]
-    ) -> None:
+    def __init__(self, config: NetworkConfig, face: FaceLandmarks, group: tuple[str, ...]) -> None:
         super().__init__()
         hidden, text = config.hidden, config.text_width
         self.audio = nn.Sequential(
@@ -73,11 +71,11 @@ class Synthesis(nn.Module):
         )
         self.speaker = SpeakerEncoder(config.speakers, config.speaker_width)
         frames = (config.seeds, config.frames)
-        self.seeds = expression_encoders(config, face, modalities, frames)
-        width = config.audio_width + text + config.speaker_width + config.width_of(modalities)
+        self.seeds = expression_encoders(config, face, group, frames)
+        width = config.audio_width + text + config.speaker_width + config.width_of(group)
         values = {"face": 3 * face.count, "pose": BONE_VALUES}
         self.decoders = nn.ModuleDict(
-            {name: Decoder(width, hidden, values[name]) for name in modalities}
+            {name: Decoder(width, hidden, values[name]) for name in group}
         )
 
     def forward(
@@ -112,15 +110,13 @@ class Synthesis(nn.Module):
 class Discriminator(nn.Module):
     """Whether motion of some modalities is recorded, by its expressions."""
 
-    def __init__(
-        self, config: NetworkConfig, face: FaceLandmarks, modalities: tuple[str, ...]
-    ) -> None:
+    def __init__(self, config: NetworkConfig, face: FaceLandmarks, group: tuple[str, ...]) -> None:
         super().__init__()
         frames = config.frames
-        self.encoders = expression_encoders(config, face, modalities, (frames, frames))
+        self.encoders = expression_encoders(config, face, group, (frames, frames))
         self.classes = nn.Sequential(
             nn.Flatten(),
-            nn.Linear(frames * config.width_of(modalities), config.hidden),
+            nn.Linear(frames * config.width_of(group), config.hidden),
             nn.LeakyReLU(0.1),
             nn.Linear(config.hidden, 1),
         )
@@ -182,13 +178,9 @@ class Network(nn.Module):
         super().__init__()
         self.config = config
         self.lips = list(lips_of(face.actions))
-        modality_groups = config.modalities
-        self.generator = nn.ModuleList(
-            Synthesis(config, face, modalities) for modalities in modality_groups
-        )
-        self.discriminator = nn.ModuleList(
-            Discriminator(config, face, modalities) for modalities in modality_groups
-        )
+        groups = config.modalities
+        self.generator = nn.ModuleList(Synthesis(config, face, group) for group in groups)
+        self.discriminator = nn.ModuleList(Discriminator(config, face, group) for group in groups)
         self.phonemes = PhonemePredictor(config, len(self.lips))
         values = BONE_VALUES + 3 * face.count
         self.register_buffer("neutral", torch.from_numpy(face.neutral))
@@ -235,8 +227,7 @@ class Network(nn.Module):
         """Return shifts of the lips' landmarks, (B, T, lips, 3), metres."""
         lips: Tensor = self.phonemes((spectrogram - self.spectrum[0]) / self.spectrum[1])
         mean, deviation = (
-            as_points(statistic[BONE_VALUES:])[self.lips]
-            for statistic in (self.mean, self.deviation)
+            as_points(s[BONE_VALUES:])[self.lips] for s in (self.mean, self.deviation)
         )
         return mean + deviation * lips
 

@@ -80,8 +80,8 @@ class S2ueTask(WindowTask):
     def network(self) -> Network:
         """Return fresh networks, which know how the values of the recordings spread."""
         network = Network(self.config, self.face)
-        for name, values in self._statistics.items():
-            network.get_buffer(name).copy_(torch.from_numpy(values.astype(np.float32)))
+        for name, v in self._statistics.items():
+            network.get_buffer(name).copy_(torch.from_numpy(v.astype(np.float32)))
         return network.to(self.device)
 
     def losses_of(
@@ -154,17 +154,14 @@ class S2ueTask(WindowTask):
     def _statistics(self) -> Mapping[str, NDArray[np.floating[Any]]]:
         """The buffers of a network: means and deviations over windows, evenly among all."""
         windows = self.training.batch(evenly_spaced(self.examples, _MOST_STATISTICS_WINDOWS))
-        flat = {
-            name: values.reshape(-1, values.shape[-1]).astype(float)
-            for name, values in windows.items()
-        }
+        flat = {name: v.reshape(-1, v.shape[-1]).astype(float) for name, v in windows.items()}
         pose, face = np.split(flat["motion"], [BONE_VALUES], axis=1)
         joints = joints_from_directions(pose.reshape(len(pose), -1, 3)).reshape(len(pose), -1)
         mean, deviation = mean_and_deviation(flat["motion"])
         return {
             "mean": mean,
             "deviation": deviation,
-            "spread": np.array([spread(values) for values in (face, pose, joints)]),
+            "spread": np.array([spread(v) for v in (face, pose, joints)]),
             "rest": self.training.prepared.mean_first("motion"),
             **{name: np.stack(mean_and_deviation(flat[name])) for name in ("sound", "spectrum")},
         }

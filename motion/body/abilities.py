@@ -50,7 +50,7 @@ class BodyAbilities:
     shapes: int
 
 
-def unsupported_features(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
+def unsupported(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
     """Return a sentence for each thing in `clip` that a body with these abilities cannot show."""
     return tuple(chain(_expression_notes(clip, body), _shape_notes(clip, body)))
 

@@ -147,10 +147,8 @@ def _columns(names: list[str], path: Path) -> list[int]:
     index_of_name = {name.lower(): index for index, name in enumerate(ARKIT_NAMES)}
     unknown = [name for name in names if name.lower() not in index_of_name]
     if unknown or len({name.lower() for name in names}) != len(names):
-        problem = (
-            f"unknown facial actions {', '.join(unknown)}" if unknown else "a name occurs twice"
-        )
-        raise InputError(problem, where=path, remedy="Use the 52 names of Apple's ARKit, each once")
+        fault = f"unknown facial actions {', '.join(unknown)}" if unknown else "a name occurs twice"
+        raise InputError(fault, where=path, remedy="Use the 52 names of Apple's ARKit, each once")
     return [index_of_name[name.lower()] for name in names]
 
 

@@ -114,11 +114,9 @@ class BvhMotion:
             if joint.parent < 0:
                 positions[:, index], rotations[:, index] = local, turn
                 continue
-            parents = rotations[:, joint.parent]
-            positions[:, index] = positions[:, joint.parent] + np.einsum(
-                "tij,tj->ti", parents, local
-            )
-            rotations[:, index] = parents @ turn
+            outer = rotations[:, joint.parent]
+            positions[:, index] = positions[:, joint.parent] + np.einsum("tij,tj->ti", outer, local)
+            rotations[:, index] = outer @ turn
         return positions, rotations
 
     def local_rotations(self) -> FloatArray:

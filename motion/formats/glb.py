@@ -105,10 +105,7 @@ class _Binary:
     def add_sparse(self, values: FloatArray) -> int:
         """Add vectors, shape (n, 3), most of which are zero."""
         rows = np.flatnonzero(np.abs(values).max(axis=1) > _STILL)
-        arrays = {
-            "indices": rows.astype("<u4"),
-            "values": values[rows].astype("<f4"),
-        }
+        arrays = {"indices": rows.astype("<u4"), "values": values[rows].astype("<f4")}
         stored = {name: {"bufferView": self._view(part)} for name, part in arrays.items()}
         stored["indices"]["componentType"] = _COMPONENTS["<u4"]
         accessor = self._described(values) | {"sparse": {"count": len(rows), **stored}}

@@ -236,11 +236,9 @@ def _check(words: Sequence[Word], audio: Audio) -> None:
 def _speech_times(audio: Audio) -> NDArray[np.float64]:
     """Return the times of speech in steps of 10 ms; all times if there is none."""
     step = max(1, round(_STEP * audio.sample_rate))
-    length = len(audio.samples) // step * step
-    if not length:
+    size = len(audio.samples) // step * step
+    if not size:
         return np.zeros(1)
-    loud = np.sqrt(
-        np.mean(audio.samples[:length].astype(np.float64).reshape(-1, step) ** 2, axis=1)
-    )
+    loud = np.sqrt(np.mean(audio.samples[:size].astype(np.float64).reshape(-1, step) ** 2, axis=1))
     steps = np.flatnonzero(loud > _SPEECH_LOUDNESS * loud.max())
     return np.asarray((steps if len(steps) else np.arange(len(loud))) * _STEP, np.float64)

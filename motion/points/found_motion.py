@@ -144,9 +144,7 @@ def clip_from_detection(detection: Detection, body: BodyModel) -> MotionClip:
     """
     rate = detection.frame_rate
     visibility = dict(zip(MEDIAPIPE, detection.visibility.mean(axis=0), strict=True))
-    joints = {
-        name: _smoothed(detection.pose[:, place], rate) for place, name in enumerate(MEDIAPIPE)
-    }
+    joints = {name: _smoothed(detection.pose[:, k], rate) for k, name in enumerate(MEDIAPIPE)}
     joints["left_foot"], joints["right_foot"] = (
         joints["left_foot_index"], joints["right_foot_index"],
     )  # fmt: skip

@@ -34,7 +34,7 @@ _EARS: Final = ("left_ear", "right_ear")
 _SHOULDERS: Final = ("left_shoulder", "right_shoulder")
 _HIPS: Final = ("left_hip", "right_hip")
 _HEAD: Final = ("head", "jaw", "left_eye", "right_eye")
-_NOT_ARM: Final = ("hip", "knee", "ankle", "foot", "ear", "eye")
+_NO_ARM: Final = ("hip", "knee", "ankle", "foot", "ear", "eye")
 _COMPUTED: Final = tuple(joint for joint in JOINT_NAMES if "spine" in joint or "collar" in joint)
 """Joints that lie elsewhere in every skeleton; without them trunk and shoulders follow the rest."""
 
@@ -78,10 +78,8 @@ def body_joints(points: Points, frame_rate: float) -> dict[str, FloatArray]:
         joints["neck"] = _middle(joints, _SHOULDERS) + chest.apply(_at_rest("neck") - _rest_top())
     for side in ("left", "right"):
         _place_knuckles(joints, side)
-        arm = [
-            name for name in joints if name.startswith(side) and _body_part(name) not in _NOT_ARM
-        ]
-        _set_bone_length(joints, chest, f"{side}_shoulder", arm)
+        arm = [name for name in joints if name.startswith(side) and _part(name) not in _NO_ARM]
+        _turn_to(joints, chest, f"{side}_shoulder", arm)
     _place_head(joints, chest)
     return {name: values for name, values in joints.items() if name in JOINT_NAMES}
 
@@ -138,9 +136,7 @@ def _chest(points: Points) -> Rotation:
     )
 
 
-def _set_bone_length(
-    points: dict[str, FloatArray], chest: Rotation, end: str, others: list[str]
-) -> None:
+def _turn_to(points: dict[str, FloatArray], chest: Rotation, end: str, others: list[str]) -> None:
     """Turn the bone from the neck to `end` so that on average it points as at rest.
 
     The points that are `others` with its end keep where they are from it.
@@ -155,7 +151,7 @@ def _set_bone_length(
         points[name] = points[name] + settled - bone
 
 
-def _body_part(name: str) -> str:
+def _part(name: str) -> str:
     return name.partition("_")[2]
 
 
@@ -178,9 +174,9 @@ def _place_head(points: dict[str, FloatArray], chest: Rotation) -> None:
         if "nose" in points:
             points.setdefault("jaw", points["nose"])
         if "head" in points:
-            _set_bone_length(points, chest, "head", [name for name in _HEAD if name in points])
+            _turn_to(points, chest, "head", [name for name in _HEAD if name in points])
         return
-    _set_bone_length(points, chest, "head", ["head"])
+    _turn_to(points, chest, "head", ["head"])
     nod = np.median((chest.inv() * rotation).as_rotvec()[:, 0])
     rotation = rotation * Rotation.from_rotvec([-nod, 0, 0])
     for name in _HEAD[1:]:

@@ -183,19 +183,17 @@ def face_camera(clips: Iterable[MotionClip], body: BodyModel, camera: Camera) ->
         Sets the distance and the side; the result is moved up or down and sideways.
     """
     low, high = _range_of_faces(clips, body)
-    middle, half_extent = (low + high) / 2, (high - low) / 2
+    middle, extent = (low + high) / 2, (high - low) / 2
     pose = look_at(np.array(camera.eye), np.array(camera.target))
     right, back = pose[:3, 0], pose[:3, 2]
-    half = max(float(np.abs(right) @ half_extent), float(half_extent[1])) + _FACE_MARGIN
-    distance = float((camera.eye - middle) @ back)
+    half = max(float(np.abs(right) @ extent), float(extent[1])) + _FACE_MARGIN
+    depth = float((camera.eye - middle) @ back)
     target = middle - [0, _BELOW_EYES, 0]
-    (x, y, z), (a, b, c) = (target + distance * back).tolist(), target.tolist()
+    (x, y, z), (a, b, c) = (target + depth * back).tolist(), target.tolist()
     return Camera(
         eye=(x, y, z),
         target=(a, b, c),
-        field_of_view=float(
-            np.degrees(2 * np.arctan(half / (distance - np.abs(back) @ half_extent)))
-        ),
+        field_of_view=float(np.degrees(2 * np.arctan(half / (depth - np.abs(back) @ extent)))),
     )
 
 

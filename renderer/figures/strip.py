@@ -279,7 +279,5 @@ def _envelope(samples: np.ndarray) -> np.ndarray:
 
 def _tick_step(duration: float, room: float) -> float:
     """Return seconds between at most ten ticks, whose numbers have space in `room` pixels."""
-    max_ticks = min(10, room / pixels(2.5 * LETTERS))
-    return next(
-        (step for step in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20) if duration / step <= max_ticks), 60
-    )
+    limit = min(10, room / pixels(2.5 * LETTERS))
+    return next((step for step in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20) if duration / step <= limit), 60)

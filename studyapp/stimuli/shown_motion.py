@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import Audio, read_audio
-from motion.body.abilities import BodyAbilities, read_expression_matrix, unsupported_features
+from motion.body.abilities import BodyAbilities, read_expression_matrix, unsupported
 from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip, freeze
@@ -94,7 +94,7 @@ def left_out(shown: Iterable[tuple[str, MotionClip]], body: BodyAbilities) -> tu
     sentences = {
         f"{condition}: {sentence}": None
         for condition, clip in shown
-        for sentence in unsupported_features(clip, body)
+        for sentence in unsupported(clip, body)
     }
     return tuple(sentences)
 

@@ -73,15 +73,14 @@ def test_hands_that_are_outside_stay_where_they_are(adduction: float, seed: int)
 
 
 @pytest.mark.parametrize(
-    ("file", "rate", "max_share"),
-    [("2_scott_0_1_1.bvh", 15, 10), ("aitviewer_sample.bvh", None, 100)],
+    ("file", "rate", "share"), [("2_scott_0_1_1.bvh", 15, 10), ("aitviewer_sample.bvh", None, 100)]
 )
 def test_real_hands_are_out_of_the_thighs(
-    shared_data: Path, file: str, rate: float | None, max_share: int
+    shared_data: Path, file: str, rate: float | None, share: int
 ) -> None:
     clip = read_motion(shared_data / file, frame_rate=rate)
     (note,) = (part for part in clip.provenance["notes"].split("; ") if "moved out" in part)
-    assert int(note.split(" in ")[1].split("%")[0]) <= max_share
+    assert int(note.split(" in ")[1].split("%")[0]) <= share
     distances = _distance_from_thigh(clip)
     positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     low = positions[:, joint_index("left_middle1"), 1] < positions[:, joint_index("left_hip"), 1]

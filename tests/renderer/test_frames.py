@@ -59,9 +59,7 @@ def test_each_framing_and_view_matches_its_golden_picture(
 
 
 @pytest.mark.usefixtures("on_llvmpipe")
-def test_the_face_matches_its_golden_picture(
-    clip: MotionClip, body_path: Path, tmp_path: Path
-) -> None:
+def test_the_face_matches_its_picture(clip: MotionClip, body_path: Path, tmp_path: Path) -> None:
     close = Camera(eye=(0, 0.28, 1.7), target=(0, 0.26, 0), field_of_view=10)
     with Stage(body_path, close, Look(size=160)) as stage:
         assert_like_golden(np.asarray(still(stage, clip, 0.7)), "face", tmp_path)

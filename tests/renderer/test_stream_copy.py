@@ -98,9 +98,7 @@ def test_the_end_is_that_of_picture_or_sound_whichever_is_later(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("content", [b"", b"no video"])
-def test_an_unreadable_video_is_named_and_nothing_is_written(
-    tmp_path: Path, content: bytes
-) -> None:
+def test_an_unreadable_video_leaves_nothing(tmp_path: Path, content: bytes) -> None:
     broken = tmp_path / "broken.mp4"
     broken.write_bytes(content)
 

@@ -17,7 +17,7 @@ from training.corpus.motion_curves import MotionCurves, correlate_curves, curves
 from training.corpus.plan import PlannedTake, Split, planned_takes
 from training.corpus.recording import RecordingFiles
 from training.corpus.request import read_request
-from training.corpus.speech_curves import SpeechCurves, analyse_speech
+from training.corpus.speech_curves import SpeechCurves, analyse
 from training.corpus.truth import read_truth
 from training.spaces.beat import body_values, face_values
 
@@ -191,7 +191,7 @@ def _measured(folder: Path, plan: PlannedTake) -> MeasuredTake:
         moved=curves_of(body, face, motion.frame_rate),
         drive=truth.drive,
         pose=_summary(np.concatenate([body, face], axis=1)),
-        sound=_summary(_heard(analyse_speech(speech))),
+        sound=_summary(_heard(analyse(speech))),
         wrists=wrist_positions(_thinned(body, motion.frame_rate)),
     )
 

@@ -103,7 +103,7 @@ def body_angles(
     shape = stroke_shape(elapsed, speaker.attack / manner.tempo, speaker.release / manner.tempo)
     hands = shape @ (stroke_chance.gains * strokes.sizes[:, None])  # (T, 2): leading, other
     right_left = hands if speaker.right_handed else hands[:, ::-1]
-    loudness = curves.interpolated(curves.slow_loudness, times) - _USUAL_LOUDNESS
+    loudness = curves.at(curves.slow_loudness, times) - _USUAL_LOUDNESS
     restless = speaker.restlessness * manner.restlessness
 
     nods = stroke_shape(elapsed, _NOD_ATTACK, _NOD_RELEASE) @ (

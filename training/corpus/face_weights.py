@@ -64,8 +64,8 @@ def face_weights(
 
 def _speech(curves: SpeechCurves, melody: FloatArray, times: FloatArray) -> dict[str, FloatArray]:
     """Return what speech adds to each weight, on average faces."""
-    loudness = np.minimum(curves.interpolated(curves.loudness, times), 1.5)
-    brightness = curves.interpolated(curves.brightness, times)
+    loudness = np.minimum(curves.at(curves.loudness, times), 1.5)
+    brightness = curves.at(curves.brightness, times)
     darkness = 1 - brightness
     raised = _BROWS * np.maximum(melody, 0)
     lowered = _LOWERED * np.maximum(-melody, 0)

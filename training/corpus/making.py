@@ -70,16 +70,14 @@ def make_corpus(
     missing = [take for take in takes if not RecordingFiles.of(folder, take).complete]
     report = show or (lambda done, total: None)
     existing = len(takes) - len(missing)
-    for done, _ in enumerate(
-        _record_takes(folder, request, missing, processes), start=existing + 1
-    ):
+    for done, _ in enumerate(_record(folder, request, missing, processes), start=existing + 1):
         report(done, len(takes))
     write_text(folder / TAKES, _table(takes))
     write_text(folder / SPLITS, _splits(takes))
     return CorpusResult(takes=takes, new_takes=len(missing))
 
 
-def _record_takes(
+def _record(
     folder: Path, request: CorpusRequest, takes: Sequence[PlannedTake], processes: int
 ) -> Iterator[None]:
     """Make takes, and yield after each."""

@@ -92,50 +92,44 @@ def planned_takes(request: CorpusRequest) -> Iterator[PlannedTake]:
         held_out = number > request.speakers - request.held_out_speakers
         for emotion in EMOTIONS:
             for index in range(request.passages * request.takes):
-                passage_index, take = divmod(index, request.takes)
-                yield _take(request, speaker, emotion, passage_index, take, held_out)
+                place, take = divmod(index, request.takes)
+                yield _take(request, speaker, emotion, place, take, held_out)
 
 
 def _take(
     request: CorpusRequest,
     speaker: CorpusSpeaker,
     emotion: str,
-    passage_index: int,
+    place: int,
     take: int,
     held_out: bool,
 ) -> PlannedTake:
     pattern = (speaker.number + EMOTIONS.index(emotion)) % 4
-    last_passage, last_take = passage_index == request.passages - 1, take == request.takes - 1
+    last_passage, last_take = place == request.passages - 1, take == request.takes - 1
     split: Split = "train"
     if request.shared_passages:
         reserved = max(1, request.passages // 6)
-        unheard = passage_index >= request.passages - reserved
-        if passage_index >= request.passages - 2 * reserved:
+        unheard = place >= request.passages - reserved
+        if place >= request.passages - 2 * reserved:
             split = "validation"
     elif held_out:
-        unheard = (pattern + passage_index) % 2 == 0
+        unheard = (pattern + place) % 2 == 0
     else:
         unheard = pattern == 0 and last_passage
-        if passage_index == 0 and last_take:
-            single_recording = request.passages * request.takes == 1
+        if place == 0 and last_take:
+            single = request.passages * request.takes == 1
             split = (
-                "validation"
-                if pattern == 2
-                else "test"
-                if pattern == 1 and not single_recording
-                else "train"
+                "validation" if pattern == 2 else "test" if pattern == 1 and not single else "train"
             )
     if held_out or unheard:
         split = "test"
     first_passage = 0 if request.shared_passages else (speaker.number - 1) * request.passages
-    name = recording_name(
-        speaker.number, speaker.name, emotion, passage_index * request.takes + take
-    )
+    name = recording_name(speaker.number, speaker.name, emotion, place * request.takes + take)
     return PlannedTake(
         name=name,
         speaker=speaker,
         emotion=emotion,
-        text=passage(emotion, first_passage + passage_index, unheard=unheard),
+        text=passage(emotion, first_passage + place, unheard=unheard),
         take=take + 1,
         split=split,
         unheard=unheard,

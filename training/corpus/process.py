@@ -16,7 +16,7 @@ from training.corpus.chance import EXPECTED, Chance
 from training.corpus.face_weights import face_weights
 from training.corpus.motion_curves import MotionCurves, curves_of
 from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker, voice_of
-from training.corpus.speech_curves import SpeechCurves, Strokes, analyse_speech, find_strokes
+from training.corpus.speech_curves import SpeechCurves, Strokes, analyse, find_strokes
 
 FloatArray = NDArray[np.float64]
 
@@ -59,10 +59,7 @@ class Process:
                 f"unknown emotion {emotion!r}", remedy=f"Use one of {', '.join(EMOTION_MOTION)}"
             )
         return cls(
-            curves=analyse_speech(speech),
-            duration=speech.duration,
-            emotion=emotion,
-            speaker=speaker,
+            curves=analyse(speech), duration=speech.duration, emotion=emotion, speaker=speaker
         )
 
     @property
@@ -108,11 +105,10 @@ class Process:
 
     def _melody(self, times: FloatArray) -> FloatArray:
         """Return the pitch in octaves above what is usual for the voice, 0 in silence."""
-        usual_pitch = np.log2(voice_of(self.speaker.number).pitch / 100)
+        usual = np.log2(voice_of(self.speaker.number).pitch / 100)
         curves = self.curves
         return np.asarray(
-            curves.interpolated(curves.pitch, times)
-            - usual_pitch * curves.interpolated(curves.sounding, times)
+            curves.at(curves.pitch, times) - usual * curves.at(curves.sounding, times)
         )
 
 

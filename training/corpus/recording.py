@@ -163,10 +163,10 @@ def _speak(take: PlannedTake) -> Audio:
     with tempfile.TemporaryDirectory() as folder:
         voice = voice_of(take.speaker.number).name
         speech = speak_as(take.text, prosody, Path(folder) / "speech.wav", voice)
-    silence_before, silence_after = (
+    lead, tail = (
         np.zeros(round(seconds * SPEECH_RATE), np.float32) for seconds in (_BEFORE, _AFTER)
     )
-    return Audio(np.concatenate([silence_before, speech.samples, silence_after]), SPEECH_RATE)
+    return Audio(np.concatenate([lead, speech.samples, tail]), SPEECH_RATE)
 
 
 def _semantic_spans(process: Process, chance: Chance) -> Iterator[SemanticSpan]:

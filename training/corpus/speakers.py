@@ -246,10 +246,8 @@ class EmotionMotion:
 
 
 def _read_emotions() -> Mapping[str, EmotionMotion]:
-    tables = tomllib.loads(Path(__file__).with_name("emotions.toml").read_text("utf-8"))
-    return MappingProxyType(
-        {emotion: EmotionMotion(**values) for emotion, values in tables.items()}
-    )
+    data = tomllib.loads(Path(__file__).with_name("emotions.toml").read_text("utf-8"))
+    return MappingProxyType({emotion: EmotionMotion(**values) for emotion, values in data.items()})
 
 
 EMOTION_MOTION: Final = _read_emotions()

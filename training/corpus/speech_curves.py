@@ -76,12 +76,12 @@ class SpeechCurves:
     sounding: FloatArray
     brightness: FloatArray
 
-    def interpolated(self, curve: FloatArray, times: FloatArray) -> FloatArray:
+    def at(self, curve: FloatArray, times: FloatArray) -> FloatArray:
         """Return one of the curves at `times` in seconds, interpolated linearly."""
         return np.interp(times, np.arange(len(curve)) / STEPS_PER_SECOND, curve)
 
 
-def analyse_speech(speech: Audio) -> SpeechCurves:
+def analyse(speech: Audio) -> SpeechCurves:
     """Return the curves of `speech`.
 
     Raises

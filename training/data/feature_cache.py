@@ -182,15 +182,13 @@ def _cached_features(
         key = content_sha256(
             [json.dumps([files, roles, feature.name, feature.version, frame_rate])]
         )
-        cached[feature.name] = _cached_feature(
-            take, feature, folder / f"{feature.name}-{key[:32]}.npy"
-        )
+        cached[feature.name] = _cached(take, feature, folder / f"{feature.name}-{key[:32]}.npy")
         # As early as possible: the next feature may take long.
         _check_lengths(take, cached, frame_rate)
     return cached
 
 
-def _cached_feature(take: Take, feature: Feature, path: Path) -> CachedArray:
+def _cached(take: Take, feature: Feature, path: Path) -> CachedArray:
     cached = open_array(path)
     if cached is None:
         write_array(path, _compute(take, feature))

@@ -100,10 +100,8 @@ def _ted_take(files: FolderFiles, motion: Path) -> FoundTake | None:
             )
         return None
     place, split = split_folder(files.place_of(motion).with_suffix(""))
-    parents = place.parent.parts
-    return _placed_clip(
-        files, motion, place, place.parent if parents else place, parents[-1:], split
-    )
+    outer = place.parent.parts
+    return _placed_clip(files, motion, place, place.parent if outer else place, outer[-1:], split)
 
 
 def _show_take(files: FolderFiles, motion: Path) -> FoundTake | None:
@@ -113,9 +111,9 @@ def _show_take(files: FolderFiles, motion: Path) -> FoundTake | None:
     place, split = split_folder(files.place_of(motion).with_suffix(""))
     if len(place.parts) > 1 and place.parts[-1] == place.parts[-2]:
         place = place.parent
-    parents = place.parent.parts
-    recording = place.parent if len(parents) > 1 else place
-    return _placed_clip(files, motion, place, recording, parents[:1], split)
+    outer = place.parent.parts
+    recording = place.parent if len(outer) > 1 else place
+    return _placed_clip(files, motion, place, recording, outer[:1], split)
 
 
 def _placed_clip(

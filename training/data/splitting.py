@@ -45,10 +45,8 @@ def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tu
         known_names.update(names)
         if split is not None:
             takes.append(replace(item.take, split=split))
-        elif other_split := next(
-            (splits.others[name] for name in names if name in splits.others), None
-        ):
-            elsewhere[other_split] += 1
+        elif other := next((splits.others[name] for name in names if name in splits.others), None):
+            elsewhere[other] += 1
         else:
             left_out.append(item.take.name)
     if not takes:
@@ -75,24 +73,22 @@ def by_rule(findings: Findings) -> tuple[tuple[Take, ...], tuple[str, ...]]:
     sorted by the hash of their name: the first tenth is for testing and the next for validation, at
     least one each if there are three or more.
     """
-    given_splits: dict[str, list[Split]] = {}
+    given: dict[str, list[Split]] = {}
     for item in sorted(findings.takes, key=lambda item: item.take.name):
         if item.given_split:
-            given_splits.setdefault(item.recording, []).append(item.given_split)
-    hashed = split_by_hash({item.recording for item in findings.takes} - set(given_splits))
-    by_data_set: list[Take] = []
+            given.setdefault(item.recording, []).append(item.given_split)
+    hashed = split_by_hash({item.recording for item in findings.takes} - set(given))
+    ruled: list[Take] = []
     by_hash: list[Take] = []
     for item in findings.takes:
-        if item.recording in given_splits:
-            by_data_set.append(
-                replace(item.take, split=item.given_split or given_splits[item.recording][0])
-            )
+        if item.recording in given:
+            ruled.append(replace(item.take, split=item.given_split or given[item.recording][0]))
         else:
             by_hash.append(replace(item.take, split=hashed[item.recording]))
-    divided = sum(len(set(splits)) > 1 for splits in given_splits.values())
+    divided = sum(len(set(splits)) > 1 for splits in given.values())
     notes = []
-    if by_data_set:
-        notes.append(f"splits by {findings.split_rule}: {count_splits(by_data_set)}")
+    if ruled:
+        notes.append(f"splits by {findings.split_rule}: {count_splits(ruled)}")
     if divided:
         notes.append(
             f"{_count(divided, 'recording')} cut into takes of several splits, so that held-out "
@@ -100,7 +96,7 @@ def by_rule(findings: Findings) -> tuple[tuple[Take, ...], tuple[str, ...]]:
         )
     if by_hash:
         notes.append(f"splits by the hash of each recording's name: {count_splits(by_hash)}")
-    return (*by_data_set, *by_hash), tuple(notes)
+    return (*ruled, *by_hash), tuple(notes)
 
 
 def split_by_hash(recordings: Iterable[str]) -> dict[str, Split]:

@@ -115,10 +115,8 @@ class GraphConvolution(nn.Module):
         """Return what each node makes of itself, its neighbours and the frames around."""
         nodes, neighbours = self.spatial(values).chunk(2, dim=1)
         gathered = nodes + neighbours @ self.shares[1]
-        activated: Tensor = nn.functional.leaky_relu(
-            self.temporal(gathered) + self.past(values), 0.1
-        )
-        return activated
+        output: Tensor = nn.functional.leaky_relu(self.temporal(gathered) + self.past(values), 0.1)
+        return output
 
 
 class ComponentEncoder(nn.Module):

@@ -64,16 +64,14 @@ class LinearSkip(nn.Module):
         # Where most is signal, noise is a small difference, which half precision does not hold.
         with _full_precision(noisy.device.type):
             noisy = noisy.float()
-            alpha_bar = LINEAR.alpha_bar_at(steps, noisy)
+            alpha = LINEAR.alpha_bar_at(steps, noisy)
             cosines = torch.as_tensor(
                 _cosines(noisy.shape[1]), dtype=torch.float32, device=noisy.device
             )
-            shares = (1 - alpha_bar).sqrt() / (
-                alpha_bar * self._variances(noisy.shape[1]) + (1 - alpha_bar)
-            )
+            shares = (1 - alpha).sqrt() / (alpha * self._variances(noisy.shape[1]) + (1 - alpha))
             waves = cosines @ (noisy @ self.directions)
             linear = (cosines.T @ (shares * waves)) @ self.directions.T
-            return linear + alpha_bar.sqrt() * answer.float()
+            return linear + alpha.sqrt() * answer.float()
 
     def _variances(self, frames: int) -> Tensor:
         """Return the variances of the waves in so many frames, by how fast they are."""

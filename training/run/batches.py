@@ -29,7 +29,7 @@ from training.run.group import Group
 Compute = Callable[[], object]
 """Passes one part forward, with the same chance each time."""
 
-_LayerUse = tuple[int, int]
+_Use = tuple[int, int]
 """Which layer, and which of its uses in a pass, from 0."""
 
 
@@ -59,14 +59,14 @@ class StepStatistics:
         self._layers = [layer for layer in batch_normed(network) if layer.training]
         self._group = group
         self._parts = parts
-        self._moments: dict[_LayerUse, Tensor] = {}
-        self._counts: dict[_LayerUse, Tensor] = {}
+        self._moments: dict[_Use, Tensor] = {}
+        self._counts: dict[_Use, Tensor] = {}
         self._find()
 
     @contextmanager
     def applied(self) -> Iterator[None]:
         """Let the layers normalise one part by the statistics of the step, and owe to these."""
-        with self._layers_replaced(lambda place, layer, values: None):
+        with self._replaced(lambda place, layer, values: None):
             yield
 
     def pass_back(self) -> None:
@@ -74,18 +74,18 @@ class StepStatistics:
         for _ in self._moments:
             owed_gradients = self._summed(
                 {
-                    place: torch.zeros_like(moments) if moments.grad is None else moments.grad
-                    for place, moments in self._moments.items()
+                    place: torch.zeros_like(m) if m.grad is None else m.grad
+                    for place, m in self._moments.items()
                 }
             )
-            for moments in self._moments.values():
-                moments.grad = None
-            if not any(bool(moments.any()) for moments in owed_gradients.values()):
+            for m in self._moments.values():
+                m.grad = None
+            if not any(bool(m.any()) for m in owed_gradients.values()):
                 return
             for compute in self._parts:
                 contributions: list[Tensor] = []
 
-                def take(place: _LayerUse, layer: _BatchNorm, values: Tensor) -> None:
+                def take(place: _Use, layer: _BatchNorm, values: Tensor) -> None:
                     sums = _sums(layer, values)
                     contributions.append((owed_gradients[place] * sums).sum() / self._counts[place])  # noqa: B023
 
@@ -97,8 +97,8 @@ class StepStatistics:
     def remember(self) -> None:
         """Take the step into the layers' running statistics."""
         statistics = {
-            place: _mean_and_variance(self._layers[place[0]], moments.detach())
-            for place, moments in self._moments.items()
+            place: _mean_and_variance(self._layers[place[0]], m.detach())
+            for place, m in self._moments.items()
         }
         for place, (mean, variance) in statistics.items():
             layer, count = self._layers[place[0]], self._counts[place]
@@ -113,10 +113,10 @@ class StepStatistics:
     def _find(self) -> None:
         passes = 1
         while passes <= max(1, len(self._moments)):
-            sums: dict[_LayerUse, Tensor] = {}
-            counts: dict[_LayerUse, Tensor] = {}
+            sums: dict[_Use, Tensor] = {}
+            counts: dict[_Use, Tensor] = {}
 
-            def take(place: _LayerUse, layer: _BatchNorm, values: Tensor) -> None:
+            def take(place: _Use, layer: _BatchNorm, values: Tensor) -> None:
                 layer_sums = _sums(layer, values)
                 count = layer_sums.new_tensor([values.numel() / values.shape[1]])
                 sums[place] = sums.get(place, 0) + layer_sums  # noqa: B023
@@ -126,40 +126,34 @@ class StepStatistics:
                 for compute in self._parts:
                     self._pass(compute, take)
             self._counts = self._summed(counts)
-            previous = self._moments
+            before = self._moments
             self._moments = {
-                place: (moments / self._counts[place]).requires_grad_()
-                for place, moments in self._summed(sums).items()
+                place: (m / self._counts[place]).requires_grad_()
+                for place, m in self._summed(sums).items()
             }
-            if previous and all(
-                moments.equal(previous[place]) for place, moments in self._moments.items()
-            ):
+            if before and all(m.equal(before[place]) for place, m in self._moments.items()):
                 return
             passes += 1
 
-    def _pass(
-        self, compute: Compute, take: Callable[[_LayerUse, _BatchNorm, Tensor], None]
-    ) -> None:
+    def _pass(self, compute: Compute, take: Callable[[_Use, _BatchNorm, Tensor], None]) -> None:
         """Pass a part forward as far as the last layer, and show `take` what each is given."""
         remaining = len(self._moments)
 
-        def look(place: _LayerUse, layer: _BatchNorm, values: Tensor) -> None:
+        def look(place: _Use, layer: _BatchNorm, values: Tensor) -> None:
             nonlocal remaining
             take(place, layer, values)
             remaining -= 1
             if remaining == 0:
                 raise _AllLayersPassed
 
-        with self._layers_replaced(look):
+        with self._replaced(look):
             try:
                 compute()
             except _AllLayersPassed:
                 return
 
     @contextmanager
-    def _layers_replaced(
-        self, look: Callable[[_LayerUse, _BatchNorm, Tensor], None]
-    ) -> Iterator[None]:
+    def _replaced(self, look: Callable[[_Use, _BatchNorm, Tensor], None]) -> Iterator[None]:
         """Let the layers show `look` what they are given, and normalise by what is known."""
         uses: dict[int, int] = {}
 
@@ -168,18 +162,14 @@ class StepStatistics:
             place = (number, uses.get(number, 0))
             uses[number] = place[1] + 1
             look(place, layer, values)
-            moments = self._moments.get(place)
-            if moments is None:
-                moments = _sums(layer, values) * values.shape[1] / values.numel()
-            mean, variance = (
-                statistic.view(_shape(values)) for statistic in _mean_and_variance(layer, moments)
-            )
-            output = (values.float() - mean) * (variance + layer.eps).rsqrt()
+            m = self._moments.get(place)
+            if m is None:
+                m = _sums(layer, values) * values.shape[1] / values.numel()
+            mean, variance = (s.view(_shape(values)) for s in _mean_and_variance(layer, m))
+            out = (values.float() - mean) * (variance + layer.eps).rsqrt()
             if layer.affine:
-                output = output * layer.weight.view(_shape(values)) + layer.bias.view(
-                    _shape(values)
-                )
-            return output.to(values.dtype)
+                out = out * layer.weight.view(_shape(values)) + layer.bias.view(_shape(values))
+            return out.to(values.dtype)
 
         for number, layer in enumerate(self._layers):
             layer.forward = partial(forward, number)  # type: ignore[method-assign]
@@ -189,13 +179,13 @@ class StepStatistics:
             for layer in self._layers:
                 del layer.forward
 
-    def _summed(self, local: dict[_LayerUse, Tensor]) -> dict[_LayerUse, Tensor]:
+    def _summed(self, local: dict[_Use, Tensor]) -> dict[_Use, Tensor]:
         return dict(zip(local, self._group.sum_tensors(list(local.values())), strict=True))
 
 
-def _mean_and_variance(layer: _BatchNorm, moments: Tensor) -> tuple[Tensor, Tensor]:
+def _mean_and_variance(layer: _BatchNorm, m: Tensor) -> tuple[Tensor, Tensor]:
     """Return mean and variance by channel, of the first two moments about the layer's shift."""
-    first, second = moments
+    first, second = m
     return _shift(layer, first) + first, second - first.square()
 
 

@@ -90,14 +90,10 @@ class Learner(Generic[Network]):
         """The network that is measured and saved: with the mean weights, if there is a mean."""
         return self._network if self._average is None else self._average.network
 
-    def learning_rate(self, step: int, update_pass: Pass | None = None) -> float:
+    def learning_rate(self, step: int, p: Pass | None = None) -> float:
         """Return the learning rate of a step, from 0, or of one of its passes."""
         config = self._config
-        rate = (
-            config.learning_rate
-            if update_pass is None
-            else update_pass.learning_rate or config.learning_rate
-        )
+        rate = config.learning_rate if p is None else p.learning_rate or config.learning_rate
         if config.decay is None:
             return rate
         epoch = step // batches_per_epoch(self._task.examples, config.batch_size)
@@ -106,9 +102,9 @@ class Learner(Generic[Network]):
     def learning_rates(self, step: int) -> dict[str, float]:
         """Return the learning rates of a step, from 0, by their names in the log."""
         rates = {
-            f"learning_rate_{update_pass.name}": self.learning_rate(step, update_pass)
-            for update_pass in self._config.passes
-            if update_pass.is_due(step)
+            f"learning_rate_{p.name}": self.learning_rate(step, p)
+            for p in self._config.passes
+            if p.is_due(step)
         }
         return rates or {"learning_rate": self.learning_rate(step)}
 
@@ -141,14 +137,9 @@ class Learner(Generic[Network]):
         if not passes:
             return [_Update(step=step, rate=self.learning_rate(step))]
         return [
-            _Update(
-                step=step,
-                number=number,
-                name=update_pass.name,
-                rate=self.learning_rate(step, update_pass),
-            )
-            for number, update_pass in enumerate(passes)
-            if update_pass.is_due(step)
+            _Update(step=step, number=number, name=p.name, rate=self.learning_rate(step, p))
+            for number, p in enumerate(passes)
+            if p.is_due(step)
         ]
 
     def _update(self, update: _Update) -> dict[str, float]:

@@ -71,28 +71,18 @@ class PassWeights:
 
     def __init__(self, network: nn.Module, passes: Sequence[Pass], steps: int) -> None:
         self._passes = passes
-        self._learning = {
-            name for name, update_pass in network.named_parameters() if update_pass.requires_grad
-        }
-        self._by_pass = {
-            update_pass.name: self._learning & _weights_of_pass(network, update_pass)
-            for update_pass in passes
-        }
+        self._learning = {name for name, w in network.named_parameters() if w.requires_grad}
+        self._by_pass = {p.name: self._learning & _weights(network, p) for p in passes}
         self._by_module = {
             prefix: {f"{prefix}.{name}".strip(".") for name, _ in module.named_parameters()}
             for prefix, module in network.named_modules()
         }
-        idle_step = next(
-            (
-                step
-                for step in range(steps)
-                if not any(update_pass.is_due(step) for update_pass in passes)
-            ),
-            None,
+        idle = next(
+            (step for step in range(steps) if not any(p.is_due(step) for p in passes)), None
         )
-        if passes and idle_step is not None:
+        if passes and idle is not None:
             raise InputError(
-                f"no pass is made in step {idle_step + 1} of {steps}",
+                f"no pass is made in step {idle + 1} of {steps}",
                 remedy="Let one be made in every step",
             )
 
@@ -101,13 +91,7 @@ class PassWeights:
         network.train()
         if not self._passes:
             return
-        learning = set().union(
-            *(
-                self._by_pass[update_pass.name]
-                for update_pass in self._passes
-                if update_pass.in_stage(step)
-            )
-        )
+        learning = set().union(*(self._by_pass[p.name] for p in self._passes if p.in_stage(step)))
         for prefix, module in network.named_modules():
             weights = self._by_module[prefix]
             if weights and weights.isdisjoint(learning):
@@ -129,21 +113,16 @@ class PassWeights:
                 weights[key].requires_grad_(True)
 
 
-def _weights_of_pass(network: nn.Module, update_pass: Pass) -> set[str]:
+def _weights(network: nn.Module, p: Pass) -> set[str]:
     """Return the names of the weights in the parts of a pass."""
     names = [name for name, _ in network.named_parameters()]
-    for part in update_pass.parts:
+    for part in p.parts:
         if not any(f"{name}.".startswith(f"{part}.") for name in names):
             children = ", ".join(name for name, _ in network.named_children())
             raise InputError(
-                f"the pass {update_pass.name!r} trains {part!r}, which has no weights in the "
-                "network",
+                f"the pass {p.name!r} trains {part!r}, which has no weights in the network",
                 remedy=f"Name one of its parts: {children}",
             )
-    if not update_pass.parts:
+    if not p.parts:
         return set(names)
-    return {
-        name
-        for name in names
-        if any(f"{name}.".startswith(f"{part}.") for part in update_pass.parts)
-    }
+    return {name for name in names if any(f"{name}.".startswith(f"{part}.") for part in p.parts)}

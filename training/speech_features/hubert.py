@@ -86,14 +86,13 @@ class SoundContext(nn.Module):
         librosa = load_librosa()
         filters = librosa.filters.mel(sr=SPEECH_RATE, n_fft=size, n_mels=_BANDS, norm=None)
         band_features = _BANDS * len(_OFFSETS)
-        mixed_channels = channels - (2 + len(_LOUDEST_WITHIN)) * len(_STRESS_OFFSETS)
+        mixed = channels - (2 + len(_LOUDEST_WITHIN)) * len(_STRESS_OFFSETS)
         chance = torch.Generator().manual_seed(seed)
         self._size = size
         self.register_buffer("filters", torch.from_numpy(filters.astype(np.float32)))
         self.register_buffer("hann", torch.hann_window(WINDOW))
         self.register_buffer(
-            "mix",
-            torch.randn(band_features, mixed_channels, generator=chance) / math.sqrt(band_features),
+            "mix", torch.randn(band_features, mixed, generator=chance) / math.sqrt(band_features)
         )
 
     def forward(self, samples: Tensor) -> HubertOutput:
@@ -104,8 +103,8 @@ class SoundContext(nn.Module):
         bands = ((power + _QUIETEST).log() - _CENTRE) / _SPREAD
         silence = (math.log(_QUIETEST) - _CENTRE) / _SPREAD
         # Means over five features, so that none between two offsets is passed over.
-        context = _context_means(bands, _OFFSETS, spread=2, padding=silence)
-        stress = _context_means(_stress_features(loudness), _STRESS_OFFSETS, spread=1, padding=0.0)
+        context = _means(bands, _OFFSETS, spread=2, padding=silence)
+        stress = _means(_stress_features(loudness), _STRESS_OFFSETS, spread=1, padding=0.0)
         return HubertOutput(torch.cat([(context @ self.mix).tanh(), stress], dim=1)[None])
 
 
@@ -114,17 +113,13 @@ def _stress_features(loudness: Tensor) -> Tensor:
     # Rises and peaks are rare and small: scaled so that they vary about as much as loudness does.
     rise = 5 * functional.pad(loudness.diff(), (1, 0)).clamp(min=0)
     peaks = [
-        3
-        * loudness
-        * (loudness >= functional.max_pool1d(loudness[None], 2 * radius + 1, 1, radius)[0])
-        for radius in _LOUDEST_WITHIN
+        3 * loudness * (loudness >= functional.max_pool1d(loudness[None], 2 * r + 1, 1, r)[0])
+        for r in _LOUDEST_WITHIN
     ]
     return torch.stack([loudness, rise, *peaks], dim=1)
 
 
-def _context_means(
-    values: Tensor, offsets: Sequence[int], *, spread: int, padding: float
-) -> Tensor:
+def _means(values: Tensor, offsets: Sequence[int], *, spread: int, padding: float) -> Tensor:
     """Return the means of `values` (n, c) over ± `spread` at each offset, (n, offsets · c)."""
     margin = offsets[-1] + spread
     padded = functional.pad(values, (0, 0, margin, margin), value=padding)

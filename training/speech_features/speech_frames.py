@@ -46,11 +46,9 @@ class SpeechFrames:
         """Return some of the frames."""
         return SpeechFrames(self.mel[first:last], self.hubert[first:last])
 
-    def followed_by(self, following: SpeechFrames) -> SpeechFrames:
-        """Return these frames followed by `following`."""
-        return SpeechFrames(
-            torch.cat([self.mel, following.mel]), torch.cat([self.hubert, following.hubert])
-        )
+    def followed_by(self, more: SpeechFrames) -> SpeechFrames:
+        """Return these frames followed by `more`."""
+        return SpeechFrames(torch.cat([self.mel, more.mel]), torch.cat([self.hubert, more.hubert]))
 
 
 FloatArray = NDArray[np.float32]

@@ -167,9 +167,7 @@ def test_a_speech_model_that_the_denoiser_did_not_learn_from_is_refused(
         _clip(changed, _speech(3.0))
 
 
-def test_settings_distinguish_recordings_from_labels(
-    settings: AmuseSettings, tmp_path: Path
-) -> None:
+def test_settings_tell_recordings_from_labels(settings: AmuseSettings, tmp_path: Path) -> None:
     _recording(tmp_path, 520)
     edited = settings.model_copy(update={"emotion": "520.wav", "style": "anna"}).resolved_in(
         tmp_path

@@ -16,7 +16,7 @@ from generators.amuse.losses import (
     SPEECH_LOSSES,
     motion_losses,
     speech_losses,
-    without_losses,
+    without,
 )
 from generators.amuse.model import MotionModel
 from generators.amuse.speech import SpeechModel
@@ -26,7 +26,7 @@ from tests.generators.amuse.test_speech import SMALL as SPEECH
 SMALL = replace(MOTION, frames=12)
 CLASSES = torch.tensor([[0, 0, 0, 0], [0, 0, 1, 1]])
 """Emotions and speakers of a quadruple."""
-DENOISER_ALONE = without_losses(MOTION_LOSSES, "denoiser")
+DENOISER_ALONE = without(MOTION_LOSSES, "denoiser")
 
 
 @pytest.fixture(name="model")

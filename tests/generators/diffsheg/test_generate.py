@@ -39,9 +39,7 @@ def model(tmp_path: Path) -> DiffShegSettings:
     return DiffShegSettings(checkpoint=written_network(tmp_path / "small.safetensors"))
 
 
-def test_the_provenance_of_a_clip_names_network_and_stand_ins(
-    model: DiffShegSettings, speak: Speak
-) -> None:
+def test_the_provenance_names_network_and_stand_ins(model: DiffShegSettings, speak: Speak) -> None:
     clip = DiffSheg(model.model_copy(update={"speaker": 2})).generate(
         speak("one", 2.0), seed=3, frame_rate=30
     )

@@ -37,9 +37,7 @@ def test_missing_files_are_named(model: DiffShegSettings, tmp_path: Path, what: 
         changed(model, **{what: Path("absent")}).resolved_in(tmp_path)
 
 
-def test_a_file_is_not_taken_for_a_folder_nor_a_folder_for_a_file(
-    model: DiffShegSettings, tmp_path: Path
-) -> None:
+def test_files_and_folders_are_not_confused(model: DiffShegSettings, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such checkpoint"):
         changed(model, checkpoint=tmp_path / "stats").resolved_in(tmp_path)
     with pytest.raises(InputError, match="no such folder of stats"):

@@ -14,12 +14,7 @@ import torch
 from generators.diffsheg.config import ABLATIONS, PRESETS, find_preset
 from generators.diffsheg.losses import LOSSES, LossWeights
 from generators.diffsheg.network_file import MotionNetwork, load_network
-from generators.diffsheg.train import (
-    SELECTION_METRIC,
-    DiffShegTask,
-    normalisation_of,
-    train_diffsheg,
-)
+from generators.diffsheg.train import METRIC, DiffShegTask, normalisation_of, train_diffsheg
 from generators.registry import TrainedGenerator, TrainingRequest, show_nothing
 from motion.errors import InputError
 from tests.generators.diffsheg.small_network import smaller
@@ -144,17 +139,15 @@ def test_held_out_windows_are_measured_without_chance(takes: PreparedTakes) -> N
         with torch.no_grad():
             measured.append(task.validation(network))
     assert measured[0] == measured[1]
-    assert set(measured[0]) == {SELECTION_METRIC, "loss", "noise", "velocity", "reconstruction"}
+    assert set(measured[0]) == {METRIC, "loss", "noise", "velocity", "reconstruction"}
 
 
 def test_weights_are_chosen_by_noise_and_motion_and_not_by_its_steps(takes: PreparedTakes) -> None:
     task = task_of(takes, weights=LossWeights(noise=2, velocity=10, reconstruction=3))
     with torch.no_grad():
         result = task.validation(task.network().eval())
-    assert next(iter(result)) == SELECTION_METRIC
-    assert result[SELECTION_METRIC] == pytest.approx(
-        2 * result["noise"] + 3 * result["reconstruction"]
-    )
+    assert next(iter(result)) == METRIC
+    assert result[METRIC] == pytest.approx(2 * result["noise"] + 3 * result["reconstruction"])
 
 
 def test_the_network_gets_the_speaker(takes: PreparedTakes) -> None:

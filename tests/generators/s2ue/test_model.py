@@ -28,7 +28,7 @@ VALUES = 27 + 3 * FACE.count
 COMPONENTS = components_of(FACE.actions)
 
 
-def model_outputs(network: Network, **changed: Tensor) -> Tensor:
+def outputs(network: Network, **changed: Tensor) -> Tensor:
     chance = torch.Generator().manual_seed(1)
     given = {
         "sound": torch.randn(2, 34, 84, generator=chance),
@@ -43,24 +43,22 @@ def model_outputs(network: Network, **changed: Tensor) -> Tensor:
 
 def test_motion_has_all_frames_and_depends_on_all_that_is_given() -> None:
     network = small_network()
-    plain = model_outputs(network)
+    plain = outputs(network)
     assert plain.shape == (2, 34, VALUES)
     for name, shape in (("sound", (34, 84)), ("words", (34, 300)), ("seeds", (4, VALUES))):
-        assert not torch.allclose(model_outputs(network, **{name: torch.rand(2, *shape)}), plain), (
-            name
-        )
-    assert not torch.allclose(model_outputs(network, person=torch.eye(2)[[1, 1]]), plain)
+        assert not torch.allclose(outputs(network, **{name: torch.rand(2, *shape)}), plain), name
+    assert not torch.allclose(outputs(network, person=torch.eye(2)[[1, 1]]), plain)
     noise = torch.ones(2, 1, SMALL.speaker_width)
-    assert not torch.allclose(model_outputs(network, noise=noise), plain)
+    assert not torch.allclose(outputs(network, noise=noise), plain)
 
 
 def test_one_embedding_tells_face_and_pose_unless_they_are_apart() -> None:
     for synchronous in (True, False):
         network = small_network(synchronous=synchronous)
         seeds = network.mean.expand(2, 4, VALUES).clone()
-        before = model_outputs(network, seeds=seeds)
+        before = outputs(network, seeds=seeds)
         seeds[..., 27:] += 1e-3
-        pose = (model_outputs(network, seeds=seeds) - before)[..., :27]
+        pose = (outputs(network, seeds=seeds) - before)[..., :27]
         assert bool(pose.abs().max() > 1e-6) == synchronous
     assert len(network.generator) == len(network.discriminator) == 2
 
@@ -75,12 +73,12 @@ def test_the_higher_graph_can_be_left_out(modality: str) -> None:
     assert {name: one.parts is None for name, one in encoders.items()} == {
         name: name == modality for name in encoders
     }
-    assert model_outputs(network).shape == (2, 34, VALUES)
+    assert outputs(network).shape == (2, 34, VALUES)
 
 
 def test_lips_are_the_phoneme_predictors_and_their_corners_are_not() -> None:
     network = small_network()
-    values = model_outputs(network)
+    values = outputs(network)
     heard = torch.randn(2, 34, 128)
     assert network.predict_lips(heard).shape == (2, 34, len(network.lips), 3)
     whole = network.with_lips(values, heard)
@@ -90,7 +88,7 @@ def test_lips_are_the_phoneme_predictors_and_their_corners_are_not() -> None:
 
 def test_every_weight_learns_from_some_loss() -> None:
     network = small_network().train().requires_grad_(True)
-    result = model_outputs(network)
+    result = outputs(network)
     loss = result.square().sum() + network.discriminate(result).sum()
     loss = loss + network.predict_lips(torch.randn(2, 34, 128)).square().sum()
     torch.autograd.backward(loss)

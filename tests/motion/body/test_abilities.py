@@ -7,12 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motion.body.abilities import (
-    BodyAbilities,
-    face_for,
-    read_expression_matrix,
-    unsupported_features,
-)
+from motion.body.abilities import BodyAbilities, face_for, read_expression_matrix, unsupported
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
@@ -52,7 +47,7 @@ def _clip(**more: Any) -> MotionClip:
 def test_unsupported_features_are_noted(
     body: dict[str, Any], clip: dict[str, Any], sentence: str | None
 ) -> None:
-    message = unsupported_features(_clip(**clip), _body(**body))
+    message = unsupported(_clip(**clip), _body(**body))
     assert len(message) == (sentence is not None)
     assert sentence is None or re.search(sentence, message[0])
 

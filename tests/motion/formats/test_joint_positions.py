@@ -149,9 +149,7 @@ def test_an_unusable_file_is_refused_with_the_reason(
         ("", "rows of other lengths, or no row"),
     ],
 )
-def test_an_unusable_table_is_refused_with_the_reason(
-    tmp_path: Path, rows: str, sentence: str
-) -> None:
+def test_an_unusable_table_is_refused(tmp_path: Path, rows: str, sentence: str) -> None:
     joints = ("pelvis", "left_shoulder", "right_shoulder")
     heading = ",".join(f"{joint}_{axis}" for joint in joints for axis in "xyz")
     (tmp_path / "a.csv").write_text(f"{heading}\n{rows}")

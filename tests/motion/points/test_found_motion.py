@@ -35,7 +35,7 @@ def talking() -> MotionClip:
     return clip_of(poses, arkit=arkit)
 
 
-def detected_pose(clip: MotionClip) -> FloatArray:
+def pose_of(clip: MotionClip) -> FloatArray:
     """Return the detected pose as seen by a tilted camera."""
     at, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     pose = np.zeros((FRAMES, 33, 3))
@@ -54,7 +54,7 @@ def detected_pose(clip: MotionClip) -> FloatArray:
     )  # fmt: skip
 
 
-def detected_face(clip: MotionClip, body: BodyModel) -> FloatArray:
+def face_of(clip: MotionClip, body: BodyModel) -> FloatArray:
     """Return a face mesh of points on the body's face, as seen by a moving camera."""
     still = replace(clip, poses=0 * clip.poses)
     vertices = body.vertices(still).astype(float)
@@ -103,7 +103,7 @@ def detection(**changed: Any) -> Detection:
 
 def test_a_talking_face_is_found_again(body: BodyModel) -> None:
     clip = talking()
-    shifts = landmark_shifts(detected_face(clip, body), 30, body)
+    shifts = landmark_shifts(face_of(clip, body), 30, body)
     result = facial_actions(shifts, body, misfit=6e-3)
     assert clip.arkit is not None
     for action in (JAW, BLINK):
@@ -113,9 +113,7 @@ def test_a_talking_face_is_found_again(body: BodyModel) -> None:
 
 def test_a_person_seen_by_a_camera_gestures_again(body: BodyModel) -> None:
     clip = talking()
-    result = clip_from_detection(
-        detection(pose=detected_pose(clip), face=detected_face(clip, body)), body
-    )
+    result = clip_from_detection(detection(pose=pose_of(clip), face=face_of(clip, body)), body)
     before, after = (
         forward_kinematics(each.poses, each.trans, REST_JOINTS)[0] for each in (clip, result)
     )
@@ -132,8 +130,7 @@ def test_an_arm_out_of_the_picture_hangs_with_a_note(body: BodyModel) -> None:
     visibility = np.ones((FRAMES, 33))
     visibility[:, 13] = 0.1
     result = clip_from_detection(
-        detection(pose=detected_pose(clip), face=detected_face(clip, body), visibility=visibility),
-        body,
+        detection(pose=pose_of(clip), face=face_of(clip, body), visibility=visibility), body
     )
     assert "left arm is out of the picture" in result.provenance["notes"]
     at = forward_kinematics(result.poses, result.trans, REST_JOINTS)[0]

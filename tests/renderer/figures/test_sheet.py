@@ -59,14 +59,8 @@ def test_the_page_shows_every_stimulus_or_that_it_is_missing(cell: Cell) -> None
     assert len(re.findall("<img[ >]", page)) == 3
     assert len(re.findall("<td[ >]", page)) == 6
     text = unescape(re.sub("<[^>]+>", "", page))
-    for expected in (
-        "Who & why",
-        "segment-02",
-        "anger, robin, 2.5 s",
-        '<b>"never"</b>',
-        "reference",
-    ):
-        assert expected in text
+    for words in ("Who & why", "segment-02", "anger, robin, 2.5 s", '<b>"never"</b>', "reference"):
+        assert words in text
     assert text.count("no video") == text.count("jumps") == 3
 
 

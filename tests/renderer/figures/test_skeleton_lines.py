@@ -31,9 +31,7 @@ def test_each_elbow_has_the_colour_of_its_side(joints: np.ndarray, camera: Camer
         assert np.abs(picture[int(y), int(x)] - colour).max() <= 3
 
 
-def test_a_skeleton_beside_the_body_leaves_the_body_unchanged(
-    joints: np.ndarray, camera: Camera
-) -> None:
+def test_the_body_is_unchanged_beside_its_skeleton(joints: np.ndarray, camera: Camera) -> None:
     picture = drawn(joints, camera, "beside")
     assert picture.shape == (SIZE, 2 * SIZE, 3)
     assert (picture[:, :SIZE] == 255).all()

@@ -42,7 +42,7 @@ def test_broken_jobs_are_reported_and_the_rest_goes_on_in_order_in_one_thread(
     arrays["poses"] = arrays["poses"].copy()
     arrays["poses"][3] = np.nan
     np.savez(tmp_path / "nan.npz", **arrays)
-    reported: list[Outcome] = []
+    done: list[Outcome] = []
     jobs: list[Job] = [
         replace(pair_job, name="lonely", left=tmp_path / "never.mkv"),
         replace(clip_job, name="nan", motion=tmp_path / "nan.npz", video=tmp_path / "nan.mp4"),
@@ -53,18 +53,11 @@ def test_broken_jobs_are_reported_and_the_rest_goes_on_in_order_in_one_thread(
     ]
     assert ONE_THREAD["LP_NUM_THREADS"] == "0"
     before = {name: os.environ.get(name) for name in ONE_THREAD}
-    outcomes = run_jobs(jobs, processes=1, on_done=reported.append)
+    outcomes = run_jobs(jobs, processes=1, on_done=done.append)
     assert before == {name: os.environ.get(name) for name in ONE_THREAD}
     names = ["lonely", "nan", "mute", "clip", "pair", "next"]
     assert [outcome.name for outcome in outcomes] == names
-    assert [outcome.name for outcome in reported] == [
-        "nan",
-        "mute",
-        "clip",
-        "lonely",
-        "pair",
-        "next",
-    ]
+    assert [outcome.name for outcome in done] == ["nan", "mute", "clip", "lonely", "pair", "next"]
     assert [outcome.error is None for outcome in outcomes] == [False] * 3 + [True] * 3
     assert "not a number" in str(outcomes[1].error)
     assert str(tmp_path / "nan.npz") in str(outcomes[1].error)
