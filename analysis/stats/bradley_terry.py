@@ -118,8 +118,8 @@ def bradley_terry(votes: Votes, *, left_effect: bool = True) -> BradleyTerry:
     if not votes.outcome.any():
         reason = "all answers are ties" if len(votes.left) else "no answers"
         return replace(unknown, reason=reason)
-    if linked.apart:
-        return replace(unknown, reason=linked.apart)
+    if linked.unlinked:
+        return replace(unknown, reason=linked.unlinked)
     # Without any tie their frequency has no estimate; the model without it is the same.
     has_ties = bool(votes.table[..., 1].any())
     shown = votes.table.sum(axis=2).ravel() > 0

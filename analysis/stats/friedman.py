@@ -299,13 +299,13 @@ def resampled_concordance(
     participants, segments = rankings.participants[complete], rankings.segments[complete]
     centred = rankings.ranks[complete] - (len(rankings.conditions) + 1) / 2
     squares = (centred**2).sum(axis=1)
-    people, things = len(rankings.participant_names), len(rankings.segment_names)
-    of_segment = [np.flatnonzero(segments == segment) for segment in range(things)]
+    participant_count, segment_count = len(rankings.participant_names), len(rankings.segment_names)
+    of_segment = [np.flatnonzero(segments == segment) for segment in range(segment_count)]
     means = []
     for start in range(0, resamples, BLOCK):
         size = min(BLOCK, resamples - start)
-        by_participant = bootstrap_counts(chance, size, people)
-        by_segment = bootstrap_counts(chance, size, things)
+        by_participant = bootstrap_counts(chance, size, participant_count)
+        by_segment = bootstrap_counts(chance, size, segment_count)
         concordances = np.stack(
             [
                 _concordance(by_participant[:, participants[rows]], centred[rows], squares[rows])

@@ -75,8 +75,8 @@ def plackett_luce(rankings: pd.DataFrame, conditions: Sequence[str]) -> Plackett
     )
     if all(remaining == chosen for remaining, chosen in stages):
         return replace(unknown, reason="every ranking ties all that it places")
-    if linked.apart:
-        return replace(unknown, reason=linked.apart)
+    if linked.unlinked:
+        return replace(unknown, reason=linked.unlinked)
     sizes = sorted({len(chosen) for _, chosen in stages} - {1})
     choosable = {
         remaining: _choosable(remaining, sizes)

@@ -29,7 +29,7 @@ class Links:
     tiers : ndarray of int, shape (conditions,)
         Conditions of one tier are linked by wins both ways. Of two tiers, one never lost to the
         other: their difference has no finite maximum-likelihood estimate (Ford 1957).
-    apart : str
+    unlinked : str
         Why there is no common scale, naming the groups that were never compared with one
         another; empty where all are linked.
     swept : str
@@ -37,7 +37,7 @@ class Links:
     """
 
     tiers: Codes
-    apart: str
+    unlinked: str
     swept: str
 
 
@@ -53,19 +53,19 @@ def links(beats: Floats, names: Sequence[str]) -> Links:
     """
     groups, group = connected_components(csr_matrix(beats + beats.T), directed=False)
     count, tiers = connected_components(csr_matrix(beats), directed=True, connection="strong")
-    apart = ""
+    unlinked = ""
     if groups > 1:
         parts = [_named(names, group == number) for number in range(groups)]
-        apart = (
+        unlinked = (
             f"never compared with one another, not even through others: {' | '.join(parts)}; "
             "strengths have no common scale"
         )
     swept = []
-    for number in range(count if count > 1 and not apart else 0):
+    for number in range(count if count > 1 and not unlinked else 0):
         inside = tiers == number
         if not beats[~inside][:, inside].any():
             swept.append(f"{_named(names, inside)} never lost to any of the others")
-    return Links(tiers=np.asarray(tiers, np.intp), apart=apart, swept="; ".join(swept))
+    return Links(tiers=np.asarray(tiers, np.intp), unlinked=unlinked, swept="; ".join(swept))
 
 
 def _named(names: Sequence[str], chosen: NDArray[np.bool_]) -> str:

@@ -21,28 +21,28 @@ ROUGH: Final = 10
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pilot:
-    """What a pilot tells a plan.
+class Assumptions:
+    """What a plan assumes about participants, estimated from a pilot or not.
 
     Attributes
     ----------
     opinions : Opinions
         How people answer.
     excluded : float
-        Share of participants whom its rules leave out.
+        Share of participants who are excluded.
     source : str
-        What it is, in words.
+        Where the assumptions come from, in words.
     notes : tuple of str
-        What limits it, as sentences.
+        What limits them, as sentences.
     """
 
     opinions: Opinions
     excluded: float
     source: str
-    notes: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
 
-def read_pilot(path: Path, protocol: str) -> Pilot:
+def read_pilot(path: Path, protocol: str) -> Assumptions:
     """Read a pilot: the folder of a study that was answered, or a table of answers.
 
     Parameters
@@ -80,7 +80,7 @@ def read_pilot(path: Path, protocol: str) -> Pilot:
         )
     if rehearsed:
         notes.append("The pilot was answered by simulated raters: it tells nothing about people.")
-    return Pilot(
+    return Assumptions(
         opinions=opinions,
         excluded=1 - left_out.attentive / left_out.recruited,
         source=f"Estimated from {answers:,} answers of {groups['participant']} participants about "

@@ -11,7 +11,7 @@ from analysis.planning.plan import Plan, Request, plan
 from analysis.planning.power import Effort
 from analysis.planning.writing import CELLS, write_plan
 from motion.errors import InputError
-from studyapp.planning.pilot import read_pilot
+from studyapp.planning.pilot import Assumptions, read_pilot
 from studyapp.planning.planned_study import (
     PlannedStudy,
     excluded_by_default,
@@ -61,17 +61,14 @@ def plan_study(
     """
     study = folder.study()
     segments = planned_segments(folder, study, items)
-    pilot_opinions = None if pilot is None else read_pilot(pilot, study.protocol)
-    excluded = excluded_by_default(study) if pilot_opinions is None else pilot_opinions.excluded
-    # Of a study without speech, only what is asked for can be meant.
-    stands = has_segments(folder, study) or len(items) == 1
-    planned_size = study.arms[0].places, len(segments)
-    participants = participants or tuple(planned_size[0] * n for n in TIMES_PARTICIPANTS)
-    items = items or tuple(planned_size[1] * n for n in TIMES_ITEMS)
-    planned = PlannedStudy(study=study, segments=segments, excluded=excluded)
+    assumed = _assumptions(study) if pilot is None else read_pilot(pilot, study.protocol)
+    own_size = study.arms[0].places, len(segments)
+    participants = participants or tuple(own_size[0] * n for n in TIMES_PARTICIPANTS)
+    # A study without speech has no size of its own, unless one number of segments is asked for.
+    has_own_size = has_segments(folder, study) or len(items) == 1
+    items = items or tuple(own_size[1] * n for n in TIMES_ITEMS)
+    planned = PlannedStudy(study=study, segments=segments, excluded=assumed.excluded)
     _refuse_huge(planned.size(1, max(items)), max(participants))
-    stated = study.rehearsal.model_fields_set & {"participants_differ", "segments_differ"}
-    source, opinions = "As the study file states" if stated else "Assumed", _opinions(study)
     request = Request(
         title=study.title,
         protocol=study.protocol,
@@ -79,16 +76,16 @@ def plan_study(
         participants=tuple(sorted(set(participants))),
         items=tuple(sorted(set(items))),
         effects=tuple(sorted(set(effects))),
-        own=planned_size if stands else None,
+        own=own_size if has_own_size else None,
         per_comparison=len(study.arms) > 1,
-        opinions=opinions if pilot_opinions is None else pilot_opinions.opinions,
-        source=source if pilot_opinions is None else pilot_opinions.source,
-        excluded=excluded,
+        opinions=assumed.opinions,
+        source=assumed.source,
+        excluded=assumed.excluded,
         pay=pay,
         effort=Effort(),
         minutes=MINUTES,
         seed=study.seed,
-        notes=(*notes_of(study), *(pilot_opinions.notes if pilot_opinions is not None else ())),
+        notes=(*notes_of(study), *assumed.notes),
     )
     out = folder.root / "plan"
     result = plan(request, Runner(folder=out / CELLS, processes=processes, show=show))
@@ -96,11 +93,16 @@ def plan_study(
     return result
 
 
-def _opinions(study: Study) -> Opinions:
-    """Return how opinions differ according to the study file."""
-    return Opinions(
-        participant_sd=study.rehearsal.participants_differ,
-        item_sd=study.rehearsal.segments_differ,
+def _assumptions(study: Study) -> Assumptions:
+    """Return what is assumed without a pilot: what the study file states, or the defaults."""
+    stated = study.rehearsal.model_fields_set & {"participants_differ", "segments_differ"}
+    return Assumptions(
+        opinions=Opinions(
+            participant_sd=study.rehearsal.participants_differ,
+            item_sd=study.rehearsal.segments_differ,
+        ),
+        excluded=excluded_by_default(study),
+        source="As the study file states" if stated else "Assumed",
     )
 
 
