@@ -1,7 +1,7 @@
-"""Copies of a study's database: one SQLite file, whatever database they are of.
+"""Copies of a study's database: one SQLite file, whatever the database is.
 
-A copy holds what was stored at one moment, in tables of the schema that the database had. It can
-be put back into SQLite and into PostgreSQL alike.
+A copy is a consistent snapshot with the database's schema. It can be restored into SQLite and
+PostgreSQL.
 """
 
 from __future__ import annotations
@@ -37,16 +37,16 @@ from studyapp.database.postgresql import Turn, take_turn, without_timeout
 from studyapp.database.tables.base import UtcMoment
 
 SCHEMA: Final = "alembic_version"
-"""The table in which the schema's name stands."""
+"""The table with the schema's name."""
 
 ROWS_AT_ONCE: Final = 1000
 
 
 def write_copy(url: str, file: Path) -> None:
-    """Write what the database at `url` holds at this moment to the SQLite file `file`.
+    """Write a snapshot of the database at `url` to the SQLite file `file`.
 
-    Participants may be answering meanwhile: everything that was acknowledged before is in the copy,
-    and of every transaction all or nothing. What was deleted leaves no bytes in it.
+    Participants may answer meanwhile: the copy has everything that was acknowledged before, and no
+    partial transactions. Deleted data leave no bytes in it.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def write_copy(url: str, file: Path) -> None:
     database = Database.open_for_reading(url, of_any_age=True)
     if database is None:
         raise InputError(
-            "there is no database yet, and so nothing that could be lost",
+            "there is no database yet, so there is nothing to lose",
             where=display_address(url),
             remedy="If the study is served with DATABASE_URL, set it here as well",
         )
@@ -69,28 +69,28 @@ def write_copy(url: str, file: Path) -> None:
         raise InputError(
             f"the database could not be copied: {getattr(error, 'orig', error)}",
             where=display_address(url),
-            remedy="See whether it is whole and its disk has room, and try again",
+            remedy="Check that it is intact and its disk has space, and try again",
         ) from error
     finally:
         database.close()
 
 
 def compact(file: Path) -> None:
-    """Make the SQLite database `file` a single file in which nothing deleted is left."""
+    """Make the SQLite database `file` a single file without deleted data."""
     with closing(sqlite3.connect(file)) as connection:
         connection.execute("PRAGMA journal_mode = DELETE")
         connection.execute("VACUUM")
 
 
 def schema_of_copy(file: Path) -> str | None:
-    """Return the name of the schema that the copy `file` has."""
+    """Return the name of the schema of the copy `file`."""
     with closing(sqlite3.connect(file)) as connection:
-        found = connection.execute(f"SELECT version_num FROM {SCHEMA}").fetchone()  # noqa: S608
-    return None if found is None else str(found[0])
+        row = connection.execute(f"SELECT version_num FROM {SCHEMA}").fetchone()  # noqa: S608
+    return None if row is None else str(row[0])
 
 
 def count_rows(file: Path) -> dict[str, int]:
-    """Return how many rows each table of the copy `file` has."""
+    """Count the rows of each table of the copy `file`."""
     engine = create_engine(sqlite_url(file))
     try:
         with engine.connect() as connection:
@@ -100,36 +100,36 @@ def count_rows(file: Path) -> dict[str, int]:
 
 
 def find_flaws(file: Path) -> list[str]:
-    """Return what SQLite finds wrong with the copy `file`; nothing where it is whole."""
+    """Return everything that is wrong with the copy `file`."""
     try:
         with closing(sqlite3.connect(file)) as connection:
-            found = [str(line) for (line,) in connection.execute("PRAGMA integrity_check")]
-            lost = connection.execute("PRAGMA foreign_key_check").fetchall()
-            strange = connection.execute(
+            messages = [str(line) for (line,) in connection.execute("PRAGMA integrity_check")]
+            orphans = connection.execute("PRAGMA foreign_key_check").fetchall()
+            strangers = connection.execute(
                 "SELECT type, name FROM sqlite_master"
                 " WHERE type NOT IN ('table', 'index') OR sql LIKE 'CREATE VIRTUAL%'"
             ).fetchall()
     except sqlite3.Error as error:
         return [str(error)]
-    flaws = [] if found == ["ok"] else found
-    if lost:
-        flaws.append(f"{len(lost)} rows belong to rows that are not there")
-    # Such would act, or answer, in place of the tables, as soon as the study is served.
-    flaws += [f"it has the {kind} {name!r}, which no study has" for kind, name in strange]
+    flaws = [] if messages == ["ok"] else messages
+    if orphans:
+        flaws.append(f"{len(orphans)} rows refer to missing rows")
+    # Triggers and views could act in place of the tables once the study is served.
+    flaws += [f"it has the {kind} {name!r}, which no study has" for kind, name in strangers]
     return flaws
 
 
 def require_empty(url: str) -> None:
     """Raise `InputError` unless there is nothing at `url` that could be lost.
 
-    That is no SQLite file, or a database of PostgreSQL whose tables, whosever they are, are empty.
+    That is: no SQLite file, or a PostgreSQL database in which all tables are empty.
     """
     file = sqlite_file(url)
     if file is not None:
         if file.exists():
-            raise _not_empty_error(url, "it is there")
+            raise _not_empty_error(url, "the file exists")
         return
-    # Asked first, since it says what is wrong with an address.
+    # Opened properly first, because that explains what is wrong with an address.
     database = Database.open_for_reading(url, of_any_age=True) or Database.open_unchecked(url)
     try:
         with database.engine.connect() as connection:
@@ -143,14 +143,14 @@ def require_empty(url: str) -> None:
 
 
 def fill_from_copy(url: str, file: Path) -> None:
-    """Put all rows of the copy `file`, of the newest schema, into the empty PostgreSQL at `url`.
+    """Restore the copy `file`, at the newest schema, into the empty PostgreSQL database at `url`.
 
-    All of them are stored, in one transaction, or none.
+    Everything is stored in one transaction, or nothing.
 
     Raises
     ------
     InputError
-        If the database is not empty, or holds another number of rows afterwards.
+        If the database is not empty, or has other numbers of rows afterwards.
     """
     require_empty(url)
     database = Database.open(url)
@@ -163,24 +163,24 @@ def fill_from_copy(url: str, file: Path) -> None:
         ):
             target = session.connection()
             opened.enter_context(without_timeout(target))
-            # A server that opens its places at this moment comes before all of this, or after it.
+            # A server that adds places at this moment does so before or after all of this.
             take_turn(target, Turn.ALLOCATION)
             tables = _tables_of(copy)
             if any(row_counts(target, tables).values()):
-                raise _not_empty_error(url, "somebody has just filled it")
+                raise _not_empty_error(url, "somebody has just written to it")
             _copy_rows(copy, target, tables)
             _advance_sequences(target, tables)
             if row_counts(target, tables) != row_counts(copy, tables):
                 raise InputError(
-                    "the database does not hold what was put into it",
+                    "the database does not have the rows that were written",
                     where=display_address(url),
-                    remedy="See whether anything else writes to it; nothing of this was stored",
+                    remedy="Check whether anything else writes to it; nothing was stored",
                 )
     except DBAPIError as error:
         raise InputError(
             f"the database cannot be filled: {error.orig}",
             where=display_address(url),
-            remedy="Mend that and try again: nothing was stored",
+            remedy="Fix this and try again: nothing was stored",
         ) from error
     finally:
         source.dispose()
@@ -188,7 +188,7 @@ def fill_from_copy(url: str, file: Path) -> None:
 
 
 def row_counts(connection: Connection, tables: MetaData) -> dict[str, int]:
-    """Return how many rows each table has, by name."""
+    """Count the rows of each table."""
     return {
         table.name: connection.scalar(select(func.count()).select_from(table)) or 0
         for table in sorted(tables.tables.values(), key=lambda each: each.name)
@@ -196,7 +196,7 @@ def row_counts(connection: Connection, tables: MetaData) -> dict[str, int]:
 
 
 def _copy_file(database: Database, file: Path) -> None:
-    """Copy an SQLite database by SQLite's own backup, which keeps nobody from writing."""
+    """Copy an SQLite database with SQLite's backup, which does not block writers."""
     connection = database.engine.raw_connection()
     try:
         source: Any = connection.driver_connection
@@ -208,7 +208,7 @@ def _copy_file(database: Database, file: Path) -> None:
 
 
 def _copy_rows_to_file(database: Database, file: Path) -> None:
-    """Copy any other database row by row, as it was at one moment."""
+    """Copy any other database row by row, from one snapshot."""
     target = create_engine(sqlite_url(file))
     try:
         with database.reading() as session:
@@ -224,26 +224,26 @@ def _copy_rows_to_file(database: Database, file: Path) -> None:
 
 def _copy_rows(source: Connection, target: Connection, tables: MetaData) -> None:
     for table in tables.sorted_tables:
-        found = source.execution_options(yield_per=ROWS_AT_ONCE).execute(
+        result = source.execution_options(yield_per=ROWS_AT_ONCE).execute(
             select(table).order_by(*table.primary_key)
         )
-        for rows in found.mappings().partitions():
+        for rows in result.mappings().partitions():
             target.execute(table.insert(), [dict(row) for row in rows])
 
 
 def _advance_sequences(connection: Connection, tables: MetaData) -> None:
-    """Let PostgreSQL count on from the highest id of each table."""
+    """Advance PostgreSQL's sequences to the highest id of each table."""
     if connection.dialect.name != "postgresql":
         return
     for table in tables.sorted_tables:
         counter = func.pg_get_serial_sequence(table.name, "id")
         highest = select(func.max(table.c.id)).scalar_subquery()
-        # Without a row, it counts from 1.
+        # Sequences of empty tables start at 1.
         connection.execute(select(func.setval(counter, highest)).where(highest.is_not(None)))
 
 
 def _tables_of(connection: Connection) -> MetaData:
-    """Return the tables that a copy has, in types that every database knows."""
+    """Return the tables of a copy, with types that every database knows."""
     tables = MetaData()
     event.listen(tables, "column_reflect", _generalize_type)
     tables.reflect(connection)
@@ -261,5 +261,5 @@ def _not_empty_error(url: str, why: str) -> InputError:
     return InputError(
         f"the database is not empty: {why}",
         where=display_address(url),
-        remedy="Restore into a new database, so that nothing that is there can be lost",
+        remedy="Restore into a new database, so that nothing can be lost",
     )

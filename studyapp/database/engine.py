@@ -1,4 +1,4 @@
-"""Opening the study's database: SQLite beside the study, or PostgreSQL by address."""
+"""The study's database: SQLite in the study folder, or PostgreSQL by URL."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from studyapp.study.folder import StudyFolder
 
 
 def sqlite_url(path: Path) -> str:
-    """Return the database address of an SQLite file, whatever letters its folders' names hold."""
+    """Return the URL of an SQLite file with any name."""
     address = URL.create("sqlite", database=str(path.resolve()))
     return address.render_as_string(hide_password=False)
 
@@ -46,7 +46,7 @@ def sqlite_url(path: Path) -> str:
 def database_url_of(
     folder: Path, *, database_url: str | None = None, rehearsal: bool = False
 ) -> str:
-    """Return the address of the database that answers go to.
+    """Return the URL of the database for answers.
 
     Parameters
     ----------
@@ -55,8 +55,8 @@ def database_url_of(
     database_url : str, optional
         Takes precedence over everything else.
     rehearsal : bool
-        A rehearsal's answers go to a database of their own, whatever the environment says;
-        those of participants to ``DATABASE_URL`` where it is set, else beside the study.
+        Rehearsals have a database of their own, whatever the environment says. Participants'
+        answers go to ``DATABASE_URL`` if it is set, or into the study folder.
     """
     if database_url is not None:
         return database_url
@@ -70,21 +70,20 @@ def database_url_of(
 class Database:
     """An open database at the newest schema.
 
-    Several processes may have the same one open. Work is done in `writing` or `reading`, each
-    one transaction: all of it is stored, or nothing.
+    Several processes may share it. `writing` and `reading` each run one transaction.
     """
 
     engine: Engine
 
     @classmethod
     def open(cls, url: str) -> Self:
-        """Open the database at `url`, making it or bringing it to the newest schema.
+        """Open the database at `url`; create it, or migrate it to the newest schema.
 
         Raises
         ------
         InputError
-            If the address is unusable, the file is not a database or damaged, or a newer version
-            of Motion Jury made it.
+            If the URL is unusable, the file is damaged or not a database, or a newer version of
+            Motion Jury created it.
         """
         with _explain_failures(url):
             if (file := sqlite_file(url)) is not None:
@@ -98,23 +97,23 @@ class Database:
 
     @classmethod
     def open_for_reading(cls, url: str, *, of_any_age: bool = False) -> Self | None:
-        """Open the database at `url` as it is: it is neither made nor changed.
+        """Open the database at `url` without creating or changing it.
 
         Parameters
         ----------
         of_any_age : bool
-            Whether one that an older version made is opened as well; its tables may differ from
+            Whether to open older schemas, too; their tables may differ from
             `studyapp.database.tables`.
 
         Returns
         -------
         Database or None
-            None where there is none yet, or an empty one.
+            None if there is none yet, or it is empty.
 
         Raises
         ------
         InputError
-            As in `open`; and if an older version of Motion Jury made it, unless `of_any_age`.
+            As in `open`; and for an older schema, unless `of_any_age`.
         """
         with _explain_failures(url):
             file = sqlite_file(url)
@@ -123,14 +122,14 @@ class Database:
             engine = _read_only(url)
             with engine.connect() as connection:
                 revision = schema_of(connection)
-            # Only a closed database leaves no working files beside it.
+            # SQLite removes its working files only when a database is closed.
             engine.dispose()
         if revision is None:
             return None
         _require_known(revision, url)
         if revision != _newest_schema() and not of_any_age:
             raise InputError(
-                f"an older version of Motion Jury made the database (schema {revision})",
+                f"an older version of Motion Jury created the database (schema {revision})",
                 where=display_address(url),
                 remedy="Run 'motionjury serve' once: it brings the database to the newest schema",
             )
@@ -138,16 +137,16 @@ class Database:
 
     @classmethod
     def open_unchecked(cls, url: str) -> Self:
-        """Give the database at `url` for reading, whatever is in it; nothing is looked at yet."""
+        """Open the database at `url` for reading, without any check."""
         with _explain_failures(url):
             return cls(_read_only(url))
 
     @contextmanager
     def writing(self) -> Iterator[Session]:
-        """Give a session whose transaction is stored at the end.
+        """Yield a session in a transaction that is committed at the end.
 
-        On SQLite it excludes all other writers. On PostgreSQL writers run side by side; they wait
-        for each other where they lock the same row or take the same `Turn`.
+        On SQLite it excludes all other writers. On PostgreSQL writers run concurrently, and wait
+        only for locks on the same row or the same `Turn`.
         """
         with (
             hold_writer_lock(self.engine),
@@ -160,18 +159,17 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
-        """Give a session that sees one state of the database and stores nothing."""
+        """Yield a read-only session with a consistent snapshot."""
         with Session(self._reader, expire_on_commit=False) as session:
             yield session
-            # Not rolled back: psycopg then gives up the statements that it has prepared.
+            # A rollback would make psycopg discard its prepared statements.
             session.commit()
 
     @contextmanager
     def looking_up(self) -> Iterator[Connection]:
-        """Give a connection for one statement that only reads; for several, see `reading`.
+        """Yield a connection for a single reading statement; for several, use `reading`.
 
-        A statement sees one state of the database anyway. PostgreSQL is spared the transaction
-        around it: two journeys of three.
+        Without a transaction, PostgreSQL needs one round trip instead of three.
         """
         with self._looker.connect() as connection:
             yield connection
@@ -194,24 +192,24 @@ class Database:
         return self.engine.execution_options(**options)
 
     def check_writable(self) -> None:
-        """Store what is stored already: where that fails, no answer could be stored either."""
+        """Raise an error if nothing can be stored, by rewriting a row with its own values."""
         with self.writing() as session:
             session.execute(text("UPDATE alembic_version SET version_num = version_num"))
 
     def close(self) -> None:
-        """Give back all connections."""
+        """Close all connections."""
         self.engine.dispose()
 
 
 def migration_config(connection: Connection) -> Config:
-    """Return the configuration with which Alembic works on `connection`."""
+    """Return Alembic's configuration for `connection`."""
     config = _config()
     config.attributes["connection"] = connection
     return config
 
 
 def _migrate(engine: Engine, url: str) -> None:
-    """Bring the database to the newest schema; several processes may try at once."""
+    """Migrate the database to the newest schema; several processes may try at once."""
     with engine.execution_options(writes=True).begin() as connection, without_timeout(connection):
         take_turn(connection, Turn.MIGRATION)
         revision = schema_of(connection)
@@ -224,15 +222,15 @@ def _require_known(revision: str, url: str) -> None:
     """Raise `InputError` unless this version knows the schema `revision`."""
     if revision not in {step.revision for step in _schemas().walk_revisions()}:
         raise InputError(
-            f"another version of Motion Jury made the database (schema {revision}), "
+            f"another version of Motion Jury created the database (schema {revision}), "
             "and this one cannot read it",
             where=display_address(url),
-            remedy="Use the version that made it, or choose another database",
+            remedy="Use the version that created it, or choose another database",
         )
 
 
 def schema_of(connection: Connection) -> str | None:
-    """Return the name of the database's schema; None where it has none yet."""
+    """Return the name of the database's schema; None if it has none yet."""
     return MigrationContext.configure(connection).get_current_revision()
 
 
@@ -242,7 +240,7 @@ def _newest_schema() -> str | None:
 
 @cache
 def _schemas() -> ScriptDirectory:
-    """Return all schemas there are; reading them takes longer than opening a database."""
+    """Return all schemas, cached because reading them is slow."""
     return ScriptDirectory.from_config(_config())
 
 
@@ -261,15 +259,14 @@ def _explain_failures(url: str) -> Iterator[None]:
         raise InputError(
             f"the database address cannot be used: {error}",
             where=display_address(url),
-            remedy="Give an address such as sqlite:////folder/responses.db, and install the "
-            "driver it needs",
+            remedy="Give an address such as sqlite:////folder/responses.db, and install its driver",
         ) from error
     except DatabaseError as error:
         remedy = "Check that the server runs, and the name, password and database in the address"
         if _address(url).get_backend_name() == "sqlite":
             remedy = (
-                "Check that the path is right and writable; if the file is damaged, put a backup "
-                "in its place"
+                "Check that the path is right and writable; if the file is damaged, restore a "
+                "backup"
             )
         raise InputError(
             f"the database cannot be opened: {error.orig}",
@@ -279,7 +276,7 @@ def _explain_failures(url: str) -> Iterator[None]:
 
 
 def _address(url: str) -> URL:
-    """Return the address in parts; PostgreSQL's, however it is written, with the driver's name."""
+    """Parse an address, and give PostgreSQL's the driver's name."""
     address = make_url(url)
     if address.drivername in ("postgres", "postgresql"):
         return address.set(drivername="postgresql+psycopg")
@@ -295,7 +292,7 @@ def display_address(url: str) -> str:
 
 
 def sqlite_file(url: str) -> Path | None:
-    """Return the file of an SQLite database, None for every other database."""
+    """Return the file of an SQLite database; None for other databases."""
     address = _address(url)
     if address.get_backend_name() != "sqlite" or not address.database:
         return None
@@ -308,7 +305,7 @@ def _read_only(url: str) -> Engine:
 
 def _engine(url: str, *, changes: bool = True, seconds: float, **options: Any) -> Engine:
     address = _address(url)
-    # Among the parameters of a failed statement may be a participant's token.
+    # The parameters of a failed statement may include a participant's token.
     hidden = {"hide_parameters": True, "execution_options": options}
     if address.get_backend_name() != "sqlite":
         return postgresql_engine(address, seconds, **hidden)

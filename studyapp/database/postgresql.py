@@ -1,4 +1,4 @@
-"""PostgreSQL: connections that wait for no server without end, and turns that processes take."""
+"""PostgreSQL: connections with timeouts, and turns for which server processes wait."""
 
 from __future__ import annotations
 
@@ -27,44 +27,43 @@ from sqlalchemy.exc import DisconnectionError
 from sqlalchemy.pool import ConnectionPoolEntry, PoolProxiedConnection
 
 CONNECT_SECONDS: Final = 3
-"""How long a connection may take to be made."""
+"""Timeout of connecting."""
 
 ALIVE_SECONDS: Final = 3.0
-"""How long a server may take to say that it is there."""
+"""Timeout of the test whether a server is alive."""
 
 STATEMENT_SECONDS: Final = 30.0
-"""How long a statement may take, waiting for others included."""
+"""Timeout of a statement, waits for locks included."""
 
 READING_SECONDS: Final = 600.0
-"""How long one of a command may take that only reads: a report reads whole tables."""
+"""Timeout of a statement of reading commands: a report reads whole tables."""
 
 GRACE_SECONDS: Final = 2.0
-"""What a server may take to say that a statement took too long; a frozen one says nothing."""
+"""How long to wait for the server's own timeout; a frozen server never reports it."""
 
 IDLE_SECONDS: Final = 1.0
-"""After such a rest, a connection is tried before it is used."""
+"""After so long without use, a connection is tested first."""
 
 IDLE_SINCE: Final = "rests_since"
 
 
 MAX_CONNECTIONS: Final = 15
-"""Connections to PostgreSQL that a process has at most, and keeps: to make one costs as much as a
-page."""
+"""Connections of a process, which are kept open: opening one costs as much as a page."""
 
 
 class PatientConnection(psycopg.Connection[Any]):
-    """A connection that gives a server up which does not answer.
+    """A connection that closes if the server does not answer.
 
     Attributes
     ----------
     patience : float or None
-        Seconds that each statement may take; None for any time.
+        Seconds to wait for each statement; None for no limit.
     """
 
     patience: float | None = None
 
     def wait(self, gen: PQGen[RV], interval: float = 0.1, timeout: float | None = None) -> RV:
-        """Wait for the server; what it does then is unknown, so the connection ends."""
+        """Wait for the server; after a timeout its state is unknown, so close the connection."""
         try:
             return super().wait(gen, interval, self.patience if timeout is None else timeout)
         except psycopg.errors._WaitTimeout as error:
@@ -73,14 +72,14 @@ class PatientConnection(psycopg.Connection[Any]):
 
 
 def postgresql_engine(address: URL, seconds: float, **options: Any) -> Engine:
-    """Return an engine no statement of which takes longer than `seconds`."""
+    """Return an engine with a timeout of `seconds` for each statement."""
     engine = create_engine(
         address,
-        # Locks are what keeps writers apart, whatever the server's own default is.
+        # Writers rely on locks, whatever the server's default is.
         isolation_level="READ COMMITTED",
         pool_size=MAX_CONNECTIONS,
         max_overflow=0,
-        # Few are used at all, and the one that was used last has the most prepared.
+        # The connection used last has the most prepared statements.
         pool_use_lifo=True,
         **options,
     )
@@ -89,14 +88,14 @@ def postgresql_engine(address: URL, seconds: float, **options: Any) -> Engine:
     def connect(
         _dialect: Any, _record: Any, arguments: list[Any], named: dict[str, Any]
     ) -> PatientConnection:
-        made = PatientConnection.connect(
+        connection = PatientConnection.connect(
             *arguments, **{"connect_timeout": CONNECT_SECONDS, **named}
         )
-        made.patience = ALIVE_SECONDS
-        made.execute(f"SET statement_timeout = {round(1000 * seconds)}")
-        made.commit()
-        made.patience = seconds + GRACE_SECONDS
-        return made
+        connection.patience = ALIVE_SECONDS
+        connection.execute(f"SET statement_timeout = {round(1000 * seconds)}")
+        connection.commit()
+        connection.patience = seconds + GRACE_SECONDS
+        return connection
 
     event.listen(engine, "checkin", _note_idle_since)
     event.listen(engine, "checkout", _require_alive)
@@ -105,7 +104,7 @@ def postgresql_engine(address: URL, seconds: float, **options: Any) -> Engine:
 
 @contextmanager
 def without_timeout(connection: Connection) -> Iterator[None]:
-    """Let statements of the present transaction on `connection` take any time."""
+    """Lift the timeout for the current transaction on `connection`."""
     driver: Any = connection.connection.driver_connection
     if not isinstance(driver, PatientConnection):
         yield
@@ -125,10 +124,7 @@ def _note_idle_since(_connection: DBAPIConnection | None, record: ConnectionPool
 def _require_alive(
     connection: DBAPIConnection, record: ConnectionPoolEntry, _proxy: PoolProxiedConnection
 ) -> None:
-    """Have a connection that has rested replaced where its server has gone away meanwhile.
-
-    To ask before every use would be a journey to the server for nothing.
-    """
+    """Replace an idle connection whose server has gone away; testing each use would be slow."""
     since = record.info.get(IDLE_SINCE)
     if since is None or time.monotonic() - since < IDLE_SECONDS:
         return
@@ -144,7 +140,7 @@ def _require_alive(
 
 
 class Turn(IntEnum):
-    """What server processes do one after the other; the numbers are PostgreSQL's lock names."""
+    """What server processes do one at a time; the values are keys of advisory locks."""
 
     MIGRATION = 8_675_110_001
     ALLOCATION = 8_675_110_002
@@ -159,19 +155,18 @@ SHARE: Final = select(
 
 
 def take_turn(connection: Connection, turn: Turn) -> None:
-    """Wait until no other process has its `turn`; it lasts until the transaction ends.
+    """Wait for `turn`, and have it alone until the transaction ends.
 
-    On SQLite a transaction that writes is alone anyway.
+    On SQLite a writing transaction is always alone.
     """
     if connection.dialect.name == "postgresql":
         connection.execute(select(func.pg_advisory_xact_lock(int(turn))))
 
 
 def share_turn(connection: Connection, turn: Turn, name: str) -> None:
-    """Wait until nobody has the whole `turn`, nor shares it under the same `name`.
+    """Wait for `turn`, and share it with other names until the transaction ends.
 
-    Others share it at the same time under other names. On SQLite a transaction that writes is
-    alone anyway.
+    On SQLite a writing transaction is always alone.
     """
     if connection.dialect.name == "postgresql":
         digest = hashlib.sha256(f"{turn.name} {name}".encode()).digest()

@@ -1,4 +1,4 @@
-"""Leaving nothing of what was deleted in the database's files."""
+"""Removing deleted data from the database's files."""
 
 from __future__ import annotations
 
@@ -16,27 +16,26 @@ from studyapp.database.sqlite import hold_writer_lock
 from studyapp.database.tables import Base
 
 LOCK_SECONDS: Final = 30
-"""How long a table is waited for; meanwhile, those who want it wait too."""
+"""How long to wait for a table; others who need it wait behind this."""
 
 AGAIN: Final = (
-    "Run the same command again, at a quieter moment: it takes up where it stopped, and changes "
+    "Run the same command again at a quieter moment: it continues where it stopped, and changes "
     "nothing else"
 )
 
 
 def scrub(database: Database) -> None:
-    """Write the database's files anew, so that they hold nothing but what is stored.
+    """Rewrite the database's files, so that they contain no deleted data.
 
-    Deleting marks rows as free; their bytes stay in the file until something else needs the room.
-    SQLite's file is rebuilt, and its log emptied into it. Of PostgreSQL, each table is rewritten.
-    Servers of the study may go on; they wait for a moment. Where the database keeps copies of its
-    own (PostgreSQL's write-ahead log, replicas, archives), those end as they are set up to end.
+    Deleting only marks rows as free; their bytes stay until the space is reused. SQLite's file is
+    rebuilt and its log truncated; in PostgreSQL, each table is rewritten. Servers of the study only
+    wait for a moment. Copies that the database keeps itself (PostgreSQL's write-ahead log,
+    replicas, archives) expire as configured.
 
     Raises
     ------
     InputError
-        If somebody keeps the database from being rewritten for too long; what was deleted is
-        deleted all the same.
+        If somebody blocks the rewriting for too long; the deletion itself stands.
     """
     clean: Callable[[Engine], None] = (
         _rewrite_postgresql if database.engine.dialect.name == "postgresql" else _rewrite_sqlite
@@ -53,7 +52,7 @@ def _rewrite_sqlite(engine: Engine) -> None:
         try:
             cursor = connection.cursor()
             cursor.execute("VACUUM")
-            # Until it is emptied, the log holds earlier states of the pages.
+            # Until it is truncated, the log has earlier states of the pages.
             (busy, _, _) = cursor.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone() or (1, 0, 0)
             cursor.close()
         except sqlite3.Error as error:
@@ -82,7 +81,7 @@ def _rewrite_postgresql(engine: Engine) -> None:
                 connection.exec_driver_sql(f"VACUUM (FULL) {table.name}")
         finally:
             driver.remove_notice_handler(note)
-            # Its statements have no limit any more.
+            # The connection has no timeouts any more.
             connection.invalidate()
     if refused:
         raise _unfinished("; ".join(refused))
@@ -90,7 +89,7 @@ def _rewrite_postgresql(engine: Engine) -> None:
 
 def _unfinished(why: str) -> InputError:
     return InputError(
-        "what was deleted is deleted, but its bytes could not be cleared from the database's "
-        f"files: {why}",
+        "the data are deleted, but their bytes could not be removed from the database's files: "
+        f"{why}",
         remedy=AGAIN,
     )

@@ -1,7 +1,4 @@
-"""SQLite: its files, its transactions, and the line in which its writers wait.
-
-Threads and processes alike wait in the line.
-"""
+"""SQLite: its files, its transactions, and a fair lock for writers, threads and processes alike."""
 
 from __future__ import annotations
 
@@ -22,26 +19,26 @@ from sqlalchemy import URL, Connection, Engine, create_engine, event
 from motion.errors import InputError
 
 WRITER_LOCK_SECONDS: Final = 30.0
-"""How long a writer waits for its turn before it gives up."""
+"""How long a writer waits for the lock."""
 
 
 class WriterLockError(InputError):
-    """Another process has its turn and does not end it."""
+    """Another process does not release the writers' lock."""
 
 
 @contextmanager
 def hold_writer_lock(engine: Engine) -> Iterator[None]:
-    """Let writers of an SQLite file wait in line.
+    """Hold the writers' lock of an SQLite database during the block.
 
-    SQLite's own waiters try again after ever longer pauses: under load some wait for seconds while
-    others, who come later, are lucky. The line decides who goes next, not who may: that remains
-    SQLite's lock. It is the system's lock on a file beside the database, and ends with whoever
-    holds it. (On the database's own file it would undo SQLite's locks.)
+    SQLite's own waiters poll with growing pauses: under load some starve. This lock only decides
+    who is next; SQLite's lock still protects the data. It is the operating system's lock on a file
+    beside the database, and ends with its holder. (On the database file itself it would release
+    SQLite's locks.)
 
     Raises
     ------
-    LineHeldError
-        If nobody's turn ends for `WRITER_LOCK_SECONDS`.
+    WriterLockError
+        If nobody releases it within `WRITER_LOCK_SECONDS`.
     """
     if engine.dialect.name != "sqlite" or not engine.url.database:
         yield
@@ -50,7 +47,7 @@ def hold_writer_lock(engine: Engine) -> Iterator[None]:
     line = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     if not lock_waiter(path, os.getpid()).lock(line, WRITER_LOCK_SECONDS):
         raise WriterLockError(
-            f"another process keeps everybody from writing for more than {WRITER_LOCK_SECONDS:g} s",
+            f"another process has blocked all writers for more than {WRITER_LOCK_SECONDS:g} s",
             where=path,
             remedy="End the process that has locked this file ('fuser' names it)",
         )
@@ -61,9 +58,9 @@ def hold_writer_lock(engine: Engine) -> Iterator[None]:
 
 
 class LockWaiter:
-    """Waits for the system's lock in a thread of its own: the system knows no waiting with an end.
+    """Waits for the system's lock in its own thread, as the system has no timeout for locks.
 
-    It waits for one writer of this process after the other, in the order in which they came.
+    The writers of this process get it in the order in which they came.
     """
 
     def __init__(self) -> None:
@@ -73,7 +70,7 @@ class LockWaiter:
         self.waiting: set[Future[None]] = set()
 
     def lock(self, line: int, seconds: float) -> bool:
-        """Lock the file `line`, or close it after so many seconds; tell which."""
+        """Lock the file `line`, or close it after so many seconds; tell whether it is locked."""
         if not self.waiting and _try_lock(line):
             return True
         with self._starts:
@@ -86,7 +83,7 @@ class LockWaiter:
         try:
             turn.result(seconds)
         except TimeoutError:
-            # Its turn may have come at this very moment.
+            # It may have been locked at this very moment.
             return not turn.cancel()
         finally:
             self.waiting.discard(turn)
@@ -113,18 +110,18 @@ def _try_lock(line: int) -> bool:
 
 @cache
 def lock_waiter(_path: str, _process: int) -> LockWaiter:
-    """Return this process's keeper of a line; a process that forks does not pass its thread on."""
+    """Return this process's waiter for a lock; a forked process has no thread of its parent."""
     return LockWaiter()
 
 
 BUSY_SECONDS: Final = 30
-"""How long a writer waits for another one before it gives up."""
+"""SQLite's own timeout for its lock."""
 
 OWNER_ONLY: Final = 0o600
 
 
 def sqlite_engine(address: URL, *, changes: bool, **options: Any) -> Engine:
-    """Return an engine whose writers take SQLite's lock at once, or, without `changes`, none."""
+    """Return an engine whose writers lock at once, or that only reads if not `changes`."""
     engine = create_engine(address, connect_args={"timeout": BUSY_SECONDS}, **options)
     event.listen(engine, "connect", _set_up if changes else _forbid_changes)
     event.listen(engine, "begin", _begin)
@@ -132,20 +129,20 @@ def sqlite_engine(address: URL, *, changes: bool, **options: Any) -> Engine:
 
 
 def keep_private(file: Path) -> None:
-    """Let its owner alone read an SQLite database, which is made where there is none.
+    """Let only the owner read an SQLite database; create it if there is none.
 
-    SQLite gives its working files the rights of the database's own.
+    SQLite's working files inherit its permissions.
     """
     with suppress(OSError):
         os.close(os.open(file, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, OWNER_ONLY))
     for ending in ("", "-wal", "-shm", "-line"):
-        # Where it belongs to somebody else, that is for them to say.
+        # Permissions of other users' files are theirs to set.
         with suppress(OSError):
             Path(f"{file}{ending}").chmod(OWNER_ONLY)
 
 
 def _set_up(connection: sqlite3.Connection, _record: Any) -> None:
-    # The driver must not open transactions by itself: `_begin` does, of the right kind.
+    # `_begin` opens transactions of the right kind, not the driver.
     connection.isolation_level = None
     for pragma in ("journal_mode = WAL", "foreign_keys = ON", "synchronous = FULL"):
         connection.execute(f"PRAGMA {pragma}")
@@ -157,7 +154,6 @@ def _forbid_changes(connection: sqlite3.Connection, _record: Any) -> None:
 
 
 def _begin(connection: Connection) -> None:
-    # A writer takes the lock at once: one that first reads and then writes could find that
-    # another has written in between, and fail.
+    # Writers lock at once: otherwise they could fail because another has written after they read.
     writes = connection.get_execution_options().get("writes", False)
     connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")

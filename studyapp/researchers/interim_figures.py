@@ -1,9 +1,8 @@
-"""What is computed of the answers while the study goes on, so that nothing is computed twice.
+"""Interim figures of a running study, computed once and stored.
 
-The analysis loads what a server must not: hundreds of megabytes, for seconds of work now and then.
-So a process of its own does it, of lower priority and with limits, and hands over its result as
-text. What was computed is kept in the database: any server process of any host may ask, and any may
-go away meanwhile.
+The analysis needs hundreds of megabytes for seconds of work, which a server must not load. A
+separate process with low priority and limits computes the figures. They are stored in the
+database, as any server process on any host may ask for them, and may end meanwhile.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ from studyapp.researchers.audit import StudyState, count_answers
 from studyapp.side_process import SideProcessError, output_of
 
 FORMAT: Final = 2
-"""Of the documents; to be raised where they change, so that older ones are computed anew."""
+"""Version of the documents; to be raised with each change, so that older ones are recomputed."""
 
 FigureKind = Literal["agreement", "results"]
 
@@ -47,14 +46,14 @@ class _FrozenModel(BaseModel):
 
 
 class Basis(_FrozenModel):
-    """What figures rest on.
+    """The data behind figures.
 
     Attributes
     ----------
     finished, planned, answers : int
-        How far the study was; see `StudyState`.
+        See `StudyState`.
     answered, analysed : int
-        Participants who gave an answer that counts, and those whom no rule leaves out.
+        Participants with at least one analysable answer, and those whom no rule excludes.
     """
 
     finished: int
@@ -75,9 +74,8 @@ class Document(_FrozenModel):
     Attributes
     ----------
     rows : tuple of dict
-        Plain data of `analysis.results.headline.AgreedSoFar`, question by question, or of
-        `HeadlineNumber`, number by number; each with the `task` that it is analysed by, and
-        with an empty `set` where there is one.
+        Plain data of `analysis.results.headline.AgreedSoFar` for each question, or of each
+        `HeadlineNumber`; with the `task` of the analysis, and an empty `set` if there is one.
     """
 
     format: Literal[2] = FORMAT
@@ -86,7 +84,7 @@ class Document(_FrozenModel):
 
     @classmethod
     def read(cls, text: str) -> Self | None:
-        """Return what was kept; None where nothing was, or by another version."""
+        """Return a stored document; None if it is empty or of another version."""
         try:
             return cls.model_validate_json(text)
         except ValidationError:
@@ -94,14 +92,14 @@ class Document(_FrozenModel):
 
 
 PROGRAM: Final = "studyapp.results.looks"
-"""It belongs to a room above this one, and is called by name, as a stranger would."""
+"""It belongs to a higher layer, and is therefore called by name."""
 
 TIMEOUT_SECONDS: Final = 300
-"""For 100,000 answers it takes about 15, and longer where it has to give way to others."""
+"""100,000 answers take about 15 seconds, and more on a busy machine."""
 
 
 class NoFiguresError(Exception):
-    """Nothing was computed; the message says why, in sentences."""
+    """Nothing was computed; the message says why."""
 
 
 @dataclass(frozen=True)
@@ -113,23 +111,23 @@ class FigureProcess:
     folder : Path
         The study folder.
     database_url : str
-        Where the answers are; handed over in the environment, since it may hold a password.
+        Passed in the environment, as it may contain a password.
     """
 
     folder: Path
     database_url: str
 
     def begin(self, job: Callable[[], None]) -> None:
-        """Have `job` done while the server goes on."""
+        """Run `job` in the background."""
         Thread(target=job, name="figures", daemon=True).start()
 
     def compute(self, what: FigureKind, *, seconds: float = TIMEOUT_SECONDS) -> str:
-        """Return the document that the process hands over.
+        """Return the computed document.
 
         Raises
         ------
         NoFiguresError
-            If the process says why it cannot, fails, or takes too long.
+            If the process fails or takes too long.
         """
         try:
             found = output_of(
@@ -155,28 +153,28 @@ MIN_INTERVALS: Final[dict[FigureKind, timedelta]] = {
     "agreement": timedelta(minutes=10),
     "results": timedelta(minutes=1),
 }
-"""However many answers come in between, nothing is computed more often."""
+"""Figures are computed at most this often."""
 
 ABANDONED_AFTER: Final = timedelta(minutes=10)
-"""Whoever began to compute longer ago has gone away."""
+"""A computation that began longer ago has died."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class StoredFigures:
-    """What is known of one kind of figures.
+    """The stored figures of one kind.
 
     Attributes
     ----------
     answers : int
-        How many there are now.
+        The present number of answers.
     document : str
-        As it was computed last; empty where it never was.
+        The last document; empty before the first.
     is_current : bool
         Whether nothing has changed since.
     is_computing : bool
-        Whether it is being computed.
+        Whether a new one is being computed.
     problem : str
-        Why the last attempt failed; empty where it did not.
+        Why the last attempt failed; empty if it did not.
     """
 
     answers: int
@@ -189,9 +187,9 @@ class StoredFigures:
 def stored_figures(
     database: Database, clock: Clock, what: FigureKind, figures: FigureProcess
 ) -> StoredFigures:
-    """Return what was computed last, and have it computed anew where that is due.
+    """Return the stored figures, and have them recomputed in the background if that is due.
 
-    Computing goes on after this returns. Before anybody has answered there is nothing to compute.
+    Before the first answer there is nothing to compute.
     """
     now = clock.now()
     with database.reading() as session:
@@ -219,7 +217,7 @@ def stored_figures(
 
 
 def _state(session: Session) -> str:
-    """Return what figures depend on: answers, who is counted, and what researchers decided."""
+    """Return a digest of what figures depend on: answers, participants and decisions."""
     people = select(func.count(StudySession.completed_at), func.count(StudySession.withdrawn_at))
     decided = (
         select(func.max(ExclusionDecision.id)),
@@ -252,7 +250,7 @@ def _is_due(row: InterimFigures | None, state: str, now: datetime, rest: timedel
 
 
 def _claim(database: Database, what: FigureKind, state: str, now: datetime) -> datetime | None:
-    """Claim the computing for this process; None where another one was first."""
+    """Claim the computation for this process; None if another one was first."""
     with database.writing() as session:
         take_turn(session.connection(), Turn.FIGURES)
         row = _row(session, what)
@@ -268,7 +266,7 @@ def _claim(database: Database, what: FigureKind, state: str, now: datetime) -> d
 def _compute(
     database: Database, clock: Clock, what: FigureKind, begun: datetime, figures: FigureProcess
 ) -> None:
-    """Compute, and keep what comes of it."""
+    """Compute the figures and store the result."""
     with database.reading() as session:
         state = _state(session)
     try:
@@ -278,7 +276,7 @@ def _compute(
     with database.writing() as session:
         session.execute(
             update(InterimFigures)
-            # Somebody may have been forgotten meanwhile: then it is kept no longer.
+            # If somebody has been forgotten meanwhile, the row is gone and nothing is stored.
             .where(InterimFigures.what == what, InterimFigures.begun_at == begun)
             .values(begun_at=None, tried_at=clock.now(), **values)
         )

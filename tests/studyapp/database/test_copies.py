@@ -168,7 +168,7 @@ def test_a_damaged_copy_is_found(answered: Participant, database_url: str, tmp_p
     with closing(sqlite3.connect(tmp_path / "copy.db")) as copy:
         copy.execute("DELETE FROM trials WHERE id = 1")
         copy.commit()
-    assert "rows belong to rows that are not there" in find_flaws(tmp_path / "copy.db")[0]
+    assert "rows refer to missing rows" in find_flaws(tmp_path / "copy.db")[0]
 
     (tmp_path / "copy.db").write_bytes((tmp_path / "copy.db").read_bytes()[:20_000])
     assert find_flaws(tmp_path / "copy.db")

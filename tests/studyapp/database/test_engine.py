@@ -115,7 +115,7 @@ def test_a_database_of_another_schema_is_refused_and_stays_as_it_is(tmp_path: Pa
 
     for opening in (Database.open, Database.open_for_reading):
         with pytest.raises(
-            InputError, match=rf"other\.db.*schema {schema}\).*Use the version that made it"
+            InputError, match=rf"other\.db.*schema {schema}\).*Use the version that created it"
         ):
             opening(sqlite_url(path))
 
@@ -412,7 +412,7 @@ def test_whoever_holds_the_line_without_end_keeps_others_waiting_for_a_while_onl
         fcntl.flock(held, fcntl.LOCK_EX)
         monkeypatch.setattr("studyapp.database.sqlite.WRITER_LOCK_SECONDS", 0.1)
         for _ in range(2):
-            with pytest.raises(InputError, match="db-line: another process keeps"):
+            with pytest.raises(InputError, match="db-line: another process has blocked"):
                 database.check_writable()
     # Who gave up left nothing locked behind.
     monkeypatch.undo()

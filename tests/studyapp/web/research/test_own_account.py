@@ -198,7 +198,7 @@ def test_nothing_secret_is_logged(
     browser.get(f"/research/join/{link[1]}")
     browser.log_in("Ada", "a wrong secret phrase")
     monkeypatch.setattr(
-        "studyapp.web.research.own_account.link_of", lambda *_: 1 / 0
+        "studyapp.web.research.own_account.find_link", lambda *_: 1 / 0
     )  # a failure of ours
     log_in.app.config["PROPAGATE_EXCEPTIONS"] = False
 
