@@ -72,7 +72,7 @@ def test_erasing_again_clears_the_files_however_much_has_happened_since(
     study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cleared: list[Database] = []
-    monkeypatch.setattr("studyapp.cli.exclude_command.leave_nothing", cleared.append)
+    monkeypatch.setattr("studyapp.cli.exclude_command.scrub", cleared.append)
     run("forget", study, PERSON, "--yes")
     with writing(study / "responses.db") as session:
         for _ in range(MAX_LINES):

@@ -120,7 +120,7 @@ def test_a_look_that_cannot_be_logged_is_said_to_be_so(
     def refuse(*_: object, **__: object) -> None:
         raise OSError("the disk is full")
 
-    monkeypatch.setattr("studyapp.results.looks.note_look", refuse)
+    monkeypatch.setattr("studyapp.results.looks.log_look", refuse)
 
     assert "could not be logged that you looked: the disk is full" in noted(folder)
 
