@@ -84,18 +84,6 @@ def test_adding_a_condition_keeps_the_comments(tmp_path: Path) -> None:
     assert "ground_truth" in read_study(path).conditions
 
 
-@pytest.mark.parametrize(
-    ("paper", "protocol"), [("amuse", "pairwise"), ("s2ue", "rating"), ("diffsheg", "ranking")]
-)
-def test_a_template_goes_by_the_name_of_the_paper_too(
-    tmp_path: Path, paper: str, protocol: str
-) -> None:
-    study = new_study(tmp_path / "study.toml", template=paper, name="mine")
-
-    assert study.protocol == protocol
-    assert study.page.sound_check
-
-
 def test_all_three_systems_stand_in_one_study_beside_what_they_are_compared_with(
     tmp_path: Path,
 ) -> None:

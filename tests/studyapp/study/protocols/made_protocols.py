@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from motion.segment import Segment
 from studyapp.study.design.trial import AnswerKey, Ask, Trial
 from studyapp.study.settings.questions import RatingQuestion
 from studyapp.study.settings.reading import parse_study
@@ -85,6 +86,14 @@ def make(protocol: str, **changes: Any) -> Study:
         "page": {"consent": "You agree."},
     }
     return parse_study({**keys, **KEYS[protocol], **changes}, where="test")
+
+
+def lasting(*seconds: float) -> list[Segment]:
+    """Return segments of these durations."""
+    return [
+        Segment(name=f"s{index}", wav="a.wav", start=0.0, end=end, speaker="", emotion="neutral")
+        for index, end in enumerate(seconds)
+    ]
 
 
 def in_order(study: Study, trial: Trial, order: Sequence[int]) -> dict[AnswerKey, int]:

@@ -6,20 +6,13 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motion.segment import EMOTIONS, Segment
+from motion.segment import EMOTIONS
 from studyapp.study.protocols.mismatch import MismatchStudy
 from studyapp.study.study_file import new_study
-from tests.studyapp.study.protocols.made_protocols import make, question
+from tests.studyapp.study.protocols.made_protocols import lasting, make, question
 from tests.support.studies.made_study import make_segments
 
 SEGMENTS = make_segments(EMOTIONS)
-
-
-def lasting(*seconds: float) -> list[Segment]:
-    return [
-        Segment(name=f"s{index}", wav="a.wav", start=0.0, end=end, speaker="", emotion="neutral")
-        for index, end in enumerate(seconds)
-    ]
 
 
 def test_the_template_has_both_tasks_and_reasons(tmp_path: Any) -> None:

@@ -5,31 +5,16 @@ from typing import Any
 
 import pytest
 
-from motion.segment import Segment
 from studyapp.study.design.trial import AnswerKey, PlannedTrial
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.study_file import new_study
-from tests.studyapp.study.protocols.made_protocols import make
+from tests.studyapp.study.protocols.made_protocols import lasting, make
 from tests.support.studies.made_study import make_segments
 
 BLOCKS = [
     {"name": "long", "conditions": ["ours", "theirs", "static"], "trials": 8, "shortest": 30},
     {"name": "short", "conditions": ["ours", "theirs"], "trials": 12, "longest": 30},
 ]
-
-
-def lasting(seconds: float, count: int) -> list[Segment]:
-    return [
-        Segment(
-            name=f"s{seconds:g}-{index}",
-            wav="a.wav",
-            start=0.0,
-            end=seconds,
-            speaker="",
-            emotion="neutral",
-        )
-        for index in range(count)
-    ]
 
 
 def first_trial(**changes: Any) -> tuple[RankingStudy, PlannedTrial]:
@@ -57,7 +42,7 @@ def test_the_template_asks_the_four_questions(tmp_path: Any) -> None:
 
 def test_a_block_has_the_segments_of_its_length() -> None:
     study = make("ranking", blocks=BLOCKS)
-    segments = [*lasting(60, 9), *lasting(10, 13)]
+    segments = lasting(*[60.0] * 9, *[10.0] * 13)
 
     plan = study.plan(study.arms[0], 0, segments)
 
