@@ -1,4 +1,4 @@
-"""Researchers' accounts and logins, what they did and decided, and what they are shown."""
+"""Researchers' accounts, logins, actions and decisions, and the figures they see."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ class Researcher(Base):
     Attributes
     ----------
     name : str
-        As it was chosen; shown to other researchers.
+        The name that other researchers see.
     name_key : str
-        The name as it is compared: no two differ in case or in how letters are encoded alone.
+        The name for comparisons: the same for all cases and encodings of its letters.
     role : str
         ``owner``, ``analyst`` or ``viewer``.
     password_hash : str
         Argon2's, with salt and parameters.
     joined_at : datetime
     disabled_at : datetime or None
-        Since when nobody can log in with it; None while it is in use.
+        When access was removed; None while the account is in use.
     totp_secret : str or None
-        What the codes of the second factor are made from; None where there is none.
+        The secret of the second factor; None without one.
     totp_step : int
-        The time step of the newest code that was used; none is used twice.
+        The time step of the last code used, so that no code works twice.
     recovery_hashes : list of str
-        SHA-256 of the codes that stand in for a lost device, each once.
+        SHA-256 of the unused recovery codes.
     identity : str or None
-        The same random letters in all accounts of one person, at a desk and in its studies.
-        Accounts that are older than desks have none. Names never say who somebody is.
+        The same random letters in all accounts of one person, at a desk and in its studies. Names
+        prove nothing.
     """
 
     __tablename__ = "researchers"
@@ -57,21 +57,21 @@ class Researcher(Base):
 
 
 class ResearcherLink(Base):
-    """One link that has not been used; using it removes the row.
+    """One unused link; using it removes the row.
 
     Attributes
     ----------
     token_hash : str
-        SHA-256 of what stands in the link.
+        SHA-256 of the link's token.
     purpose : str
-        ``first_owner`` and ``invitation`` make an account, ``new_password`` changes one.
+        ``first_owner`` and ``invitation`` create an account, ``new_password`` changes one.
     role : str or None
-        Of the account to be made.
+        Role of the new account.
     researcher_id : int or None
-        Whose password is to be chosen.
+        The researcher who gets a new password.
     made_at, expires_at : datetime
     made_by : str
-        The researcher who made it; empty where it was the command line.
+        The researcher who created it; empty for the command line.
     """
 
     __tablename__ = "researcher_links"
@@ -94,16 +94,16 @@ class ResearcherLink(Base):
 
 
 class ResearcherLogin(Base):
-    """One browser's login; without this row its cookie is worth nothing.
+    """One browser's login; its cookie is worthless without this row.
 
     Attributes
     ----------
     token_hash : str
-        SHA-256 of the cookie: who reads the database cannot log in with it.
+        SHA-256 of the cookie, with which nobody can log in.
     began_at, last_active_at : datetime
-        When the password was given, and when a page was last asked for by hand.
+        When the password was given, and when a page was last opened by hand.
     unblinded_at, unblinding_reason : datetime or None, str
-        When the researcher last asked for results before the end, and why.
+        When the researcher last asked for interim results, and why.
     """
 
     __tablename__ = "researcher_logins"
@@ -120,12 +120,12 @@ class ResearcherLogin(Base):
 
 
 class LoginAttempt(Base):
-    """One attempt; it is removed after a while, and where the right password was given.
+    """One attempt to log in; removed after a while, and after the right password.
 
     Attributes
     ----------
     name_hash : str
-        SHA-256 of the name as it is compared, whether there is such a researcher or not.
+        SHA-256 of the name key, whether or not there is such a researcher.
     address : str
         The network address it came from.
     """
@@ -139,7 +139,7 @@ class LoginAttempt(Base):
 
 
 class Event(StrEnum):
-    """What a line tells of; programs look for these names, which never change."""
+    """Events of the log; programs look for these names, which never change."""
 
     FORGOTTEN = "participant_forgotten"
     EXCLUDED = "participant_excluded"
@@ -180,15 +180,15 @@ class AuditLine(Base):
     Attributes
     ----------
     event : str
-        One of `Event`; what people read is made from it (see `studyapp.researchers.audit`).
+        One of `Event`; `studyapp.researchers.audit` has its label.
     study_session : int or None
-        The number of the study session that it is about, which may be gone.
+        The number of the study session it is about, which may no longer exist.
     detail : str
-        What there is to know beside it, in words; no program looks for anything in it.
+        Details in words, for people only.
     researcher : str
-        The name of who did it; empty where it was the server or the command line.
+        The name of the researcher; empty for the server and the command line.
     reason : str
-        In their words; empty where none is asked for.
+        The researcher's reason; empty if none is required.
     """
 
     __tablename__ = "audit_lines"
@@ -210,13 +210,13 @@ class Look(Base):
     way : str
         ``page`` of researchers, ``report``, or ``export``.
     researcher : str
-        Who looked; empty where the command line did.
+        Who looked; empty for the command line.
     reason : str
-        In their words; empty where the command line was given none.
+        The researcher's reason; may be empty on the command line.
     finished, planned : int
-        Participants who had finished, and how many were wanted at that time.
+        Finished participants and all places at that time.
     answers : int
-        Answers that the results rested on, before anybody was left out.
+        Answers at that time, before any exclusion.
     """
 
     __tablename__ = "looks"
@@ -236,15 +236,13 @@ class Look(Base):
 
 
 class ExclusionDecision(Base):
-    """One decision about one study session; the newest one holds, older ones are kept.
+    """One decision about one study session; the newest one counts, older ones are kept.
 
     Attributes
     ----------
     study_session_id : int
-        Whom it is about.
     excluded : bool
-        Whether the participant is left out from then on. Before, it was the opposite: nothing is
-        decided that is so already.
+        Whether the participant is excluded from then on; always the opposite of before.
     researcher, reason : str
         Who decided it, empty for the command line; and why.
     """
@@ -262,22 +260,22 @@ class ExclusionDecision(Base):
 
 
 class InterimFigures(Base):
-    """What was last computed of one kind; all of it can be computed again.
+    """The latest figures of one kind, which can be recomputed at any time.
 
     Attributes
     ----------
     what : str
         ``agreement`` or ``results``.
     begun_at : datetime or None
-        Since when it is being computed; None while it is not.
+        When the running computation began; None if there is none.
     tried_at : datetime or None
-        When that last ended, well or not.
+        When the last computation ended, successfully or not.
     state : str
-        What of the database it depends on, as it was when that began; a digest.
+        Digest of the data behind the document.
     document : str
-        The figures as JSON; empty before there are any.
+        The figures as JSON; empty before the first.
     problem : str
-        Why the last attempt gave none; empty where it did.
+        Why the last attempt failed; empty if it did not.
     """
 
     __tablename__ = "interim_figures"
@@ -300,7 +298,7 @@ class Alarm(Base):
     kind : str
         ``full``, ``stalled`` or ``one address``.
     about : str
-        What makes it another event than an earlier one of its kind.
+        Distinguishes it from earlier events of its kind.
     """
 
     __tablename__ = "alarms"

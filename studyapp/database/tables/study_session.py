@@ -1,4 +1,4 @@
-"""Versions of a study, its places and study sessions, who is let in, and who arrived."""
+"""Versions of a study, its intake, places, study sessions and arrivals."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class StudyVersion(Base):
     definition : str
         The study file's text when this version was opened.
     operation : dict
-        The part of the definition that may change within a version, as it is now.
+        The current values of keys that may change within a version.
     opened_at : datetime
         When it was first served.
     in_force : bool
-        Whether it is the one that was served last.
+        Whether it was served last.
     screened_by_eligibility, screened_by_consent, screened_by_comprehension : int
         How many were screened out by their answers at these stages; nothing says who.
     """
@@ -47,15 +47,15 @@ class StudyVersion(Base):
 
 
 class IntakeChange(Base):
-    """One decision of a researcher; the newest one holds, older ones are kept.
+    """One decision of a researcher; the newest one counts, older ones are kept.
 
     Attributes
     ----------
     state : str
-        ``open``, ``paused`` or ``closed``: whether newcomers are let in, as far as the study
-        file lets them in.
+        ``open``, ``paused`` or ``closed``: whether newcomers are admitted, if the study file
+        admits them.
     more_places : int
-        Places of each arm beyond those that the study file asks for.
+        Places of each arm beyond those of the study file.
     researcher, reason : str
         Who decided it, and why.
     """
@@ -84,43 +84,41 @@ class StudySession(Base):
     Attributes
     ----------
     token : str
-        In the participant's addresses; whoever knows it is the participant.
+        Part of the participant's addresses; whoever knows it is the participant.
     visit : str or None
-        Drawn with the consent page, so that a start sent twice makes one study session; the hash
-        of the invitation by which they came.
+        Drawn with the consent page, so that repeated requests create one study session; or the
+        hash of the invitation.
     recruiter_participant, recruiter_study, recruiter_session : str
-        What the recruiter calls them (Prolific: ``PROLIFIC_PID``, ``STUDY_ID``,
-        ``SESSION_ID``; MTurk: ``workerId``, ``hitId``, ``assignmentId``); no participant name
-        where there is no recruiter.
+        The recruiter's names (Prolific: ``PROLIFIC_PID``, ``STUDY_ID``, ``SESSION_ID``; MTurk:
+        ``workerId``, ``hitId``, ``assignmentId``); no participant without a recruiter.
     submit_to : str
-        The site that the recruiter wants the end to be reported to (MTurk: ``turkSubmitTo``).
+        The site to which the end is reported (MTurk: ``turkSubmitTo``).
     version_id : int
-        The design of the study that the trials were planned by.
+        The study version for which the trials were planned.
     arm, arm_design : str
-        The arm of the place and what its participants are asked (see `Place`), also after the
-        place is given to somebody else.
+        The arm and its design (see `Place`), kept after the place is lost.
     number : int or None
-        The place's number, which the trials were planned by; None where nobody noted it.
+        The place's number, which decided the trials; None if it is unknown.
     conditions : list of str
-        What this participant compares, the reference first.
+        The conditions that this participant compares, the reference first.
     consented_at, started_at, last_active_at, completed_at, withdrawn_at : datetime
-        When they agreed, saw the first trial, last did anything, gave the last answer, and took
-        their consent back.
+        When they consented, saw the first trial, were last active, gave the last answer, and
+        withdrew their consent.
     unproven_at : datetime or None
-        When somebody went on with it who could not show that they had begun it.
+        When somebody resumed it without proof that it was theirs.
     completion_code : str or None
-        There is none before the last answer is stored.
+        None before the last answer is stored.
     outcome : str or None
-        How it ended: ``completed``, ``failed_attention`` or ``unwatched``; the last without a
-        completion code, before the last answer, since too many videos were said not to play.
+        How it ended: ``completed``, ``failed_attention``, or ``unwatched``, which ends it early
+        and without a completion code because too many videos did not play.
     sound_digits : str
-        The digits that are spoken to them in the sound check; empty where none were drawn.
+        The spoken digits of the sound check; empty before they are drawn.
     sound_tries : int
-        How often they typed other digits.
+        Number of wrong tries.
     sound_checked_at : datetime or None
-        When they had heard them.
+        When they passed the sound check.
     rested_at_position : int or None
-        Position of the trial before which they last ended a break.
+        Position of the trial after their last break.
     """
 
     __tablename__ = "study_sessions"
@@ -168,16 +166,15 @@ class StudySession(Base):
 class Place(Base):
     """One participant's place in an arm.
 
-    A place names the study session that holds it, so it cannot be held by two; and no study
-    session can hold two places.
+    A place is held by at most one study session, and a study session holds at most one place.
 
     Attributes
     ----------
     arm : str
         The arm's name.
     design : str
-        Digest of what the arm's participants are asked. A new version of the study that changes
-        it opens new places; where it does not, the places that are filled stay filled.
+        Digest of the arm's design. A new version of the study that changes it adds new places;
+        otherwise filled places stay filled.
     number : int
         From 0 within the arm; it decides the trials.
     """
@@ -197,14 +194,14 @@ class Place(Base):
 
 
 class FormAnswer(Base):
-    """One answer to one question about the participant; there can be no second.
+    """The only answer to one question about the participant.
 
     Attributes
     ----------
     stage : str
         ``eligibility``, ``consent``, ``demographics``, ``comprehension`` or ``closing``.
     value : str
-        As it was given; empty where a question that need not be answered was left open.
+        The answer; empty for an unanswered optional question.
     """
 
     __tablename__ = "form_answers"
@@ -223,12 +220,12 @@ class FormAnswer(Base):
 
 
 class Invitation(Base):
-    """One link. Who begins by it has a study session whose `visit` is its hash.
+    """One personal link; its hash is the `visit` of the study session.
 
     Attributes
     ----------
     token_hash : str
-        SHA-256 of what stands in the link.
+        SHA-256 of the link's token.
     made_at : datetime
     """
 
@@ -240,7 +237,7 @@ class Invitation(Base):
 
 
 class Newcomer(Base):
-    """That somebody got a place; nothing says who. It is removed after an hour.
+    """Somebody anonymous who got a place; removed after an hour.
 
     Attributes
     ----------
@@ -273,16 +270,16 @@ class ScreenOut(Base):
 
 
 class RefusalLine(Base):
-    """One request that was refused and changed nothing.
+    """One refused request, which changed nothing.
 
     Attributes
     ----------
     study_session_id : int or None
-        Whose page it came from; None where the address belongs to nobody.
+        The study session of the page; None if the address belongs to nobody.
     kind : str
-        What was tried, as a few words with hyphens, such as ``wrong-trial``.
+        See `KINDS` in `studyapp.session.refusal`.
     detail : str
-        What there is to know beside it; never an address or a token.
+        Details; never an address or a token.
     """
 
     __tablename__ = "refusals"

@@ -1,7 +1,4 @@
-"""Trials, their stimuli and videos, the answers, and what was played.
-
-Videos have names that say nothing.
-"""
+"""Trials, their stimuli and videos, the answers, and watch records."""
 
 from __future__ import annotations
 
@@ -29,26 +26,26 @@ class Trial(Base):
     Attributes
     ----------
     token : str
-        Random; names the trial to the browser, and says nothing else.
+        Random name of the trial in the browser.
     position : int
-        Place within the study session, from 1.
+        Position within the study session, from 1.
     kind : str
         ``practice``, ``main``, ``repeat``, ``catch`` or ``attention``.
     part : str
-        The set, block or task it belongs to; empty where the study has no parts.
+        The set, block or task it belongs to; empty in a study without parts.
     segment, emotion, speaker : str
         The speech it is about.
     expected : int or None
-        Of a catch trial: the number of the stimulus that is plainly better.
+        Number of the obviously better stimulus of a catch trial.
     instructed : int or None
-        Of an attention check: the value that the page asks to choose.
+        The value that an attention check asks for.
     repeats : int or None
         Position of the practice trial that a repeat shows again.
     shown_at, answered_at, unplayable_at : datetime
-        When the page was first shown, when the answers were stored, and when the participant
-        said instead that a video does not play.
+        When the page was first shown, when the answers were stored, and when the trial was skipped
+        because a video did not play.
     seconds : float or None
-        From the first showing to the answer.
+        Time from the first showing to the answer.
     """
 
     __tablename__ = "trials"
@@ -94,7 +91,7 @@ class Trial(Base):
 
     @property
     def settled(self) -> bool:
-        """Whether the participant is done with it."""
+        """Whether it was answered or skipped."""
         return self.answered_at is not None or self.unplayable_at is not None
 
     @property
@@ -109,9 +106,9 @@ class TrialStimulus(Base):
     Attributes
     ----------
     number : int
-        1, 2, … are labelled A, B, … and judged; 0 is the reference that is shown apart.
+        1, 2, … are labelled A, B, … and judged; 0 is the reference.
     condition, segment : str
-        Whose motion, and for which segment it was made.
+        Whose motion, and the segment it was made for.
     speech : str or None
         The segment that is heard with it; None for silence.
     """
@@ -135,24 +132,23 @@ ABOUT_THE_TRIAL = text("stimulus IS NULL")
 
 
 class Response(Base):
-    """One answer to one question of one trial or of one of its stimuli; there can be no second.
+    """The only answer to one question about a trial or one of its stimuli.
 
     Attributes
     ----------
     stimulus : int or None
-        Number of the stimulus it is about; None where it is about the whole trial.
+        Number of the stimulus it is about; None for the whole trial.
     value : int
-        What it means is the question's: a preference from -2, clearly A, to 2, clearly B; a
-        label from 1 to 5; a slider from 0 to 100; a rank from 1.
+        A preference from -2, clearly A, to 2, clearly B; a label from 1 to 5; a slider value from
+        0 to 100; or a rank from 1.
     reasons : list of str
-        Names of the reasons ticked beside it; beside each rank of an order, those ticked once for
-        all of it.
+        Names of the ticked reasons; in a ranking, each rank has those of the whole ranking.
     """
 
     __tablename__ = "responses"
     __table_args__ = (
         UniqueConstraint("trial_id", "question", "stimulus"),
-        # To a unique constraint, two missing stimuli are two different ones.
+        # Unique constraints treat NULLs as different.
         Index(
             "uq_responses_trial_id_question",
             "trial_id",
@@ -187,17 +183,17 @@ class Video(Base):
     Attributes
     ----------
     number : int
-        From 1 in the page's order; 0 plays the reference that is shown apart.
+        From 1 in the page's order; 0 plays the reference.
     token : str
-        Random; names the video to the browser, and says nothing else.
+        Random name of the video in the browser.
     duration : float
         Seconds.
     made_from : str
-        Digest of what the picture and the sound were made from when the trial was planned.
+        Digest of everything its picture and sound were made from when the trial was planned.
     sent_at : datetime or None
-        When it was first sent, or the browser was first led to the store that sends it.
+        When it was first sent, or the browser first redirected to the media store.
     unplayable_at : datetime or None
-        When the participant said that it does not play.
+        When the participant reported that it does not play.
     """
 
     __tablename__ = "videos"
