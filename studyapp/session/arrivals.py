@@ -90,23 +90,6 @@ DELETE_EXPIRED: Final = delete(Newcomer).where(
 INSERT_NEWCOMER: Final = insert(Newcomer)
 
 
-def require_uncrowded_address(newcomers: int, limit: int) -> None:
-    """Raise `CrowdedAddressError` if an address with so many newcomers within an hour is crowded.
-
-    Parameters
-    ----------
-    newcomers : int
-        Newcomers within an hour.
-    limit : int
-        0 for no limit.
-    """
-    if limit and newcomers >= limit:
-        raise CrowdedAddressError(
-            "Very many people have just begun this study from your network.",
-            "Please come back in an hour: the same link works then.",
-        )
-
-
 def max_newcomers_from_one_address(session: Session, now: datetime) -> int:
     """Return the number of newcomers within an hour from the most crowded address."""
     counts = (
@@ -226,6 +209,16 @@ def read_admission(
         has_stale_place=row.has_stale_place,
         has_expired_newcomers=row.has_expired_newcomers,
     )
+
+
+def require_uncrowded_address(served: ServedStudy, admission: Admission) -> None:
+    """Raise `CrowdedAddressError` if too many newcomers come from one network address."""
+    limit = served.study.recruitment.newcomers_per_address
+    if limit and admission.newcomers_from_address >= limit:
+        raise CrowdedAddressError(
+            "Very many people have just begun this study from your network.",
+            "Please come back in an hour: the same link works then.",
+        )
 
 
 def _admission_query(column: InstrumentedAttribute[str | None], *, in_turn: bool) -> Select[Any]:

@@ -158,9 +158,7 @@ def _require_admission(
     reading: Session | Connection, served: ServedStudy, admission: Admission, now: datetime
 ) -> None:
     require_open_place(reading, served, admission.intake, now)
-    require_uncrowded_address(
-        admission.newcomers_from_address, served.study.recruitment.newcomers_per_address
-    )
+    require_uncrowded_address(served, admission)
 
 
 def _enrol_newcomer(
@@ -194,9 +192,7 @@ def _enrol(
     if _can_resume(session, admission):
         return None
     require_open_intake(served, admission.intake)
-    require_uncrowded_address(
-        admission.newcomers_from_address, served.study.recruitment.newcomers_per_address
-    )
+    require_uncrowded_address(served, admission)
     answers = read_entrance_answers(served.study, arrival.form, now)
     place = take_open_place(session, wanted_places(served, admission.intake))
     if place is None:

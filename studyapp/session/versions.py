@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import delete, func, not_, select, update
+from sqlalchemy import delete, func, not_, select, tuple_, update
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
@@ -66,9 +66,9 @@ def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: 
         version.definition = served.definition
     session.execute(update(StudyVersion).values(in_force=StudyVersion.id == version.id))
     _log_operation_changes(session, served, version, now)
-    release_outdated_places(session, served)
+    _release_outdated_places(session, served)
     open_places(session, served)
-    restore_places(session, served, now)
+    _restore_places(session, served, now)
 
 
 def _abandons_participants(session: Session, design: str) -> bool:
@@ -115,24 +115,20 @@ def _log_operation_changes(
         session.flush()
 
 
-def release_outdated_places(session: Session, served: ServedStudy) -> None:
+def _release_outdated_places(session: Session, served: ServedStudy) -> None:
     """Release the places of unfinished study sessions in arms whose design has changed."""
     unfinished = select(StudySession.id).where(StudySession.completed_at.is_(None))
-    held = select(Place.arm, Place.design).where(Place.study_session_id.is_not(None)).distinct()
-    for arm, design in session.execute(held).all():
-        if (arm, design) not in served.arms:
-            session.execute(
-                update(Place)
-                .where(
-                    Place.arm == arm,
-                    Place.design == design,
-                    Place.study_session_id.in_(unfinished),
-                )
-                .values(study_session_id=None)
-            )
+    session.execute(
+        update(Place)
+        .where(
+            Place.study_session_id.in_(unfinished),
+            tuple_(Place.arm, Place.design).not_in(list(served.arms)),
+        )
+        .values(study_session_id=None)
+    )
 
 
-def restore_places(session: Session, served: ServedStudy, now: datetime) -> None:
+def _restore_places(session: Session, served: ServedStudy, now: datetime) -> None:
     """Give active participants their places back if their arm's design is served again."""
     placeless = session.scalars(
         select(StudySession)
