@@ -1,4 +1,4 @@
-"""A whole study session below a path, behind a proxy, in another site's frame, with no storage."""
+"""A whole study session below a path, in another site's frame, with no storage."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from tests.functional.mturk_frame import (
     handed_in_from,
     launched_for_frames,
 )
-from tests.functional.passing_on import passing_on
 from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER
@@ -65,12 +64,9 @@ def test_a_worker_takes_the_whole_study_in_a_frame_below_a_path(
     context = browser.new_context(viewport=LAPTOP)
     context.set_default_timeout(PATIENCE_MS)
     context.add_init_script(NO_STORAGE)
-    with (
-        serving(study, prefix=PREFIX) as server,
-        passing_on(server, PREFIX) as (proxy, beside),
-    ):
+    with serving(study, prefix=PREFIX) as address:
         # Without the slash at its end, as people write an address.
-        page = frame_of(context, WORKER, f"{proxy}{PREFIX}")
+        page = frame_of(context, WORKER, f"{address}{PREFIX}")
         handed_in = handed_in_from(page)
         page.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
         page.on("pageerror", lambda error: complaints.append(str(error)))
@@ -96,12 +92,9 @@ def test_a_worker_takes_the_whole_study_in_a_frame_below_a_path(
     assert handed_in == [{"assignmentId": ["a1"], "completionCode": [code]}]
     assert context.cookies() == []
     assert complaints == []
-    assert beside == []
-    here = [url for url in asked if "mturk.com" not in url]
-    assert [url for url in here if not url.startswith(f"{proxy}{PREFIX}")] == []
-    assert {"media", "static", "take"} <= {
-        url.split(f"{PREFIX}/")[-1].split("/")[0] for url in here
-    }
+    own = [url for url in asked if "mturk.com" not in url]
+    assert [url for url in own if not url.startswith(f"{address}{PREFIX}")] == []
+    assert {"media", "static", "take"} <= {url.split(f"{PREFIX}/")[-1].split("/")[0] for url in own}
     context.close()
 
 
