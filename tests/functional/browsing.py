@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import httpx
 import pytest
 from playwright.sync_api import Browser, Locator, Page, Request, expect, sync_playwright
 from sqlalchemy import select
@@ -50,38 +49,11 @@ IN_A_BROWSER = [
 
 
 @contextmanager
-def serving(study: Path, *, prefix: str = "", from_store: bool = False) -> Iterator[str]:
-    """Serve the study as `motionjury serve` does, below a path, and give the server's address."""
-    port = free_port()
-    code = (
-        "import sys; from pathlib import Path; from studyapp.web.server import run_server; "
-        "run_server(Path(sys.argv[1]), '127.0.0.1', int(sys.argv[2]), 2, prefix=sys.argv[3], "
-        f"from_store={from_store})"
-    )
-    server = subprocess.Popen([sys.executable, "-c", code, str(study), str(port), prefix])
-    url = f"http://127.0.0.1:{port}"
-    deadline = time.monotonic() + PATIENCE_MS / 1000
-    while True:
-        try:
-            httpx.get(url, timeout=PATIENCE_MS / 1000)
-            break
-        except httpx.ConnectError:
-            assert time.monotonic() < deadline
-            assert server.poll() is None
-            time.sleep(0.05)
-    try:
-        yield url
-    finally:
-        server.send_signal(signal.SIGTERM)
-        server.wait(timeout=PATIENCE_MS / 1000)
-
-
-@contextmanager
-def commanded(command: str, folder: Path) -> Iterator[tuple[str, str]]:
+def commanded(command: str, folder: Path, *options: str) -> Iterator[tuple[str, str]]:
     """Run `motionjury serve` or `desk`; give the address, and the first owner's link it prints."""
     port = free_port()
     motionjury = str(Path(sys.executable).with_name("motionjury"))
-    started = [motionjury, command, str(folder), "--port", str(port)]
+    started = [motionjury, command, str(folder), "--port", str(port), *options]
     with subprocess.Popen(started, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
         try:
@@ -94,6 +66,13 @@ def commanded(command: str, folder: Path) -> Iterator[tuple[str, str]]:
         finally:
             server.send_signal(signal.SIGTERM)
             server.wait(timeout=PATIENCE_MS / 1000)
+
+
+@contextmanager
+def serving(study: Path, *options: str) -> Iterator[str]:
+    """Run `motionjury serve` for a study that has no owner yet; give the server's address."""
+    with commanded("serve", study, *options) as (address, _link):
+        yield address
 
 
 @contextmanager

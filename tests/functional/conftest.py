@@ -42,7 +42,7 @@ def lab(tmp_path: Path, tiny_study_template: Path, monkeypatch: pytest.MonkeyPat
 
 @pytest.fixture(scope="module")
 def address(study: Path) -> Iterator[str]:
-    """Serve the study as `motionjury serve` does, and return where."""
+    """Serve the study, and return where."""
     with serving(study) as url:
         yield url
 

@@ -40,7 +40,7 @@ def test_videos_play_and_are_fetched_ahead_and_nothing_of_the_page_reaches_the_s
 ) -> None:
     with (
         published(tiny_study, monkeypatch) as store,
-        serving(tiny_study, from_store=True) as address,
+        serving(tiny_study, "--media-store") as address,
         launched() as chromium,
     ):
         store.origins = [address]
@@ -66,7 +66,7 @@ def test_where_the_store_is_down_a_video_plays_from_the_study_s_own_server(
 ) -> None:
     with published(tiny_study, monkeypatch):
         pass
-    with serving(tiny_study, from_store=True) as address, launched() as chromium:
+    with serving(tiny_study, "--media-store") as address, launched() as chromium:
         page = chromium.new_page()
         page.set_default_timeout(PATIENCE_MS)
         begin_study(page, address)

@@ -64,7 +64,7 @@ def test_a_worker_takes_the_whole_study_in_a_frame_below_a_path(
     context = browser.new_context(viewport=LAPTOP)
     context.set_default_timeout(PATIENCE_MS)
     context.add_init_script(NO_STORAGE)
-    with serving(study, prefix=PREFIX) as address:
+    with serving(study, "--prefix", PREFIX) as address:
         # Without the slash at its end, as people write an address.
         page = frame_of(context, WORKER, f"{address}{PREFIX}")
         handed_in = handed_in_from(page)
