@@ -1,4 +1,4 @@
-"""What every generator offers: speech and a seed in, a motion clip out."""
+"""The interface of generators: speech and a seed in, a motion clip out."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class SpeechSegment:
     audio: Audio
 
     def frame_count(self, frame_rate: float) -> int:
-        """Return how many frames at `frame_rate` a motion to this speech has.
+        """Return the number of frames at `frame_rate` of a motion for this speech.
 
         Raises
         ------

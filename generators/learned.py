@@ -209,18 +209,18 @@ def run_training(
     config: TrainingConfig,
     packages: Sequence[str] = (),
 ) -> tuple[Trained[Network], dict[str, Any]]:
-    """Return what came out of a training, and what the network's file says of it.
+    """Train a network; return it, and the facts for its file.
 
     Parameters
     ----------
     request : TrainingRequest
-        Where it is kept, and whom to tell how it goes.
+        The run's folder, and a callback for progress.
     task : Task
-        What is learned.
+        The task.
     config : TrainingConfig
         How.
     packages : sequence of str
-        What further was used, whose versions are told.
+        Further packages whose versions are recorded.
     """
     trained = train(task, config, RunFolder(request.run), show=request.show_training)
     facts = run_facts(config, trained, request.takes.kind, task.data_sha256, packages)

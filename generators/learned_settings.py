@@ -1,4 +1,4 @@
-"""What a condition can set of each learned generator. Loads no torch."""
+"""Settings of learned generators. Loads no torch."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class DiffShegSettings(ModelSettings):
     Attributes
     ----------
     dataset : {'beat', 'show'}
-        What a released checkpoint was trained on; files trained here know it themselves.
+        The data set of a released checkpoint; files trained here record it.
     stats : Path or None
         Folder of means and standard deviations, which a released checkpoint needs.
     hubert : Path or None
@@ -85,7 +85,7 @@ class DiffShegSettings(ModelSettings):
 
 
 class AmuseSettings(ModelSettings):
-    """Which networks move, and what replaces parts of the speech.
+    """The networks, and replacements of parts of the speech.
 
     A part that is not named is the speech's own. Naming one edits the motion: with `emotion`, the
     same words by the same person in another emotion.
@@ -104,7 +104,7 @@ class AmuseSettings(ModelSettings):
     from_emotion, from_style : str, Path or None
         The same, in place of the speech's own where `strength` is 0.
     strength : float
-        Where between the speech's own emotion and style, 0, and those that are named, 1, it moves.
+        Interpolates from the speech's own emotion and style, 0, to the chosen ones, 1.
     """
 
     speech_model: File = Field(description="Weights of the speech model.")

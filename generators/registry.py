@@ -39,9 +39,9 @@ class TrainingChoice:
     name : str
         Its name on the command line, such as ``ablation``.
     help : str
-        What it does, for whoever reads the command's help.
+        Its description in the command's help.
     values : tuple of str
-        What it may be; a path where there are none.
+        Its values; a path if there are none.
     file : bool
         Whether that is a file's path, and not a folder's.
     """
@@ -54,14 +54,14 @@ class TrainingChoice:
 
 @dataclass(frozen=True, kw_only=True)
 class Trainable:
-    """What can be trained of a generator.
+    """A trainable network of a generator.
 
     Attributes
     ----------
     summary : str
         One sentence for the list of commands.
     explanation : str
-        What a researcher should know before.
+        Facts that a researcher should know before.
     configs : mapping of str to str
         Sizes by name, with what each is for; the first is usual.
     home : str
@@ -80,13 +80,13 @@ class Trainable:
     taken_by: str
 
     def load(self) -> TrainGenerator:
-        """Return what trains it; its module is imported now."""
+        """Return its training function; its module is imported now."""
         return cast("TrainGenerator", _import_object(self.home))
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingRequest:
-    """What a researcher asks for.
+    """A researcher's request.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ def run_folder(out: Path) -> Path:
 
 @dataclass(frozen=True, kw_only=True)
 class TrainedGenerator:
-    """What came out.
+    """The outcome of a training.
 
     Attributes
     ----------
@@ -140,7 +140,7 @@ class TrainedGenerator:
     skipped : tuple of InputError
         Recordings that could not be used.
     warnings : tuple of str
-        What should make them doubt it.
+        Reasons to doubt the result.
     """
 
     sentences: tuple[str, ...]
@@ -158,7 +158,7 @@ Raises InputError if the recordings do not fit or the run that is kept is anothe
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """Where a generator lives and what it takes.
+    """A generator's module and settings.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ GENERATORS: Final = {
 TRAINABLE: Final = TypeAdapter(dict[str, Trainable]).validate_python(
     tomllib.loads(Path(__file__).with_name("trainables.toml").read_text("utf-8"))
 )
-"""What can be trained, under the name that trains it."""
+"""Trainable networks by name."""
 
 
 def generator_names() -> tuple[str, ...]:
@@ -230,7 +230,7 @@ def trainable_names() -> tuple[str, ...]:
 
 
 def find_trainable(name: str) -> Trainable:
-    """Return what can be trained under that name; no network is loaded.
+    """Return the trainable network of that name; no network is loaded.
 
     Raises
     ------
@@ -253,7 +253,7 @@ def load_generator(name: str, settings: Settings | None = None, device: str = "c
     name : str
         One of `generator_names`.
     settings : Settings, optional
-        What it takes, with paths from here.
+        Its settings, with paths relative to the current folder.
     device : {'cpu', 'cuda'}
         Where a network runs.
 

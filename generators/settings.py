@@ -1,4 +1,4 @@
-"""What a generator takes besides speech, as a condition of a study states it. Loads no network."""
+"""Settings of generators, as in a condition of a study. Loads no network."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ _ON_DISK: Final = {File: "{}", Folder: "folder of {}", NameOrFile: "recording of
 
 
 class Settings(BaseModel):
-    """What a generator takes: its keys in a condition, and its options on the command line.
+    """Settings of a generator: its keys in a condition, and its command-line options.
 
     Each key has a type, a default unless it is required, and a description.
     """
@@ -134,12 +134,12 @@ class Settings(BaseModel):
         return type(self).model_validate(values)
 
     def fingerprint(self) -> tuple[object, ...]:
-        """Return what changes with any value and the content of any file, not with its place."""
+        """Return a fingerprint of all values and of files' contents, not of their paths."""
         return tuple((name, content(getattr(self, name))) for name in type(self).model_fields)
 
 
 def content(value: object) -> object:
-    """Return what a fingerprint holds of a value: of a file its hash, of a folder each file's."""
+    """Return a value's part of a fingerprint: of a file its hash, of a folder each file's."""
     if not isinstance(value, Path):
         return value
     if value.is_dir():

@@ -65,7 +65,7 @@ class Audio:
     sample_rate : int
         Samples per second.
     notes : tuple of str
-        What a person should know about how the samples were read.
+        Notes for people about how the samples were read.
 
     Raises
     ------

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from motion.audio import Audio
 
 DETECTOR: Final = "librosa 0.11 spectral-flux onsets, 16 kHz, 10 ms hop"
-"""What `speech_onsets` runs, in words for a footnote."""
+"""The detector of `speech_onsets`, for a footnote."""
 
 _RATE: Final = 16000
 _HOP: Final = 160

@@ -26,7 +26,7 @@ _TRUNK_ASIDE: Final = 0.065
 """Metres: radii of thighs and of the two columns, so far aside, that make up the trunk."""
 
 _HAND: Final = {"wrist": 0.03, "middle1": 0.025, "middle3": 0.015, "index3": 0.01, "pinky3": 0.01}
-"""How far skin reaches around each joint of the hand, in metres."""
+"""Distance of the skin from each joint of the hand, in metres."""
 
 _OUTWARD: Final = 0.05
 """Metres that a hand counts as further out than it is, so that it leaves a leg on its own side."""

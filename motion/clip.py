@@ -87,7 +87,7 @@ class MotionClip:
     gender : str
         ``neutral``, ``female`` or ``male``: which SMPL-X template the betas belong to.
     provenance : mapping of str to str
-        Where the clip comes from: generator, seed, source file, what was changed on the way.
+        The clip's origin: generator, seed, source file, and changes.
 
     Raises
     ------

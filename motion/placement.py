@@ -32,7 +32,7 @@ _SMOOTHED_OVER: Final = 0.1
 
 _BEHIND_ANKLE: Final = 0.7
 _BEFORE_TOES: Final = 1.0
-"""How far heel and toes reach beyond ankle and foot joint, as shares of the way between those."""
+"""Positions of heel and toes beyond ankle and foot joint, as shares of their distance."""
 
 _SMALLEST_NOTED_TURN: Final = 1.0
 """Degrees of the smallest turn that a note mentions."""
@@ -75,7 +75,7 @@ def ground_height(rest_joints: NDArray[np.floating]) -> float:
 
 
 def sole_heights(clip: MotionClip, rest_joints: NDArray[np.floating]) -> FloatArray:
-    """Return how high the lowest of both heels and toes is in each frame, shape (T,), in metres.
+    """Return the height of the lowest heel or toe in each frame, shape (T,), in metres.
 
     They are the ends of a flat plate at the height of the foot's joint, which turns with the foot.
     """

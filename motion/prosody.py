@@ -60,7 +60,7 @@ _AUDIBLE_PITCH: Final = 0.5
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prosody:
-    """What the voice does, on the frames of a motion clip and as moments in time.
+    """Prosody on the frames of a motion clip and as moments in time.
 
     Attributes
     ----------
@@ -206,7 +206,7 @@ def _accents(
 
 
 def _rise_of_energy(energy: FloatArray) -> FloatArray:
-    """Return how far each step's energy lies above the average of the speech around it."""
+    """Return each step's energy above the average of the speech around it."""
     speech = (energy >= _PAUSE_ENERGY).astype(float)
     width = _CONTEXT / 2 * _STEPS_PER_SECOND
     share = gaussian_filter1d(speech, width, mode="nearest")
@@ -215,7 +215,7 @@ def _rise_of_energy(energy: FloatArray) -> FloatArray:
 
 
 def _height_of_pitch(pitch: FloatArray, nuclei: NDArray[np.intp]) -> FloatArray:
-    """Return how far the pitch near each nucleus rises above the pitch around it, in semitones.
+    """Return the pitch at each nucleus above the pitch around it, in semitones.
 
     Against the pitch around, because it falls over an utterance (declination).
     """

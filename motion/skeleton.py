@@ -51,7 +51,7 @@ def forward_kinematics(
     trans: NDArray[np.floating],
     rest_joints: NDArray[np.floating],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return where each joint is and how it is turned in the world.
+    """Return positions and rotations of all joints in the world.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ generating motion needs no mesh.
 REST_JOINTS.setflags(write=False)
 
 FINGERS: Final = slice(joint_index("left_index1"), JOINT_COUNT)
-"""Where the finger joints are among the 55."""
+"""The finger joints among the 55."""
 
 _FLEXION: Final = {
     "index": (0.30, 0.44, 0.25),

@@ -26,7 +26,7 @@ _TIME_LIMIT: Final = 60.0
 
 @dataclass(frozen=True, kw_only=True)
 class SpokenProsody:
-    """How an emotion is spoken.
+    """Prosody of synthetic speech.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ def speak_as(text: str, prosody: SpokenProsody, out_path: Path, speaker: str = "
     Parameters
     ----------
     text : str
-        What to say; plain text, no markup.
+        The text; plain, without markup.
     prosody : SpokenProsody
         Its prosody.
     out_path : Path

@@ -20,7 +20,7 @@ from motion.skeleton import joint_index
 Floats = NDArray[np.float32]
 
 ELLIPSES: Final = 3
-"""How many ellipses a shadow has: left foot, right foot, body."""
+"""Ellipses of a shadow: left foot, right foot, body."""
 
 _SOLE_HEIGHT: Final = 0.03
 """Metres above its lowest point up to which a foot counts as its sole."""
@@ -45,7 +45,7 @@ class ContactShadow:
     ground : float
         Height of the ground in metres.
     centres : ndarray, shape (3, 2)
-        Where the ellipses lie, x and z in metres.
+        Positions of the ellipses, x and z in metres.
     axes : ndarray, shape (3, 2, 2)
         Half axes of each in metres, one a column, x and z.
     darkness : ndarray, shape (3,)

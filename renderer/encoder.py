@@ -68,7 +68,7 @@ def encoded_sound(container: Any, sound: Audio) -> list[Any]:
     container : av.container.OutputContainer
         Where they will be written.
     sound : Audio
-        What is heard, at `SOUND_RATE`.
+        The sound, at `SOUND_RATE`.
     """
     stream = container.add_stream("aac", rate=SOUND_RATE, layout="mono")
     stream.bit_rate = _SOUND_BITS_PER_SECOND
@@ -96,7 +96,7 @@ class VideoWriter:
     frame_rate : float
         Frames per second.
     sound : Audio or None
-        What is heard, at `SOUND_RATE`. Without it, the video is lossless.
+        The sound, at `SOUND_RATE`. Without it, the video is lossless.
     """
 
     def __init__(

@@ -175,7 +175,7 @@ def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> NDArray[np
 
 
 def project(points: NDArray[np.floating], camera: Camera, size: int) -> NDArray[np.float64]:
-    """Return where `camera` sees `points` in a picture of `size` × `size` pixels.
+    """Project `points` into a picture of `size` × `size` pixels.
 
     Parameters
     ----------

@@ -151,7 +151,7 @@ AMBIENT_LIGHT: Final = (0.36, 0.365, 0.38)
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """What all stimuli of a study share.
+    """The common look of a study's stimuli.
 
     Attributes
     ----------
@@ -164,7 +164,7 @@ class Look:
     view : str
         One of `VIEWS`: from where.
     background : tuple of int
-        What is behind the speaker.
+        The colour behind the speaker.
     avatar : str
         One of `renderer.look.AVATARS`.
     expression_matrix : Path or None

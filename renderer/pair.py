@@ -42,7 +42,7 @@ def write_pair(
     left, right : Path
         Lossless frames as `renderer.clip_video.write_clip_video` leaves them.
     speech : Path
-        What is heard.
+        The speech.
     start, end : float
         The excerpt of `speech` in seconds.
     video : Path

@@ -46,7 +46,7 @@ _MARGIN: Final = 8
 """Pixels of background around the figure, which downsampling mixes with its edge."""
 
 _PLANE_SCALES: Final = (1, 2, 2)
-"""How many pixels one sample of each yuv420p plane covers on each side."""
+"""Pixels per sample of each yuv420p plane on each side."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -140,7 +140,7 @@ def write_dubbed(
     picture : Path
         A video as `renderer.clip_video.write_clip_video` leaves it.
     speech : Path
-        What is heard instead.
+        The new speech.
     start, end : float
         The excerpt of `speech` in seconds.
     seconds : float

@@ -1,4 +1,4 @@
-"""How a network is trained: numbers that check themselves."""
+"""Settings of a training, which are validated."""
 
 from __future__ import annotations
 
@@ -48,13 +48,13 @@ class Decay:
         _check("decay from_epoch", self.from_epoch, self.from_epoch >= 0, "a whole number")
 
     def __call__(self, epoch: int) -> float:
-        """Return what the learning rate is multiplied by in `epoch`."""
+        """Return the factor of the learning rate in `epoch`."""
         return float(self.factor ** max(0, epoch - self.from_epoch + 1))
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingConfig:
-    """How a network is trained.
+    """Settings of a training.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class TrainingConfig:
     learning_rate : float
         Above 0 and at most 1.
     decay : Decay or None
-        How the learning rate falls from epoch to epoch; None is the same in every step.
+        Decay of the learning rate over epochs; None for a constant rate.
     optimizer : {'adam', 'adamw'}
         Kingma & Ba 2015, or with decoupled weight decay, Loshchilov & Hutter 2019.
     betas : pair of float
@@ -156,21 +156,21 @@ class TrainingConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class Preset:
-    """How a network is trained by default.
+    """Default settings of a training.
 
     Attributes
     ----------
     training : TrainingConfig
         Its steps are those of one epoch if `epochs` are given.
     epochs : int or None
-        How often all examples are gone through, in place of a number of steps.
+        Number of epochs, in place of a number of steps.
     """
 
     training: TrainingConfig
     epochs: int | None = None
 
     def config_for(self, examples: int, changes: Mapping[str, Any]) -> TrainingConfig:
-        """Return how it is trained on so many examples, with some settings changed."""
+        """Return the settings for so many examples, with some of them changed."""
         return self.training.with_changes(changes, epochs=self.epochs, examples=examples)
 
 

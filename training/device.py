@@ -1,4 +1,4 @@
-"""Where networks run: processor or graphics processor, and how many threads torch has."""
+"""Devices of networks, CPU or GPU, and torch's threads."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def torch_threads(number: int) -> Iterator[None]:
 
 
 def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tuple[First, Second]:
-    """Return what both compute, `second` on this thread and `first` on another one.
+    """Return the results of both, `second` on this thread and `first` on another one.
 
     Each has half of torch's threads meanwhile. Where torch has one thread, `first` runs before
     `second`, so `second` may wait for what `first` tells but not the other way round. The number
@@ -67,6 +67,6 @@ def _run_on_half_the_threads(
 
 
 def _without_gradients(work: Callable[[], First]) -> First:
-    """Return what `work` computes; inference mode belongs to a thread."""
+    """Return the result of `work`; inference mode belongs to a thread."""
     with torch.inference_mode():
         return work()

@@ -148,7 +148,7 @@ def hubert_features(frame_rate: float, hubert: Hubert) -> Feature:
 
 
 def semantic_scores(frame_rate: float) -> Feature:
-    """Return how much the gesture of each frame means, one channel, from 0.
+    """Return the semantic relevance of the gesture in each frame, one channel, from 0.
 
     Takes without annotation have 0 throughout, as where there is no gesture.
     """

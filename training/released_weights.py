@@ -25,7 +25,7 @@ Network = TypeVar("Network", bound=nn.Module)
 
 
 def read_saved(file: Path) -> object:
-    """Return what ``torch.save`` or safetensors wrote.
+    """Return the content of a file of ``torch.save`` or safetensors.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def tensors_in(content: object, file: Path) -> dict[str, Tensor]:
 
 @dataclass(frozen=True)
 class ReleasedNames:
-    """What released weights are called here.
+    """Renaming of released weights.
 
     Attributes
     ----------
@@ -115,11 +115,11 @@ def fill(
     weights : mapping of str to Tensor
         By the network's own names.
     file : Path
-        Where they come from.
+        The file.
     description : str
-        What the file should be, as in ``DiffSHEG's network for beat``.
+        Description of the expected file, as in ``DiffSHEG's network for beat``.
     remedy : str
-        What to do where it is another.
+        Remedy if it is another.
 
     Raises
     ------
@@ -171,11 +171,11 @@ class SavedNetworks:
     Attributes
     ----------
     owner : str
-        Whose weights they are.
+        Name of the network.
     types : mapping of str to str
         Their types, as ``config.json`` calls them, and their names.
     remedy : str
-        How to come by such a folder.
+        How to make such a folder.
     optional : collection of str
         Weights that may be missing, by the beginnings of their names.
     """
@@ -186,7 +186,7 @@ class SavedNetworks:
     optional: Collection[str] = ()
 
     def check(self, folder: Path) -> Mapping[str, Any]:
-        """Return what ``config.json`` says of the network; its weights are not loaded.
+        """Return the content of ``config.json``; the weights are not loaded.
 
         Raises
         ------

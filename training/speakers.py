@@ -98,7 +98,7 @@ class SpeakerEncoder(nn.Module):
 
 
 def latent_loss(latents: Sequence[tuple[Tensor, Tensor]]) -> Tensor:
-    """Return how far the speakers' latents are from normal ones (Kullback & Leibler)."""
+    """Return the divergence of the speakers' latents from normal ones (Kullback & Leibler)."""
     return torch.stack(
         [
             -0.5 * (1 + variance - mean.square() - variance.exp()).mean()

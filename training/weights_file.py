@@ -30,7 +30,7 @@ equal bytes."""
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WeightsFile:
-    """What such a file holds.
+    """The content of such a file.
 
     Attributes
     ----------
@@ -77,16 +77,16 @@ class TrainedNetwork(Generic[Network]):
 
 @dataclass(frozen=True, kw_only=True)
 class NetworkKind:
-    """What a file of one kind of networks holds, and what to say where it does not.
+    """A kind of network file, and the errors for other files.
 
     Attributes
     ----------
     name : str
         By which its facts call it.
     wanted : str
-        What it should hold, as in ``a DiffSHEG network``.
+        Description of the expected network, as in ``a DiffSHEG network``.
     remedy : str
-        What to do where it holds something else, but to give what is wanted.
+        Remedy for another file, besides giving the expected one.
     """
 
     name: str

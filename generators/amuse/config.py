@@ -23,7 +23,7 @@ PARTS: Final = ("content", "emotion", "style")
 """The latents of disentangled speech."""
 
 LABELS: Final[Mapping[str, str]] = {"emotion": "emotion", "style": "speaker"}
-"""What of a take names its emotion and its style."""
+"""The fields of a take that label its emotion and its style."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,9 +103,9 @@ class SpeechConfig:
     dropout : float
         Of the fusion and of the decoder, while training.
     classified : {'tokens', 'latent'}
-        What emotion and speaker are named by: the class tokens, as released and as appendix B.1
-        says, or the latents of emotion and style themselves, as section 3.2 and appendix B.4 say.
-        By the tokens only rebuilding asks anything of the latents.
+        Inputs of the classifiers of emotion and speaker: the class tokens, as released and in
+        appendix B.1, or the latents of emotion and style, as in section 3.2 and appendix B.4. With
+        tokens, only the reconstruction constrains the latents.
     mfcc : int
         Cepstral coefficients that an auto-encoder reads in place of the three encoders
         (Table A.3); 0 for the speech model itself.

@@ -1,4 +1,4 @@
-"""What AMUSE's networks learn by (Chhatre et al. 2024, section 3.3 and appendix B.4)."""
+"""AMUSE's losses (Chhatre et al. 2024, section 3.3 and appendix B.4)."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from generators.amuse.speech import SpeechDecoder, SpeechModel, SpeechOutput
 from training.diffusion import SCALED_LINEAR
 
 Weights = Mapping[str, float]
-"""How much each loss counts, by its name; those that are not there are not computed."""
+"""Weights of losses by name; losses without a weight are not computed."""
 
 MOTION_LOSSES: Final = {"rec": 1.0, "vrec": 1.0, "kl": 1e-4, "ld": 1.0, "align": 1.0, "valign": 1.0}
-"""How much each loss of the motion networks counts, as the paper has them.
+"""Weights of the motion networks' losses, as in the paper.
 
 ``rec`` and ``vrec``, L_rec and L_Vrec, are of the prior's reconstruction and of the body's points
 in it. ``kl``, L_KL, is of the latent's distance from a standard normal law: a mean over its values,
@@ -40,10 +40,10 @@ ABLATED_LOSSES: Final[Mapping[str, Sequence[str]]] = {
     "emotion_only": ("sty", "xsty"),
     "style_only": ("emo", "xemo"),
 }
-"""What does not count where prior or denoiser learns alone, and in ablations."""
+"""Losses that are left out if only prior or denoiser is trained, and in ablations."""
 
 SPEECH_LOSSES: Final = dict.fromkeys(("con", "self", "xcon", "xemo", "xsty", "emo", "sty"), 1.0)
-"""How much those of the speech model count: L_con, L_self, and so on."""
+"""Weights of the speech model's losses: L_con, L_self, and so on."""
 
 OTHER_CONTENT: Final = (1, 0, 3, 2)
 """For each of the four, one of the same speaker and another text: j(k) = [(6 - k) mod 4] + 1."""
@@ -103,7 +103,7 @@ def motion_losses(
     timestep : Tensor
         (draws, batch) diffusion steps.
     weights : mapping of str to float
-        How the parts add up: see `MOTION_LOSSES`.
+        Weights of the losses: see `MOTION_LOSSES`.
     steps : int
         Of DDIM in the third pass.
 
@@ -142,7 +142,7 @@ def motion_losses(
 def _denoising_loss(
     denoiser: Denoiser, z: Tensor, latents: Sequence[Tensor], noise: Tensor, timestep: Tensor
 ) -> Tensor:
-    """Return what the denoiser does not predict of each draw of noise (draws, batch, …)."""
+    """Return the denoiser's error for each draw of noise (draws, batch, …)."""
     draws, t, eps = len(noise), timestep.flatten(), noise.flatten(0, 1)
     z = z.repeat(draws, 1, 1)
     conditions = [latent.repeat(draws, 1, 1) for latent in latents]
@@ -166,7 +166,7 @@ def speech_losses(
     classes : Tensor
         (2, 4 batch), the numbers of emotions and of speakers.
     weights : mapping of str to float
-        How the parts add up: see `SPEECH_LOSSES`.
+        Weights of the losses: see `SPEECH_LOSSES`.
 
     Returns
     -------
@@ -191,7 +191,7 @@ def speech_losses(
 def reconstruction_errors(
     decoder: SpeechDecoder, output: SpeechOutput, target: Tensor, names: Collection[str]
 ) -> dict[str, Tensor]:
-    """Return how much filterbanks miss that are rebuilt from latents of quadruples (Table A.2).
+    """Return the errors of filterbanks reconstructed from latents of quadruples (Table A.2).
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def reconstruction_errors(
     target : Tensor
         (4 batch, frames, bands), what is to be rebuilt.
     names : collection of str
-        Which cross-reconstructions count.
+        Weights of the cross-reconstructions.
 
     Returns
     -------

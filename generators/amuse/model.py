@@ -19,7 +19,7 @@ from training.spaces.smplx_bodies import BodyPoints
 
 
 class Gaussian(NamedTuple):
-    """Where a motion's latent lies: means and standard deviations, (batch, tokens, width) each."""
+    """The distribution of a motion's latent: means and deviations, (batch, tokens, width) each."""
 
     mu: Tensor
     std: Tensor
@@ -60,7 +60,7 @@ class MotionPrior(nn.Module):
         self.final_layer = nn.Linear(config.width, config.motion_width)
 
     def encode(self, motion: Tensor) -> Gaussian:
-        """Return where the latent of `motion` (batch, frames, motion width) lies."""
+        """Return the distribution of the latent of `motion` (batch, frames, motion width)."""
         tokens = self.global_motion_token.expand(len(motion), -1, -1)
         x = torch.cat([tokens, self.skel_embedding(motion)], dim=1)
         x = self.encoder(self.query_pos_encoder(x))

@@ -40,7 +40,7 @@ MOST_INITIAL: Final = 1_000
 """Largest number of windows by which the motion's mean is estimated."""
 
 DRAWS: Final = 4
-"""How often a latent gets noise in an update. The paper does it once; the denoiser is small beside
+"""Draws of noise per latent in an update. The paper has one; the denoiser is small compared to
 the prior and the fifty steps of the third pass, and learns four times as much."""
 
 _SHORTEST_WAVE: Final = 12
@@ -56,7 +56,7 @@ class MotionTask(WindowTask):
     config : MotionConfig
         The networks.
     weights : mapping of str to float
-        What counts how much.
+        Weights of the losses.
     align_steps : int
         Of DDIM in the third pass.
     named : float
@@ -253,7 +253,7 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
 
 
 def _passes(together: int | None, steps: int, *, disjoint: bool) -> tuple[Pass, ...]:
-    """Return what learns when: both together and then the denoiser, or one after the other."""
+    """Return the stages: both together and then the denoiser, or one after the other."""
     if together is None and not disjoint:
         return ()
     end = together or max(1, steps // 2)

@@ -62,7 +62,7 @@ class SpeechTask(WindowTask):
     config : SpeechConfig
         The network.
     weights : mapping of str to float
-        What counts how much.
+        Weights of the losses.
     training, held_out : Windows
         Of the feature ``filterbank``.
     quadruples : ndarray, shape (quadruples, 4)
@@ -70,7 +70,7 @@ class SpeechTask(WindowTask):
     classes : Classes
         The emotions and the speakers.
     encoder_weights : mapping of str to Tensor
-        What each encoder's transformer sets out from; empty where that is chance.
+        Initial weights of each encoder's transformer; empty for random ones.
     """
 
     config: SpeechConfig
@@ -113,7 +113,7 @@ class SpeechTask(WindowTask):
         return losses.speech_losses(network, *augment(filterbanks), numbers, self.weights)
 
     def validation(self, network: AnySpeechModel) -> Mapping[str, float]:
-        """Return what is measured of held-out windows.
+        """Return the measures of held-out windows.
 
         ``loss`` is what the filterbanks miss, and the cross entropies of emotion and style; then
         accuracies and F1 scores (macro), as in Table A.1, and `reconstruction_errors` of held-out
@@ -228,7 +228,7 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
 def _encoder_weights(
     path: str | None, config: SpeechConfig
 ) -> tuple[Mapping[str, Tensor], Mapping[str, str]]:
-    """Return what encoders set out from, and where it is from."""
+    """Return the encoders' initial weights, and their origin."""
     if path is None:
         return {}, {}
     folder = Path(path)

@@ -1,4 +1,4 @@
-"""What a DiffSHEG network is made of, and how each is trained by default."""
+"""Sizes of DiffSHEG networks, and their default training."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ BLEND_BELOW: Final = 0.2
 standard deviation; before, they are what the window before says."""
 
 JOINT_WIDENING: Final = 1.41
-"""How much wider the one branch of 'joint' is, so that it costs as much as two (section 4.5)."""
+"""Ratio of widths by which the one branch of 'joint' costs as much as two (section 4.5)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,7 +141,7 @@ class DenoiserConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class Sampling:
-    """How windows are sampled: fast outpainting-based partial autoregressive sampling.
+    """Sampling of windows: fast outpainting-based partial autoregressive sampling.
 
     FOPPAS (section 3.5) is DDIM in place of DDPM, and RePaint's resampling for the windows that
     continue another one.
@@ -258,7 +258,7 @@ ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
         "reverse": {"flow": "gesture_to_expression"},
     }
 )
-"""What the ablations of Table 1 change in the network."""
+"""Changes of the network by the ablations of Table 1."""
 
 
 def find_preset(config: str, dataset: str) -> TrainingPreset:

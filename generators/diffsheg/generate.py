@@ -88,7 +88,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
     ) -> Iterator[NDArray[np.float64]]:
         """Yield motion of live speech as soon as it is final.
 
-        How the speech is cut into pieces changes nothing: all of it at once gives the same motion.
+        The motion does not depend on how the speech is cut into pieces.
         A frame is settled at the latest when a window of motion and what `window` looks ahead have
         been heard; memory is bounded by both, however long the speech.
 
@@ -176,7 +176,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             yield motion
 
     def _sampler_of(self, speaker: int) -> WindowSampler:
-        """Return what samples windows, made once for clips of the same speaker."""
+        """Return the sampler of windows, made once for clips of the same speaker."""
         if self._sampler is None or self._sampler[0] != speaker:
             denoiser = self._network.denoiser
             person = torch.eye(denoiser.config.speakers)[speaker - 1]

@@ -156,7 +156,7 @@ class Moments(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FusedSpeech:
-    """What a `Fusion` makes of the speech before it sees any motion.
+    """The part of a `Fusion` that depends on the speech only.
 
     Attributes
     ----------
@@ -198,7 +198,7 @@ class Fusion(nn.Module):
         self.width = width
 
     def fuse(self, speech: Tensor) -> FusedSpeech:
-        """Return what is made of the speech, (batch, frames, channels)."""
+        """Return the part of the speech, (batch, frames, channels)."""
         return FusedSpeech(
             self._map(speech, self.width),
             Moments.from_values(speech),
@@ -207,7 +207,7 @@ class Fusion(nn.Module):
         )
 
     def forward(self, h: Tensor, speech: FusedSpeech, x0_hat: Tensor | None = None) -> Tensor:
-        """Return what is added to h, (batch, frames, width)."""
+        """Return the term added to h, (batch, frames, width)."""
         inner = self._map(h, 0) + speech.mapped
         parts = [Moments.from_values(h), speech.moments]
         if x0_hat is not None:
@@ -218,7 +218,7 @@ class Fusion(nn.Module):
         return self._narrow((inner - mean * speech.ones) * scale + speech.bias)
 
     def unconditioned(self, null: Tensor) -> Tensor:
-        """Return what is added if v is the learned vector `null`, (1, width)."""
+        """Return the term added if v is the learned vector `null`, (1, width)."""
         return self._narrow(self.widen(self.norm(null)))
 
     def _map(self, values: Tensor, first: int) -> Tensor:

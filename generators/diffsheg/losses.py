@@ -1,4 +1,4 @@
-"""What DiffSHEG learns by: the noise it did not find, and what that does to the motion."""
+"""DiffSHEG's losses: the error of the noise, and the resulting error of the motion."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from training.diffusion import LINEAR
 
 @dataclass(frozen=True, kw_only=True)
 class LossWeights:
-    """How much each part counts.
+    """Weights of the parts.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class LossWeights:
         Error of normalised values at which Huber's loss turns from square to straight, the
         paper's δ, of which it does not tell the value.
     slope : float or None
-        How steep its straight part is: 1 in the release; None for `turn`, as equation 7 has it.
+        Slope of its straight part: 1 in the release; None for `turn`, as in equation 7.
     semantic : bool
         Whether errors of the motion count (1 + score) times in frames that were annotated as
         meaningful, as in the release's training on BEAT.
@@ -76,7 +76,7 @@ def motion_losses(
     steps : Tensor
         (batch,) diffusion steps.
     weights : LossWeights
-        How the parts add up.
+        Weights of the parts.
     semantic : Tensor, optional
         (batch, frames, 1), scores from 0 of how meaningful a frame's gesture is.
 

@@ -195,7 +195,7 @@ class Denoiser(nn.Module):
         ]
 
     def part_of(self, name: str) -> slice:
-        """Return which values of a frame are a branch's."""
+        """Return the values of a frame that belong to a branch."""
         return next(part for other, part, _, _ in _layout(self.config) if other == name)
 
     def join_parts(self, parts: Mapping[str, Tensor]) -> Tensor:

@@ -43,7 +43,7 @@ def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:
         What ``torch.save(state_dict)`` or safetensors wrote: the weights alone, or under the key
         ``encoder``. Nothing but tensors is ever unpickled.
     dataset : {'beat', 'show'}
-        What it was trained on.
+        The data set that it was trained on.
 
     Returns
     -------
@@ -98,7 +98,7 @@ def read_normalisation(folder: Path, config: DenoiserConfig) -> Normalisation:
         ``axis_angle_mean.npy`` and ``axis_angle_std.npy`` of the body, ``json_mean.npy`` and
         ``json_std.npy`` of the face, beside them or in ``facial52/``.
     config : DenoiserConfig
-        How many values each has.
+        The number of values of each.
 
     Raises
     ------
@@ -152,7 +152,7 @@ class MotionNetwork:
     denoiser : Denoiser
         In evaluation mode, on the CPU.
     dataset : {'beat', 'show'}
-        Whose motion its values are.
+        The data set of its motion representation.
     normalisation : Normalisation
         Of its values.
     speakers : Speakers or None
@@ -198,7 +198,7 @@ def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
     path : Path
         The checkpoint.
     dataset : {'beat', 'show'}
-        What a released checkpoint was trained on.
+        The data set of a released checkpoint.
     stats : Path or None
         Folder of its means and standard deviations; see
         `generators.diffsheg.network_file.read_normalisation`.

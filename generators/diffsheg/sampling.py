@@ -63,7 +63,7 @@ def stream(
     width : int
         Values of a frame.
     sampling : Sampling
-        How windows are walked, and how many frames they share.
+        The steps of windows, and the number of frames they share.
     seed : int
         Not negative; the same seed gives the same motion.
 
@@ -116,7 +116,7 @@ def stream(
 
 
 def _generator(seed: int, number: int) -> torch.Generator:
-    """Return what the noise of a window is drawn from."""
+    """Return the random generator of a window's noise."""
     entropy = np.random.SeedSequence(seeded_stream(seed, "foppas", str(number)))
     return torch.Generator().manual_seed(int(entropy.generate_state(1, np.uint64)[0]))
 
@@ -154,7 +154,7 @@ class WindowNoise:
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """What a window's motion is made of; as many frames of noise as of speech."""
+    """The inputs of a window; as many frames of noise as of speech."""
 
     speech: SpeechFrames
     noise: WindowNoise
@@ -198,7 +198,7 @@ def sample_window(
     estimate : Estimate
         The network, told the speech.
     sampling : Sampling
-        How to walk.
+        The sampling.
     noise : WindowNoise
         Of as many values as `estimate` reads.
     shared : Tensor, optional
@@ -243,7 +243,7 @@ def _signal_variance(sampling: Sampling) -> Callable[[int], float]:
 
 
 def _blend_weight(shared: Tensor, *, blends: bool) -> Tensor:
-    """Return how much each shared frame is that of the window before, (overlap, 1)."""
+    """Return the weight of the previous window in each shared frame, (overlap, 1)."""
     overlap = len(shared)
     fade = torch.arange(overlap, dtype=torch.float32, device=shared.device) / max(overlap, 1)
     return (1 - fade if blends else torch.ones_like(fade))[:, None]
@@ -262,7 +262,7 @@ class WindowSampler:
     person : Tensor
         (speakers,), one-hot.
     sampling : Sampling
-        How windows are walked.
+        The sampling.
     """
 
     def __init__(self, denoiser: Denoiser, person: Tensor, sampling: Sampling) -> None:
@@ -376,7 +376,7 @@ Message = TypeVar("Message")
 
 
 def _receive(queue: SimpleQueue[Message | BaseException]) -> Message:
-    """Return what comes next, or raise what kept the other branch from making it."""
+    """Return the next message, or raise the other branch's error."""
     received = queue.get()
     if isinstance(received, BaseException):
         raise received

@@ -73,7 +73,7 @@ class DiffShegTask(WindowTask):
     config : DenoiserConfig
         The network.
     weights : LossWeights
-        What counts how much.
+        Weights of the losses.
     training, held_out : Windows
         Of the features ``gesture``, ``expression``, ``mel``, ``hubert`` and, where it counts,
         ``semantic``.

@@ -61,7 +61,7 @@ class Limb:
 def solve(
     limb: Limb, root: FloatArray, target: FloatArray, pole: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return how the two bones are turned so that the limb's end is at `target`.
+    """Return the rotations of two bones that put the limb's end at `target`.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ _NECK_SHARE: Final = 0.45
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trunk:
-    """What everything but the arms and the face does.
+    """The motion of everything but the arms and the face.
 
     All turns are shape (T, 3), degrees about x (nodding, forward positive), y (turning, to the
     body's left positive) and z (tilting, towards the body's right positive).

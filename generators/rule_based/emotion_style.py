@@ -1,4 +1,4 @@
-"""What an emotion sets in a moving speaker; ``emotions.toml`` holds the values."""
+"""Parameters of an emotion; ``emotions.toml`` holds the values."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ _REST_POSES: Final = {
 
 @dataclass(frozen=True, kw_only=True)
 class GestureManner:
-    """How an emotion gestures.
+    """Gesture parameters of an emotion.
 
     Attributes
     ----------
     forms : mapping of str to float
-        How much each form of `gesture_forms.FORMS` is liked; need not sum to 1.
+        Preference of each form of `gesture_forms.FORMS`; need not sum to 1.
     rest : HandPose
         Where the hands are before, after and in long pauses.
     amplitude : float
@@ -90,7 +90,7 @@ class Posture:
 
 @dataclass(frozen=True, kw_only=True)
 class Liveliness:
-    """How an emotion keeps moving.
+    """Idle motion of an emotion.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class Liveliness:
 
 @dataclass(frozen=True, kw_only=True)
 class Face:
-    """What an emotion's face shows.
+    """Facial parameters of an emotion.
 
     Attributes
     ----------

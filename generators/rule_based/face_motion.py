@@ -151,7 +151,7 @@ def gaze(
 
 
 def blinks(per_minute: float, times: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return how far the lids are shut at each time, shape (T,), in [0, 1].
+    """Return the closure of the lids at each time, shape (T,), in [0, 1].
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which accents get a gesture, of what form, by which hand, and when its phases run.
+"""The plan of gestures: accents, forms, hands, and times of phases.
 
 A gesture has a preparation, a stroke, a hold and, unless the next one follows at once, a
 retraction (Kendon 1980; McNeill 1992, ch. 3). The stroke ends at the accent, where the farthest
@@ -45,7 +45,7 @@ class Gesture:
     Attributes
     ----------
     form : GestureForm
-        What is done.
+        The form.
     hands : tuple of str
         ``left``, ``right`` or both.
     begin : float
@@ -71,7 +71,7 @@ class Gesture:
 
 @dataclass(frozen=True, kw_only=True)
 class Ending:
-    """How one hand comes out of a gesture.
+    """The end of a gesture of one hand.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ def plan_gestures(
     ----------
     prosody : Prosody
     manner : GestureManner
-        How the emotion gestures.
+        The emotion's gesture parameters.
     rng : numpy.random.Generator
         Chooses forms and hands.
 
@@ -145,7 +145,7 @@ def _on_syllable(stroke: float, begin: float, apex: float, syllables: FloatArray
 
 
 def endings(gestures: Sequence[Gesture], tempo: float) -> tuple[Ending, ...]:
-    """Return how one hand comes out of each of the gestures that it makes.
+    """Return the end of each gesture of one hand.
 
     Parameters
     ----------

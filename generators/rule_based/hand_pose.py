@@ -1,4 +1,4 @@
-"""What one arm and hand do at one instant, in terms that are the same for left and right."""
+"""The pose of one arm and hand, in parameters that are the same for left and right."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def hand_track(
     idling: Idling,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Return what `hand` does at each time.
+    """Return the pose of `hand` at each time.
 
     Parameters
     ----------
@@ -60,12 +60,12 @@ def hand_track(
     gestures : sequence of Gesture
         The plan for both hands.
     rests : sequence of Rest
-        How both rest, should they.
+        The resting poses of both.
     manner : GestureManner
     times : ndarray, shape (T,)
         Seconds.
     idling : Idling
-        What both do beside their gestures.
+        The idle motion of both.
     rng : numpy.random.Generator
 
     Returns

@@ -1,4 +1,4 @@
-"""How trunk and head stand, sway, breathe, follow the hands and nod."""
+"""Motion of trunk and head: posture, sway, breath, following the hands, nods."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def move_trunk(
     times: FloatArray,
     rng: np.random.Generator,
 ) -> Trunk:
-    """Return what trunk and head do.
+    """Return the motion of trunk and head.
 
     Parameters
     ----------

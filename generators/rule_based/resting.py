@@ -61,7 +61,7 @@ _BEAT_CURL: Final = -0.07
 
 @dataclass(frozen=True, kw_only=True)
 class Rest:
-    """How the hands rest from a moment on.
+    """The resting pose of the hands from a moment on.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Rest:
 def plan_rests(
     manner: GestureManner, gestures: Sequence[Gesture], seconds: float, rng: np.random.Generator
 ) -> tuple[Rest, ...]:
-    """Return how the hands rest, should they, at each time of a clip.
+    """Return the resting pose of the hands at each time of a clip.
 
     Clenched and drawn-up hands stay what they are; others are clasped, hang, or do one of each.
     They change only where both are free for long enough, so that none meets the other on its way.
@@ -134,7 +134,7 @@ def _free_intervals(
 def _poses(
     rest_poses: Mapping[str, HandPose], leaving: str, rng: np.random.Generator
 ) -> Mapping[str, HandPose]:
-    """Return how both hands rest; the one that leaves first lies on the other."""
+    """Return the resting pose of both hands; the one that leaves first is on top."""
     alternatives = _ALTERNATIVES.get(rest_poses[leaving], ())
     if not alternatives or rng.random() < _KEEPS_REST_POSE:
         return rest_poses
@@ -144,7 +144,7 @@ def _poses(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Idling:
-    """What hands do beside their gestures, in the channels of `hand_pose`, each shape (T, 13).
+    """Idle motion of the hands, in the channels of `hand_pose`, each shape (T, 13).
 
     Attributes
     ----------
@@ -184,7 +184,7 @@ class Idling:
 def idle(
     times: FloatArray, beats: FloatArray, restlessness: float, rng: np.random.Generator
 ) -> Idling:
-    """Return what hands do beside their gestures.
+    """Return the idle motion of the hands.
 
     Parameters
     ----------

@@ -64,12 +64,12 @@ def swell(progress: FloatArray) -> FloatArray:
 
 
 def follow(start: FloatArray, movements: Iterable[Movement], times: FloatArray) -> FloatArray:
-    """Return where the movements, made one after the other from `start`, are at `times`.
+    """Return the values at `times` of successive movements from `start`.
 
     Parameters
     ----------
     start : ndarray, shape (C,)
-        Where things are before the first movement.
+        The values before the first movement.
     movements : iterable of Movement
         In the order in which they begin; overlapping ones add up.
     times : ndarray, shape (T,)
@@ -117,7 +117,7 @@ def smooth_noise(
     times : ndarray, shape (T,)
         Seconds.
     channels : int
-        How many independent signals.
+        The number of independent signals.
     lowest, highest : float
         The band in Hz; slower waves are stronger, as in a standing body's sway (amplitude
         falls with the root of the frequency).

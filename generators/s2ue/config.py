@@ -1,4 +1,4 @@
-"""What a Speech2UnifiedExpressions network is made of, and how it is trained by default.
+"""Sizes of a Speech2UnifiedExpressions network, and its default training.
 
 Bhattacharya et al. 2024. Its code was never released; where the paper is silent, values are those
 of the first author's earlier Speech2AffectiveGestures ("S2AG"), or chosen here. Each says so.
@@ -100,7 +100,7 @@ class NetworkConfig:
         return len(self.modalities), self.speaker_width
 
     def width_of(self, modalities: tuple[str, ...]) -> int:
-        """Return how wide the latents of some modalities are together."""
+        """Return the total width of the latents of some modalities."""
         widths = {"face": self.face_width, "pose": self.pose_width}
         return sum(widths[name] for name in modalities)
 
@@ -156,7 +156,7 @@ class S2uePreset(Preset):
     Attributes
     ----------
     sizes : mapping
-        What of `NetworkConfig` differs.
+        Differences from `NetworkConfig`.
     """
 
     sizes: Mapping[str, Any]

@@ -174,7 +174,7 @@ def synthesise_windows(
     Parameters
     ----------
     windows : iterable of HeardWindow
-        What is heard.
+        The windows of speech.
     words : ndarray, shape (frames, width), optional
         The vector of the word in each frame of the speech; None if the words are unknown.
     network : Network
@@ -204,10 +204,10 @@ def synthesise_windows(
 
 
 def _transition_matrix(frames: int, seeds: int) -> NDArray[np.float64]:
-    """Return what tells from how far two windows are apart where to go in between.
+    """Return the matrix from the distance of two windows to the transition between them.
 
-    The way from one to the other is the curve of least squares that begins near the first, ends
-    on the second, and bends little: position and velocity of the first go over into the second's.
+    The transition is the least-squares curve that begins near the first window, ends on the
+    second, and bends little, so that position and velocity blend.
 
     Returns
     -------

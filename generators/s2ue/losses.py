@@ -1,4 +1,4 @@
-"""What Speech2UnifiedExpressions learns by (section 5, equations 16 to 19)."""
+"""Losses of Speech2UnifiedExpressions (section 5, equations 16 to 19)."""
 
 from __future__ import annotations
 

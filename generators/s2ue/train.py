@@ -63,7 +63,7 @@ class S2ueTask(WindowTask):
     config : NetworkConfig
         The networks.
     weights : LossWeights
-        What counts how much.
+        Weights of the losses.
     training, held_out : Windows
         Of the features ``motion``, ``sound``, ``spectrum`` and ``words``.
     face : FaceLandmarks

@@ -30,7 +30,7 @@ _SHAPE: Final = (EXPRESSION_COUNT, ARKIT_COUNT)
 
 @dataclass(frozen=True, kw_only=True)
 class BodyAbilities:
-    """What of a clip's face and shape a body can show.
+    """The features of a clip's face and shape that a body can show.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class BodyAbilities:
     has_matrix : bool
         Whether it also shows the other ones, through a matrix.
     shapes : int
-        How many betas shape it.
+        The number of its betas.
     """
 
     has_face: bool

@@ -47,7 +47,7 @@ class FaceLandmarks:
     body : BodyModel
         A body of the landmarks and of the joints alone: its first vertices are the landmarks.
     count : int
-        How many landmarks there are.
+        The number of landmarks.
     """
 
     body: BodyModel
@@ -99,7 +99,7 @@ class FaceLandmarks:
         return tuple(ARKIT_NAMES[component] for component, _ in _choose_landmarks(self.body))
 
     def shifts(self, clip: MotionClip) -> FloatArray:
-        """Return how far the clip moves each landmark from the neutral face.
+        """Return the shifts of the landmarks from the neutral face.
 
         Parameters
         ----------
@@ -208,7 +208,7 @@ class FaceLandmarks:
 
     @cached_property
     def neutral(self) -> FloatArray:
-        """Where the landmarks are in the neutral face, shape (L, 3), in metres."""
+        """Positions of the landmarks in the neutral face, shape (L, 3), in metres."""
         return self.body.template[: self.count]
 
 

@@ -56,11 +56,11 @@ class BodyModel:
     faces : ndarray, shape (F, 3), int64
         Triangles.
     shape_directions : ndarray, shape (V, 3, S), float32
-        What one unit of each shape coefficient adds.
+        Offsets for one unit of each shape coefficient.
     expression_directions : ndarray, shape (V, 3, E), float32
-        What one unit of each expression coefficient, or of each ARKit weight, adds.
+        Offsets for one unit of each expression coefficient or ARKit weight.
     pose_directions : ndarray, shape (V, 3, 486), float32, or None
-        What the joints' rotations add before skinning; None where they add nothing.
+        Pose correctives before skinning; None if there are none.
     joint_regressor : sparse matrix, shape (55, V)
         Joints as weighted sums of vertices.
     weights : sparse matrix, shape (V, 55 + K)
@@ -74,7 +74,7 @@ class BodyModel:
         Turns a clip's face into this body's terms where the clip has it only in the other ones:
         SMPL-X's expression coefficients (rows) into ARKit weights (columns), or these into those.
     credits : str
-        Whose work the body is; empty where the file does not say.
+        Authors of the body; empty if the file does not name them.
     surface : mapping of str to ndarray
         Further per-vertex arrays that a default body carries for drawing.
     """
@@ -94,7 +94,7 @@ class BodyModel:
 
     @property
     def abilities(self) -> BodyAbilities:
-        """What of a clip's face and shape it can show."""
+        """The features of a clip's face and shape that it can show."""
         return BodyAbilities(
             has_face=bool(self.expression_directions.size),
             has_arkit_slots=self.has_arkit_slots,
@@ -129,7 +129,7 @@ class BodyModel:
         return np.asarray(self.joint_regressor @ self.shaped(betas).astype(np.float64))
 
     def vertices(self, clip: MotionClip, frames: slice = slice(None)) -> FloatArray:
-        """Return where the body's vertices are in the `frames` of `clip`.
+        """Return the positions of the body's vertices in the `frames` of `clip`.
 
         Parameters
         ----------
@@ -163,7 +163,7 @@ class BodyModel:
         return self._unposed(clip, self.shaped(clip.betas))
 
     def skinning_matrices(self, clip: MotionClip) -> FloatArray:
-        """Return what each joint does to the unposed skin, shape (n, 55 + K, 3, 4).
+        """Return the transforms of the unposed skin by each joint, shape (n, 55 + K, 3, 4).
 
         The vertices of a frame are the unposed ones, each moved by the sum of these matrices
         weighted with its row of `weights`.

@@ -1,4 +1,4 @@
-"""What each joint of a posed body does to the skin, with extra joints that share out twists.
+"""Skinning of a posed body, with extra joints that distribute twists.
 
 Linear blend skinning averages matrices. Where two joints differ by a large turn about the bone
 between them, as elbow and wrist do when a palm turns up, the average shrinks and the skin is wrung
@@ -38,7 +38,7 @@ class TwistJoints:
     bones : ndarray, shape (K, 2), int
         The joints between which the bone lies that each extra joint turns about.
     shares : ndarray, shape (K, 2), float64
-        How much of the twist of the joint at the start, and of the one at the end, is added.
+        Shares of the twists of the joints at the start and at the end.
         The skin at the start of a bone takes back its own joint's twist (-1, 0), the skin at its
         end goes along with the next joint's (0, 1).
     """
@@ -47,7 +47,7 @@ class TwistJoints:
     shares: FloatArray
 
     def __len__(self) -> int:
-        """Return how many extra joints there are."""
+        """Return the number of extra joints."""
         return len(self.bones)
 
 
@@ -141,7 +141,7 @@ def twist_angles(
 def turns_about_bones(
     quaternions: NDArray[np.floating], rest_joints: NDArray[np.floating], twist: TwistJoints
 ) -> NDArray[np.float64]:
-    """Return how each extra joint is turned relative to the one at its bone's start.
+    """Return the rotation of each extra joint relative to the one at its bone's start.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def _rotate_points(matrices: FloatArray, points: NDArray[np.floating]) -> FloatA
 
 @dataclass(frozen=True)
 class ForearmTwists:
-    """How far a motion's forearms were twisted when it was left; what follows goes on from there.
+    """The twists of forearms at the end of a piece of motion, from which the next continues.
 
     Attributes
     ----------
@@ -219,7 +219,7 @@ def share_forearm_twist(local: FloatArray, previous: ForearmTwists | None) -> Fo
         Rotation matrices of SMPL-X joints against their parents; those of elbows and wrists are
         written over.
     previous : ForearmTwists or None
-        What this returned for the frames before; None for the first.
+        The result for the previous frames; None for the first.
     """
     last_twists = []
     for index, side in enumerate(_SIDES):
@@ -246,7 +246,7 @@ def share_forearm_twist(local: FloatArray, previous: ForearmTwists | None) -> Fo
 
 
 def _turns(angles: FloatArray, previous: tuple[FloatArray, FloatArray] | None) -> FloatArray:
-    """Return how many whole turns each of `angles` (T, n) has made besides, going on smoothly."""
+    """Return the whole turns to add to `angles` (T, n) so that they are continuous."""
     angle, turns = (angles[0], np.zeros(angles.shape[1])) if previous is None else previous
     steps = np.diff(angles, axis=0, prepend=angle[None])
     return np.asarray(turns - np.cumsum(np.round(steps / (2 * np.pi)), axis=0))

@@ -1,4 +1,4 @@
-"""How large the arrays of an ``.npz`` file may be: a small archive may unpack to very much."""
+"""A limit for the arrays of an ``.npz`` file: a small archive may unpack to very much."""
 
 from __future__ import annotations
 

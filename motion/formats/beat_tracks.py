@@ -23,7 +23,7 @@ from motion.errors import InputError
 from motion.files import write_text
 
 _OVERSHOOT: Final = 0.05
-"""How far a weight may lie outside [0, 1], as trackers' weights sometimes do; it is clipped."""
+"""Distance of weights from [0, 1] up to which they are clipped; trackers exceed it sometimes."""
 
 _LONGEST_FRAME: Final = 1.0
 """Mean seconds between frames above which the times are in another unit."""
@@ -143,7 +143,7 @@ def _parse(path: Path) -> _FaceFile:
 
 
 def _columns(names: list[str], path: Path) -> list[int]:
-    """Return which column of a clip's weights each name of the file is."""
+    """Return the column of a clip's weights for each name of the file."""
     index_of_name = {name.lower(): index for index, name in enumerate(ARKIT_NAMES)}
     unknown = [name for name in names if name.lower() not in index_of_name]
     if unknown or len({name.lower() for name in names}) != len(names):
@@ -161,7 +161,7 @@ class SemanticSpan:
     start, end : float
         Seconds, ``0 <= start <= end``.
     score : float
-        How much it means, at least 0.
+        Semantic relevance, at least 0.
     """
 
     start: float
@@ -213,7 +213,7 @@ def write_semantic_scores(path: Path, spans: Iterable[SemanticSpan]) -> None:
 def cut_semantic_scores(
     spans: Iterable[SemanticSpan], start: float, end: float
 ) -> tuple[SemanticSpan, ...]:
-    """Return what lies between `start` and `end`, in seconds from `start`."""
+    """Return the spans between `start` and `end`, in seconds from `start`."""
     overlapping = (span for span in spans if span.start < end and span.end > start)
     return tuple(
         SemanticSpan(

@@ -23,7 +23,7 @@ _JUMP: Final = 180.0
 """Degrees, summed over all joints, that a calibration pose is at least away from the motion."""
 
 _JUMPS_AS_LARGE: Final = 3.0
-"""How many times the later changes from row to row that must be."""
+"""Ratio to the later changes from row to row that makes a first change a jump."""
 
 _NEARLY_ALL: Final = 0.95
 """Share of the later changes that counts: a glitch somewhere is not a reason to show a T-pose."""
@@ -42,7 +42,7 @@ class BvhJoint:
     parent : int
         Index of its parent among the joints; -1 for the root.
     offset : tuple of float
-        Where it lies in its parent's frame when nothing is turned, in the file's length unit.
+        Its position in its parent's frame at rest, in the file's length unit.
     channels : tuple of str
         Its columns in the order in which they apply, such as ``Zrotation``.
     """
@@ -68,7 +68,7 @@ class BvhMotion:
     calibration : ndarray, shape (C,), or None
         Values of a T-pose that was the file's first row and is not part of the motion.
     notes : tuple of str
-        What was unusual about the file.
+        Notes on the file.
     """
 
     joints: tuple[BvhJoint, ...]
@@ -92,12 +92,12 @@ class BvhMotion:
         return positions
 
     def columns(self, index: int) -> slice:
-        """Return which columns of `values` belong to joint `index`."""
+        """Return the columns of `values` of joint `index`."""
         first = sum(len(joint.channels) for joint in self.joints[:index])
         return slice(first, first + len(self.joints[index].channels))
 
     def forward_kinematics(self) -> tuple[FloatArray, FloatArray]:
-        """Return where each joint is and how it is turned in the world.
+        """Return positions and rotations of all joints in the world.
 
         Returns
         -------
@@ -120,7 +120,7 @@ class BvhMotion:
         return positions, rotations
 
     def local_rotations(self) -> FloatArray:
-        """Return how each joint is turned relative to its parent, shape (T, J, 3, 3)."""
+        """Return rotations of all joints relative to their parents, shape (T, J, 3, 3)."""
         return np.stack([self._local(index)[1] for index in range(len(self.joints))], axis=1)
 
     def _local(self, index: int) -> tuple[FloatArray, FloatArray]:

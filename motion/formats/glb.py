@@ -44,7 +44,7 @@ def write_glb(path: Path, clip: MotionClip, body: BodyModel, *, speech: str = ""
     clip : MotionClip
         The motion. Joints stand as in its first frame until it is played.
     body : BodyModel
-        What it moves. Each vertex follows the four joints that it follows most.
+        The body. Each vertex follows its four strongest joints.
     speech : str
         Name of the audio file in the same folder; empty for none.
     """
@@ -135,7 +135,7 @@ class _Binary:
 
 
 def _joint_quaternions(clip: MotionClip, body: BodyModel) -> FloatArray:
-    """Return how each joint turns, the body's twist joints last, shape (T, 55 + K, 4).
+    """Return quaternions of all joints, the body's twist joints last, shape (T, 55 + K, 4).
 
     Of its two signs, each quaternion has the one that is nearer to the quaternion before it.
     """

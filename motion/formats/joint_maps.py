@@ -1,4 +1,4 @@
-"""Which joint of a foreign skeleton moves which SMPL-X joint.
+"""Maps from SMPL-X joints to those of other skeletons.
 
 A joint map gives, for each SMPL-X joint name, the name of the source joint whose turn in the
 world it follows. SMPL-X joints that a map leaves out stay as their parent is.
@@ -192,7 +192,7 @@ def check_joint_map(joint_map: JointMap, joint_names: Collection[str]) -> JointM
 
 
 def _missing(joint_map: JointMap) -> tuple[str, ...]:
-    """Return what a map lacks: required joints, and the rest of the legs where it has some."""
+    """Return the missing joints of a map: required ones, and the rest of incomplete legs."""
     legs = _LEG_JOINTS if any(joint in joint_map for joint in _LEG_JOINTS) else ()
     return tuple(joint for joint in (*REQUIRED_JOINTS, *legs) if joint not in joint_map)
 

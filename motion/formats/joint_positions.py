@@ -126,7 +126,7 @@ def read_joints(
 
 
 def _named_points(recording: _Recording, joint_map: JointMap | None) -> dict[str, FloatArray]:
-    """Return where each joint is, by SMPL-X name where it has one."""
+    """Return the positions of joints, by SMPL-X name if there is one."""
     finite = np.isfinite(recording.points).all(axis=2)
     if not finite.all():
         frame, joint = map(int, np.argwhere(~finite)[0])

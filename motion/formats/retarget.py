@@ -75,7 +75,7 @@ def retarget_piece(
     motion, joint_map
         See `retarget`.
     previous : ForearmTwists or None
-        What came of the piece before; None for the first.
+        The twists of the previous piece; None for the first.
     """
     names = motion.joint_names
     rest = motion.rest_positions
@@ -112,7 +112,7 @@ def rest_corrections(source: JointPositions, target: JointPositions) -> Mapping[
     Parameters
     ----------
     source, target : mapping of str to ndarray, shape (3,)
-        Where the mapped joints are at rest in both skeletons, by SMPL-X name.
+        Rest positions of the mapped joints in both skeletons, by SMPL-X name.
 
     Returns
     -------

@@ -38,7 +38,7 @@ _TOLERANCE: Final = 1e-4
 """A sweep that changes no weight by more ends the search."""
 
 _MAX_SIZE_RATIO: Final = 2.5
-"""How many times longer or shorter than the body's bones those of a person in metres may be."""
+"""Largest plausible ratio of a person's bone lengths to the body's, or its inverse."""
 
 
 def facial_actions(shifts: FloatArray, body: BodyModel, *, misfit: float = EXACT) -> FloatArray:
@@ -132,7 +132,7 @@ def clip_from_points(
     Parameters
     ----------
     joints : ndarray, shape (T, J, 3)
-        Where joints are, metres, y up. Only directions count: the body keeps its own lengths.
+        Positions in metres, y up. Only directions count: the body keeps its own lengths.
     names : tuple of str
         Their SMPL-X names, in any order: at least pelvis, neck and both shoulders. What is not
         told stays at rest: relaxed hands, arms down, standing legs.
@@ -169,7 +169,7 @@ def clip_from_points(
 
 
 def _checked(joints: FloatArray, names: tuple[str, ...]) -> dict[str, NDArray[np.float64]]:
-    """Return where each joint is, shape (T, 3) each."""
+    """Return the positions of joints, shape (T, 3) each."""
     if joints.ndim != 3 or joints.shape[1:] != (len(names), 3) or not len(joints):
         raise InputError(
             f"the joints have shape {joints.shape}, with {len(names)} names",

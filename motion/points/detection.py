@@ -142,7 +142,7 @@ def _filled(values: FloatArray) -> FloatArray:
 
 
 def detect(video: Path, on_frame: Callable[[int, int], None]) -> Detection:
-    """Return where a person's body and face are in each frame of a video.
+    """Return the positions of a person's body and face in each frame of a video.
 
     Where several people are seen, the detector follows one of them.
 

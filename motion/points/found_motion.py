@@ -49,7 +49,7 @@ _SMOOTHING: Final = 0.03
 
 
 def landmark_shifts(mesh: FloatArray, frame_rate: float, body: BodyModel) -> NDArray[np.float32]:
-    """Return how far the landmarks of `FaceLandmarks.of(body)` shift as a detected face does.
+    """Return the shifts of the landmarks of `FaceLandmarks.of(body)` for a detected face.
 
     Each landmark follows the point of the person's neutral face that lies where it does when
     eyes, nose and corners of the mouth of both faces are put over each other.

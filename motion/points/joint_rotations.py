@@ -77,11 +77,11 @@ class _Figure:
         return all(name in self.given for name in names)
 
     def told(self, start: str, end: str) -> FloatArray:
-        """Return what leads from one joint to another in each frame, shape (T, 3)."""
+        """Return the vector from one joint to another in each frame, shape (T, 3)."""
         return self.given[end] - self.given[start]
 
     def resting(self, start: str, end: str) -> FloatArray:
-        """Return what leads from one joint to another at rest, shape (3,)."""
+        """Return the vector from one joint to another at rest, shape (3,)."""
         return np.asarray(self.rest[joint_index(end)] - self.rest[joint_index(start)])
 
     def reached(self, start: str, end: str) -> FloatArray:
@@ -172,7 +172,7 @@ def given_bones(points: Mapping[str, FloatArray]) -> list[tuple[str, str]]:
 
 
 def _heading(figure: _Figure) -> Rotation:
-    """Return how the hips are turned about the vertical."""
+    """Return the rotation of the hips about the vertical."""
     if figure.has("left_hip", "right_hip"):
         return _about_y(_yaw(figure.told("right_hip", "left_hip")))
     yaw = _yaw(figure.told("right_shoulder", "left_shoulder"))

@@ -45,13 +45,13 @@ _TO_NOSE: Final = np.array([0, 0.866, 0.434])
 nose, the latter as in TED Gesture's mean pose."""
 
 _KNUCKLES: Final = 0.59
-"""Where the middle finger's knuckle lies on the way from the little to the index finger's."""
+"""Position of the middle finger's knuckle between the little and the index finger's."""
 
 _MIN_LENGTH: Final = 1e-6
 
 
 def body_joints(points: Points, frame_rate: float) -> dict[str, FloatArray]:
-    """Return where SMPL-X joints are, in metres and y up, facing +z on average if seen by a camera.
+    """Return positions of SMPL-X joints in metres, y up, facing +z on average if from a camera.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def _upright(
 
 
 def _chest(points: Points) -> Rotation:
-    """Return how the chest is turned, from hips and shoulders."""
+    """Return the rotation of the chest, from hips and shoulders."""
     across = _at_rest(_SHOULDERS[0]) - _at_rest(_SHOULDERS[1])
     return frame_rotations(
         (_rest_top() - _at_rest("pelvis"), across),

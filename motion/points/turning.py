@@ -42,7 +42,7 @@ def frame_rotations(
     current : pair of ndarray, shape (3,)
         Two directions at rest.
     target : pair of ndarray, shape (T, 3)
-        Where they point in each frame. Where both are one line, any turn about it may come out.
+        The directions in each frame. If both are parallel, the turn about them is arbitrary.
     """
     rest = _frames(current[0][None], current[1][None])
     return Rotation.from_matrix(_frames(*target) @ np.swapaxes(rest, 1, 2))
@@ -90,7 +90,7 @@ class Similarity:
 
 
 def nearest_similarity(points: FloatArray, reference: FloatArray) -> Similarity:
-    """Return what brings the points of each frame nearest to the reference, after Umeyama.
+    """Return the similarity from each frame's points to the reference, after Umeyama.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ TILE_SIZE: Final = 112
 """Pixels along each side of a small picture."""
 
 _LUMA_WEIGHTS: Final = np.array([0.2126, 0.7152, 0.0722], np.float32)
-"""How much each channel of RGB adds to how light a pixel is."""
+"""Weights of RGB in a pixel's lightness."""
 _FIGURE_CONTRAST: Final = 10
 """Of 255: what differs so much from the background belongs to the figure."""
 _STILL_CHANGE: Final = 2.5
@@ -37,7 +37,7 @@ _RATE: Final = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Glance:
-    """What one video shows.
+    """A summary of one video.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Glance:
     seconds : float
         Length.
     remarks : tuple of str
-        What is worth a look: stillness, jumps, a figure that leaves the picture.
+        Remarks on stillness, jumps, or a figure that leaves the picture.
     """
 
     times: tuple[float, ...]
@@ -64,14 +64,14 @@ class Glance:
 
 
 def glance_at(video: Path, look: Look | None = None) -> Glance:
-    """Return what `video` shows of a figure before a plain background.
+    """Return a summary of a video of a figure before a plain background.
 
     Parameters
     ----------
     video : Path
         The video of one clip.
     look : Look or None
-        How it was rendered; None for the usual look.
+        Its look; None for the default.
 
     Raises
     ------

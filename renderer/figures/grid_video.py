@@ -135,9 +135,9 @@ def write_grid(
     camera : Camera
         The camera of `stage`.
     panels : sequence of Panel
-        What is shown, all with the same number of frames.
+        The panels, all with the same number of frames.
     speech : Audio
-        What is heard at full speed, at `renderer.encoder.SOUND_RATE`.
+        The speech, heard at full speed only, at `renderer.encoder.SOUND_RATE`.
     speed : float
         In (0, 1]; below 1 the video is silent, with a silent sound track so that it can be joined
         to others, and says how fast it is.
@@ -189,7 +189,7 @@ def _pictures(
 
 
 def _background(layout: GridLayout, captions: Sequence[str]) -> Image.Image:
-    """Return what all frames share: background, captions, text."""
+    """Return the constant parts of all frames: background, captions, text."""
     image = Image.new("RGB", layout.frame, BACKGROUND)
     pen = ImageDraw.Draw(image)
     letters = font(layout.size * _LETTER_SHARE)

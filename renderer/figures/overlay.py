@@ -116,9 +116,9 @@ def draw_overlay(
     picture : Image
         RGBA, as wide as the page.
     names : sequence of str
-        What each variation is, in the order of their colours; a single one needs no colour.
+        Names of the variations, in the order of their colours; a single one needs no colour.
     caption : str
-        Which moments are seen.
+        The moments.
     clear : bool
         Whether nothing is behind the figures, rather than the videos' background.
     background : tuple of int

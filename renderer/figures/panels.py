@@ -88,7 +88,7 @@ def cut_out(stage: Stage, pose: MotionClip, camera: Camera) -> CutOut:
 
 
 def box_around(body: BodyModel, pose: MotionClip, camera: Camera) -> Box:
-    """Return which part of the picture `body` fills in one frame."""
+    """Return the part of the picture that `body` fills in one frame."""
     corners = project(body.vertices(pose)[0], camera, 1)[:, :2]
     left, top = np.clip(corners.min(axis=0), 0, 1)
     right, bottom = np.clip(corners.max(axis=0), 0, 1)

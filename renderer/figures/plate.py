@@ -137,5 +137,5 @@ def check_ending(path: Path) -> None:
 
 
 def pixels(points: float) -> float:
-    """Return how many pixels of a page so many `points` are."""
+    """Convert `points` to pixels of a page."""
     return points * DOTS_PER_INCH / POINTS_PER_INCH

@@ -193,7 +193,7 @@ class Cell:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is worth a look in the video."""
+        """Remarks on the video."""
         with Image.open(io.BytesIO(self.data)) as image:
             return tuple(json.loads(image.getexif()[_DESCRIPTION]))
 
@@ -222,7 +222,7 @@ def draw_cell(glance: Glance) -> Cell:
 
 
 def _presence(glance: Glance) -> Image.Image:
-    """Return where the figure was: darker where it was longer."""
+    """Return a map of the figure's positions: darker where it was longer."""
     strength = np.where(glance.presence > 0, 0.12 + 0.78 * glance.presence, 0)[..., None]
     colours = (1 - strength) * np.array(BACKGROUND) + strength * _PRESENCE_COLOUR
     return Image.fromarray(np.round(colours).astype(np.uint8))

@@ -38,7 +38,7 @@ _BONES: Final = tuple(
 
 
 def joints_of(clip: MotionClip, body: BodyModel) -> NDArray[np.float64]:
-    """Return where the joints of `body` are in each frame of `clip`, shape (T, 55, 3)."""
+    """Return the joints of `body` in each frame of `clip`, shape (T, 55, 3)."""
     positions, _ = forward_kinematics(clip.poses, clip.trans, body.joints(clip.betas))
     return positions
 
@@ -60,7 +60,7 @@ def with_skeleton(
     picture : Image
         A square frame as `camera` sees it.
     joints : ndarray, shape (55, 3)
-        Where the joints are in that frame, in metres.
+        Positions of the joints in that frame, in metres.
     camera : Camera
         The picture's camera.
     place : {'over', 'beside'}

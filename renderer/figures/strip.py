@@ -106,7 +106,7 @@ def loud_moments(speech: Audio, count: int) -> tuple[Moment, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class StripLayout:
-    """How a strip is printed.
+    """The layout of a strip.
 
     Attributes
     ----------
@@ -156,7 +156,7 @@ def draw_strip(
     Parameters
     ----------
     layout : StripLayout
-        How it is printed.
+        The layout.
     panels : mapping of (row, moment) to Image
         The pictures, each as large as ``layout.panel``.
     speech : Audio

@@ -26,7 +26,7 @@ START_COMMAND: Final = (
     "LP_NUM_THREADS=0 MALLOC_TRIM_THRESHOLD_=268435456 MALLOC_MMAP_THRESHOLD_=33554432 "
     "dask worker {address} --nthreads 1 --nworkers -1"
 )
-"""How workers are started. Dask's own malloc settings cost a tenth of the frames per second."""
+"""The command of workers. Dask's own malloc settings cost a tenth of the frames per second."""
 
 _CONNECT_TIMEOUT: Final = 8.0
 _WORKER_TIMEOUT: Final = 10.0
@@ -214,7 +214,7 @@ def _killed(future: Any) -> bool:
 
 
 def _problem(future: Any) -> BaseException | None:
-    """Return what a job raised; None where it did not, or was lost or cancelled."""
+    """Return a job's exception; None if there is none, or the job was lost or cancelled."""
     problem: BaseException | None = future.exception() if future.status == "error" else None
     return problem
 

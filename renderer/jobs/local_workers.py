@@ -29,7 +29,7 @@ many threads.
 
 
 ATTEMPTS: Final = 2
-"""How many processes may die over one job before it is given up."""
+"""Number of processes that may die over one job before it is given up."""
 
 _END_TIMEOUT: Final = 10.0
 

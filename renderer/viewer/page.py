@@ -31,7 +31,7 @@ MAX_CLIPS: Final = 6
 """Clips side by side; more of them are too small to judge."""
 
 SCRIPTS: Final = ("three.min.js", "viewer.js")
-"""What a page loads, in this order."""
+"""Scripts of a page, in this order."""
 
 STYLE: Final = "viewer.css"
 
@@ -53,7 +53,7 @@ class Scene:
     clips : mapping of str to MotionClip
         By caption; at most `MAX_CLIPS`.
     speech : Audio or None
-        What is heard, as long as the clips.
+        The speech, as long as the clips.
     """
 
     name: str
@@ -78,7 +78,7 @@ def packed_scene(
     Parameters
     ----------
     scene : Scene
-        What plays.
+        The scene.
     body : BodyModel
         What `viewed_body` returns.
     look : Look
@@ -134,7 +134,7 @@ class MotionFigures:
         Parameters
         ----------
         scene : Scene
-            What plays.
+            The scene.
         at_once : bool
             Whether it is there when the page is opened, rather than on a click; of the page's
             first figure.

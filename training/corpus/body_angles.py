@@ -1,4 +1,4 @@
-"""How the corpus' speakers hold and move their bodies: angles over time, and BEAT's joints.
+"""Posture and body motion of the corpus' speakers: angles over time, and BEAT's joints.
 
 Every angle is a sum: what it is at rest, what speaker and emotion add, what the speech adds, and
 drift. Strokes of a hand are added up over time, each as `stroke_shape` says; they push the angles
@@ -29,7 +29,7 @@ elbow bent; forearm turned palm up; hand bent back; fingers bent; shoulder raise
 _OUTWARD: Final = np.array([18.0, 12.0, -58.0, -8.0, 40.0, 10.0, -16.0, 0.0])
 _UPWARD: Final = np.array([34.0, 8.0, -16.0, 46.0, 0.0, 16.0, -12.0, 3.0])
 _FORWARD: Final = np.array([50.0, 4.0, -18.0, -40.0, 18.0, 12.0, -14.0, 0.0])
-"""What a stroke of size 1 adds to the eight angles."""
+"""Amplitudes of a stroke of size 1 in the eight angles."""
 
 _ARM_AT_REST: Final = np.array([11.0, 19.0, 27.0, 86.0, -35.0, 0.0, 12.0, 0.0])
 _ARM_DRIFT: Final = np.array([6.0, 3.0, 7.0, 8.0, 8.0, 5.0, 5.0, 0.6])
@@ -79,7 +79,7 @@ def body_angles(
     chance: Chance,
     times: FloatArray,
 ) -> BodyAngles:
-    """Return how a speaker moves to speech.
+    """Return the body motion of a speaker.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def body_angles(
 
 
 def stroke_direction(speaker: CorpusSpeaker) -> FloatArray:
-    """Return what a stroke of size 1 adds to the eight angles of an arm, before its amplitude."""
+    """Return the course of a stroke of size 1 in the eight angles of an arm."""
     direction: FloatArray = (
         speaker.outward * _OUTWARD + speaker.upward * _UPWARD + speaker.forward * _FORWARD
     )
@@ -160,7 +160,7 @@ def within_limits(arms: FloatArray) -> FloatArray:
 
 
 _COLLAR: Final = np.array([0.0, 10.0, -8.0])
-"""How the left collar bone lies at rest: BEAT's arms are attached to the front of the chest."""
+"""Rotation of the left collar bone at rest: BEAT's arms are at the front of the chest."""
 
 _HAND_AT_REST: Final = MappingProxyType(
     {
@@ -187,7 +187,7 @@ _HAND_AT_REST: Final = MappingProxyType(
 """Angles about x, y and z of the left hand's joints, in degrees, as BEAT's speakers have them."""
 
 _BENT: Final = MappingProxyType({"1": 1.0, "2": 1.1, "3": 0.8})
-"""How much of a finger's curl each of its joints takes."""
+"""Shares of a finger's curl in its joints."""
 
 _NECK_SHARE: Final = 0.55
 """Share of the head's angles in the lower of the two joints of BEAT's prepared files."""

@@ -1,4 +1,4 @@
-"""What neither speech nor emotion nor speaker decides about a take of the corpus.
+"""Random variation of a take that does not depend on speech, emotion or speaker.
 
 Definitions
 -----------
@@ -28,7 +28,7 @@ _SIZE_SIGMA: Final = 0.3
 _DELAY: Final = 0.03
 _STROKES_AT_A_TIME: Final = 4
 _HANDS: Final = ((1.0, 0.15), (0.8, 0.8), (0.15, 1.0))
-"""How much of a stroke the leading and the other hand make, in each case."""
+"""Sizes of a stroke of the leading and the other hand, in each case."""
 _HAND_PROBABILITIES: Final = (0.5, 0.35, 0.15)
 _COSINES: Final = 6
 _LOWEST, _HIGHEST = 0.06, 0.6
@@ -39,7 +39,7 @@ _STROKES, _DRIFT, _BLINKS = 1, 2, 3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StrokeChance:
-    """What chance does to strokes.
+    """Random variation of strokes.
 
     Attributes
     ----------
@@ -60,13 +60,13 @@ class Chance:
     Attributes
     ----------
     seed : tuple of int, or None
-        Where they come from; None puts the expected value in each one's place.
+        The random generator; None for expected values.
     """
 
     seed: tuple[int, ...] | None
 
     def strokes(self, count: int) -> StrokeChance:
-        """Return what chance does to `count` strokes."""
+        """Return the random variation of `count` strokes."""
         hands = np.array(_HANDS)
         if self.seed is None:
             expected = (1 - OMITTED_SHARE) * (np.array(_HAND_PROBABILITIES) @ hands)

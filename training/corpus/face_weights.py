@@ -1,4 +1,4 @@
-"""How the corpus' speakers move their faces: 51 ARKit weights over time.
+"""Facial motion of the corpus' speakers: 51 ARKit weights over time.
 
 A weight is what the emotion gives it, then as much of the rest as the speech takes: ``base + (1 -
 base) * speech``. Mouth and jaw follow loudness and brightness, brows the melody.
@@ -63,7 +63,7 @@ def face_weights(
 
 
 def _speech(curves: SpeechCurves, melody: FloatArray, times: FloatArray) -> dict[str, FloatArray]:
-    """Return what speech adds to each weight, on average faces."""
+    """Return the contribution of speech to each weight, for average faces."""
     loudness = np.minimum(curves.at(curves.loudness, times), 1.5)
     brightness = curves.at(curves.brightness, times)
     darkness = 1 - brightness
@@ -86,7 +86,7 @@ def _speech(curves: SpeechCurves, melody: FloatArray, times: FloatArray) -> dict
 
 
 def _gaze(chance: Chance, times: FloatArray) -> dict[str, FloatArray]:
-    """Return what wandering eyes add: both look the same way."""
+    """Return the contribution of eye movement, the same for both eyes."""
     sideways, up = _GAZE * chance.drift(times, 2, _GAZE_STREAM).T
     left, right = np.maximum(sideways, 0), np.maximum(-sideways, 0)
     return {
@@ -102,7 +102,7 @@ def _gaze(chance: Chance, times: FloatArray) -> dict[str, FloatArray]:
 
 
 def _blinks(chance: Chance, times: FloatArray) -> dict[str, FloatArray]:
-    """Return what blinks add."""
+    """Return the contribution of blinks."""
     moments = chance.blinks(float(times[-1]) if len(times) else 0.0)
     closure = np.zeros(len(times))
     for moment in moments:

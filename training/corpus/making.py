@@ -29,14 +29,14 @@ TAKES: Final = "takes.csv"
 
 @dataclass(frozen=True, kw_only=True)
 class CorpusResult:
-    """What was done.
+    """The outcome.
 
     Attributes
     ----------
     takes : tuple of PlannedTake
         All takes of the corpus.
     new_takes : int
-        How many of them were made by this call; the others were there.
+        Number of takes made by this call; the others existed.
     """
 
     takes: tuple[PlannedTake, ...]
@@ -55,7 +55,7 @@ def make_corpus(
     request : CorpusRequest
         Which corpus. The same request gives the same bytes with the same version of espeak-ng.
     processes : int
-        How many takes are made at once.
+        Number of processes.
     show : callable, optional
         Told how many takes are made, of how many.
 

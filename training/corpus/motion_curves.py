@@ -46,7 +46,7 @@ class MotionCurves:
 
 @dataclass(frozen=True, kw_only=True)
 class CurveCorrelation:
-    """How well one motion's curve follows another's.
+    """Correlation of one motion's curve with another's.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ def curves_of(body: FloatArray, face: FloatArray, frame_rate: float) -> MotionCu
 
 
 def wrist_positions(body: FloatArray) -> FloatArray:
-    """Return where the right and the left wrist are, (T, 2, 3) in metres above the hips.
+    """Return positions of the right and the left wrist, (T, 2, 3) in metres above the hips.
 
     The figure is the idealised one, whose hips stand still at the origin.
     """
@@ -103,7 +103,7 @@ def wrist_positions(body: FloatArray) -> FloatArray:
 def correlate_motions(
     motion: MotionCurves, reference: MotionCurves
 ) -> tuple[CurveCorrelation, ...]:
-    """Return how well `motion` follows `reference`, curve by curve, over the frames both have."""
+    """Return the correlation of each curve of two motions, over the frames both have."""
     return tuple(
         correlate_curves(field.name, getattr(motion, field.name), getattr(reference, field.name))
         for field in fields(MotionCurves)
@@ -111,7 +111,7 @@ def correlate_motions(
 
 
 def correlate_curves(curve: str, motion: FloatArray, reference: FloatArray) -> CurveCorrelation:
-    """Return how well one curve (T,) follows another, over the frames both have."""
+    """Return the correlation of two curves (T,), over the frames both have."""
     frames = min(len(motion), len(reference))
     if frames < 3:
         reason = f"{frames} frames are too few"

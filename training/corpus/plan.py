@@ -1,4 +1,4 @@
-"""Which takes a corpus has, and what each is for.
+"""The takes of a corpus and their splits.
 
 Every speaker has passages of their own, unless all are to speak the same. With p the number of a
 speaker plus that of an emotion, counted from 0 in the order of `motion.segment.EMOTIONS`:
@@ -58,9 +58,9 @@ class PlannedTake:
     text : str
         The text.
     take : int
-        Which take of it, from 1.
+        Number of the take, from 1.
     split : {'train', 'validation', 'test'}
-        What it is for.
+        Its split.
     unheard : bool
         Whether its sentences occur in no take for training or validation.
     held_out_speaker : bool
@@ -81,7 +81,7 @@ class PlannedTake:
 
     @property
     def folder(self) -> str:
-        """Where its files lie in the corpus: BEAT has a folder for each speaker."""
+        """Its folder in the corpus: BEAT has one for each speaker."""
         return str(self.speaker.number)
 
 

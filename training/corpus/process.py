@@ -96,7 +96,7 @@ class Process:
         )
 
     def drive(self, frame_rate: float) -> MotionCurves:
-        """Return what of the motion the speech decides; see the function `drive`."""
+        """Return the motion without chance; see the function `drive`."""
         return curves_of(self.body(frame_rate), self.face(frame_rate), frame_rate)
 
     def _times(self, frame_rate: float) -> FloatArray:
@@ -113,7 +113,7 @@ class Process:
 
 
 def drive(speech: Audio, emotion: str, speaker: CorpusSpeaker, frame_rate: float) -> MotionCurves:
-    """Return what of the motion the speech decides.
+    """Return the part of the motion that speech determines.
 
     It is the process without chance: every random number has its expected value.
 

@@ -100,7 +100,7 @@ _FULL_SCORE_SIZE: Final = 2.0
 
 @dataclass(frozen=True, kw_only=True)
 class RecordingFiles:
-    """Where the files of a take are.
+    """The paths of a take's files.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class RecordingFiles:
 
     @classmethod
     def of(cls, corpus: Path, take: PlannedTake) -> RecordingFiles:
-        """Return where the files of `take` are in the folder of a corpus."""
+        """Return the paths of the files of `take` in the folder of a corpus."""
         stem = corpus / take.folder / take.name
         return cls(
             speech=stem.with_suffix(".wav"),
@@ -183,7 +183,7 @@ def _semantic_spans(process: Process, chance: Chance) -> Iterator[SemanticSpan]:
 
 
 def _truth(take: PlannedTake, process: Process, chance: Chance, frame_rate: float) -> Truth:
-    """Return what is known of a take."""
+    """Return the truth about a take."""
     strokes = process.strokes
     return Truth(
         frame_rate=frame_rate,

@@ -25,7 +25,7 @@ from training.data.beat import LAST_TEXTS
 
 
 def _text_ranges(emotion: str) -> list[tuple[int, int]]:
-    """Return what start and end can be: single texts first, then ever longer runs of them."""
+    """Return possible starts and ends: single texts first, then ever longer runs of them."""
     index = EMOTIONS.index(emotion)
     first, last = (1, *(text + 1 for text in LAST_TEXTS))[index], LAST_TEXTS[index]
     return [
@@ -68,22 +68,22 @@ apart."""
 
 @dataclass(frozen=True, kw_only=True)
 class CorpusRequest:
-    """What to make.
+    """The request of a corpus.
 
     Attributes
     ----------
     speakers : int
-        How many speakers, those held out among them.
+        Number of speakers, with held-out ones.
     sentences : int
         Passages that each speaker speaks, a multiple of eight: as many in each emotion.
     takes : int
-        How often each passage is spoken.
+        Number of takes of each passage.
     held_out_speakers : int
         The last speakers, whose takes are all for testing.
     frame_rate : float
         Frames per second of the body's motion.
     seed : int
-        Where all random numbers come from, at least 0.
+        Of all random numbers, at least 0.
     shared_passages : bool
         Whether all speakers speak the same passages, as BEAT's do, rather than passages of their
         own.
@@ -173,7 +173,7 @@ def claim_folder(folder: Path, request: CorpusRequest) -> None:
 
 
 def read_request(folder: Path) -> CorpusRequest:
-    """Return which corpus a folder holds.
+    """Return the request of the corpus in a folder.
 
     Raises
     ------

@@ -31,7 +31,7 @@ _STREAM: Final = 1
 
 @dataclass(frozen=True, kw_only=True)
 class CorpusSpeaker:
-    """How one speaker moves.
+    """Motion parameters of one speaker.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class CorpusSpeaker:
     name : str
         As file names have it.
     right_handed : bool
-        Which hand leads.
+        The leading hand.
     amplitude : float
         Factor on the size of strokes, 0.75 to 1.3.
     outward, upward, forward : float
@@ -156,7 +156,7 @@ VOICES: Final = (
 """Alternately low and high; they differ in timbre, accent and height."""
 
 _PITCH_OF_LAPS: Final = (0, 8, -8, 14, -14)
-"""How much higher the voice is spoken when all voices have been used once, twice, …"""
+"""Pitch shifts of voices when all have been used once, twice, …"""
 
 _SPEED_BETWEEN_TAKES: Final = 0.05
 _PITCH_BETWEEN_TAKES: Final = 4
@@ -169,7 +169,7 @@ def voice_of(number: int) -> Voice:
 
 
 def spoken_prosody(emotion: str, number: int, random: np.random.Generator) -> SpokenProsody:
-    """Return how a speaker speaks one take.
+    """Return a speaker's prosody of one take.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def spoken_prosody(emotion: str, number: int, random: np.random.Generator) -> Sp
 
 @dataclass(frozen=True, kw_only=True)
 class EmotionMotion:
-    """What an emotion does to posture, gesture and face. Angles are in degrees.
+    """Effects of an emotion on posture, gesture and face. Angles are in degrees.
 
     Attributes
     ----------

@@ -202,7 +202,7 @@ def find_strokes(curves: SpeechCurves, spacing: float) -> Strokes:
 
 
 def stroke_shape(elapsed: FloatArray, attack: float, release: float) -> FloatArray:
-    """Return how far out a stroke of size 1 is, in [0, 1].
+    """Return the extent of a stroke of size 1, in [0, 1].
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is known of each take of a corpus, as its folder ``truth`` holds it."""
+"""The truth about each take of a corpus, as in its folder ``truth``."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from training.corpus.speech_curves import Strokes
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Truth:
-    """What is known of a take.
+    """The truth about a take.
 
     Attributes
     ----------
     frame_rate : float
         Frames per second of `drive`; that of the take's BVH file.
     drive : MotionCurves
-        What of the motion the speech decides: the process without chance.
+        The part of the motion that speech determines: the process without chance.
     strokes : Strokes
         The strokes that the speech calls for.
     chance : StrokeChance
-        What chance made of them.
+        Their random variation.
     emotion, text : str
-        How it is spoken, and what.
+        Its emotion and its text.
     speaker : int
         The speaker's number.
     seed : tuple of int

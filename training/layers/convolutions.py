@@ -50,7 +50,7 @@ def lips_of(actions: Sequence[str]) -> tuple[int, ...]:
 
 
 def face_graph(components: Parts, neutral: FloatArray) -> FloatArray:
-    """Return which landmarks are neighbours, (L, L) of 0 and 1.
+    """Return the adjacency of landmarks, (L, L) of 0 and 1.
 
     All of a component are, and each with the nearest one of every other component.
     """
@@ -71,7 +71,7 @@ def face_graph(components: Parts, neutral: FloatArray) -> FloatArray:
 
 
 def bone_graph(hops: int) -> FloatArray:
-    """Return which bones are neighbours, (9, 9): those that share a joint, over so many hops."""
+    """Return the adjacency of bones, (9, 9): those that share a joint, over so many hops."""
     adjacent = np.array(
         [[bool(set(bone) & set(other)) for other in BONES] for bone in BONES], np.float32
     )
@@ -82,7 +82,7 @@ def bone_graph(hops: int) -> FloatArray:
 
 
 def component_graph(count: int, *, pose: bool) -> FloatArray:
-    """Return which components are neighbours: all of the face; of the body the torso with each."""
+    """Return the adjacency of components: all of the face; of the body the torso with each."""
     edges = np.ones((count, count), np.float32)
     if pose:
         edges[1:, 1:] = 0
@@ -112,7 +112,7 @@ class GraphConvolution(nn.Module):
         self.past = nn.Conv2d(width_in, width, 1)
 
     def forward(self, values: Tensor) -> Tensor:
-        """Return what each node makes of itself, its neighbours and the frames around."""
+        """Return each node's features of itself, its neighbours and the frames around."""
         nodes, neighbours = self.spatial(values).chunk(2, dim=1)
         gathered = nodes + neighbours @ self.shares[1]
         output: Tensor = nn.functional.leaky_relu(self.temporal(gathered) + self.past(values), 0.1)

@@ -16,7 +16,7 @@ _LEAST_SPREAD: Final = 1e-3
 """Of a principal component or an input; smaller ones are rounding."""
 
 _SHARPNESS: Final = 3.0
-"""How much more attention is paid to what is near in time."""
+"""Strength of attention to nearby times."""
 
 
 class Components(NamedTuple):

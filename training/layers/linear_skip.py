@@ -1,4 +1,4 @@
-"""What of the noise in motion follows from the motion's covariance alone, past all layers."""
+"""A skip past all layers for the noise that follows from the motion's covariance alone."""
 
 from __future__ import annotations
 

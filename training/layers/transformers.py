@@ -84,7 +84,7 @@ class PackedLinear(nn.Module):
         self._packed: Tensor = torch.ops.mkldnn._reorder_linear_weight(weight, _ROWS)
 
     def forward(self, x: Tensor) -> Tensor:
-        """Return what the layer makes of `x` (…, in)."""
+        """Return the layer's output for `x` (…, in)."""
         return _product(x, self._packed, self.bias)
 
 

@@ -30,7 +30,7 @@ Compute = Callable[[], object]
 """Passes one part forward, with the same chance each time."""
 
 _Use = tuple[int, int]
-"""Which layer, and which of its uses in a pass, from 0."""
+"""A layer, and the number of its use in a pass, from 0."""
 
 
 class _AllLayersPassed(Exception):  # noqa: N818 (no error)
@@ -198,7 +198,7 @@ def _sums(layer: _BatchNorm, values: Tensor) -> Tensor:
 
 
 def _shift(layer: _BatchNorm, reference: Tensor) -> Tensor:
-    """Return what is taken off values before they are summed, so that rounding stays small."""
+    """Return an offset subtracted from values before they are summed, to reduce rounding."""
     if layer.running_mean is None:
         return reference.new_zeros(layer.num_features)
     return layer.running_mean.detach()
@@ -209,7 +209,7 @@ def _shape(values: Tensor) -> tuple[int, ...]:
 
 
 def batches_per_epoch(examples: int, batch_size: int) -> int:
-    """Return how many whole batches `examples` make; one where they fill none."""
+    """Return the number of whole batches of `examples`, at least one."""
     return max(1, examples // batch_size)
 
 

@@ -22,7 +22,7 @@ class Best:
     step : int
         Steps that had been made.
     measured : mapping of str to float
-        What was measured then.
+        Its held-out measures.
     """
 
     step: int

@@ -65,12 +65,12 @@ class Group:
 
     @property
     def size(self) -> int:
-        """How many processes there are."""
+        """The number of processes."""
         return int(self._state.num_processes)
 
     @property
     def index(self) -> int:
-        """Which of them this is, from 0."""
+        """The number of this process, from 0."""
         return int(self._state.process_index)
 
     @property
@@ -98,7 +98,7 @@ class Group:
         return [part.view_as(one) for part, one in zip(parts, tensors, strict=True)]
 
     def from_leader(self, value: _Value) -> _Value:
-        """Return what the leading process holds; `value` of the others does not matter."""
+        """Return the leading process' `value`; those of the others are ignored."""
         if self.size == 1:
             return value
         values: list[Any] = [value]

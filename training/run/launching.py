@@ -30,7 +30,7 @@ _GRACE: Final = 30.0
 
 
 def group_size() -> int:
-    """Return how many processes train together, by this one's launcher; 1 without one."""
+    """Return the number of processes by this one's launcher; 1 without one."""
     return int(os.environ.get("WORLD_SIZE", "1")) if "LOCAL_RANK" in os.environ else 1
 
 
@@ -93,7 +93,7 @@ def run_in_processes(count: int, command: Sequence[str]) -> int:
 
 
 def _first_failure(started: Sequence[subprocess.Popen[bytes]]) -> int | None:
-    """Return which process failed first, the leader where it did too; None once all are done."""
+    """Return the process that failed first, or the leader if it failed; None if all are done."""
     first: int | None = None
     deadline = math.inf
     while time.monotonic() < deadline:

@@ -189,7 +189,7 @@ class Learner(Generic[Network]):
     def _computed(
         self, update: _Update, network: Network
     ) -> Sequence[Callable[[], Mapping[str, Tensor]]]:
-        """Return what computes the losses of each of this process' parts of an update."""
+        """Return functions for the losses of each of this process' parts of an update."""
         _, parts = self._step_parts(update.step)
         numbers = range(self._group.index, len(parts), self._group.size)
         return [partial(self._losses, network, parts[number], update, number) for number in numbers]
@@ -218,7 +218,7 @@ class Learner(Generic[Network]):
         return tensors
 
     def facts(self) -> dict[str, Any]:
-        """Return what of that is no tensor, as JSON values."""
+        """Return the part of the state without tensors, as JSON values."""
         return {"scaler": self._scaler.state_dict()}
 
     def restore(
@@ -256,7 +256,7 @@ class AveragedWeights(Generic[Network]):
     Parameters
     ----------
     network : Module
-        Whose weights are followed; it is copied.
+        The network whose weights are averaged; it is copied.
     decay : float
         The share that the mean keeps in the long run, in (0, 1).
     """

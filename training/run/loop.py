@@ -29,14 +29,14 @@ Show = Callable[[int, int, str], None]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trained(Generic[Network]):
-    """What came out of a run.
+    """The outcome of a run.
 
     Attributes
     ----------
     network : Module
         With the weights that did best on held-out examples, in evaluation mode.
     best : Best
-        When that was, and what was measured then.
+        The step of the best weights, and its measures.
     steps : int
         Steps made in all.
     last_loss : float

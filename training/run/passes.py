@@ -52,7 +52,7 @@ class Pass:
 
 
 class PassWeights:
-    """Which weights of a network learn in which pass.
+    """The weights of a network that learn in each pass.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a run leaves behind: its folder, its log, how long it took, and what files say of it.
+"""Records of a run: its folder, its log, its time, and facts for files.
 
 The log grows by what is new, so that a long run saves as quickly as a short one. It is written
 before the state of the run is, and may tell of steps that a crash then lost: whoever goes on cuts
@@ -156,9 +156,9 @@ class Stopwatch:
     step : int
         Steps made until now.
     device : str
-        Where it is computed.
+        The device.
     processes : int
-        How many train together.
+        Number of processes.
     """
 
     def __init__(self, path: Path, *, step: int, device: str, processes: int) -> None:
@@ -195,20 +195,20 @@ def run_facts(
     data_sha256: str,
     packages: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """Return how and from what a network was trained, as JSON values.
+    """Return facts about a network's training and data, as JSON values.
 
     Parameters
     ----------
     config : TrainingConfig
         How.
     trained : Trained
-        What came out.
+        The outcome.
     kind : str
         The recordings' layout.
     data_sha256 : str
         Hash of the recordings.
     packages : sequence of str
-        What further was used, whose versions are told.
+        Further packages whose versions are recorded.
     """
     return {
         "config": config.facts(),

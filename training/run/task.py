@@ -1,4 +1,4 @@
-"""What the loop needs to know of a network, its examples and its loss, and tasks of windows."""
+"""The task of a training: network, examples and loss; and tasks of windows."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Task(Protocol[Network]):
 
     @property
     def settings(self) -> Mapping[str, Any]:
-        """What makes this task another one than the next, as JSON values: kind, sizes, labels."""
+        """The identity of this task, as JSON values: kind, sizes, labels."""
         ...
 
     @property
@@ -36,7 +36,7 @@ class Task(Protocol[Network]):
 
     @property
     def device(self) -> str:
-        """Where it is computed: ``cpu`` or ``cuda``."""
+        """The device: ``cpu`` or ``cuda``."""
         ...
 
     def network(self) -> Network:
@@ -53,7 +53,7 @@ class Task(Protocol[Network]):
         ...
 
     def validation(self, network: Network) -> Mapping[str, float]:
-        """Return what is measured of held-out examples, first what the weights are chosen by.
+        """Return the measures of held-out examples; the first one selects the best weights.
 
         Of the first, which any name may have, less is better: the weights of the step where it was
         least are kept. It should be what the network is for, which the sum of all losses need not
@@ -90,11 +90,11 @@ class WindowTask:
     config : dataclass
         The network's sizes.
     weights : dataclass or mapping of str to float
-        What counts how much.
+        Weights of the losses.
     training, held_out : Windows
         Of the network's conditions and targets.
     extra_settings : mapping
-        What else makes this training another one than the next, as JSON values.
+        Further identity of this training, as JSON values.
     device : str
         ``cpu`` or ``cuda``.
     """
@@ -118,7 +118,7 @@ class WindowTask:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What makes this training another one than the next, as JSON values."""
+        """The identity of this training, as JSON values."""
         return {
             **{f"network {name}": _as_json(value) for name, value in asdict(self.config).items()},
             **{f"loss {name}": _as_json(value) for name, value in self._weights().items()},

@@ -24,7 +24,7 @@ def mean_and_deviation(values: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def spread(values: FloatArray) -> float:
-    """Return how far values (N, values) are from their means, all together."""
+    """Return the spread of values (N, values) around their means, all together."""
     return float(np.maximum(np.sqrt(values.var(axis=0).mean()), SMALLEST_DEVIATION))
 
 
@@ -35,7 +35,7 @@ class Normalisation:
     Attributes
     ----------
     mean, std : ndarray, shape (values,)
-        Where `std` is zero, the value is constant.
+        A value with a zero `std` is constant.
     """
 
     mean: FloatArray

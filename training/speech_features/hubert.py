@@ -160,13 +160,13 @@ class Hubert:
     network : callable
         ``transformers.HubertModel``, or what stands in for it.
     description : str
-        Which one it is, as provenance quotes it.
+        Its description in provenance.
     stands_in : bool
         Whether its weights are seeded and not learned.
     identity : str
         Equal for networks with the same features, wherever their weights are.
     device : str
-        Where the network is.
+        The network's device.
     """
 
     network: _Network

@@ -147,7 +147,7 @@ def _hop(frame_rate: float) -> int:
 
 @cache
 def _filters() -> NDArray[np.float64]:
-    """Return what each band takes of each frequency, (128, 1025)."""
+    """Return the weights of frequencies in each band, (128, 1025)."""
     librosa = load_librosa()
     filters = librosa.filters.mel(sr=RATE, n_fft=WINDOW, n_mels=BANDS, dtype=np.float64)
     return np.asarray(filters)

@@ -152,7 +152,7 @@ _SHIFT: Final = 10
 
 
 def augment(filterbanks: Tensor) -> tuple[Tensor, Tensor]:
-    """Return what is heard of filterbanks (n, frames, bands), and what is to be rebuilt.
+    """Return input and target for filterbanks (n, frames, bands).
 
     Both are masked alike, up to the shares of the paper; what is heard is also shifted along the
     time by up to ten rows and noisy. Chance is torch's.

@@ -26,7 +26,7 @@ from training.speech_features.spectra import SUPPORT, mel_bands
 
 @dataclass(frozen=True, eq=False)
 class SpeechFrames:
-    """What is known of the speech, frame by frame.
+    """Features of speech, frame by frame.
 
     Attributes
     ----------

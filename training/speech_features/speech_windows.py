@@ -36,7 +36,7 @@ class SpeechWindow:
     first : int
         The frame of the speech that the window begins with.
     count : int
-        How many of its frames are speech: all, but of the last window.
+        The number of its frames with speech: all, except for the last window.
     """
 
     sound: Tensor
@@ -95,7 +95,7 @@ def stream_windows(
 
 @dataclass(frozen=True, kw_only=True)
 class WindowPlan:
-    """How many windows cover a motion, and where each begins.
+    """The number of windows of a motion, and their beginnings.
 
     Attributes
     ----------

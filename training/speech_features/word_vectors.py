@@ -34,7 +34,7 @@ class WordVectors(Protocol):
 
     @property
     def description(self) -> str:
-        """Whose vectors they are, for a clip's provenance."""
+        """Their description in a clip's provenance."""
         ...
 
     def lookup(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
