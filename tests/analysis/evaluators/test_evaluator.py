@@ -2,8 +2,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -98,12 +96,6 @@ def test_every_setting_that_a_score_depends_on_is_told(
     assert told["trained on"].startswith("10 clips of 10 recordings")
     assert "2 of 10 recordings: accuracy" in told["held out"]
     assert all(isinstance(value, str) and value for value in told.values())
-
-
-def test_asking_for_a_network_loads_no_torch_before_there_is_one() -> None:
-    code = "import sys, analysis.evaluators; print('torch' in sys.modules)"
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "False"
 
 
 def changed(facts: dict[str, Any], *keys: str, value: object) -> dict[str, Any]:
