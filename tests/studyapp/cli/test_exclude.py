@@ -127,7 +127,7 @@ def test_the_report_leaves_them_out_after_the_rules_and_says_that_it_was_by_hand
     assert first["as_planned"]["participants"] == first["analysed"]["participants"] + 1
     assert sum(flow["places"] for flow in found["flow"]) == places + 3
     page = (folder.report / "report.html").read_text("utf-8")
-    assert "1 participant whom the rules before would have kept was excluded by hand" in page
+    assert "1 participant whom the earlier rules would have kept was excluded by hand" in page
     assert "excluded by a researcher (exploratory)" in page
     (folder.shared_answers).mkdir(parents=True)
     passed_on = run("exclude", folder.root, "1", "--reason", "asleep", status=1)
