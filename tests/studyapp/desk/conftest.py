@@ -44,9 +44,9 @@ def lab(tmp_path: Path, tiny_study_template: Path, empty_sqlite: Path) -> Iterat
 @pytest.fixture
 def tiny(lab: Lab) -> LabStudy:
     """Return the desk's study."""
-    found = lab.study("tiny")
-    assert found is not None
-    return found
+    study = lab.study("tiny")
+    assert study is not None
+    return study
 
 
 @pytest.fixture
@@ -72,9 +72,9 @@ def researcher(lab: Lab, desk: Flask) -> Researcher:
         token = first_owner_link(lab.database, lab.clock) if role == "owner" else None
         token = token or invite(lab.database, lab.clock, role=role, by="")
         join(lab.database, lab.clock, token, name=name, password=PASSWORD)
-        opened = ResearchBrowser(desk)
-        assert opened.log_in(name).status_code == 303
-        return opened
+        browser = ResearchBrowser(desk)
+        assert browser.log_in(name).status_code == 303
+        return browser
 
     return browser_of
 

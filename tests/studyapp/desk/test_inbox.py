@@ -42,8 +42,8 @@ def inbox(folder: StudyFolder) -> Inbox:
 
 
 def files(folder: StudyFolder) -> list[str]:
-    found = folder.root.rglob("*")
-    return sorted(path.relative_to(folder.root).as_posix() for path in found if path.is_file())
+    paths = folder.root.rglob("*")
+    return sorted(path.relative_to(folder.root).as_posix() for path in paths if path.is_file())
 
 
 def test_pieces_become_the_file(inbox: Inbox, folder: StudyFolder) -> None:
@@ -65,12 +65,12 @@ def test_an_upload_goes_on_where_it_stopped_even_after_a_crash(folder: StudyFold
     # The server died while it wrote a piece.
     with partial.open("ab") as file:
         file.write(CONTENT[5000:5100])
-    wanted = upload(condition="ours", name="take.npz")
-    assert again.received(wanted) == 5100
+    rest = upload(condition="ours", name="take.npz")
+    assert again.received(rest) == 5100
     assert again.files() == [
         InboxFile(condition="ours", name="take.npz", received=5100, size=len(CONTENT))
     ]
-    again.append(wanted, 5100, CONTENT[5100:])
+    again.append(rest, 5100, CONTENT[5100:])
     assert (folder.inbox / "ours" / "take.npz").read_bytes() == CONTENT
 
 
@@ -93,14 +93,14 @@ def test_a_piece_that_comes_twice_at_once_is_stored_once(inbox: Inbox, folder: S
     inbox.append(upload(), 0, CONTENT[:2000])
     done: list[str] = []
 
-    def send() -> None:
+    def send_piece() -> None:
         try:
             inbox.append(upload(), 2000, CONTENT[2000:])
             done.append("stored")
         except (WrongOffsetError, InputError):
             done.append("refused")
 
-    threads = [threading.Thread(target=send) for _ in range(8)]
+    threads = [threading.Thread(target=send_piece) for _ in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -179,7 +179,7 @@ PAGE = f"{TINY}bring-in"
 WHAT = {"condition": "ours", "name": "take-0.npz", "changed": "1700000000000"}
 
 
-def send(
+def send_piece(
     browser: ResearchBrowser, piece: bytes, *, offset: int, size: int, **what: str
 ) -> tuple[int, dict[str, object]]:
     answer = browser.client.post(
@@ -202,21 +202,21 @@ def test_pieces_come_one_after_another_and_a_wrong_one_is_told_the_place(
     size = len(motion)
     where = {**WHAT, "size": str(size)}
     assert ada.client.get(UPLOADS, query_string=where).get_json() == {"offset": 0}
-    assert send(ada, motion[:100], offset=0, size=size) == (200, {"offset": 100})
-    assert send(ada, motion[:100], offset=0, size=size) == (409, {"offset": 100})
+    assert send_piece(ada, motion[:100], offset=0, size=size) == (200, {"offset": 100})
+    assert send_piece(ada, motion[:100], offset=0, size=size) == (409, {"offset": 100})
     assert ada.client.get(UPLOADS, query_string=where).get_json() == {"offset": 100}
-    assert send(ada, motion[100:], offset=100, size=size) == (200, {"offset": size})
+    assert send_piece(ada, motion[100:], offset=100, size=size) == (200, {"offset": size})
     assert (lab.folder / "tiny" / "inbox" / "ours" / "take-0.npz").read_bytes() == motion
     assert "take-0.npz" in ada.get(PAGE).text
 
 
 def test_what_is_refused_says_why(ada: ResearchBrowser) -> None:
-    status, told = send(ada, b"x", offset=0, size=1, name="../study.toml")
+    status, answer = send_piece(ada, b"x", offset=0, size=1, name="../study.toml")
     assert status == 422
-    assert "cannot be called" in str(told["problem"])
-    assert send(ada, b"x", offset=0, size=10**11)[0] == 422
+    assert "cannot be called" in str(answer["problem"])
+    assert send_piece(ada, b"x", offset=0, size=10**11)[0] == 422
     assert ada.client.get(UPLOADS, query_string={"name": "a.wav"}).status_code == 400
-    assert send(ada, b"x" * 2 * LARGEST_PIECE, offset=0, size=2 * LARGEST_PIECE)[0] == 413
+    assert send_piece(ada, b"x" * 2 * LARGEST_PIECE, offset=0, size=2 * LARGEST_PIECE)[0] == 413
 
 
 def test_small_files_come_by_a_form_alone(lab: Lab, ada: ResearchBrowser, motion: bytes) -> None:
@@ -240,7 +240,7 @@ def test_the_import_brings_in_what_it_can_and_leaves_the_rest_with_the_reason(
     lab: Lab, ada: ResearchBrowser, motion: bytes
 ) -> None:
     for name in ("take-0.npz", "take-9.npz"):
-        assert send(ada, motion, offset=0, size=len(motion), name=name)[0] == 200
+        assert send_piece(ada, motion, offset=0, size=len(motion), name=name)[0] == 200
     assert ada.post(f"{TINY}jobs/import").status_code == 303
     study = lab.folder / "tiny"
     wait_until_ended(study / "jobs", "import")

@@ -27,7 +27,7 @@ def changes(tiny: LabStudy) -> list[tuple[str, str, str]]:
     return [(each.researcher, each.event, each.detail) for each in latest_changes(tiny.database)]
 
 
-def made_before(tiny: LabStudy) -> None:
+def write_earlier_results(tiny: LabStudy) -> None:
     """Leave a report and an archive of answers, as earlier jobs would."""
     report = tiny.folder.report
     (report / "tables").mkdir(parents=True)
@@ -88,7 +88,7 @@ def test_while_a_job_runs_no_other_can_be_begun_and_anybody_who_steers_stops_it(
 def test_viewers_see_jobs_and_run_none(
     tiny: LabStudy, ada: ResearchBrowser, joined: Joined
 ) -> None:
-    made_before(tiny)
+    write_earlier_results(tiny)
     viewer = joined("viewer")
     page = viewer.get(TINY)
     assert "Rehearse" in page.text
@@ -106,7 +106,7 @@ def test_viewers_see_jobs_and_run_none(
 def test_what_stands_in_no_list_is_not_run_and_not_sent(
     tiny: LabStudy, ada: ResearchBrowser
 ) -> None:
-    made_before(tiny)
+    write_earlier_results(tiny)
     for address in (
         "forget",
         "check/files/study.toml",
@@ -127,7 +127,7 @@ def test_what_stands_in_no_list_is_not_run_and_not_sent(
 def test_a_report_is_shown_without_the_rights_of_our_pages(
     tiny: LabStudy, ada: ResearchBrowser
 ) -> None:
-    made_before(tiny)
+    write_earlier_results(tiny)
     with ada.client.get(f"{JOBS}report/files/report.html") as shown:
         policy = shown.headers["Content-Security-Policy"]
         assert policy.startswith("sandbox allow-scripts")
@@ -143,7 +143,7 @@ def test_a_report_is_shown_without_the_rights_of_our_pages(
 def test_answers_before_the_end_are_for_whoever_has_said_why(
     tiny: LabStudy, ada: ResearchBrowser
 ) -> None:
-    made_before(tiny)
+    write_earlier_results(tiny)
     answer_study(tiny.folder.root, people=2)
     page = ada.get(TINY)
     assert "you must give a reason, which is logged" in page.text
@@ -154,10 +154,10 @@ def test_answers_before_the_end_are_for_whoever_has_said_why(
         assert ada.post(JOBS + kind).status_code == 409
     assert not [event for _, event, _ in changes(tiny) if event in ("job started", "downloaded")]
     ada.post(f"{TINY}open", way="results")
-    asked = "/tiny/research/results"
-    code = str(ada.get(asked).soup.select("main [name=form_code]")[0]["value"])
-    said = {"form_code": code, "reason": "The ethics board asks"}
-    assert ada.client.post(asked, data=said).status_code == 303
+    results_page = "/tiny/research/results"
+    code = str(ada.get(results_page).soup.select("main [name=form_code]")[0]["value"])
+    fields = {"form_code": code, "reason": "The ethics board asks"}
+    assert ada.client.post(results_page, data=fields).status_code == 303
     assert downloaded(ada, "tables/archive") == b"PK"
     assert ("Ada", "downloaded", "Tables of answers") in changes(tiny)
     assert ada.post(f"{JOBS}tables").status_code == 303
@@ -188,13 +188,13 @@ def test_a_study_is_packed_for_another_lab_from_its_rehearsal_until_somebody_ans
 def test_a_report_plays_motion_if_asked_to_and_its_size_is_told(
     tiny: LabStudy, ada: ResearchBrowser
 ) -> None:
-    made_before(tiny)
+    write_earlier_results(tiny)
     page = ada.get(f"{JOBS}report")
     assert page.soup.select("[name=motion][type=checkbox]:not([checked])")
     size = (tiny.folder.report / "report.html").stat().st_size
     assert f"Open the report</a>, {size} Bytes" in page.text
-    for asked, options in (({}, ()), ({"motion": "on"}, ("--with-motion",))):
-        assert ada.post(f"{JOBS}report", **asked).status_code == 303
+    for fields, options in (({}, ()), ({"motion": "on"}, ("--with-motion",))):
+        assert ada.post(f"{JOBS}report", **fields).status_code == 303
         ada.post(f"{JOBS}report/stop")
         command = wait_until_ended(tiny.folder.jobs, "report").job.command
         assert command == ("report", ".", *options)

@@ -31,14 +31,14 @@ def jobs(tiny_study: Path) -> Path:
 
 def processes_of(study: Path) -> list[int]:
     """Return the processes that run a job's command in a study, and those that it has begun."""
-    found = []
+    processes = []
     for place in Path("/proc").glob("[0-9]*/cwd"):
         try:
             if place.readlink() == study:
-                found.append(int(place.parent.name))
+                processes.append(int(place.parent.name))
         except OSError:
             continue
-    return found
+    return processes
 
 
 def wait_for_nobody(study: Path) -> None:
@@ -80,10 +80,10 @@ def test_one_job_of_a_study_runs_at_a_time_and_stops_when_asked(
         "import sys; from pathlib import Path; from studyapp.desk.jobs import job_standings; "
         "print(job_standings(Path(sys.argv[1]))['try'].state)"
     )
-    told = subprocess.run(
+    done = subprocess.run(
         [sys.executable, "-c", code, str(jobs)], capture_output=True, text=True, check=True
     )
-    assert told.stdout == "running\n"
+    assert done.stdout == "running\n"
     wait_until_under_way(jobs)
     stop_job(jobs, "try", by="Grace")
     assert job_standings(jobs)["try"].state in ("stopping", "stopped")

@@ -43,30 +43,30 @@ def cells(page: PageReader) -> dict[tuple[str, str], str]:
     table = page.soup.select_one("table.material")
     assert table is not None
     _, _, *conditions = [each.text for each in table.select("thead th")]
-    found = {}
+    table_cells = {}
     for row in table.select("tbody tr"):
         segment = row.select_one("th").text  # type: ignore[union-attr]
         for condition, cell in zip(conditions, row.select("td")[1:], strict=True):
-            found[segment, condition] = cell.text.split(" ")[0]
-    return found
+            table_cells[segment, condition] = cell.text.split(" ")[0]
+    return table_cells
 
 
-def found_by_check(folder: StudyFolder, where: str, what: str) -> None:
+def write_finding(folder: StudyFolder, where: str, what: str) -> None:
     path = folder.root / RECORD
     path.parent.mkdir(parents=True, exist_ok=True)
-    found = {"name": "x", "severity": "error", "where": where, "what": what, "remedy": "Do it"}
-    path.write_text(json.dumps({"format": 1, "findings": [found]}), "utf-8")
+    finding = {"name": "x", "severity": "error", "where": where, "what": what, "remedy": "Do it"}
+    path.write_text(json.dumps({"format": 1, "findings": [finding]}), "utf-8")
 
 
 def test_the_table_says_what_is_there_missing_and_bad(
     folder: StudyFolder, ada: ResearchBrowser
 ) -> None:
-    found_by_check(folder, "motion/mismatched/take-1.npz", "the archive is damaged")
-    found = cells(ada.get(MATERIAL))
-    assert len(found) == 12
-    assert found["take-0", "rule based"] == "video"
-    assert found["take-1", "mismatched"] == "bad"
-    assert set(found.values()) == {"video", "bad", "missing"}
+    write_finding(folder, "motion/mismatched/take-1.npz", "the archive is damaged")
+    table_cells = cells(ada.get(MATERIAL))
+    assert len(table_cells) == 12
+    assert table_cells["take-0", "rule based"] == "video"
+    assert table_cells["take-1", "mismatched"] == "bad"
+    assert set(table_cells.values()) == {"video", "bad", "missing"}
     page = ada.get(f"{MATERIAL}/mismatched/take-1")
     assert "The archive is damaged. Do it." in page.text
 
@@ -74,7 +74,7 @@ def test_the_table_says_what_is_there_missing_and_bad(
 def test_what_was_brought_anew_since_the_check_is_not_bad(
     folder: StudyFolder, ada: ResearchBrowser
 ) -> None:
-    found_by_check(folder, "motion/mismatched/take-1.npz", "the archive is damaged")
+    write_finding(folder, "motion/mismatched/take-1.npz", "the archive is damaged")
     os.utime(folder.root / RECORD, (1, 1))
     assert cells(ada.get(MATERIAL))["take-1", "mismatched"] == "motion"
 
@@ -82,9 +82,9 @@ def test_what_was_brought_anew_since_the_check_is_not_bad(
 def test_what_is_wrong_with_a_pair_is_told_of_both_sides(
     folder: StudyFolder, ada: ResearchBrowser
 ) -> None:
-    found_by_check(folder, read_stimuli(folder.stimuli).pairs[0].file, "has no sound")
-    found = cells(ada.get(MATERIAL))
-    assert found["take-0", "rule based"] == found["take-0", "mismatched"] == "bad"
+    write_finding(folder, read_stimuli(folder.stimuli).pairs[0].file, "has no sound")
+    table_cells = cells(ada.get(MATERIAL))
+    assert table_cells["take-0", "rule based"] == table_cells["take-0", "mismatched"] == "bad"
 
 
 def test_a_viewer_plays_a_video_and_removes_nothing(

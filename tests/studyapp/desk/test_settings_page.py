@@ -21,14 +21,14 @@ def file(lab: Lab) -> Path:
     return lab.folder / "tiny" / "study.toml"
 
 
-def seen(page: PageReader) -> str:
+def digest_of(page: PageReader) -> str:
     return str(page.soup.select_one("[name=seen]")["value"])  # type: ignore[index]
 
 
 def test_what_is_saved_is_what_was_typed(tiny: LabStudy, ada: ResearchBrowser, file: Path) -> None:
     page = ada.get(SETTINGS)
     text = file.read_text("utf-8").replace("Gestures and speech", "Gestures – once more")
-    answer = ada.post(SETTINGS, text=text.replace("\n", "\r\n"), seen=seen(page))
+    answer = ada.post(SETTINGS, text=text.replace("\n", "\r\n"), seen=digest_of(page))
     assert answer.status_code == 303
     assert file.read_text("utf-8") == text.rstrip() + "\n"
     assert "Gestures – once more" in ada.get("/research/").text
@@ -43,7 +43,7 @@ def test_what_is_saved_is_what_was_typed(tiny: LabStudy, ada: ResearchBrowser, f
 def test_a_wrong_file_is_not_saved_and_its_line_is_shown(ada: ResearchBrowser, file: Path) -> None:
     page, before = ada.get(SETTINGS), file.read_text("utf-8")
     text = "seeed = 3\n" + before
-    answer = ada.post(SETTINGS, text=text, seen=seen(page))
+    answer = ada.post(SETTINGS, text=text, seen=digest_of(page))
     assert answer.status_code == 422
     again = PageReader(answer.text)
     assert again.soup.select_one("[data-line='1']") is not None
@@ -59,11 +59,11 @@ def test_what_somebody_else_saved_meanwhile_is_shown_and_stays(
     others = before + "# of somebody else\n"
     file.write_text(others, "utf-8")
     mine = before + "# of mine\n"
-    answer = ada.post(SETTINGS, text=mine, seen=seen(page))
+    answer = ada.post(SETTINGS, text=mine, seen=digest_of(page))
     assert answer.status_code == 409
     assert "-# of somebody else" in answer.text
     assert file.read_text("utf-8") == others
-    assert ada.post(SETTINGS, text=mine, seen=seen(PageReader(answer.text))).status_code == 303
+    assert ada.post(SETTINGS, text=mine, seen=digest_of(PageReader(answer.text))).status_code == 303
     assert file.read_text("utf-8") == mine
 
 
@@ -72,7 +72,7 @@ def test_what_changes_the_design_under_participants_becomes_a_new_version(
 ) -> None:
     page, before = ada.get(SETTINGS), file.read_text("utf-8")
     text = before.replace("fit the rhythm of the speech better", "follow the speech better")
-    fields = {"text": text, "seen": seen(page)}
+    fields = {"text": text, "seen": digest_of(page)}
     answer = ada.post(SETTINGS, **fields)
     assert answer.status_code == 422
     assert "questions may not change under them" in answer.text
@@ -88,5 +88,5 @@ def test_how_many_take_part_may_change_under_participants(
     taken: LabStudy, ada: ResearchBrowser, file: Path
 ) -> None:
     text = file.read_text("utf-8").replace("comparison = 4", "comparison = 6")
-    assert ada.post(SETTINGS, text=text, seen=seen(ada.get(SETTINGS))).status_code == 303
+    assert ada.post(SETTINGS, text=text, seen=digest_of(ada.get(SETTINGS))).status_code == 303
     assert taken.standing().wanted == 6

@@ -9,7 +9,7 @@ from tests.support.studies.redefining import redefine
 AGAIN = ("fit the rhythm of the speech better", "follow the speech better")
 
 
-def asked(study: LabStudy) -> str:
+def first_question(study: LabStudy) -> str:
     served = study.served()
     assert served is not None
     return served.study.questions[0].text
@@ -29,7 +29,7 @@ def test_a_study_is_being_made_until_its_videos_are_there(tiny: LabStudy) -> Non
 def test_a_change_that_nobody_has_seen_is_served_at_once(tiny: LabStudy) -> None:
     before = tiny.application()
     redefine(tiny.folder.root, AGAIN)
-    assert asked(tiny).endswith("follow the speech better?")
+    assert first_question(tiny).endswith("follow the speech better?")
     assert tiny.application() is not before
 
 
@@ -48,12 +48,12 @@ def test_another_process_waits_for_a_new_version_and_then_serves_it(
 ) -> None:
     other = LabStudy(taken.folder.root, lab.database, lab.clock, "")
     redefine(taken.folder.root, AGAIN)
-    assert asked(taken).endswith("rhythm of the speech better?")
+    assert first_question(taken).endswith("rhythm of the speech better?")
     assert other.standing().state == "changed"
     assert other.application() is None
     taken.begin_new_version()
     for study in (taken, other):
-        assert asked(study).endswith("follow the speech better?")
+        assert first_question(study).endswith("follow the speech better?")
         assert study.problem is None
 
 

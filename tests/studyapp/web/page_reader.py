@@ -13,9 +13,9 @@ class PageReader:
         self.soup = BeautifulSoup(text, "html.parser")
 
     def one(self, selector: str) -> Tag:
-        found = self.soup.select(selector)
-        assert len(found) == 1, f"{selector}: {len(found)} on the page"
-        return found[0]
+        tags = self.soup.select(selector)
+        assert len(tags) == 1, f"{selector}: {len(tags)} on the page"
+        return tags[0]
 
     def value(self, selector: str, attribute: str) -> str:
         return str(self.one(selector)[attribute])

@@ -116,10 +116,10 @@ def test_where_nothing_can_be_written_it_is_not_well(
 def test_where_the_database_does_not_answer_it_is_not_well_and_says_so_all_the_same(
     app: Flask, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    thawed, asked = threading.Event(), list[Database]()
+    thawed, databases = threading.Event(), list[Database]()
 
     def wait_for_it(database: Database) -> None:
-        asked.append(database)
+        databases.append(database)
         thawed.wait(60)
 
     monkeypatch.setattr(Database, "check_writable", wait_for_it)
@@ -128,7 +128,7 @@ def test_where_the_database_does_not_answer_it_is_not_well_and_says_so_all_the_s
     client = app.test_client()
 
     frozen = [client.get("/healthz").status_code for _ in range(3)]
-    asked_while_frozen = len(asked)
+    asked_while_frozen = len(databases)
     thawed.set()
     monkeypatch.setattr("studyapp.web.app.ANSWER_SECONDS", 60.0)
 

@@ -16,7 +16,7 @@ from studyapp.web.participants.recruiter_names import COOKIE
 from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.test_entrance import sent
+from tests.studyapp.web.test_entrance import submit
 from tests.studyapp.web.visitor import Visitor, stored_in
 from tests.support.studies.asked_forms import COMPREHENSION, FORM
 from tests.support.studies.taking_part_steps import SetClock
@@ -39,11 +39,11 @@ INVITATIONS = '[recruitment]\nchannel = "invitations"\n'
 BY_PROLIFIC = "?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1"
 BY_MTURK = "?workerId=w1&hitId=h1&assignmentId=a1&turkSubmitTo=https%3A%2F%2Fwww.mturk.com"
 
-Opened = Callable[[str], Flask]
+ServeWith = Callable[[str], Flask]
 
 
 @pytest.fixture
-def opened(serve: Serve) -> Opened:
+def serve_with(serve: Serve) -> ServeWith:
     """Return a function that serves the study with more in its file."""
     return lambda more: serve(added=more)
 
@@ -60,9 +60,9 @@ def shown_code(page: PageReader) -> str:
 
 
 def test_who_finishes_is_led_back_to_prolific_with_the_code(
-    opened: Opened, clock: SetClock
+    serve_with: ServeWith, clock: SetClock
 ) -> None:
-    page = last_page(Visitor(opened(PROLIFIC), clock).enrol(BY_PROLIFIC))
+    page = last_page(Visitor(serve_with(PROLIFIC), clock).enrol(BY_PROLIFIC))
 
     assert shown_code(page) == CODES["completed"]
     assert page.value("#leave", "href") == (
@@ -72,9 +72,9 @@ def test_who_finishes_is_led_back_to_prolific_with_the_code(
 
 
 def test_failed_attention_checks_are_counted_from_the_answers(
-    opened: Opened, clock: SetClock
+    serve_with: ServeWith, clock: SetClock
 ) -> None:
-    app = opened(f"{PROLIFIC}[attention]\ntrials = 2\n")
+    app = serve_with(f"{PROLIFIC}[attention]\ntrials = 2\n")
     visitor = Visitor(app, clock).enrol(BY_PROLIFIC)
     page = visitor.begin().page()
     while not page.soup.select("#completion-code"):
@@ -94,9 +94,9 @@ def _other_than(value: int) -> dict[str, str]:
 
 
 def test_another_study_in_the_address_makes_no_other_participant(
-    opened: Opened, clock: SetClock
+    serve_with: ServeWith, clock: SetClock
 ) -> None:
-    app = opened(PROLIFIC)
+    app = serve_with(PROLIFIC)
     first = Visitor(app, clock).enrol(BY_PROLIFIC)
 
     again = Visitor(app, clock)
@@ -109,14 +109,14 @@ def test_another_study_in_the_address_makes_no_other_participant(
 
 
 def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
-    opened: Opened, clock: SetClock
+    serve_with: ServeWith, clock: SetClock
 ) -> None:
-    app = opened(PROLIFIC)
+    app = serve_with(PROLIFIC)
     owner = Visitor(app, clock).enrol(BY_PROLIFIC)
     stranger = app.test_client()
     page = PageReader(stranger.get("/?PROLIFIC_PID=p1").text)
 
-    answer = sent(stranger, page)
+    answer = submit(stranger, page)
 
     assert answer.status_code == 403
     assert "another browser" in answer.text
@@ -130,18 +130,18 @@ def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
 
 
 def test_where_links_are_signed_no_other_name_counts(
-    opened: Opened, monkeypatch: pytest.MonkeyPatch
+    serve_with: ServeWith, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def believed(signed: str, host: str) -> dict[str, str] | None:
+    def fake_signed_names(signed: str, host: str) -> dict[str, str] | None:
         assert host == "study.example.org"
         return {"PROLIFIC_PID": "P1", "SESSION_ID": "x1"} if signed == "signed" else None
 
-    monkeypatch.setattr("studyapp.web.participants.recruiter_names.signed_names", believed)
-    app = opened(PROLIFIC + 'signed_for = "study.example.org"\n')
+    monkeypatch.setattr("studyapp.web.participants.recruiter_names.signed_names", fake_signed_names)
+    app = serve_with(PROLIFIC + 'signed_for = "study.example.org"\n')
     client = app.test_client()
 
     page = PageReader(client.get("/?prolific_token=signed&PROLIFIC_PID=victim").text)
-    first = sent(client, page)
+    first = submit(client, page)
 
     assert first.status_code == 303
     for made_up in (f"/{BY_PROLIFIC}", f"/{BY_PROLIFIC}&prolific_token=made-up"):
@@ -150,13 +150,13 @@ def test_where_links_are_signed_no_other_name_counts(
     assert stranger.post("/", data={"PROLIFIC_PID": "p1", "SESSION_ID": "x1"}).status_code == 403
     # A new browser, another submission: the signature shows who it is.
     again = PageReader(stranger.get("/?prolific_token=signed").text)
-    assert sent(stranger, again).location == first.location
+    assert submit(stranger, again).location == first.location
     (known,) = stored_in(app, select(StudySession))
     assert known.recruiter_participant == "p1"
 
 
-def test_nobody_is_let_in_whom_nobody_named(opened: Opened) -> None:
-    client = opened(PROLIFIC).test_client()
+def test_nobody_is_let_in_whom_nobody_named(serve_with: ServeWith) -> None:
+    client = serve_with(PROLIFIC).test_client()
 
     for query in ("", "?STUDY_ID=s1"):
         assert client.get(f"/{query}").status_code == 403
@@ -164,13 +164,15 @@ def test_nobody_is_let_in_whom_nobody_named(opened: Opened) -> None:
     assert client.get(f"/{BY_PROLIFIC}").status_code == 200
 
 
-def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(opened: Opened) -> None:
-    app = opened(PROLIFIC + FORM)
+def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(
+    serve_with: ServeWith,
+) -> None:
+    app = serve_with(PROLIFIC + FORM)
     client = app.test_client()
     first = PageReader(client.get(f"/{BY_PROLIFIC}").text)
     assert CODES["screened_out"] not in str(first.soup)
 
-    answer = sent(client, first, adult="no")
+    answer = submit(client, first, adult="no")
 
     page = PageReader(answer.text)
     assert answer.status_code == 403
@@ -180,7 +182,7 @@ def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(opened: O
     for again in (
         client.get(f"/{BY_PROLIFIC}"),
         client.get(f"/{BY_PROLIFIC.replace('s1', 's2')}"),
-        sent(client, first, adult="yes"),
+        submit(client, first, adult="yes"),
         client.post("/", data={"PROLIFIC_PID": "p1", "STUDY_ID": "s1", "form:adult": "yes"}),
     ):
         assert again.status_code == 403
@@ -204,16 +206,16 @@ def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(opened: O
         "javascript:alert(1)",
     ],
 )
-def test_nothing_is_ever_handed_in_to_another_site(opened: Opened, site: str) -> None:
-    client = opened(MTURK).test_client()
+def test_nothing_is_ever_handed_in_to_another_site(serve_with: ServeWith, site: str) -> None:
+    client = serve_with(MTURK).test_client()
     names = {"workerId": "w1", "hitId": "h1", "assignmentId": "a1", "turkSubmitTo": site}
 
     assert client.get("/", query_string=names).status_code == 403
     assert client.post("/", data=names).status_code == 403
 
 
-def test_a_preview_takes_no_place_and_offers_no_start(opened: Opened) -> None:
-    app = opened(MTURK)
+def test_a_preview_takes_no_place_and_offers_no_start(serve_with: ServeWith) -> None:
+    app = serve_with(MTURK)
     client = app.test_client()
 
     answer = client.get("/?assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE&hitId=h1")
@@ -228,9 +230,9 @@ def test_a_preview_takes_no_place_and_offers_no_start(opened: Opened) -> None:
 
 
 def test_a_worker_comes_back_by_another_assignment_of_the_study(
-    opened: Opened, clock: SetClock
+    serve_with: ServeWith, clock: SetClock
 ) -> None:
-    app = opened(MTURK)
+    app = serve_with(MTURK)
     first = Visitor(app, clock).enrol(BY_MTURK)
     other = BY_MTURK.replace("hitId=h1", "hitId=h2").replace("assignmentId=a1", "assignmentId=a2")
 
@@ -255,8 +257,8 @@ def test_a_worker_comes_back_by_another_assignment_of_the_study(
     )
 
 
-def test_only_mechanical_turk_may_show_the_study_in_a_frame(opened: Opened) -> None:
-    client = opened(MTURK).test_client()
+def test_only_mechanical_turk_may_show_the_study_in_a_frame(serve_with: ServeWith) -> None:
+    client = serve_with(MTURK).test_client()
 
     shown = client.get(f"/{BY_MTURK}").headers
     policy = shown["Content-Security-Policy"]
@@ -272,9 +274,9 @@ def test_only_mechanical_turk_may_show_the_study_in_a_frame(opened: Opened) -> N
 
 
 def test_an_invitation_lets_one_in_and_looking_at_it_uses_nothing_up(
-    opened: Opened, clock: SetClock
+    serve_with: ServeWith, clock: SetClock
 ) -> None:
-    app = opened(INVITATIONS)
+    app = serve_with(INVITATIONS)
     (token,) = make_invitations(site_of(app).database, 1, clock)
     curious = app.test_client()
     for _ in range(3):
@@ -290,9 +292,9 @@ def test_an_invitation_lets_one_in_and_looking_at_it_uses_nothing_up(
 
 
 def test_who_did_not_understand_the_instructions_cannot_come_back_by_the_same_invitation(
-    opened: Opened, clock: SetClock
+    serve_with: ServeWith, clock: SetClock
 ) -> None:
-    app = opened(INVITATIONS + COMPREHENSION)
+    app = serve_with(INVITATIONS + COMPREHENSION)
     (token,) = make_invitations(site_of(app).database, 1, clock)
     visitor = Visitor(app, clock).enrol(f"?invitation={token}")
 

@@ -33,14 +33,14 @@ def asking(serve: Serve) -> Flask:
     return serve(added=FORM + CONSENT)
 
 
-def sent(client: FlaskClient, page: PageReader, **given: str) -> TestResponse:
+def submit(client: FlaskClient, page: PageReader, **answers: str) -> TestResponse:
     """Send the form of `page` with what it carries along, and answers by their question."""
     hidden = {str(i["name"]): str(i["value"]) for i in page.soup.select("[type=hidden]")}
-    answers = {f"form:{name}": value for name, value in given.items()}
-    return client.post(page.action, data=hidden | answers)
+    fields = {f"form:{name}": value for name, value in answers.items()}
+    return client.post(page.action, data=hidden | fields)
 
 
-def nobody_is_stored(app: Flask) -> bool:
+def is_nobody_stored(app: Flask) -> bool:
     taken = stored_in(app, select(Place).where(Place.study_session_id.is_not(None)))
     return not taken and not stored_in(app, select(StudySession))
 
@@ -50,16 +50,16 @@ def test_eligibility_comes_before_consent_and_neither_stores_anything(asking: Fl
     first = PageReader(client.get("/?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1").text)
     assert "You will watch" not in first.text
 
-    answer = sent(client, first, adult="yes")
+    answer = submit(client, first, adult="yes")
     second = PageReader(answer.text)
 
     assert answer.status_code == 200
     assert "You will watch" in second.text
     assert second.value("[name=PROLIFIC_PID]", "value") == "p1"
     assert second.value("[name='form:adult']", "value") == "yes"
-    assert nobody_is_stored(asking)
+    assert is_nobody_stored(asking)
 
-    assert sent(client, second, read="yes").status_code == 303
+    assert submit(client, second, read="yes").status_code == 303
     (known,) = stored_in(asking, select(StudySession))
     names = (known.recruiter_participant, known.recruiter_study, known.recruiter_session)
     assert names == ("p1", "s1", "x1")
@@ -68,13 +68,13 @@ def test_eligibility_comes_before_consent_and_neither_stores_anything(asking: Fl
 
 def test_eligibility_is_judged_again_at_the_start(asking: Flask) -> None:
     client = asking.test_client()
-    consent = PageReader(sent(client, PageReader(client.get("/").text), adult="yes").text)
+    consent = PageReader(submit(client, PageReader(client.get("/").text), adult="yes").text)
 
-    assert sent(client, consent, read="yes", adult="no").status_code == 403
-    answer = sent(client, consent, read="yes", adult="")
+    assert submit(client, consent, read="yes", adult="no").status_code == 403
+    answer = submit(client, consent, read="yes", adult="")
     assert answer.status_code == 422
     assert "Are you 18 or older?" in answer.text
-    assert nobody_is_stored(asking)
+    assert is_nobody_stored(asking)
 
 
 def test_what_is_missing_is_said_beside_its_question_and_what_was_said_before_is_kept(
@@ -83,9 +83,9 @@ def test_what_is_missing_is_said_beside_its_question_and_what_was_said_before_is
     client = asking.test_client()
     first = PageReader(client.get("/").text)
 
-    unanswered = sent(client, first)
-    consent = PageReader(sent(client, first, adult="yes").text)
-    unread = sent(client, consent)
+    unanswered = submit(client, first)
+    consent = PageReader(submit(client, first, adult="yes").text)
+    unread = submit(client, consent)
 
     assert (unanswered.status_code, unread.status_code) == (422, 422)
     page = PageReader(unanswered.text)
@@ -96,25 +96,25 @@ def test_what_is_missing_is_said_beside_its_question_and_what_was_said_before_is
     assert PageReader(unread.text).value("[name='form:adult']", "value") == "yes"
 
 
-def steered(app: Flask, state: IntakeState) -> None:
+def change_intake(app: Flask, state: IntakeState) -> None:
     site = site_of(app)
     change_intake(site.database, site.served, site.clock, state, by="Ada", reason="enough")
 
 
-def filled(app: Flask) -> None:
+def fill_places(app: Flask) -> None:
     """Give every place to somebody."""
-    said = {"adult": "yes", "read": "yes"}
+    form = {"adult": "yes", "read": "yes"}
     site = site_of(app)
     for visit in "1234":
-        enrol(site.database, site.served, Arrival(visit=visit, form=said), site.clock)
+        enrol(site.database, site.served, Arrival(visit=visit, form=form), site.clock)
 
 
 @pytest.mark.parametrize(
     ("happens", "words"),
     [
-        (partial(steered, state="closed"), "The study is over"),
-        (partial(steered, state="paused"), "paused at the moment"),
-        (filled, "all the participants it needs"),
+        (partial(change_intake, state="closed"), "The study is over"),
+        (partial(change_intake, state="paused"), "paused at the moment"),
+        (fill_places, "all the participants it needs"),
     ],
 )
 def test_newcomers_who_cannot_be_let_in_are_told_before_any_question(
@@ -129,24 +129,24 @@ def test_newcomers_who_cannot_be_let_in_are_told_before_any_question(
         client.get("/"),
         client.get("/consent"),
         client.get("/?PROLIFIC_PID=new"),
-        sent(client, before, adult="no"),
+        submit(client, before, adult="no"),
     ):
         page = PageReader(answer.text)
         assert (answer.status_code, words in page.heading) == (409, True)
         assert "please return your place there" in page.text
-    assert len(stored_in(asking, select(StudySession))) == (4 if happens is filled else 0)
+    assert len(stored_in(asking, select(StudySession))) == (4 if happens is fill_places else 0)
 
 
-@pytest.mark.parametrize("happens", [partial(steered, state="closed"), filled])
+@pytest.mark.parametrize("happens", [partial(change_intake, state="closed"), fill_places])
 def test_who_has_begun_finds_the_way_back_though_nobody_new_is_let_in(
     asking: Flask, happens: Callable[[Flask], None]
 ) -> None:
     client, visit = asking.test_client(), "v" * 32
-    said = {"form:adult": "yes", "form:read": "yes"}
+    form = {"form:adult": "yes", "form:read": "yes"}
     by_name, by_window = {"PROLIFIC_PID": "p1"}, {"visit": visit}
     begun = [
-        browser.post("/", data=who | said).location
-        for browser, who in ((client, by_name), (asking.test_client(), by_window))
+        browser.post("/", data=sender | form).location
+        for browser, sender in ((client, by_name), (asking.test_client(), by_window))
     ]
     with suppress(StudyFullError):
         happens(asking)
@@ -155,7 +155,7 @@ def test_who_has_begun_finds_the_way_back_though_nobody_new_is_let_in(
     unnamed = PageReader(client.get("/").text)
 
     assert "Are you 18 or older?" in named.text
-    assert sent(client, PageReader(named.text), adult="yes").location == begun[0]
+    assert submit(client, PageReader(named.text), adult="yes").location == begun[0]
     # The script fills in the visit that the window remembers, and shows the form.
     form = unnamed.one("form#returning")
     assert client.post(str(form["action"]), data=by_window).location == begun[1]
@@ -198,9 +198,9 @@ def test_consent_and_withdrawal_say_the_same_of_the_answers(
 ) -> None:
     client = serve(("[page]\n", f'[page]\nwithdrawn = "{rule}"\n')).test_client()
     consent = PageReader(client.get("/").text)
-    address = sent(client, consent).location
+    address = submit(client, consent).location
 
-    asked = client.get(f"{address}/withdraw").text
+    withdrawal_page = client.get(f"{address}/withdraw").text
     done = client.post(f"{address}/withdraw", follow_redirects=True).text
 
-    assert all(words in page for page in (consent.text, asked, done))
+    assert all(words in page for page in (consent.text, withdrawal_page, done))

@@ -33,15 +33,15 @@ def content(app: Flask, address: str) -> bytes:
 
 
 @pytest.mark.parametrize(
-    ("asked", "start", "stop"),
+    ("requested", "start", "stop"),
     [("0-", 0, None), ("0-0", 0, 1), ("10-19", 10, 20), ("-5", -5, None)],
 )
 def test_a_byte_range_is_exactly_what_was_asked_for(
-    app: Flask, address: str, asked: str, start: int, stop: int | None
+    app: Flask, address: str, requested: str, start: int, stop: int | None
 ) -> None:
     whole = content(app, address)
 
-    answer = app.test_client().get(address, headers={"Range": f"bytes={asked}"}, buffered=True)
+    answer = app.test_client().get(address, headers={"Range": f"bytes={requested}"}, buffered=True)
 
     part = whole[start:stop]
     first = start % len(whole)
@@ -64,11 +64,11 @@ def test_where_a_range_cannot_hold_all_or_nothing_is_sent(
     app: Flask, address: str, headers: dict[str, str], status: int
 ) -> None:
     answer = app.test_client().get(address, headers=headers, buffered=True)
-    told = app.test_client().head(address, buffered=True)
+    head = app.test_client().head(address, buffered=True)
 
     assert answer.status_code == status
     assert (answer.data == content(app, address)) is (status == 200)
-    assert (told.data, int(told.headers["Content-Length"])) == (b"", len(content(app, address)))
+    assert (head.data, int(head.headers["Content-Length"])) == (b"", len(content(app, address)))
 
 
 def test_a_proxy_in_front_is_told_the_file_and_gets_no_bytes(
@@ -136,14 +136,14 @@ def test_nobody_is_shown_a_video_that_is_rendered_anew_while_it_is_served(
     make_videos_anew(tiny_study)
 
     taking_part = address_of_participant(app)
-    for asked in (address, "/", taking_part):
-        answer = app.test_client().get(asked)
+    for requested in (address, "/", taking_part):
+        answer = app.test_client().get(requested)
         assert answer.status_code == 409
         assert "has just been changed" in answer.text
 
     write_stimuli(tiny_study / "stimuli.json", before)
-    for asked in (address, "/", taking_part):
-        assert app.test_client().get(asked, buffered=True).status_code == 200
+    for requested in (address, "/", taking_part):
+        assert app.test_client().get(requested, buffered=True).status_code == 200
 
 
 def address_of_participant(app: Flask) -> str:

@@ -80,12 +80,12 @@ def silent(_done: int, _total: int) -> None:
 def redirects(app: Flask, clock: SetClock) -> list[TestResponse]:
     """Take the study to its end, and return what was said of each video, in order."""
     visitor = Visitor(app, clock).enrol().begin()
-    found = []
+    responses = []
     while not (page := visitor.page()).soup.select("#completion-code"):
-        found += [visitor.client.get(str(video["src"])) for video in page.soup.select("video")]
+        responses += [visitor.client.get(str(video["src"])) for video in page.soup.select("video")]
         visitor.watch()
         visitor.post(page)
-    return found
+    return responses
 
 
 def first_video(app: Flask, clock: SetClock) -> str:
@@ -103,29 +103,29 @@ def test_what_is_shown_again_cannot_be_told_from_what_is_new(
     # Of four participants, some see the practice video again, others its mirrored pair.
     for _ in range(4):
         answers = redirects(from_store, clock)
-        look_alike(answers)
+        require_alike(answers)
         loaded = [httpx.get(answer.location) for answer in answers]
 
         contents = [each.content[:-MARK_BYTES] for each in loaded]
         assert set(contents) <= known
         shown_again += len(contents) - len(set(contents))
-        for told in (
+        for contents_or_names in (
             [urlsplit(answer.location).path for answer in answers],
             [each.headers["ETag"] for each in loaded],
             [each.content for each in loaded],
         ):
-            assert len(set(told)) == len(told)
+            assert len(set(contents_or_names)) == len(contents_or_names)
     assert shown_again > 0
 
 
-def look_alike(answers: list[TestResponse]) -> None:
+def require_alike(answers: list[TestResponse]) -> None:
     """Require that addresses differ in name, moment and signature alone, and headers in nothing."""
     parts = [urlsplit(answer.location) for answer in answers]
     assert len({(each.netloc, len(each.path), len(each.query)) for each in parts}) == 1
     for each in parts:
         query = parse_qs(each.query)
-        said = {"X-Amz-Date", "X-Amz-Signature"}
-        assert {name: query[name] for name in query.keys() - said} == {
+        signed_fields = {"X-Amz-Date", "X-Amz-Signature"}
+        assert {name: query[name] for name in query.keys() - signed_fields} == {
             "X-Amz-Algorithm": ["AWS4-HMAC-SHA256"],
             "X-Amz-Credential": [f"{KEY}/{query['X-Amz-Date'][0][:8]}/here-1/s3/aws4_request"],
             "X-Amz-Expires": [str(SIGNED_SECONDS)],

@@ -29,8 +29,8 @@ def below(serve: Serve, cheap_passwords: None) -> Flask:
 
 def addresses(page: PageReader) -> list[str]:
     """Return every address on the page that leads anywhere on its own host."""
-    found = (str(tag.get(name, "")) for tag in page.soup.select("*") for name in ADDRESSES)
-    return [address for address in found if address.startswith("/")]
+    values = (str(tag.get(name, "")) for tag in page.soup.select("*") for name in ADDRESSES)
+    return [address for address in values if address.startswith("/")]
 
 
 def strays(page: PageReader) -> list[str]:
@@ -60,21 +60,21 @@ def test_researchers_log_in_and_look_at_every_page_below_the_path(
     assert joined.location == f"{PREFIX}/research/"
     assert f"Path={PREFIX}/research" in joined.headers["Set-Cookie"]
 
-    open_, looked_at = [joined.location], set[str]()
-    while open_:
-        address = open_.pop().partition("#")[0]
-        if address in looked_at or "/media/" in address:
+    to_visit, visited = [joined.location], set[str]()
+    while to_visit:
+        address = to_visit.pop().partition("#")[0]
+        if address in visited or "/media/" in address:
             continue
-        looked_at.add(address)
+        visited.add(address)
         answer = client.get(address, buffered=True)
         assert answer.status_code == 200, address
         if answer.mimetype == "text/html":
             page = PageReader(answer.text)
             assert strays(page) == [], address
             if "/preview/" not in address or address.endswith("/1/"):
-                open_ += [str(link["href"]) for link in page.soup.select("a[href]")]
+                to_visit += [str(link["href"]) for link in page.soup.select("a[href]")]
 
-    researched = {each.partition("?")[0].removeprefix(f"{PREFIX}/research/") for each in looked_at}
+    researched = {each.partition("?")[0].removeprefix(f"{PREFIX}/research/") for each in visited}
     assert {"", "study-sessions", "preview", "newcomers", "changes", "researchers"} <= researched
 
 

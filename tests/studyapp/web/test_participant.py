@@ -37,7 +37,7 @@ def test_a_trial_asks_of_its_emotion_and_preselects_nothing(app: Flask, visitor:
     assert values == ["-2", "-1", "0", "1", "2"]
 
 
-NO_REPORTS: list[object] = [
+INVALID_REPORTS: list[object] = [
     None,
     [],
     {"batch": 0},
@@ -57,12 +57,12 @@ NO_REPORTS: list[object] = [
     {"batch": 0, "intervals": [], "frames": -1},
     {"batch": 0, "intervals": [], "speed": 1},
 ]
-NO_JSON = [b"", b"\xff\xfe", b"[" * 30_000, b'{"batch": 9' + b"9" * 5000 + b"}", b'"\\ud800"']
+INVALID_JSON = [b"", b"\xff\xfe", b"[" * 30_000, b'{"batch": 9' + b"9" * 5000 + b"}", b'"\\ud800"']
 
 
 def test_a_report_of_watching_that_is_none_is_refused(visitor: Visitor) -> None:
     address = visitor.page().value("#pair", "data-watched-url")
-    bodies = [json.dumps(report).encode() for report in NO_REPORTS] + NO_JSON
+    bodies = [json.dumps(report).encode() for report in INVALID_REPORTS] + INVALID_JSON
     assert len(bodies) < AT_ONCE
 
     for body in bodies:
@@ -143,51 +143,51 @@ def test_what_the_study_file_says_is_shown_as_text_never_as_markup(
 
 
 @pytest.fixture
-def asking(serve: Serve) -> Flask:
+def form_app(serve: Serve) -> Flask:
     """Return the application of a study that asks about its participants."""
     return serve(added=FORM + SCALE)
 
 
-def stored(app: Flask) -> dict[str, str]:
+def stored_answers(app: Flask) -> dict[str, str]:
     return {answer.question: answer.value for answer in stored_in(app, select(FormAnswer))}
 
 
 @pytest.fixture
-def address(asking: Flask) -> str:
+def address(form_app: Flask) -> str:
     """Return where somebody who is eligible goes on."""
-    client = asking.test_client()
+    client = form_app.test_client()
     visit = PageReader(client.get("/").text).value("[name=visit]", "value")
     return client.post("/", data={"visit": visit, "form:adult": "yes"}).location or ""
 
 
 def test_questions_are_asked_before_the_instructions_and_can_be_corrected(
-    asking: Flask, address: str
+    form_app: Flask, address: str
 ) -> None:
-    client = asking.test_client()
+    client = form_app.test_client()
     page = PageReader(client.get(address).text)
     labels = [label.get_text(strip=True) for label in page.soup.select(".scale label")]
     assert labels == ["1 – never", "2", "3 – every day"]
 
     answers = {"form:age": "12", "form:work": "", "form:often": "3"}
     refused = client.post(page.action, data=answers)
-    kept = PageReader(refused.text)
+    refused_page = PageReader(refused.text)
     assert refused.status_code == 422
-    assert kept.value('[name="form:age"]', "value") == "12"
-    assert kept.checked() == {"form:often": "3"}
+    assert refused_page.value('[name="form:age"]', "value") == "12"
+    assert refused_page.checked() == {"form:often": "3"}
 
     accepted = client.post(page.action, data=answers | {"form:age": "21"})
     assert accepted.status_code == 303
-    assert stored(asking) == {"adult": "yes", "age": "21", "work": "", "often": "3"}
+    assert stored_answers(form_app) == {"adult": "yes", "age": "21", "work": "", "often": "3"}
     assert PageReader(client.get(address).text).heading == "What you will do"
 
 
 def test_lines_are_counted_and_stored_as_the_browser_counts_them(
-    asking: Flask, address: str
+    form_app: Flask, address: str
 ) -> None:
-    client = asking.test_client()
+    client = form_app.test_client()
     page = PageReader(client.get(address).text)
     lines = "x" * 1990 + "\r\n" * 5 + "x" * 5
 
     client.post(page.action, data={"form:age": "21", "form:work": lines, "form:often": "3"})
 
-    assert stored(asking)["work"] == lines.replace("\r\n", "\n")
+    assert stored_answers(form_app)["work"] == lines.replace("\r\n", "\n")

@@ -25,7 +25,7 @@ def visitor(app: Flask, clock: SetClock) -> Visitor:
     return Visitor(app, clock).enrol().begin()
 
 
-def noted(app: Flask) -> list[tuple[int | None, str, str]]:
+def noted_refusals(app: Flask) -> list[tuple[int | None, str, str]]:
     lines = stored_in(app, select(RefusalLine).order_by(RefusalLine.id))
     return [(line.study_session_id, line.kind, line.detail) for line in lines]
 
@@ -54,7 +54,7 @@ def test_what_is_refused_is_noted_by_its_kind(
     stored = stored_in(app, select(Response).order_by(Response.id))
     assert [(row.question, str(row.value)) for row in stored] == list(ANSWERS.items())
 
-    assert noted(app) == [
+    assert noted_refusals(app) == [
         (1, "too-much-watched", f"watched: {TOO_MUCH}"),
         (1, "unacceptable", "watched: This is not a report of played intervals."),
         (1, "unacceptable", "answers: An answer is not one of the choices."),
@@ -73,11 +73,11 @@ def test_a_report_that_crosses_with_next_is_refused_unnoted_a_later_one_is_noted
     visitor.post(page)
 
     assert visitor.client.post(watched, json=WATCHED).status_code == 409
-    assert noted(app) == []
+    assert noted_refusals(app) == []
 
     clock.advance(seconds=61)
     assert visitor.client.post(watched, json=WATCHED).status_code == 409
-    assert [line[:2] for line in noted(app)] == [(1, "stale-page")]
+    assert [line[:2] for line in noted_refusals(app)] == [(1, "stale-page")]
 
 
 @BOTH

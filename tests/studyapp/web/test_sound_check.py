@@ -23,7 +23,7 @@ from tests.studyapp.web.visitor import Visitor
 from tests.support.studies.taking_part_steps import SetClock
 
 
-def heard(sound: bytes) -> tuple[NDArray[np.float64], int]:
+def samples_of(sound: bytes) -> tuple[NDArray[np.float64], int]:
     with wave.open(io.BytesIO(sound)) as file:
         samples = np.frombuffer(file.readframes(file.getnframes()), np.int16) / 32768
         return samples, file.getframerate()
@@ -31,15 +31,15 @@ def heard(sound: bytes) -> tuple[NDArray[np.float64], int]:
 
 @pytest.mark.parametrize("language", get_args(Language))
 def test_digits_differ_in_what_is_heard_alone(language: Language) -> None:
-    alone = [heard(spoken_digits(language, str(digit))) for digit in range(10)]
+    alone = [samples_of(spoken_digits(language, str(digit))) for digit in range(10)]
 
     assert len({len(samples) for samples, _ in alone}) == 1
-    for one, other in combinations(alone, 2):
-        assert np.abs(one[0] - other[0]).max() > 0.1
-    for samples, rate in (heard(spoken_digits(language, digits)) for digits in ("012", "999")):
+    for first, second in combinations(alone, 2):
+        assert np.abs(first[0] - second[0]).max() > 0.1
+    for samples, rate in (samples_of(spoken_digits(language, digits)) for digits in ("012", "999")):
         assert pyloudnorm.Meter(rate).integrated_loudness(samples) == pytest.approx(-23, abs=3)
         assert np.abs(samples).max() < 0.9
-    both, _ = heard(spoken_digits(language, "37"))
+    both, _ = samples_of(spoken_digits(language, "37"))
     assert np.array_equal(both[: len(alone[3][0])], alone[3][0])
 
 
@@ -58,7 +58,7 @@ def test_page_and_headers_are_the_same_whatever_the_digits(
     listening: Flask, visitor: Visitor
 ) -> None:
     source = visitor.page().value("audio", "src")
-    told = []
+    answers_by_digits = []
     for drawn in ("123", "987"):
         with site_of(listening).database.writing() as session:
             session.scalars(select(StudySession)).one().sound_digits = drawn
@@ -67,13 +67,13 @@ def test_page_and_headers_are_the_same_whatever_the_digits(
             [(name, value) for name, value in answer.headers if name != "Date"]
             for answer in (page, sound)
         ]
-        told.append((page.text, headers))
+        answers_by_digits.append((page.text, headers))
         assert sound.data == spoken_digits("en", drawn)
 
-    assert told[0] == told[1]
-    names = {name for name, _ in told[0][1][1]}
+    assert answers_by_digits[0] == answers_by_digits[1]
+    names = {name for name, _ in answers_by_digits[0][1][1]}
     assert not {"ETag", "Last-Modified", "Expires", "Content-Disposition"} & names
-    assert ("Cache-Control", "no-store") in told[0][1][1]
+    assert ("Cache-Control", "no-store") in answers_by_digits[0][1][1]
 
 
 def test_the_sound_is_sent_in_parts_to_browsers_that_ask_so(visitor: Visitor) -> None:

@@ -40,7 +40,7 @@ def arrive(
     return make
 
 
-def stored(visitor: Visitor) -> int:
+def count_responses(visitor: Visitor) -> int:
     return len(stored_in(visitor.app, select(Response)))
 
 
@@ -48,7 +48,7 @@ def trial_at(visitor: Visitor, position: int) -> Trial:
     return stored_in(visitor.app, select(Trial).where(Trial.position == position))[0]
 
 
-def send(visitor: Visitor, page: PageReader, answers: dict[str, str]) -> tuple[int, PageReader]:
+def submit(visitor: Visitor, page: PageReader, answers: dict[str, str]) -> tuple[int, PageReader]:
     sent = visitor.client.post(page.action, data={"trial": page.trial, **answers})
     return sent.status_code, PageReader(sent.text)
 
@@ -108,7 +108,7 @@ def test_of_several_videos_the_one_that_does_not_play_is_named(
     assert trial_at(visitor, 1).unplayable_at is not None
     named = stored_in(visitor.app, select(Video.token).where(Video.unplayable_at.is_not(None)))
     assert named == [token]
-    assert stored(visitor) == 0
+    assert count_responses(visitor) == 0
 
 
 def test_each_part_is_announced_once_and_its_sound_too(arrive: Arrive) -> None:
@@ -130,13 +130,13 @@ def test_attention_checks_look_like_every_page_and_say_what_to_answer(arrive: Ar
     seen = list(visitor.take_trials())
 
     (check,) = (n for n in range(1, 4) if trial_at(visitor, n).kind == "attention")
-    wanted = trial_at(visitor, check).instructed or 0
-    label = ("bad", "poor", "fair", "good", "excellent")[wanted - 1]
+    instructed = trial_at(visitor, check).instructed or 0
+    label = ("bad", "poor", "fair", "good", "excellent")[instructed - 1]
     for number, page in enumerate(seen, start=1):
-        asked = [words(legend) for legend in page.soup.select("legend")]
-        wants = [f"this one with {label}." in text for text in asked]
+        legends = [words(legend) for legend in page.soup.select("legend")]
+        wants = [f"this one with {label}." in text for text in legends]
         assert wants == [number == check] * 6
-        assert sum("please answer this one" in text for text in asked) == (number == check)
+        assert sum("please answer this one" in text for text in legends) == (number == check)
 
 
 def test_a_ranking_shows_its_reference_apart_and_asks_for_a_rank_of_each(arrive: Arrive) -> None:
@@ -170,16 +170,16 @@ def test_a_ranking_that_is_no_order_is_refused_and_kept(
 ) -> None:
     visitor = arrive("ranking")
     visitor.watch()
-    given = dict(zip(("realism:1", "realism:2"), ranks, strict=True))
+    answers = dict(zip(("realism:1", "realism:2"), ranks, strict=True))
 
-    status, refused = send(visitor, visitor.page(), {k: v for k, v in given.items() if v})
+    status, refused = submit(visitor, visitor.page(), {k: v for k, v in answers.items() if v})
 
     assert status == 422
     assert problem in words(refused.one("#problem"))
     assert [option["value"] for option in refused.soup.select("[selected]")] == [
         rank for rank in ranks if rank
     ]
-    assert stored(visitor) == 0
+    assert count_responses(visitor) == 0
 
 
 def test_a_slider_is_a_number_field_with_bands_and_no_preset(arrive: Arrive) -> None:
@@ -196,9 +196,9 @@ def test_a_slider_is_a_number_field_with_bands_and_no_preset(arrive: Arrive) -> 
     first = next(iter(numbers))
 
     for wrong in ("", "101", "37.5"):
-        status, refused = send(visitor, page, {**filled(page), **numbers, first: wrong})
+        status, refused = submit(visitor, page, {**filled(page), **numbers, first: wrong})
         assert status == 422
-        assert stored(visitor) == 0
+        assert count_responses(visitor) == 0
         assert str(refused.one(f'[name="{first}"]')["value"]) == wrong
 
-    assert send(visitor, page, {**filled(page), **numbers})[0] == 303
+    assert submit(visitor, page, {**filled(page), **numbers})[0] == 303

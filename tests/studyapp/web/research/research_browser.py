@@ -38,5 +38,5 @@ class ResearchBrowser:
     @property
     def cookies(self) -> dict[str, str]:
         """The cookies that the browser would send to researchers' pages."""
-        kept = self.client._cookies or {}
-        return {cookie.key: cookie.value for cookie in kept.values()}
+        cookies = self.client._cookies or {}
+        return {cookie.key: cookie.value for cookie in cookies.values()}

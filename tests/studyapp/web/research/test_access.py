@@ -84,11 +84,11 @@ def test_the_table_holds_every_page_there_is(app: Flask) -> None:
     assert addresses(app) == set(MAY)
 
 
-@pytest.mark.parametrize("who", ROLES)
+@pytest.mark.parametrize("role", ROLES)
 def test_everybody_gets_their_pages_and_no_others(
-    log_in: LogIn, browser: ResearchBrowser, who: str
+    log_in: LogIn, browser: ResearchBrowser, role: str
 ) -> None:
-    opened = browser if who == "nobody" else log_in(who)
+    opened = browser if role == "nobody" else log_in(role)
     for (method, rule), allowed in MAY.items():
         if rule == "/research/log-out":
             continue
@@ -96,8 +96,8 @@ def test_everybody_gets_their_pages_and_no_others(
         answer = opened.post(address) if method == "POST" else opened.client.get(address)
         turned_away = answer.status_code == 303 and "/log-in" in answer.location
         not_for_role = answer.status_code == 403 and "not for your role" in answer.text
-        assert (turned_away or not_for_role) is (who not in allowed), (method, rule)
-        assert turned_away is (who == "nobody" and who not in allowed), (method, rule)
+        assert (turned_away or not_for_role) is (role not in allowed), (method, rule)
+        assert turned_away is (role == "nobody" and role not in allowed), (method, rule)
         assert answer.status_code < 500, (method, rule)
 
 
@@ -126,10 +126,10 @@ def test_no_form_is_taken_without_its_code(log_in: LogIn) -> None:
 
 def test_no_form_is_taken_with_anothers_code_or_from_another_site(log_in: LogIn) -> None:
     owner, other = log_in("owner"), log_in("viewer")
-    asked = [("invite", other.code(), "same-origin")]
-    asked += [("3/shut-out", owner.code(), site) for site in ("cross-site", "same-site", "none")]
+    forged = [("invite", other.code(), "same-origin")]
+    forged += [("3/shut-out", owner.code(), site) for site in ("cross-site", "same-site", "none")]
 
-    for address, code, site in asked:
+    for address, code, site in forged:
         answer = owner.client.post(
             f"/research/researchers/{address}",
             data={"role": "owner", "form_code": code},

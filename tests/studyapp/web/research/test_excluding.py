@@ -32,10 +32,8 @@ def drawn_key(tiny_study: Path) -> PseudonymKey:
 
 
 def reasons(database: Database) -> list[str]:
-    found: list[str] = (
-        read_once(database, stored_answers).study_sessions["excluded_because"].tolist()
-    )
-    return found
+    excluded_because = read_once(database, stored_answers).study_sessions["excluded_because"]
+    return [str(reason) for reason in excluded_because]
 
 
 def decide(browser: ResearchBrowser, decision: str, reason: str, address: str = ONE) -> int:
@@ -90,10 +88,10 @@ def test_participants_go_by_the_pseudonyms_of_the_export(
     for number, name in exported.items():
         assert name in analyst.get(f"{LIST}/{number}").words("main")
         for called in (name, f" sub-{name} ", number):
-            found = analyst.client.get(LIST, query_string={"called": called})
-            assert found.location == f"{LIST}/{number}"
-    for called in ("p" * 17, "77", "9" * 40, SCRIPT, "٣"):
-        nobody = analyst.client.get(LIST, query_string={"called": called})
+            response = analyst.client.get(LIST, query_string={"called": called})
+            assert response.location == f"{LIST}/{number}"
+    for name in ("p" * 17, "77", "9" * 40, SCRIPT, "٣"):
+        nobody = analyst.client.get(LIST, query_string={"called": name})
         assert nobody.status_code == 200
         assert "No study session has the number or pseudonym" in nobody.text
         assert SCRIPT not in nobody.text

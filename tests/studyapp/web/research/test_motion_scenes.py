@@ -37,18 +37,18 @@ def scene(browser: ResearchBrowser, page: str) -> dict[str, Any]:
     """Return what the viewer of a page gets."""
     answer = browser.client.get(browser.get(page).value(".motion-viewer", "data-scene"))
     assert answer.mimetype == "application/json"
-    found: dict[str, Any] = json.loads(answer.data)
-    return found
+    packed: dict[str, Any] = json.loads(answer.data)
+    return packed
 
 
 def test_a_trial_of_a_participant_is_turned_around_without_its_conditions(
     viewer: ResearchBrowser,
 ) -> None:
-    found = scene(viewer, SESSION)
-    assert [clip["name"] for clip in found["clips"]] == ["A", "B"]
-    assert found["speech"].startswith("data:")
-    told = viewer.get(SESSION).text + json.dumps(found | {"speech": "", "clips": []})
-    assert [name for name in CONDITIONS if name in told] == []
+    packed = scene(viewer, SESSION)
+    assert [clip["name"] for clip in packed["clips"]] == ["A", "B"]
+    assert packed["speech"].startswith("data:")
+    page_and_scene = viewer.get(SESSION).text + json.dumps(packed | {"speech": "", "clips": []})
+    assert [name for name in CONDITIONS if name in page_and_scene] == []
 
 
 def test_a_previewed_trial_is_turned_around_by_the_names_that_its_list_tells(
@@ -65,9 +65,9 @@ def test_what_is_not_there_is_said_beside_what_is(
 ) -> None:
     for number in range(4):
         StudyFolder(tiny_study).clip("mismatched", f"take-{number}").unlink()
-    found = scene(viewer, f"{PREVIEW}/motion")
-    assert [clip["name"][3:] for clip in found["clips"]] == ["rule based"]
-    assert [note[3:] for note in found["notes"]] == ["mismatched: there is no motion file."]
+    packed = scene(viewer, f"{PREVIEW}/motion")
+    assert [clip["name"][3:] for clip in packed["clips"]] == ["rule based"]
+    assert [note[3:] for note in packed["notes"]] == ["mismatched: there is no motion file."]
     for number in range(4):
         StudyFolder(tiny_study).clip("rule_based", f"take-{number}").unlink()
     nothing = scene(viewer, SESSION)
@@ -102,7 +102,7 @@ def test_browsers_keep_what_all_pages_share(viewer: ResearchBrowser) -> None:
         assert "max-age=300" in answer.headers["Cache-Control"]
 
 
-def one(condition: str, speech: str | None = "s") -> Content:
+def content(condition: str, speech: str | None = "s") -> Content:
     return (Stimulus(condition=condition, segment="s", speech=speech),)
 
 
@@ -111,12 +111,12 @@ def by_letter(letter: str, shown: Stimulus) -> str:
 
 
 def test_what_is_heard_differently_plays_apart() -> None:
-    reference, players = {0: one("real")}, {1: one("ours"), 2: one("ours", "other")}
+    reference, players = {0: content("real")}, {1: content("ours"), 2: content("ours", "other")}
     assert scenes_of_trial(reference | players, by_letter) == [
         Scene(segment="s", speech="s", clips=(("Reference", "real"), ("A", "ours"))),
         Scene(segment="s", speech="other", clips=(("B", "ours"),)),
     ]
-    silent = scenes_of_trial({1: one("ours", None), 2: one("real", None)}, by_letter)
+    silent = scenes_of_trial({1: content("ours", None), 2: content("real", None)}, by_letter)
     assert [(each.speech, each.labels) for each in silent] == [(None, ("A", "B"))]
 
 

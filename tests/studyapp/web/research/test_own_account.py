@@ -97,9 +97,9 @@ def test_the_cookie_is_for_researchers_pages_alone(log_in: LogIn, scheme: str, p
 
 
 def cookie_of(client: FlaskClient, prefix: str) -> str:
-    kept = client.get_cookie(NAME, path=f"{prefix}/research")
-    assert kept is not None
-    return kept.value
+    cookie = client.get_cookie(NAME, path=f"{prefix}/research")
+    assert cookie is not None
+    return cookie.value
 
 
 def test_two_studies_on_one_host_do_not_share_a_cookie() -> None:

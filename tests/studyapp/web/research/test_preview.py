@@ -47,7 +47,7 @@ def protocol_app(
         yield app
 
 
-def opened(app: Flask) -> tuple[ResearchBrowser, Database]:
+def open_as_owner(app: Flask) -> tuple[ResearchBrowser, Database]:
     database = site_of(app).database
     joined(database, SetClock(), "Ada")
     browser = ResearchBrowser(app)
@@ -67,7 +67,7 @@ def trial_part(page: PageReader) -> str:
 
 
 def test_the_page_is_the_one_that_a_participant_gets(app: Flask, clock: SetClock) -> None:
-    browser, _ = opened(app)
+    browser, _ = open_as_owner(app)
     participant = Visitor(app, clock).enrol().begin()
 
     for position in range(1, 7):
@@ -83,7 +83,7 @@ def test_the_page_is_the_one_that_a_participant_gets(app: Flask, clock: SetClock
 
 @pytest.mark.parametrize("protocol_app", PROTOCOLS, indirect=True)
 def test_every_trial_of_every_protocol_can_be_walked_through(protocol_app: Flask) -> None:
-    browser, database = opened(protocol_app)
+    browser, database = open_as_owner(protocol_app)
     before = rows(database)
     listed = browser.get("/research/preview")
     positions = [str(link["href"]) for link in listed.soup.select("tbody a")]
@@ -121,7 +121,7 @@ def test_every_trial_of_every_protocol_can_be_walked_through(protocol_app: Flask
 
 
 def test_what_there_is_not_cannot_be_previewed(app: Flask) -> None:
-    browser, _ = opened(app)
+    browser, _ = open_as_owner(app)
     for rest in (
         "9/1/1/",
         "0/0/1/",
@@ -145,7 +145,7 @@ def test_what_there_is_not_cannot_be_previewed(app: Flask) -> None:
 
 def test_a_preview_names_conditions_to_researchers_alone(serve: Serve) -> None:
     app = serve(("[conditions.mismatched]", '[conditions.mismatched]\nlabel = "Ours (full)"'))
-    browser, _ = opened(app)
+    browser, _ = open_as_owner(app)
 
     listed = browser.get("/research/preview").text
     assert "rule based | Ours (full)" in listed or "Ours (full) | rule based" in listed

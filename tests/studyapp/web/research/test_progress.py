@@ -69,8 +69,8 @@ def test_owners_alone_find_and_sort_participants_by_what_a_recruiter_calls_them(
     assert owner.client.get(called).location == f"{listed}/2"
     assert "No study session has" in analyst.get(called).soup.get_text()
     assert "5d33f9" in owner.get(f"{listed}?order=recruiter").soup.get_text()
-    for one in (listed, f"{listed}/2"):
-        assert "5d33f9" not in analyst.get(one).text + log_in("viewer").get(one).text
+    for address in (listed, f"{listed}/2"):
+        assert "5d33f9" not in analyst.get(address).text + log_in("viewer").get(address).text
     assert "5d33f9" in owner.get(f"{listed}/2").text
     assert analyst.client.get(f"{listed}?order=recruiter").status_code == 404
 
@@ -171,6 +171,8 @@ def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(log_in: LogI
     assert "closed to new participants" in analyst.get("/research/").text
     assert "0 of 6 places done 1 active" in analyst.get("/research/").words(".truth")
     assert "a video stalls <b>" in analyst.get(newcomers).soup.get_text()
-    made = [(one.state, one.more_places, one.researcher) for one in intake_changes(log_in.stored)]
+    changes = [
+        (change.state, change.more_places, change.researcher) for change in intake_changes(log_in.stored)
+    ]
     states = [("closed", 2), ("open", 2), ("open", 0), ("paused", 0)]
-    assert made == [(*each, "Charles") for each in states]
+    assert changes == [(*each, "Charles") for each in states]

@@ -24,17 +24,17 @@ def figures(app: Flask, monkeypatch: pytest.MonkeyPatch) -> FiguresAtHand:
     return cast(FiguresAtHand, site_of(app).figures)
 
 
-def arrive(app: Flask, clock: SetClock, *names: str) -> None:
+def let_finish(app: Flask, clock: SetClock, *names: str) -> None:
     """Let participants finish who do not answer all alike."""
     site = site_of(app)
     for person, name in enumerate(names):
-        comer = Participant(site.database, site.served, clock).enrol(name).begin()
+        participant = Participant(site.database, site.served, clock).enrol(name).begin()
         for trial in range(6):
-            if comer.look().trial is None:
+            if participant.look().trial is None:
                 break
             rhythm, emotion = (person + trial) % 5 - 2, (person * 2 + trial) % 5 - 2
-            comer.take_trial({"rhythm": str(rhythm), "emotion": str(emotion)})
-        assert comer.look().completion_code
+            participant.take_trial({"rhythm": str(rhythm), "emotion": str(emotion)})
+        assert participant.look().completion_code
 
 
 def unblinded(log_in: LogIn, figures: FiguresAtHand, reason: str = "a video broke") -> str:
@@ -49,20 +49,20 @@ def unblinded(log_in: LogIn, figures: FiguresAtHand, reason: str = "a video brok
 def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
     log_in: LogIn, figures: FiguresAtHand
 ) -> None:
-    arrive(log_in.app, log_in.clock, "one", "two")
+    let_finish(log_in.app, log_in.clock, "one", "two")
     analyst = log_in("analyst")
 
     before = analyst.get(RESULTS)
     unexplained = analyst.post(RESULTS, reason="  ")
     assert latest_looks(log_in.stored) == []
-    asked = analyst.post(RESULTS, reason="a video <b>broke</b>")
+    explained = analyst.post(RESULTS, reason="a video <b>broke</b>")
     waiting = analyst.get(RESULTS)
     figures.work()
     shown = analyst.get(RESULTS)
     analyst.get(RESULTS)
 
     assert "rule based" not in before.text and "False findings" in before.text
-    assert (unexplained.status_code, asked.status_code) == (422, 303)
+    assert (unexplained.status_code, explained.status_code) == (422, 303)
     assert "being computed" in waiting.text and "rule based" not in waiting.text
     assert "Interim: 2 of 4 participants had finished" in " ".join(shown.text.split())
     assert "rule based against mismatched" in shown.words()
@@ -80,7 +80,7 @@ def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
 def test_a_reason_holds_for_an_hour_in_one_browser_alone(
     log_in: LogIn, figures: FiguresAtHand
 ) -> None:
-    arrive(log_in.app, log_in.clock, "one", "two")
+    let_finish(log_in.app, log_in.clock, "one", "two")
     analyst = log_in("analyst")
     elsewhere = ResearchBrowser(log_in.app)
     elsewhere.log_in("Charles")
@@ -99,10 +99,10 @@ def test_a_reason_holds_for_an_hour_in_one_browser_alone(
 def test_at_the_end_results_are_final_and_nobody_is_asked_why(
     log_in: LogIn, figures: FiguresAtHand
 ) -> None:
-    arrive(log_in.app, log_in.clock, "one", "two", "three")
+    let_finish(log_in.app, log_in.clock, "one", "two", "three")
     analyst = log_in("analyst")
     site = site_of(log_in.app)
-    comer = Participant(site.database, site.served, log_in.clock).enrol("four").begin()
+    participant = Participant(site.database, site.served, log_in.clock).enrol("four").begin()
     analyst.post("/research/newcomers/state", state="closed", reason="enough")
     assert "Results before the end" in analyst.get(RESULTS).text
     log_in.clock.advance(minutes=site.served.study.lease_minutes + 1)
@@ -113,7 +113,7 @@ def test_at_the_end_results_are_final_and_nobody_is_asked_why(
     assert "The study is closed: 3 of 4 participants finished. These are the final" in closed
     assert "Interim" not in closed and "You look because" not in closed
     for _ in range(6):
-        comer.take_trial({"rhythm": "1", "emotion": "-1"})
+        participant.take_trial({"rhythm": "1", "emotion": "-1"})
     log_in.clock.advance(minutes=2)
     analyst.get(RESULTS)
     figures.work()
