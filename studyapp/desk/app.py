@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from flask import Flask, redirect, url_for
 from flask.typing import ResponseReturnValue
-from jinja2 import StrictUndefined
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, sqlite_url
@@ -16,7 +15,7 @@ from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.desk.lab import ACCOUNTS, Lab
 from studyapp.desk.pages import desk_pages
 from studyapp.study.settings.recruitment import Recruitment
-from studyapp.web.app import LARGEST_REQUEST, SCRIPT_SECONDS, StudyWeb, health_pages
+from studyapp.web.app import LARGEST_REQUEST, StudyWeb, health_pages
 from studyapp.web.protection import protect
 from studyapp.web.site import attach
 
@@ -32,12 +31,8 @@ def open_desk(folder: Path, *, origin: str = "") -> Lab:
 
 def create_desk(lab: Lab) -> Flask:
     """Make the application of a desk and of its studies."""
-    app = StudyWeb("studyapp.web")
-    app.config["MAX_CONTENT_LENGTH"] = LARGEST_PIECE + LARGEST_REQUEST
+    app = StudyWeb(largest_request=LARGEST_PIECE + LARGEST_REQUEST)
     app.config["MAX_FORM_MEMORY_SIZE"] = LARGEST_PIECE
-    app.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
-    app.jinja_env.undefined = StrictUndefined
-    app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
     attach(app, lab)
     app.register_blueprint(desk_pages())
     app.register_blueprint(health_pages)

@@ -49,6 +49,13 @@ SCRIPT_SECONDS: Final = 300
 class StudyWeb(Flask):
     """Flask whose log holds no addresses, because they hold participants' tokens."""
 
+    def __init__(self, *, largest_request: int = LARGEST_REQUEST) -> None:
+        super().__init__("studyapp.web")
+        self.config["MAX_CONTENT_LENGTH"] = largest_request
+        self.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
+        self.jinja_env.undefined = StrictUndefined
+        self.jinja_env.trim_blocks = self.jinja_env.lstrip_blocks = True
+
     def log_exception(self, exc_info: Any) -> None:
         """Log a failure under the name of the page, with its traceback."""
         self.logger.error("Failed at %s %s", request.method, request.endpoint, exc_info=exc_info)
@@ -110,14 +117,10 @@ def create_app(
     if is_test:
         database_url = sqlite_url(files.tries)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
-    app = StudyWeb("studyapp.web")
-    app.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
-    app.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
-    app.jinja_env.undefined = StrictUndefined
+    app = StudyWeb()
     app.jinja_env.globals.update(
         window_name=window_name, longest_text=MAX_TEXT_LENGTH, is_test=is_test
     )
-    app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
     site = StudySite(
         served=served,
         database=Database.open(url),
