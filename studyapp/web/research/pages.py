@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Final, Literal
 
 from flask import Blueprint, abort, redirect, request, url_for
@@ -95,18 +96,12 @@ class Page:
         Answers requests; its name is the endpoint's.
     needs : Right or None
         The right that opens it; None for everybody.
-    rehearsed : bool
-        Whether there is one for the participants' data and one for the rehearsal's.
-    changes_nothing : bool
-        Of a ``POST``: whether it may be sent without a form's code.
     """
 
     method: Literal["GET", "POST"]
     rule: str
     view: Callable[..., ResponseReturnValue]
     needs: Right | None
-    rehearsed: bool = False
-    changes_nothing: bool = False
 
     @property
     def endpoint(self) -> str:
@@ -123,7 +118,13 @@ def nowhere(rest: str) -> ResponseReturnValue:
 NOWHERE: Final = Page("GET", "/<path:rest>", nowhere, Right.KEEP_ACCOUNT)
 
 ROW: Final = "<int(max=2147483647)"
+SECOND_FACTOR: Final = "/account/second-factor"
+RESEARCHER: Final = f"/researchers/{ROW}:researcher_id>"
+VIEWER: Final = "/viewer/<any('three.min.js', 'viewer.js', 'viewer.css'):filename>"
+SESSION: Final = f"/study-sessions/{ROW}:number>"
+SHOWN_TRIAL: Final = f"{SESSION}/{ROW}:position>"
 TRIAL: Final = f"/preview/{ROW}:arm>/{ROW}:place>/{ROW}:position>"
+TAKE: Final = f"{TRIAL}/take/preview"
 
 OWN_PAGES: Final = (
     Page("GET", "/log-in", own_account.login, None),
@@ -133,19 +134,9 @@ OWN_PAGES: Final = (
     Page("POST", "/log-out", own_account.log_out, Right.KEEP_ACCOUNT),
     Page("GET", "/account", own_account.own_account, Right.KEEP_ACCOUNT),
     Page("POST", "/account", own_account.change_own_password, Right.KEEP_ACCOUNT),
-    Page("GET", "/account/second-factor", own_account.second_factor, Right.KEEP_ACCOUNT),
-    Page(
-        "POST",
-        "/account/second-factor",
-        own_account.turn_on_second_factor,
-        Right.KEEP_ACCOUNT,
-    ),
-    Page(
-        "POST",
-        "/account/second-factor/off",
-        own_account.turn_off_second_factor,
-        Right.KEEP_ACCOUNT,
-    ),
+    Page("GET", SECOND_FACTOR, own_account.second_factor, Right.KEEP_ACCOUNT),
+    Page("POST", SECOND_FACTOR, own_account.turn_on_second_factor, Right.KEEP_ACCOUNT),
+    Page("POST", f"{SECOND_FACTOR}/off", own_account.turn_off_second_factor, Right.KEEP_ACCOUNT),
 )
 """Logging in, links, and one's own account."""
 
@@ -153,79 +144,41 @@ RESEARCHERS_PAGES: Final = (
     Page("GET", "/researchers", researchers.researchers, Right.MANAGE),
     Page("POST", "/researchers/invite", researchers.invite_researcher, Right.MANAGE),
     Page("POST", f"/links/{ROW}:link_id>/take-back", researchers.take_link_back, Right.MANAGE),
-    Page(
-        "POST",
-        f"/researchers/{ROW}:researcher_id>/password",
-        researchers.offer_password,
-        Right.MANAGE,
-    ),
-    Page("POST", f"/researchers/{ROW}:researcher_id>/role", researchers.give_role, Right.MANAGE),
-    Page(
-        "POST",
-        f"/researchers/{ROW}:researcher_id>/shut-out",
-        researchers.shut_researcher_out,
-        Right.MANAGE,
-    ),
-    Page(
-        "POST",
-        f"/researchers/{ROW}:researcher_id>/let-in",
-        researchers.let_researcher_in,
-        Right.MANAGE,
-    ),
+    Page("POST", f"{RESEARCHER}/password", researchers.offer_password, Right.MANAGE),
+    Page("POST", f"{RESEARCHER}/role", researchers.give_role, Right.MANAGE),
+    Page("POST", f"{RESEARCHER}/shut-out", researchers.shut_researcher_out, Right.MANAGE),
+    Page("POST", f"{RESEARCHER}/let-in", researchers.let_researcher_in, Right.MANAGE),
 )
-"""Who belongs to it."""
+"""The researchers of a study or a desk."""
 
 VIEWER_FILES: Final = (
-    Page(
-        "GET",
-        "/viewer/<any('three.min.js', 'viewer.js', 'viewer.css'):filename>",
-        motion_scenes.viewer_file,
-        Right.KEEP_ACCOUNT,
-    ),
+    Page("GET", VIEWER, motion_scenes.viewer_file, Right.KEEP_ACCOUNT),
     Page("GET", "/viewer/avatars/<avatar>", motion_scenes.viewer_avatar, Right.KEEP_ACCOUNT),
 )
-"""What pages need on which motion is turned around."""
+"""Files for pages on which motion is turned around."""
+
+REHEARSED_PAGES: Final = (
+    Page("GET", "/", progress.overview, Right.WATCH),
+    Page("GET", "/study-sessions", progress.study_sessions, Right.WATCH),
+    Page("GET", SESSION, progress.study_session, Right.WATCH),
+    Page("GET", f"{SHOWN_TRIAL}/{ROW}:video>.mp4", progress.shown_video, Right.WATCH),
+    Page("GET", f"{SHOWN_TRIAL}/motion", progress.shown_motion, Right.WATCH),
+    Page("GET", f"{SHOWN_TRIAL}/motion/{ROW}:scene>", progress.shown_scene, Right.WATCH),
+)
+"""Pages of the participants' data, and again of the rehearsal's."""
+
+HARMLESS_PAGES: Final = (
+    Page("POST", f"{TAKE}/watched/{ROW}:number>", preview.previewed_report, Right.WATCH),
+    Page("POST", f"{TAKE}/<any(answers, unplayable):what>", preview.previewed_answers, Right.WATCH),
+)
+"""Pages that change nothing, so that their forms need no code."""
 
 PAGES: Final = (
     *OWN_PAGES,
     *RESEARCHERS_PAGES,
     *VIEWER_FILES,
-    Page("GET", "/", progress.overview, Right.WATCH, rehearsed=True),
-    Page("GET", "/study-sessions", progress.study_sessions, Right.WATCH, rehearsed=True),
-    Page(
-        "GET",
-        f"/study-sessions/{ROW}:number>",
-        progress.study_session,
-        Right.WATCH,
-        rehearsed=True,
-    ),
-    Page(
-        "GET",
-        f"/study-sessions/{ROW}:number>/{ROW}:position>/{ROW}:video>.mp4",
-        progress.shown_video,
-        Right.WATCH,
-        rehearsed=True,
-    ),
-    Page(
-        "GET",
-        f"/study-sessions/{ROW}:number>/{ROW}:position>/motion",
-        progress.shown_motion,
-        Right.WATCH,
-        rehearsed=True,
-    ),
-    Page(
-        "GET",
-        f"/study-sessions/{ROW}:number>/{ROW}:position>/motion/{ROW}:scene>",
-        progress.shown_scene,
-        Right.WATCH,
-        rehearsed=True,
-    ),
-    Page(
-        "POST",
-        f"/study-sessions/{ROW}:number>/exclusion",
-        progress.decide_about,
-        Right.STEER,
-    ),
+    *HARMLESS_PAGES,
+    Page("POST", f"{SESSION}/exclusion", progress.decide_about, Right.STEER),
     Page("GET", "/changes", progress.changes, Right.READ),
     Page("GET", "/preview", preview.preview, Right.WATCH),
     Page("GET", f"{TRIAL}/", preview.previewed_page, Right.WATCH),
@@ -233,20 +186,6 @@ PAGES: Final = (
     Page("GET", f"{TRIAL}/motion", preview.previewed_motion, Right.WATCH),
     Page("GET", f"{TRIAL}/motion/{ROW}:scene>", preview.previewed_scene, Right.WATCH),
     Page("GET", f"{TRIAL}/static/<path:filename>", preview.previewed_file, Right.WATCH),
-    Page(
-        "POST",
-        f"{TRIAL}/take/preview/watched/{ROW}:number>",
-        preview.previewed_report,
-        Right.WATCH,
-        changes_nothing=True,
-    ),
-    Page(
-        "POST",
-        f"{TRIAL}/take/preview/<any(answers, unplayable):what>",
-        preview.previewed_answers,
-        Right.WATCH,
-        changes_nothing=True,
-    ),
     Page("POST", "/try", preview.try_study, Right.WATCH),
     Page("POST", "/try/erase", preview.erase_tries, Right.STEER),
     Page("GET", "/newcomers", progress.newcomers, Right.STEER),
@@ -262,17 +201,16 @@ def research_pages() -> Blueprint:
     """Return the pages, each behind the guard."""
     pages = Blueprint(NAME, __name__, url_prefix=PREFIX)
     for page in PAGES:
-        addresses = PREFIXES.items() if page.rehearsed else [(None, "")]
-        for data, prefix in addresses:
-            pages.add_url_rule(
-                prefix + page.rule,
-                view_func=page.view,
-                methods=[page.method],
-                defaults={} if data is None else {"data": data},
-            )
-    needed = {page.endpoint: page.needs for page in PAGES}
-    harmless = {page.endpoint for page in PAGES if page.changes_nothing}
-    pages.before_request(guard(needed, harmless))
+        pages.add_url_rule(page.rule, view_func=page.view, methods=[page.method])
+    for page, (data, prefix) in product(REHEARSED_PAGES, PREFIXES.items()):
+        pages.add_url_rule(
+            prefix + page.rule,
+            view_func=page.view,
+            methods=[page.method],
+            defaults={"data": data},
+        )
+    needed = {page.endpoint: page.needs for page in (*PAGES, *REHEARSED_PAGES)}
+    pages.before_request(guard(needed, {page.endpoint for page in HARMLESS_PAGES}))
     pages.after_request(keep_visitor)
     pages.context_processor(lambda: {"study": study_site().study})
     pages.register_error_handler(InputError, refuse)

@@ -142,10 +142,10 @@ def test_who_has_begun_finds_the_way_back_though_nobody_new_is_let_in(
     asking: Flask, happens: Callable[[Flask], None]
 ) -> None:
     client, visit = asking.test_client(), "v" * 32
-    form = {"form:adult": "yes", "form:read": "yes"}
+    answers = {"form:adult": "yes", "form:read": "yes"}
     by_name, by_window = {"PROLIFIC_PID": "p1"}, {"visit": visit}
     begun = [
-        browser.post("/", data=sender | form).location
+        browser.post("/", data=sender | answers).location
         for browser, sender in ((client, by_name), (asking.test_client(), by_window))
     ]
     with suppress(StudyFullError):
