@@ -62,4 +62,4 @@ def problem_at_the_desk(error: InputError) -> InputError:
 def page(template: str, /, problem: InputError | None = None, **values: Any) -> str:
     """Return the page that ``desk/<template>.html`` makes of `values` and of what is wrong."""
     shown = None if problem is None else problem_at_the_desk(problem)
-    return rendered(f"desk/{template}.html", duties=DUTIES, problem=shown, **values)
+    return rendered(f"desk/{template}.html", problem=shown, **values)

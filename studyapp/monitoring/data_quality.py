@@ -198,33 +198,23 @@ def played_videos(session: Session, names: Mapping[str, str]) -> tuple[PlayedVid
     names : mapping of str to str
         Display names of conditions.
     """
-    played = [
-        _played(segment, [names.get(each, each) for each in (condition, beside) if each], *counts)
-        for segment, condition, beside, *counts in session.connection().execute(_PLAYED).all()
-    ]
+    videos = []
+    for row in session.connection().execute(_PLAYED):
+        segment, first, second, shown, stalled, seconds, frames, dropped, unplayable = row
+        conditions = [names.get(name, name) for name in (first, second) if name]
+        videos.append(
+            PlayedVideo(
+                what=f"{segment}: {' | '.join(conditions)}",
+                shown=shown,
+                stalled=stalled,
+                stalled_seconds=float(seconds),
+                dropped_share=int(dropped or 0) / int(frames) if frames else None,
+                reason="" if frames else "no browser counts them",
+                unplayable=unplayable,
+            )
+        )
     return tuple(
-        sorted(played, key=lambda each: (-each.unplayable, -each.stalled / each.shown, each.what))
-    )
-
-
-def _played(
-    segment: str,
-    conditions: Sequence[str],
-    shown: int,
-    stalled: int,
-    stalled_seconds: float,
-    frames: int | None,
-    dropped: int | None,
-    unplayable: int,
-) -> PlayedVideo:
-    return PlayedVideo(
-        what=f"{segment}: {' | '.join(conditions)}",
-        shown=shown,
-        stalled=stalled,
-        stalled_seconds=float(stalled_seconds),
-        dropped_share=int(dropped or 0) / int(frames) if frames else None,
-        reason="" if frames else "no browser counts them",
-        unplayable=unplayable,
+        sorted(videos, key=lambda each: (-each.unplayable, -each.stalled / each.shown, each.what))
     )
 
 

@@ -95,8 +95,6 @@ def test_viewers_see_jobs_and_run_none(
     assert "Take home" not in page.text
     for kind in RUN:
         assert not viewer.get(f"{JOBS}{kind.name}").soup.select("main form")
-        assert viewer.post(f"{JOBS}{kind.name}").status_code == 403
-        assert viewer.post(f"{JOBS}{kind.name}/stop").status_code == 403
     for each in TAKE_HOME:
         viewer.get(f"{JOBS}{each.name}", 403)
     viewer.get(f"{JOBS}report/files/report.html", 403)
