@@ -224,13 +224,13 @@ class TokenCookie:
         What its name begins with.
     path : str
         The pages that get it, from the study's root.
-    kept : timedelta or None
+    lifetime : timedelta or None
         How long the browser keeps it; None until it is closed.
     """
 
     whose: str
     path: str
-    kept: timedelta | None = None
+    lifetime: timedelta | None = None
 
     def name(self, study: str) -> str:
         """Return its name, which differs between studies on one host."""
@@ -245,7 +245,7 @@ class TokenCookie:
         response.set_cookie(
             self.name(study),
             token,
-            max_age=self.kept,
+            max_age=self.lifetime,
             path=request.script_root + below + self.path,
             secure=request.is_secure,
             httponly=True,

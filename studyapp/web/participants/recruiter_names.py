@@ -261,4 +261,4 @@ def _is_complete(channel: Channel, names: Mapping[str, str]) -> bool:
     return "PROLIFIC_PID" in names
 
 
-COOKIE: Final = TokenCookie("participant", path="/", kept=timedelta(days=7))
+COOKIE: Final = TokenCookie("participant", path="/", lifetime=timedelta(days=7))
