@@ -62,7 +62,7 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
     assert reasons(log_in.stored) == ["", ""]
     rows = [
         [cell.get_text().strip() for cell in row.select("td")][1:]
-        for row in owner.get(ONE).soup.select("[aria-label='Decided so far'] tbody tr")
+        for row in owner.get(ONE).soup.select("[aria-label='Decisions so far'] tbody tr")
     ]
     assert rows == [
         ["Ada", "excluded", "included", "it was another one"],
