@@ -135,9 +135,11 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         screened_out = count_screened_out(session)
     arms = count_places(served.study.arms, present, intake.more_places)
     places, left, items = total_places(arms), dropouts(present), checked_items(judged_checks)
-    whole = durations("whole study session", _whole_seconds(present))
+    finished_at = [each.completed_at for each in present if each.completed_at]
+    seconds = [each.seconds for each in present if each.completed_at and each.seconds is not None]
+    whole = durations("whole study session", seconds)
     began = min((each.consented_at for each in present), default=None)
-    expected = _forecast(present, places, began, now)
+    expected = forecast(finished_at, places.remaining, began, now)
     done = [each.completed_at for each in present if each.standing == "done" and each.completed_at]
     return Overview(
         at=now,
@@ -186,21 +188,6 @@ def places_so_far(database: Database, served: ServedStudy, now: datetime) -> Pla
     return total_places(count_places(served.study.arms, present, more))
 
 
-def _forecast(
-    present: Sequence[SessionProgress], places: PlaceCounts, began: datetime | None, now: datetime
-) -> Forecast:
-    finished = [each.completed_at for each in present if each.completed_at is not None]
-    return forecast(finished, places.remaining, began, now)
-
-
 def _leaving_out(present: Sequence[SessionProgress]) -> tuple[SessionProgress, ...]:
     some = [each for each in present if each.left_out]
     return tuple(sorted(some, key=lambda each: -each.left_out)[:MOST_LISTED])
-
-
-def _whole_seconds(present: Sequence[SessionProgress]) -> list[float]:
-    return [
-        (each.completed_at - each.started_at).total_seconds()
-        for each in present
-        if each.completed_at is not None and each.started_at is not None
-    ]
