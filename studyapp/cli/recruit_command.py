@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from pathlib import Path
 
 import click
@@ -11,11 +12,11 @@ from studyapp.cli.arguments import named_study_folder
 from studyapp.cli.output import echo_table, echo_verdicts
 from studyapp.recruitment import mturk, prolific
 from studyapp.recruitment.invitations import counts, invite, listed_people, numbered
-from studyapp.recruitment.prolific import CENTS, hourly
+from studyapp.recruitment.prolific import CENTS
 from studyapp.recruitment.prolific_client import Action, ProlificClient, prolific_token
 from studyapp.recruitment.record import draw_codes
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.recruitment import Channel
+from studyapp.study.settings.recruitment import Channel, hourly_rate
 
 address = click.option(
     "--address",
@@ -254,13 +255,14 @@ def _create_on_prolific(folder: StudyFolder, address: str, *, yes: bool) -> None
     """Say what would be sent, and with `yes` make the draft."""
     draft = prolific.draft_of(folder, address)
     places, reward = draft["total_available_places"], draft["reward"]
-    minutes = draft["estimated_completion_time"]
-    click.echo(f"{draft['name']}: {places} places, {minutes} minutes, {reward / CENTS:.2f} each")
+    minutes, pay = draft["estimated_completion_time"], Decimal(reward) / CENTS
+    per_hour = hourly_rate(pay, minutes)
+    click.echo(f"{draft['name']}: {places} places, {minutes} minutes, {pay:.2f} each")
     click.echo(
-        f"That is {hourly(reward, minutes):.2f} for an hour, and {places * reward / CENTS:.2f} for "
-        "all, without Prolific's fee."
+        f"That is {per_hour:.2f} for an hour, and {places * pay:.2f} for all, without Prolific's "
+        "fee."
     )
-    if hourly(reward, minutes) < LEAST_HOURLY:
+    if per_hour < LEAST_HOURLY:
         click.echo(f"Prolific may refuse less than {LEAST_HOURLY:.2f} pounds for an hour.")
     click.echo(f"Participants come to {draft['external_study_url']}")
     if not yes:

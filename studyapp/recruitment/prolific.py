@@ -39,7 +39,6 @@ DEVICES: Final[Mapping[Device, str]] = MappingProxyType(
 RETURN_REASON: Final = "The study looks for other participants."
 
 CENTS: Final = 100
-MINUTES_PER_HOUR: Final = 60
 
 
 def internal_name(study: Study) -> str:
@@ -61,19 +60,16 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
     """
     _require(study, address)
     recruited = study.recruitment.prolific
-    screened_out: list[dict[str, Any]] = [
-        {"action": "REQUEST_RETURN", "return_reason": RETURN_REASON}
-    ]
+    screened_out: dict[str, Any] = {"action": "REQUEST_RETURN", "return_reason": RETURN_REASON}
     if recruited.screened_out_reward:
-        screened_out = [
-            {
-                "action": "FIXED_SCREEN_OUT_PAYMENT",
-                "fixed_screen_out_reward": recruited.screened_out_reward,
-                "slots": recruited.screened_out_places,
-            }
-        ]
+        screened_out = {
+            "action": "FIXED_SCREEN_OUT_PAYMENT",
+            "fixed_screen_out_reward": recruited.screened_out_reward,
+            "slots": recruited.screened_out_places,
+        }
     paid, unpaid = CODE_TYPES["screened_out"]
-    finished = "AUTOMATICALLY_APPROVE" if recruited.automatic else "MANUALLY_REVIEW"
+    review = {"action": "MANUALLY_REVIEW"}
+    finished = {"action": "AUTOMATICALLY_APPROVE"} if recruited.automatic else review
     heard = any(
         shown.speech is not None for content in study.contents(segments) for shown in content
     )
@@ -84,17 +80,13 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
         "external_study_url": study.recruitment.link(address),
         "prolific_id_option": "url_parameters",
         "completion_codes": [
-            _code(CODE_TYPES["completed"][0], recruited.completed, [{"action": finished}]),
+            _code(CODE_TYPES["completed"][0], recruited.completed, finished),
             _code(
                 paid if recruited.screened_out_reward else unpaid,
                 recruited.screened_out,
                 screened_out,
             ),
-            _code(
-                CODE_TYPES["failed_attention"][0],
-                recruited.failed_attention,
-                [{"action": "MANUALLY_REVIEW"}],
-            ),
+            _code(CODE_TYPES["failed_attention"][0], recruited.failed_attention, review),
         ],
         "total_available_places": recruited.places or count_places(study),
         "estimated_completion_time": study.page.minutes,
@@ -108,13 +100,8 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
     return draft | ({"project": recruited.project} if recruited.project else {})
 
 
-def hourly(reward: float, minutes: int) -> float:
-    """Return a reward in hundredths as units of the currency per hour."""
-    return reward / CENTS * MINUTES_PER_HOUR / minutes
-
-
-def _code(kind: str, code: str, actions: list[dict[str, Any]]) -> dict[str, Any]:
-    return {"code": code, "code_type": kind, "actor": "participant", "actions": actions}
+def _code(kind: str, code: str, action: dict[str, Any]) -> dict[str, Any]:
+    return {"code": code, "code_type": kind, "actor": "participant", "actions": [action]}
 
 
 def _require(study: Study, address: str) -> None:
