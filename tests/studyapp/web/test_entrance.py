@@ -96,7 +96,7 @@ def test_what_is_missing_is_said_beside_its_question_and_what_was_said_before_is
     assert PageReader(unread.text).value("[name='form:adult']", "value") == "yes"
 
 
-def change_intake(app: Flask, state: IntakeState) -> None:
+def set_intake(app: Flask, state: IntakeState) -> None:
     site = site_of(app)
     change_intake(site.database, site.served, site.clock, state, by="Ada", reason="enough")
 
@@ -112,8 +112,8 @@ def fill_places(app: Flask) -> None:
 @pytest.mark.parametrize(
     ("happens", "words"),
     [
-        (partial(change_intake, state="closed"), "The study is over"),
-        (partial(change_intake, state="paused"), "paused at the moment"),
+        (partial(set_intake, state="closed"), "The study is over"),
+        (partial(set_intake, state="paused"), "paused at the moment"),
         (fill_places, "all the participants it needs"),
     ],
 )
@@ -137,7 +137,7 @@ def test_newcomers_who_cannot_be_let_in_are_told_before_any_question(
     assert len(stored_in(asking, select(StudySession))) == (4 if happens is fill_places else 0)
 
 
-@pytest.mark.parametrize("happens", [partial(change_intake, state="closed"), fill_places])
+@pytest.mark.parametrize("happens", [partial(set_intake, state="closed"), fill_places])
 def test_who_has_begun_finds_the_way_back_though_nobody_new_is_let_in(
     asking: Flask, happens: Callable[[Flask], None]
 ) -> None:

@@ -172,7 +172,8 @@ def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(log_in: LogI
     assert "0 of 6 places done 1 active" in analyst.get("/research/").words(".truth")
     assert "a video stalls <b>" in analyst.get(newcomers).soup.get_text()
     changes = [
-        (change.state, change.more_places, change.researcher) for change in intake_changes(log_in.stored)
+        (change.state, change.more_places, change.researcher)
+        for change in intake_changes(log_in.stored)
     ]
     states = [("closed", 2), ("open", 2), ("open", 0), ("paused", 0)]
     assert changes == [(*each, "Charles") for each in states]
