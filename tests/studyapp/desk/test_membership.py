@@ -141,7 +141,8 @@ def test_another_study_in_place_of_one_is_another_study(
     ada.get(INSIDE)
     (lab.folder / "tiny").rename(lab.folder / "before")
     shutil.copytree(lab.folder / "before", lab.folder / "tiny")
-    (lab.folder / "tiny" / "responses.db").unlink()
+    for file in (lab.folder / "tiny").glob("responses.db*"):
+        file.unlink()
     ada.get(TINY, 404)
     assert ada.client.get(INSIDE).status_code == 303
     ada.get("/research/studies/before/")
