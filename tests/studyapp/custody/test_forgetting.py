@@ -275,7 +275,7 @@ def test_who_reads_an_earlier_state_is_said_to_be_in_the_way(
         session.execute(select(StudySession)).all()
         if person.database.engine.dialect.name == "sqlite":
             impatient(person.database)
-        with pytest.raises(InputError, match=re.compile("deleted is deleted.*again", re.DOTALL)):
+        with pytest.raises(InputError, match=re.compile("are deleted.*again", re.DOTALL)):
             scrub(person.database)
     scrub(person.database)
 
