@@ -8,12 +8,12 @@ import click
 
 from motion.errors import InputError, listed
 from studyapp.cli.arguments import optional_study_folder
-from studyapp.cli.output import progress
+from studyapp.cli.output import counted, progress
 from studyapp.clock import Clock
-from studyapp.custody.backup import Backup, back_up, check_archive
-from studyapp.custody.manifest import Manifest, media_amiss
-from studyapp.custody.restoration import Restored, restore
-from studyapp.stimuli.disk_space import as_text
+from studyapp.custody.backup import back_up, check_archive
+from studyapp.custody.manifest import Manifest, compare_media
+from studyapp.custody.restoration import restore
+from studyapp.stimuli.disk_space import format_size
 from studyapp.study.folder import StudyFolder
 
 
@@ -24,110 +24,101 @@ from studyapp.study.folder import StudyFolder
 @click.option(
     "--keep",
     type=click.IntRange(1),
-    help="If OUT is a folder: keep so many of this study's backups there, the newest ones.",
+    help="If OUT is a folder: keep only this many of the study's backups, the newest ones.",
 )
 @click.option(
     "--check",
-    "checked",
+    "archive",
     type=click.Path(path_type=Path, exists=True, dir_okay=False),
-    help="Check this backup instead of making one; with FOLDER, also whether the media that it "
-    "does not hold are there.",
+    help="Check this backup instead of making one; with FOLDER, also check that the media "
+    "outside the backup are there.",
 )
 def command(
     folder: StudyFolder | None,
     out: Path | None,
     with_media: bool,
     keep: int | None,
-    checked: Path | None,
+    archive: Path | None,
 ) -> None:
-    """Back up the study FOLDER into OUT, a .tar or .tar.gz, while it may be served.
+    """Back up the study FOLDER into OUT, a .tar or .tar.gz file; the study may be running.
 
-    It holds the answers (SQLite, or the database that DATABASE_URL names), the study file, the key
-    of the pseudonyms and everything else that cannot be made again; see 'motionjury restore'. If
-    OUT is a folder, each backup gets a name of its own there. Nothing is ever overwritten.
+    A backup holds the answers (SQLite, or the database of DATABASE_URL), the study file, the
+    pseudonym key and everything else that cannot be recreated; see 'motionjury restore'. If OUT is
+    a folder, each backup gets its own name there. Nothing is ever overwritten.
     """
-    if checked is not None:
+    if archive is not None:
         if out is not None or with_media or keep is not None:
             raise InputError(
                 "--check makes no backup",
-                remedy="Leave out OUT, --with-media and --keep, or --check",
+                remedy="Omit OUT, --with-media and --keep, or omit --check",
             )
-        _check(checked, folder)
+        _check(archive, folder)
         return
     if folder is None or out is None:
-        raise click.UsageError("Say which study to back up, and where: FOLDER OUT.")
+        raise click.UsageError("Give the study and the target of its backup: FOLDER OUT.")
     with progress("Backing up", "file") as on_file:
-        made = back_up(folder, out, Clock(), media=with_media, keep=keep, on_file=on_file)
-    _say_made(made)
-
-
-def _say_made(made: Backup) -> None:
-    click.echo(f"Backed up {contents(made.manifest)}, from {made.database}")
+        backup = back_up(folder, out, Clock(), media=with_media, keep=keep, on_file=on_file)
+    click.echo(f"Backed up {_contents(backup.manifest)}, from {backup.database}")
     click.echo(
-        f"Wrote {made.path} ({as_text(made.path.stat().st_size)}). Keep it as safe as the answers: "
-        "it leads to people."
+        f"Wrote {backup.path} ({format_size(backup.path.stat().st_size)}). Keep it as safe as the "
+        "answers: it identifies people."
     )
-    if made.manifest.media:
+    if backup.manifest.media:
         click.echo(
-            f"{len(made.manifest.media)} media files are not in it (--with-media); it knows their "
-            "SHA-256."
+            f"It holds only the SHA-256 of {len(backup.manifest.media)} media files; --with-media "
+            "includes them."
         )
-    for path in made.removed:
+    for path in backup.removed:
         click.echo(f"Removed the older {path}")
 
 
 def _check(archive: Path, folder: StudyFolder | None) -> None:
     with progress("Checking", "file") as on_file:
         manifest = check_archive(archive, on_file)
-    click.echo(f"{archive} is whole: {contents(manifest)}.")
+    click.echo(f"{archive} is intact: {_contents(manifest)}.")
     if folder is None or not manifest.media:
         return
-    missing, other = media_amiss(folder.root, manifest.media)
-    if missing or other:
+    missing, changed = compare_media(folder.root, manifest.media)
+    if missing or changed:
         raise InputError(
-            f"of {len(manifest.media)} media files that are not in the backup, {len(missing)} are "
-            f"missing and {len(other)} are other ones, {(missing + other)[0]} among them",
+            f"of {len(manifest.media)} media files outside the backup, {len(missing)} are missing "
+            f"and {len(changed)} have changed, including {(missing + changed)[0]}",
             where=folder.root,
-            remedy="Bring them there, or back up again, with --with-media",
+            remedy="Copy them there, or back up again with --with-media",
         )
-    click.echo(f"The {len(manifest.media)} media files that it does not hold are in {folder.root}.")
+    click.echo(f"The {len(manifest.media)} media files outside the backup are in {folder.root}.")
 
 
-def contents(manifest: Manifest) -> str:
-    """Return what is in a backup, in words."""
-    people = "participant" if manifest.participants == 1 else "participants"
+def _contents(manifest: Manifest) -> str:
     return (
-        f"{manifest.participants} {people} with {manifest.answers} answers, as of "
+        f"{counted(manifest.participants, 'participant')} with {manifest.answers} answers, as of "
         f"{manifest.made_at:%Y-%m-%d %H:%M:%S} UTC"
     )
 
 
-_SHOWN = 3
-"""As many files are named."""
+_MOST_NAMED = 3
 
 
 @click.command("restore")
 @click.argument("archive", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
 def restore_command(archive: Path, folder: Path) -> None:
-    """Bring the study in the backup ARCHIVE back into the new or empty FOLDER.
+    """Restore the study in the backup ARCHIVE to the new or empty FOLDER.
 
-    The whole backup is checked first. Answers go to responses.db in FOLDER, or to the database that
-    DATABASE_URL names, which must be empty: a backup of either kind fits both. 'motionjury serve'
-    then goes on where the study was.
+    The whole backup is checked first. Answers go to responses.db in FOLDER, or to the database of
+    DATABASE_URL, which must be empty; every backup fits both. 'motionjury serve' then continues the
+    study.
     """
     with progress("Restoring", "file") as on_file:
-        done = restore(archive, StudyFolder(folder), Clock(), on_file=on_file)
-    click.echo(f"Restored {contents(done.manifest)}, to {folder} and {done.database}")
-    _say_media(done, folder)
-    click.echo(
-        f"Whoever was forgotten after {done.manifest.made_at:%Y-%m-%d %H:%M:%S} UTC, or withdrew "
-        "then, is back with all that was stored. Erase them again with 'motionjury forget'."
-    )
-
-
-def _say_media(done: Restored, folder: Path) -> None:
-    for paths, are in ((done.missing, "are missing"), (done.other, "are not as they were")):
+        restored = restore(archive, StudyFolder(folder), Clock(), on_file=on_file)
+    manifest = restored.manifest
+    click.echo(f"Restored {_contents(manifest)}, to {folder} and {restored.database}")
+    for paths, state in ((restored.missing, "are missing"), (restored.changed, "have changed")):
         if paths:
-            some = listed([*paths[:_SHOWN], *(["others"] if len(paths) > _SHOWN else [])])
-            click.echo(f"{len(paths)} media files {are} in {folder}: {some}. Bring them there.")
+            more = ["others"] if len(paths) > _MOST_NAMED else []
+            names = listed([*paths[:_MOST_NAMED], *more])
+            click.echo(f"{len(paths)} media files {state} in {folder}: {names}. Copy them there.")
+    click.echo(
+        f"Participants who were erased or withdrew after {manifest.made_at:%Y-%m-%d %H:%M:%S} UTC "
+        "are back with all their data. Erase them again with 'motionjury forget'."
+    )

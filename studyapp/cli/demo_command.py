@@ -11,9 +11,14 @@ import click
 from motion.audio import read_audio
 from motion.segment import Segment, write_segments
 from motion.synthesis import speak
-from studyapp.cli import check_command, rehearse_command, report_command
+from studyapp.cli import (
+    check_command,
+    generate_command,
+    plan_command,
+    render_command,
+    report_command,
+)
 from studyapp.cli.arguments import processes as processes_option
-from studyapp.cli.material import generate_command, render_command
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.study_file import new_study
@@ -38,7 +43,7 @@ SENTENCES: Final = MappingProxyType(
         "the counter was moving. I could not stay in that kitchen.",
     }
 )
-"""One sentence per emotion, each four seconds or longer when spoken."""
+"""One sentence per emotion, each at least four seconds long when spoken."""
 
 CONDITIONS: Final = MappingProxyType(
     {
@@ -52,12 +57,12 @@ _SPEAKER: Final = "espeak-ng"
 
 
 def prepare_demo(folder: StudyFolder) -> bool:
-    """Make the demonstration study and speak its sentences; what is there already is kept.
+    """Create the demo study and synthesise its speech, unless they exist.
 
     Returns
     -------
     bool
-        Whether anything had to be made.
+        Whether speech was synthesised.
     """
     if not folder.definition.exists():
         new_study(
@@ -89,8 +94,8 @@ def prepare_demo(folder: StudyFolder) -> bool:
 
 
 SEED: Final = 2
-"""Of the rehearsal. In about one of five, as with seed 1, one of the four intervals misses what the
-raters were given, as 95% intervals do; a first report shows the usual case."""
+"""Of the rehearsal. With about one seed in five, such as 1, one of the four 95% intervals misses
+the true value, as such intervals do; a first report should show the usual case."""
 
 
 @click.command("demo")
@@ -99,16 +104,18 @@ raters were given, as 95% intervals do; a first report shows the usual case."""
 @processes_option
 @click.pass_context
 def command(ctx: click.Context, folder: Path, participants: int, processes: int) -> None:
-    """Run the whole line on synthetic speech in FOLDER, from nothing to a report.
+    """Run a whole study on synthetic speech in FOLDER, up to its report.
 
-    What is finished is kept: interrupted and started again, it goes on where it was.
+    Run the command again to continue an interrupted run.
     """
     study_folder = StudyFolder(folder)
     if prepare_demo(study_folder):
-        click.echo(f"Spoke eight sentences into {study_folder.speech}")
+        click.echo(f"Synthesised eight sentences in {study_folder.speech}")
     ctx.invoke(generate_command.command, folder=study_folder)
     ctx.invoke(render_command.command, folder=study_folder, processes=processes)
     ctx.invoke(check_command.command, folder=study_folder)
-    ctx.invoke(rehearse_command.command, folder=study_folder, participants=participants, seed=SEED)
+    ctx.invoke(
+        plan_command.rehearse_command, folder=study_folder, participants=participants, seed=SEED
+    )
     ctx.invoke(report_command.command, folder=study_folder)
     click.echo(f"To take part yourself: make serve (or: motionjury serve {folder})")

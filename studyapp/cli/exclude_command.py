@@ -9,7 +9,7 @@ import click
 from motion.errors import InputError, listed
 from studyapp.cli.arguments import named_study_folder
 from studyapp.clock import Clock
-from studyapp.custody.forgetting import Remembered, forget, has_forgotten, remembered
+from studyapp.custody.forgetting import StoredData, find_data, forget, has_forgotten
 from studyapp.database.engine import Database, database_url_of
 from studyapp.database.scrubbing import scrub
 from studyapp.researchers.exclusion_decisions import decide_exclusion
@@ -18,8 +18,8 @@ from studyapp.results.answers import snapshot
 from studyapp.study.folder import StudyFolder
 
 
-def decide_about(folder: StudyFolder, name: str, *, excluded: bool, reason: str) -> int:
-    """Leave a participant out of the analysis, or take one in again; return the study session.
+def decide_participant(folder: StudyFolder, name: str, *, excluded: bool, reason: str) -> int:
+    """Exclude a participant from the analysis or reinstate one; return the study session.
 
     Parameters
     ----------
@@ -29,8 +29,8 @@ def decide_about(folder: StudyFolder, name: str, *, excluded: bool, reason: str)
     Raises
     ------
     InputError
-        If nobody is called so, no reason is given, it is so already, or the study was passed on
-        by another lab.
+        If there is no such participant, the reason is empty, nothing would change, or the study
+        comes from another lab.
     """
     with snapshot(folder, "participants") as session:
         number = None
@@ -38,10 +38,10 @@ def decide_about(folder: StudyFolder, name: str, *, excluded: bool, reason: str)
             number = find_number_by_name(session, PseudonymKey.read(folder.pseudonym_key), name)
     if number is None:
         raise InputError(
-            f"no study session is called {name!r}",
+            f"there is no study session {name!r}",
             where=folder.root,
-            remedy="Give its number, as reports and researchers' pages have it, or the "
-            "participant's pseudonym from an export",
+            remedy="Give its number in reports and on researchers' pages, or the participant's "
+            "pseudonym in exports",
         )
     with closing(Database.open(database_url_of(folder.root))) as database:
         decide_exclusion(database, Clock(), number, excluded=excluded, by="", reason=reason)
@@ -54,53 +54,54 @@ def decide_about(folder: StudyFolder, name: str, *, excluded: bool, reason: str)
 @click.option(
     "--reason",
     required=True,
-    help="Why. The log, reports and exports show it: write nothing that identifies the person.",
+    help="The reason. The log, reports and exports show it, so do not identify the person.",
 )
-@click.option("--reinstate", is_flag=True, help="Include somebody again who was excluded this way.")
+@click.option(
+    "--reinstate", is_flag=True, help="Include a participant again who was excluded by hand."
+)
 def command(folder: StudyFolder, participant: str, reason: str, reinstate: bool) -> None:
-    """Leave PARTICIPANT of the study FOLDER out of the analysis.
+    """Exclude PARTICIPANT of the study FOLDER from the analysis.
 
-    PARTICIPANT is the number of the study session, as in reports and on researchers' pages, or the
-    pseudonym of an export. Whoever is still taking part goes on and is paid; the place stays
-    taken. No answer is deleted.
+    PARTICIPANT is the number of the study session in reports and on researchers' pages, or the
+    pseudonym in exports. A participant who is still taking part can finish and is paid; the place
+    stays taken. No answer is deleted.
     """
-    number = decide_about(folder, participant, excluded=not reinstate, reason=reason)
+    number = decide_participant(folder, participant, excluded=not reinstate, reason=reason)
     if reinstate:
         click.echo(
-            f"Study session {number} is no longer excluded by hand. The exclusion rules of the "
-            "study file hold as before. Report and export again."
+            f"Study session {number} is no longer excluded by hand; the exclusion rules still "
+            "apply. Report and export again."
         )
         return
     click.echo(
-        f"Study session {number} is left out of the analysis, which reports mark as exploratory. "
-        "Report and export again. --reinstate takes it back."
+        f"Study session {number} is excluded from the analysis, which reports mark as exploratory. "
+        "Report and export again. --reinstate undoes this."
     )
 
 
-def remembered_of(folder: StudyFolder, name: str) -> tuple[Remembered, ...]:
-    """Return what is stored of the participant called `name`; the database is left as it is."""
+def _stored_data(folder: StudyFolder, name: str) -> tuple[StoredData, ...]:
     database = Database.open_for_reading(database_url_of(folder.root))
     if database is None:
         return ()
     with closing(database):
-        return remembered(database, name, PseudonymKey.read(folder.pseudonym_key))
+        return find_data(database, name, PseudonymKey.read(folder.pseudonym_key))
 
 
 def forget_participant(folder: StudyFolder, name: str) -> int:
-    """Erase the participant called `name`, and return how many entries of `remembered_of` went.
+    """Erase a participant and return how many entries of `find_data` were erased.
 
-    The database's files are written anew, also where an earlier run was kept from it.
+    The database's files are rewritten, also if an earlier run failed to do so.
 
     Raises
     ------
     InputError
-        If the files cannot be written anew; the participant is erased all the same.
+        If the files cannot be rewritten; the participant is erased all the same.
     """
     url = database_url_of(folder.root)
-    there = Database.open_for_reading(url)
-    if there is None:
+    existing = Database.open_for_reading(url)
+    if existing is None:
         return 0
-    there.close()
+    existing.close()
     with closing(Database.open(url)) as database:
         key = PseudonymKey.read(folder.pseudonym_key)
         count = forget(database, name, key, Clock())
@@ -109,8 +110,8 @@ def forget_participant(folder: StudyFolder, name: str) -> int:
     return count
 
 
-def copies_left(folder: StudyFolder) -> tuple[str, ...]:
-    """Return the files beside the study that may still hold a participant, as they are called."""
+def _copies(folder: StudyFolder) -> tuple[str, ...]:
+    """Return the files and folders of the study that may still hold a participant's data."""
     tables = sorted(
         path.name
         for path in folder.root.glob("*")
@@ -125,55 +126,55 @@ def copies_left(folder: StudyFolder) -> tuple[str, ...]:
 @click.argument("participant")
 @click.option("--yes", is_flag=True, help="Erase without asking.")
 def forget_command(folder: StudyFolder, participant: str, yes: bool) -> None:
-    """Erase PARTICIPANT of the study FOLDER, who may be answering at this moment.
+    """Erase PARTICIPANT of the study FOLDER, even while they are answering.
 
-    PARTICIPANT is the recruiter's id, the pseudonym of an export, or the completion code. What is
-    erased and what remains is said before anything happens.
+    PARTICIPANT is the recruiter's id, the pseudonym in exports, or the completion code. Before
+    anything is erased, the command prints what will be erased and what will remain.
     """
-    found = remembered_of(folder, participant)
-    if not found:
+    entries = _stored_data(folder, participant)
+    if not entries:
         forget_participant(folder, participant)
         click.echo(
-            "Nobody in this study has that recruiter id, pseudonym or completion code (any more): "
-            "nothing was erased. If there should be somebody, check how it is written."
+            "No participant has this recruiter id, pseudonym or completion code (any more), so "
+            "nothing was erased. Check the spelling."
         )
         return
-    for one in found:
-        click.echo(_what_goes(one))
+    for entry in entries:
+        click.echo(_describe_erasure(entry))
     click.echo(
-        "What remains: one row that says that a study session in this arm is gone, and since when; "
-        "a line in the log with its number and no name; and the place, which somebody else can "
-        "take while the study is open. Whoever comes again under the same id begins anew. Erased "
-        "answers count in no later report, also where they were analysed before."
+        "What remains: one row that a study session in this arm was erased, and when; a line in "
+        "the log with its number but no name; and the place, which somebody else can take while "
+        "the study is open. A participant who returns with the same id starts from the beginning. "
+        "Later reports do not count erased answers, even if they were analysed before."
     )
     if not yes:
-        click.confirm("Erase this for good?", abort=True)
+        click.confirm("Erase this permanently?", abort=True)
     forget_participant(folder, participant)
-    click.echo("Erased, and nothing is left in the database's files.")
-    click.echo(_by_hand(folder))
+    click.echo("Erased; nothing is left in the database's files.")
+    click.echo(_describe_manual_steps(folder))
 
 
-def _what_goes(one: Remembered) -> str:
-    if one.study_session is None:
-        return "Screened out, found by the recruiter's id. What goes: that it was so."
+def _describe_erasure(entry: StoredData) -> str:
+    if entry.study_session is None:
+        return "Screened out, found by the recruiter's id. To be erased: that this happened."
     return (
-        f"Study session {one.study_session} ({one.state}, arm {one.arm}), found by its "
-        f"{one.known_as}. What goes: {one.answers} answers with their trials, "
-        f"{one.watch_records} records of what was watched, {one.form_answers} answers about the "
-        f"person, {one.refusals} refused requests, the recruiter's ids, the completion code, and "
-        "whether and why researchers excluded them."
+        f"Study session {entry.study_session} ({entry.state}, arm {entry.arm}), found by its "
+        f"{entry.found_by}. To be erased: {entry.answers} answers with their trials, "
+        f"{entry.watch_records} records of watching, {entry.form_answers} answers to the form, "
+        f"{entry.refusals} refused requests, the recruiter's ids, the completion code, and "
+        "whether and why researchers excluded the participant."
     )
 
 
-def _by_hand(folder: StudyFolder) -> str:
-    copies = copies_left(folder)
-    here = (
-        f"Beside the study, {listed(copies)} may still hold them: export and report again, or "
-        "remove these. "
+def _describe_manual_steps(folder: StudyFolder) -> str:
+    copies = _copies(folder)
+    local = (
+        f"in the study folder, {listed(copies)} may still hold their data: export and report "
+        "again, or remove these. "
         if copies
         else ""
     )
     return (
-        f"Left to do by hand: {here}Folders and tables given to others, backups of the database "
-        "and of its server, and the recruiter's own records are out of reach from here."
+        f"Left to do by hand: {local}Shared folders and tables, backups of the database and of its "
+        "server, and the recruiter's own records cannot be reached from here."
     )

@@ -25,53 +25,54 @@ from studyapp.study.study_options import StudyOptions
     type=click.Choice(get_args(Language)),
     default="en",
     show_default=True,
-    help="What participants read in.",
+    help="The language of participants' pages.",
 )
 @click.option(
     "--condition",
     "conditions",
     multiple=True,
     metavar="NAME=SOURCE",
-    help="A condition, in place of the template's; once for each. The source is 'files' (motion "
-    "that is imported), 'videos' (finished ones), a generator such as 'rule_based', "
-    "'mismatched:OTHER', or a network and its weights, 'NETWORK:FILE'.",
+    help="A condition, replacing the template's; can be repeated. SOURCE is 'files' (imported "
+    "motion), 'videos' (finished videos), a generator such as 'rule_based', 'mismatched:OTHER', or "
+    "a network with its weights, 'NETWORK:FILE'.",
 )
 @click.option(
     "--reference",
-    help="The condition every other one is compared with; of rankings, the one shown apart.",
+    help="The condition that all others are compared with; in rankings, the one shown as the "
+    "reference.",
 )
 @click.option(
     "--catch-videos",
     is_flag=True,
-    help="Videos of a broken motion will be brought in videos/broken/ for catch trials.",
+    help="You will put videos of a flawed motion into videos/broken/, for catch trials.",
 )
-@click.option("--trials", type=click.IntRange(1, 500), help="Pairs each participant judges.")
+@click.option("--trials", type=click.IntRange(1, 500), help="Pairs that each participant judges.")
 @click.option(
     "--participants",
     type=click.IntRange(1, MAX_PARTICIPANTS),
-    help="How many take part; of pairwise studies, in each comparison.",
+    help="Number of participants; in pairwise studies, of each comparison.",
 )
 @click.option(
     "--framing",
     type=click.Choice(get_args(Framing)),
-    help="How much of the body the videos show. By default the face where all questions are about "
-    "it, else the upper body.",
+    help="The part of the body that the videos show. By default the face if all questions are "
+    "about it, else the upper body.",
 )
 @click.option(
     "--recruit",
     "channel",
     type=click.Choice(get_args(Channel)),
-    help="Where participants come from. For Prolific, codes are drawn.",
+    help="Where participants are recruited. For Prolific, completion codes are drawn.",
 )
 @click.option(
     "--pay",
     metavar="'AMOUNT CURRENCY'",
-    help="What each participant gets, such as '2.50 GBP'. Mechanical Turk pays in USD.",
+    help="Pay of each participant, such as '2.50 GBP'. Mechanical Turk pays in USD.",
 )
-@click.option("--minutes", type=click.IntRange(1, MAX_MINUTES), help="How long it takes.")
-@click.option("--title", help="What participants see as the study's title.")
+@click.option("--minutes", type=click.IntRange(1, MAX_MINUTES), help="Duration of the study.")
+@click.option("--title", help="The title that participants see.")
 @click.option("--organisation", help="Who runs the study.")
-@click.option("--contact", help="Whom participants can ask.")
+@click.option("--contact", help="Whom participants can contact.")
 @click.option("--ethics", help="Who approved the study.")
 def command(
     folder: Path,
@@ -91,16 +92,15 @@ def command(
     contact: str | None,
     ethics: str | None,
 ) -> None:
-    """Make a study FOLDER with a commented study.toml that can be edited.
+    """Create a study FOLDER with a commented study.toml to edit.
 
-    A study file that is there is never overwritten. 'motionjury desk' asks for all of it in the
-    browser.
+    An existing study file is never overwritten. 'motionjury desk' does the same in the browser.
 
-    Whatever else there is to say is said in study.toml, such as how a network samples.
+    All other settings, such as how a network samples, are made in study.toml.
     """
     study_folder = StudyFolder(folder)
     require_new_file(study_folder.definition)
-    wanted = StudyOptions(
+    options = StudyOptions(
         name=folder.resolve().name,
         template=template,
         language=language,
@@ -118,14 +118,13 @@ def command(
         contact=contact,
         ethics=ethics,
     )
-    require_stated_pay(wanted)
-    text = render_study_file(wanted, where=study_folder.definition)
+    require_stated_pay(options)
+    text = render_study_file(options, where=study_folder.definition)
     write_text(study_folder.definition, text)
-    click.echo(f"{study_folder.definition} is ready. Next: {_next(text)}.")
-
-
-def _next(text: str) -> str:
-    """Return what comes after a new study."""
-    if "videos = true" in (line.split("#")[0].strip() for line in text.splitlines()):
-        return "put your videos into videos/CONDITION/SEGMENT.mp4, then run 'motionjury check'"
-    return "'motionjury import' brings in speech"
+    lines = (line.split("#")[0].strip() for line in text.splitlines())
+    step = (
+        "put your videos into videos/CONDITION/SEGMENT.mp4, then run 'motionjury check'"
+        if "videos = true" in lines
+        else "import speech with 'motionjury import'"
+    )
+    click.echo(f"{study_folder.definition} is ready. Next: {step}.")

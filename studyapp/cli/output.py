@@ -1,4 +1,4 @@
-"""What several commands print: how far work is, tables, counts and who is to be paid."""
+"""Output that several commands share: progress, tables, counts, decisions about pay."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ from studyapp.desk.jobs import PROGRESS_FILE, Progress
 from studyapp.recruitment.payment import PaymentDecision
 from training.run.launching import is_leader
 
-_A_LINE_EVERY: Final = 30.0
-"""Seconds between two lines where no terminal shows a bar."""
+_LINE_SECONDS: Final = 30.0
+"""Between two lines, without a terminal that shows a bar."""
 
-_IN_A_FILE_EVERY: Final = 1.0
+_FILE_SECONDS: Final = 1.0
 
 
 @contextmanager
 def progress(title: str, unit: str) -> Iterator[Callable[..., None]]:
-    """Show rate and time left, as a bar or, where no terminal is, as a line now and then.
+    """Show rate and time left: as a bar in a terminal, else as occasional lines.
 
     Parameters
     ----------
     title : str
-        What is being done.
+        The task.
     unit : str
         What is counted, in the singular.
 
     Yields
     ------
     callable
-        Of (done, total), and optionally a `detail` to be shown behind. Where several processes
-        train together, only the leading one shows anything.
+        Takes (done, total) and optionally a `detail` to append. Of several processes that train
+        together, only the leading one shows anything.
     """
     if not is_leader():
         yield _show_nothing
@@ -48,12 +48,12 @@ def progress(title: str, unit: str) -> Iterator[Callable[..., None]]:
     if not sys.stderr.isatty():
         yield _Lines(title, unit).show
         return
-    # A bar that an error stopped is wiped away: the error says what happened.
+    # After an error the bar is cleared: the error says what happened.
     with tqdm(desc=title, unit=f" {unit}", dynamic_ncols=True, mininterval=0.5, leave=False) as bar:
 
         def show(done: int, total: int, detail: str = "") -> None:
             bar.total = total
-            # Without a step the bar would not be drawn anew.
+            # Without a step the bar would not be redrawn.
             bar.set_postfix_str(detail, refresh=done == bar.n)
             bar.update(done - bar.n)
 
@@ -63,65 +63,65 @@ def progress(title: str, unit: str) -> Iterator[Callable[..., None]]:
 
 @contextmanager
 def sign_of_life(title: str) -> Iterator[Callable[[str], None]]:
-    """Yield what shows in a terminal what is being done, until it is done; a log gets nothing."""
+    """Yield a function that shows the current step in a terminal; a log gets nothing."""
     with tqdm(bar_format=f"{title}: {{desc}}", leave=False, disable=None) as line:
         yield line.set_description_str
 
 
 def _show_nothing(done: int, total: int, detail: str = "") -> None:
-    """Leave it to the leading process."""
+    """Show nothing: the leading process does."""
 
 
 class _Lines:
-    """Progress for a log: a line at most every `_A_LINE_EVERY` seconds, and one at the end.
+    """Progress for a log: a line at most every `_LINE_SECONDS`, and one at the end.
 
-    Whoever watches the command gets it in a file besides, which the environment names.
+    It is also written to the file that the environment names, for a program that watches.
     """
 
     def __init__(self, title: str, unit: str) -> None:
         self._title = title
         self._unit = unit
-        self._said = time.monotonic()
-        self._written = -_IN_A_FILE_EVERY
+        self._printed = time.monotonic()
+        self._written = -_FILE_SECONDS
         self._first: tuple[int, float] | None = None
         self._file = os.environ.get(PROGRESS_FILE)
 
     def show(self, done: int, total: int, detail: str = "") -> None:
-        """Write a line if it is time for one."""
+        """Print a line if it is time for one."""
         now = time.monotonic()
-        # What was done before the first call, an earlier run's share or other work, is no rate.
+        # Work before the first call, such as an earlier run's, does not count for the rate.
         self._first = self._first or (done, now)
-        words = self._words(done, total, detail, now, *self._first)
-        if self._file and (done == total or now - self._written >= _IN_A_FILE_EVERY):
+        words = self._describe(done, total, detail, now, *self._first)
+        if self._file and (done == total or now - self._written >= _FILE_SECONDS):
             self._written = now
-            # A full disk need not end what can go on without it.
+            # A full disk should not end work that can do without it.
             with suppress(OSError):
-                told = Progress(done=done, total=total, words=words)
-                write_text(Path(self._file), told.model_dump_json())
-        if (done or detail) and (done == total or now - self._said >= _A_LINE_EVERY):
-            self._said = now
+                progress = Progress(done=done, total=total, words=words)
+                write_text(Path(self._file), progress.model_dump_json())
+        if (done or detail) and (done == total or now - self._printed >= _LINE_SECONDS):
+            self._printed = now
             click.echo(words, err=True)
 
-    def _words(
-        self, done: int, total: int, detail: str, now: float, before: int, began: float
+    def _describe(
+        self, done: int, total: int, detail: str, now: float, first_done: int, first_time: float
     ) -> str:
-        said = [f"{self._title}: {done} of {total} {self._unit}s"]
-        if done > before:
-            rate = (done - before) / max(now - began, 1e-6)
-            said.append(f"{rate:.3g} a second")
+        parts = [f"{self._title}: {done} of {total} {self._unit}s"]
+        if done > first_done:
+            rate = (done - first_done) / max(now - first_time, 1e-6)
+            parts.append(f"{rate:.3g} per second")
             if done < total:
-                said.append(f"about {tqdm.format_interval((total - done) / rate)} left")
+                parts.append(f"about {tqdm.format_interval((total - done) / rate)} left")
         if detail:
-            said.append(detail)
-        return ", ".join(said)
+            parts.append(detail)
+        return ", ".join(parts)
 
 
-_NAMED: Final = 10
-"""What was skipped is named up to this many; the rest are counted."""
+_MOST_NAMED: Final = 10
+"""Skipped items that are named; the others are only counted."""
 
 
 def echo_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print rows under their heading, in columns as wide as needed."""
+    """Print rows in columns under their heading."""
     lines = [heading, *rows]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     for line in lines:
@@ -130,13 +130,13 @@ def echo_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
 
 
 def echo_skipped(skipped: Sequence[object], unit: str) -> None:
-    """Print what could not be used, each with its reason, and how much that is."""
-    for each in skipped[:_NAMED]:
-        click.echo(f"skipped: {each}", err=True)
+    """Print skipped items, each with its reason, and their number."""
+    for item in skipped[:_MOST_NAMED]:
+        click.echo(f"skipped: {item}", err=True)
     if skipped:
-        more = len(skipped) - _NAMED
-        rest = f", {more} of them not named here" if more > 0 else ""
-        click.echo(f"{counted(len(skipped), unit)} skipped{rest}.", err=True)
+        more = len(skipped) - _MOST_NAMED
+        unnamed = f", {more} of them not named here" if more > 0 else ""
+        click.echo(f"{counted(len(skipped), unit)} skipped{unnamed}.", err=True)
 
 
 def counted(number: int, unit: str) -> str:
@@ -144,14 +144,17 @@ def counted(number: int, unit: str) -> str:
     return f"{number} {unit}" if number == 1 else f"{number} {unit}s"
 
 
-WORDS = {"pay": "pay", "look": "decide yourself", "wait": "wait", "settled": "–"}
+_VERDICTS: Final = {"pay": "pay", "look": "your decision", "wait": "wait", "settled": "–"}
 
 
-def echo_verdicts(heading: str, found: Sequence[tuple[str, PaymentDecision]]) -> None:
-    """Print what is to be done about each, by its name, and the sums."""
-    echo_table((heading, "what", "why"), [(name, WORDS[j.verdict], j.reason) for name, j in found])
-    sums = Counter(judged.verdict for _, judged in found)
+def echo_verdicts(heading: str, verdicts: Sequence[tuple[str, PaymentDecision]]) -> None:
+    """Print what to do about each submission, by name, and the totals."""
+    echo_table(
+        (heading, "action", "reason"),
+        [(name, _VERDICTS[decision.verdict], decision.reason) for name, decision in verdicts],
+    )
+    totals = Counter(decision.verdict for _, decision in verdicts)
     click.echo(
-        f"{sums['pay']} to be paid, {sums['look']} to be decided by you, {sums['wait']} under way, "
-        f"{sums['settled']} settled."
+        f"{totals['pay']} to pay, {totals['look']} for you to decide, {totals['wait']} under way, "
+        f"{totals['settled']} settled."
     )

@@ -1,4 +1,4 @@
-"""`motionjury plan`."""
+"""`motionjury plan` and `motionjury rehearse`."""
 
 from __future__ import annotations
 
@@ -9,76 +9,132 @@ import click
 
 from studyapp.cli.arguments import processes, study_folder
 from studyapp.cli.output import progress
+from studyapp.rehearsal.run import SPEED, rehearse
 from studyapp.study.folder import StudyFolder
 
 
-class _Several(click.ParamType[tuple[Any, ...]]):
-    """Numbers with commas between."""
+class _NumberListType(click.ParamType[tuple[Any, ...]]):
+    """Numbers separated by commas."""
 
     name = "numbers"
 
-    def __init__(self, each: click.ParamType[Any]) -> None:
-        self._each = each
+    def __init__(self, item: click.ParamType[Any]) -> None:
+        self._item = item
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[Any, ...]:
         if isinstance(value, tuple):
             return value
-        return tuple(self._each.convert(text, param, ctx) for text in str(value).split(","))
+        return tuple(self._item.convert(text, param, ctx) for text in str(value).split(","))
 
 
 @click.command("plan")
 @study_folder
 @click.option(
     "--participants",
-    type=_Several(click.IntRange(1, 100_000)),
+    type=_NumberListType(click.IntRange(1, 100_000)),
     default=(),
     metavar="N,…",
-    help="How many are tried: of each comparison where it has participants of its own, else of "
-    "the study.  [default: 1, 2, 4 and 8 times the study's]",
+    help="Numbers of participants to try: per comparison if each has its own, else of the study.  "
+    "[default: 1, 2, 4 and 8 times the study's]",
 )
 @click.option(
     "--items",
-    type=_Several(click.IntRange(1, 10_000)),
+    type=_NumberListType(click.IntRange(1, 10_000)),
     default=(),
     metavar="N,…",
-    help="How many segments are tried.  [default: as many as the study has, and twice as many]",
+    help="Numbers of segments to try.  [default: the study's, and twice that]",
 )
 @click.option(
     "--effect",
     "effects",
-    type=_Several(click.FloatRange(0, 10)),
+    type=_NumberListType(click.FloatRange(0, 10)),
     default=(0.2, 0.4, 0.6),
     metavar="X,…",
-    help="Differences between conditions that are tried, in logits.  [default: 0.2,0.4,0.6]",
+    help="Differences between conditions to try, in logits.  [default: 0.2,0.4,0.6]",
 )
 @click.option(
     "--pilot",
     type=click.Path(exists=True, path_type=Path),
-    help="A study folder that was answered, or a table of answers as 'motionjury report "
-    "--responses' takes it: spreads and exclusions are estimated from it.",
+    help="A study folder with answers, or a table of answers for 'motionjury report --responses'; "
+    "variances and exclusion rates are estimated from it.",
 )
 @click.option(
     "--pay",
     type=click.FloatRange(0, min_open=True),
     metavar="AMOUNT",
-    help="What one participant costs, fees included; designs then say what they cost.",
+    help="Cost of one participant, fees included; adds the cost of each design.",
 )
 @processes
 def command(folder: StudyFolder, processes: int, **options: Any) -> None:
-    """Say how many participants and segments a study needs, by simulating it.
+    """Simulate a study to find how many participants and segments it needs.
 
-    The study in FOLDER is drawn up in several sizes; simulated people answer it; its report's own
-    tests decide. Without speech yet, --items says how many segments it will have.
+    Simulated participants answer the study in FOLDER in several sizes, and the report's own tests
+    are applied. If the study has no speech yet, give the number of segments with --items.
     """
-    # Imported here: statistics take seconds to load, which --help need not wait for.
+    # Imported here: statistics take seconds to load, which --help should not wait for.
     from analysis.planning.words import plan_sentences
     from analysis.planning.writing import power_lines
     from studyapp.planning.plan import plan_study
 
     with progress("simulating", "cell") as show:
-        found = plan_study(folder, **options, processes=processes, show=show)
-    where = folder.root / "plan"
-    click.echo("\n".join((*power_lines(found), "", *plan_sentences(found), "")))
-    click.echo(f"The figure is {where / 'power.png'}, the numbers are {where / 'power.csv'}")
+        plan = plan_study(folder, **options, processes=processes, show=show)
+    out = folder.root / "plan"
+    click.echo("\n".join((*power_lines(plan), "", *plan_sentences(plan), "")))
+    click.echo(f"The figure is {out / 'power.png'}, the numbers are {out / 'power.csv'}")
+
+
+@click.command("rehearse")
+@study_folder
+@click.option(
+    "--participants",
+    type=click.IntRange(1, 10_000),
+    help="Simulated participants: per comparison if each has its own, else of the study. By "
+    "default as many as the study asks for.",
+)
+@click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=1, show_default=True)
+@click.option(
+    "--speed",
+    type=click.FloatRange(1, 1000),
+    default=SPEED,
+    show_default=True,
+    help="How many times faster than real time the clock runs. Rules about time need a slow clock.",
+)
+def rehearse_command(
+    folder: StudyFolder,
+    participants: int | None,
+    seed: int,
+    speed: float,
+) -> None:
+    """Let simulated participants take the study FOLDER over real HTTP.
+
+    Then analyse their answers, and report whether the analysis recovers the preferences that they
+    were given. Everything is kept apart from real answers, in rehearsal.db and the folder
+    rehearsal.
+    """
+    # Imported here: the analysis takes a second to load, which --help should not wait for.
+    from studyapp.rehearsal.recovered import recover
+    from studyapp.rehearsal.recovery_page import write_recovery
+    from studyapp.rehearsal.recovery_words import recovery_lines
+
+    with progress("rehearse", "participant") as show:
+        result = rehearse(
+            folder,
+            participants=participants,
+            seed=seed,
+            speed=speed,
+            on_done=show,
+        )
+    if result.note:
+        click.echo(f"note: {result.note}")
+    recovery = recover(folder)
+    page = write_recovery(folder, recovery)
+    for line in recovery_lines(recovery):
+        click.echo(line)
+    dropouts = f"; {result.left} dropped out" if result.left else ""
+    click.echo(
+        f"{result.completed} simulated participants completed the study, {result.kept} of them "
+        f"in an earlier run{dropouts}."
+    )
+    click.echo(f"The results are in {page}")

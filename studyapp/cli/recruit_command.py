@@ -22,40 +22,44 @@ address = click.option(
     "--address",
     required=True,
     envvar="MOTIONJURY_ADDRESS",
-    help="Where the study is served, such as https://study.example.org/.",
+    help="The study's public address, such as https://study.example.org/.",
 )
-yes = click.option("--yes", is_flag=True, help="Do it; otherwise only say what would be done.")
+yes = click.option(
+    "--yes", is_flag=True, help="Do it, instead of only printing what would be done."
+)
 live = click.option(
-    "--live", is_flag=True, help="Mechanical Turk itself, with real money, not its sandbox."
+    "--live",
+    is_flag=True,
+    help="Use Mechanical Turk itself, with real money, instead of its sandbox.",
 )
 
 MOST_INVITATIONS = 10_000
-LEAST_HOURLY = 6.0
-"""What Prolific asks researchers to pay for an hour, in pounds."""
+MIN_HOURLY_POUNDS = 6.0
+"""Prolific's minimum pay per hour."""
 
 
 @click.group("recruit")
 @named_study_folder
 @click.pass_context
 def command(context: click.Context, folder: StudyFolder) -> None:
-    """Bring participants to the study FOLDER, and pay those of a recruiting site.
+    """Recruit participants for the study FOLDER, and pay them on a recruiting site.
 
-    Where they come from is recruitment.channel in study.toml. Prolific's token is read from
-    PROLIFIC_TOKEN, Mechanical Turk's keys from where boto3 looks for them.
+    recruitment.channel in study.toml names the site. Prolific's token is read from PROLIFIC_TOKEN;
+    boto3 finds the keys for Mechanical Turk.
     """
     context.obj = folder
 
 
 @command.command("codes")
-@click.option("--again", is_flag=True, help="Replace the codes that are there.")
+@click.option("--again", is_flag=True, help="Replace existing codes.")
 @click.pass_obj
 def codes(folder: StudyFolder, again: bool) -> None:
-    """Draw the study's three codes for Prolific, and write them into study.toml."""
+    """Draw the study's three Prolific codes, and write them into study.toml."""
     drawn = draw_codes(folder, again=again)
     if drawn:
         click.echo(f"Wrote codes into {folder.definition}: {', '.join(drawn)}")
     else:
-        click.echo("The study has all its codes already; --again replaces them.")
+        click.echo("The study already has all its codes; --again replaces them.")
 
 
 @command.command("create")
@@ -64,9 +68,9 @@ def codes(folder: StudyFolder, again: bool) -> None:
 @yes
 @click.pass_obj
 def create(folder: StudyFolder, address: str, live: bool, yes: bool) -> None:
-    """Make a draft on Prolific, or a HIT in Mechanical Turk's sandbox.
+    """Create a draft on Prolific, or a HIT in Mechanical Turk's sandbox.
 
-    A draft costs nothing and nobody sees it before 'publish'. A HIT is offered at once.
+    A draft costs nothing and is not public before 'publish'. A HIT is public at once.
     """
     if _channel(folder, "prolific", "mturk") == "prolific":
         _create_on_prolific(folder, address, yes=yes)
@@ -78,18 +82,18 @@ def create(folder: StudyFolder, address: str, live: bool, yes: bool) -> None:
 @yes
 @click.pass_obj
 def publish(folder: StudyFolder, yes: bool) -> None:
-    """Offer the study to Prolific's participants; the money is set aside from then on."""
+    """Publish the study on Prolific, which reserves the money for it."""
     _channel(folder, "prolific")
     identity = prolific.study_id(folder)
     with _client() as client:
         study = client.study(identity)
         places, reward = study.total_available_places or 0, study.reward or 0
         click.echo(
-            f"{places} places at {reward / CENTS:.2f} each: {places * reward / CENTS:.2f} without "
-            "Prolific's fee."
+            f"{places} places at {reward / CENTS:.2f} each: {places * reward / CENTS:.2f} in "
+            "total, without Prolific's fee."
         )
         if not yes:
-            click.echo("Nothing was published; with --yes it is.")
+            click.echo("Nothing was published; --yes publishes the study.")
             return
         study = client.move(identity, "PUBLISH")
     click.echo(f"The study is {study.status.lower()} on Prolific.")
@@ -98,14 +102,14 @@ def publish(folder: StudyFolder, yes: bool) -> None:
 @command.command("pause")
 @click.pass_obj
 def pause(folder: StudyFolder) -> None:
-    """Let nobody new begin on Prolific; those who have begun may finish."""
+    """Pause the study on Prolific; participants who have begun can finish."""
     _move(folder, "PAUSE")
 
 
 @command.command("resume")
 @click.pass_obj
 def resume(folder: StudyFolder) -> None:
-    """Offer a paused study on Prolific again."""
+    """Resume a paused study on Prolific."""
     _move(folder, "START")
 
 
@@ -113,7 +117,7 @@ def resume(folder: StudyFolder) -> None:
 @live
 @click.pass_obj
 def stop(folder: StudyFolder, live: bool) -> None:
-    """End recruiting; those who have begun may finish."""
+    """Stop recruiting; participants who have begun can finish."""
     if _channel(folder, "prolific", "mturk") == "prolific":
         _move(folder, "STOP")
         return
@@ -121,27 +125,27 @@ def stop(folder: StudyFolder, live: bool) -> None:
     client = mturk.connect(live=live)
     for hit in hits:
         client.stop(hit)
-        click.echo(f"HIT {hit} is offered no more.")
+        click.echo(f"HIT {hit} is no longer offered.")
 
 
 @command.command("places")
 @click.argument("count", type=click.IntRange(1, 10_000))
 @click.pass_obj
 def places(folder: StudyFolder, count: int) -> None:
-    """Let COUNT participants in all take part on Prolific; there can only be more than before."""
+    """Raise the number of places on Prolific to COUNT in total."""
     _channel(folder, "prolific")
     identity = prolific.study_id(folder)
     with _client() as client:
         study = client.change_places(identity, count)
     click.echo(f"The study has {study.total_available_places} places on Prolific.")
-    click.echo("How many it has here is in study.toml.")
+    click.echo("The number of places here is set in study.toml.")
 
 
 @command.command("status")
 @live
 @click.pass_obj
 def status(folder: StudyFolder, live: bool) -> None:
-    """Show how recruiting goes, there and here."""
+    """Show the state of recruiting, on the site and in the study."""
     if _channel(folder, "prolific", "mturk", "invitations") == "prolific":
         _show_prolific(folder)
     elif folder.study().recruitment.channel == "mturk":
@@ -156,14 +160,14 @@ def status(folder: StudyFolder, live: bool) -> None:
     "--also",
     multiple=True,
     metavar="SUBMISSION",
-    help="Pay this submission on Prolific too, as you decided; can be given several times.",
+    help="Also pay this submission on Prolific; can be repeated.",
 )
 @yes
 @click.pass_obj
 def approve(folder: StudyFolder, live: bool, also: tuple[str, ...], yes: bool) -> None:
-    """Show who is to be paid and why, and with --yes pay them.
+    """Show whom to pay and why, and with --yes pay them.
 
-    The rule is recruitment.unpaid_failed_checks in study.toml. Nobody is ever rejected from here.
+    The rule is recruitment.unpaid_failed_checks in study.toml. This command never rejects anybody.
     """
     if _channel(folder, "prolific", "mturk") == "prolific":
         _approve_on_prolific(folder, also=also, yes=yes)
@@ -173,62 +177,62 @@ def approve(folder: StudyFolder, live: bool, also: tuple[str, ...], yes: bool) -
 
 @command.command("return")
 @click.argument("submissions", nargs=-1, required=True)
-@click.option("--reason", required=True, help="What the participants are told.")
+@click.option("--reason", required=True, help="The reason that participants are given.")
 @click.pass_obj
 def return_(folder: StudyFolder, submissions: tuple[str, ...], reason: str) -> None:
-    """Ask participants to return their SUBMISSIONS on Prolific, which are then not paid."""
+    """Ask participants to return their SUBMISSIONS on Prolific without pay."""
     _channel(folder, "prolific")
     with _client() as client:
-        known = {each.id: each for each in client.submissions(prolific.study_id(folder))}
-        for submission in dict.fromkeys(submissions):
-            found = known.get(submission)
-            if found is None:
-                click.echo(f"{submission}: is none of this study's submissions")
-            elif found.return_requested:
-                click.echo(f"{submission}: was asked for before")
+        by_id = {each.id: each for each in client.submissions(prolific.study_id(folder))}
+        for name in dict.fromkeys(submissions):
+            submission = by_id.get(name)
+            if submission is None:
+                click.echo(f"{name}: not a submission of this study")
+            elif submission.return_requested:
+                click.echo(f"{name}: already requested")
             else:
-                client.request_return(submission, reason)
-                click.echo(f"{submission}: asked to return it")
+                client.request_return(name, reason)
+                click.echo(f"{name}: return requested")
 
 
 @command.command("invite")
 @address
-@click.option("--count", type=click.IntRange(1, MOST_INVITATIONS), help="How many links to make.")
+@click.option("--count", type=click.IntRange(1, MOST_INVITATIONS), help="Number of links.")
 @click.option(
     "--list",
     "people",
     type=click.Path(path_type=Path, exists=True, dir_okay=False),
-    help="A CSV file with a heading, and one person a line in its first column.",
+    help="A CSV file with a header, and one person per row in its first column.",
 )
 @click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="The table of links; invitations.csv in the study folder by default.",
+    help="The table of links, by default invitations.csv in the study folder.",
 )
 @click.pass_obj
 def invite_(
     folder: StudyFolder, address: str, count: int | None, people: Path | None, out: Path | None
 ) -> None:
-    """Make links, each for one person, and add them to a table.
+    """Make personal links and add them to a table.
 
-    Keep the table to yourself: only it says whose link is whose, and links cannot be shown again.
+    Keep the table confidential: it alone says whose link is whose. Links cannot be shown again.
     """
     _channel(folder, "invitations")
     if (count is None) == (people is None):
         raise click.UsageError("Give either --count or --list.")
     table = out or folder.root / "invitations.csv"
     names = numbered(count, table) if count is not None else listed_people(people or Path())
-    made = invite(folder, names, address, table)
-    click.echo(f"Added {made} links to {table}")
+    count = invite(folder, names, address, table)
+    click.echo(f"Added {count} links to {table}")
 
 
-def _channel(folder: StudyFolder, *needed: Channel) -> Channel:
-    """Return the study's channel, if it is one of those that the command is for."""
+def _channel(folder: StudyFolder, *supported: Channel) -> Channel:
+    """Return the study's channel if the command supports it."""
     channel = folder.study().recruitment.channel
-    if channel not in needed:
+    if channel not in supported:
         raise InputError(
-            f"the study's participants come by {channel!r}, and this command is for "
-            + " and ".join(repr(each) for each in needed),
+            f"the study recruits by {channel!r}, but this command is for "
+            + " and ".join(map(repr, supported)),
             where=folder.definition,
             remedy="Set recruitment.channel",
         )
@@ -236,14 +240,14 @@ def _channel(folder: StudyFolder, *needed: Channel) -> Channel:
 
 
 def _show_invitations(folder: StudyFolder) -> None:
-    found = counts(folder)
+    invitations = counts(folder)
     click.echo(
-        f"{found.made} invitations: {found.begun} have begun, {found.completed} have finished."
+        f"{invitations.made} invitations: {invitations.begun} begun, {invitations.completed} "
+        "completed."
     )
 
 
 def _move(folder: StudyFolder, action: Action) -> None:
-    """Start, pause or stop the study on Prolific."""
     _channel(folder, "prolific")
     identity = prolific.study_id(folder)
     with _client() as client:
@@ -252,62 +256,58 @@ def _move(folder: StudyFolder, action: Action) -> None:
 
 
 def _create_on_prolific(folder: StudyFolder, address: str, *, yes: bool) -> None:
-    """Say what would be sent, and with `yes` make the draft."""
     draft = prolific.draft_of(folder, address)
     places, reward = draft["total_available_places"], draft["reward"]
     minutes, pay = draft["estimated_completion_time"], Decimal(reward) / CENTS
     per_hour = hourly_rate(pay, minutes)
     click.echo(f"{draft['name']}: {places} places, {minutes} minutes, {pay:.2f} each")
     click.echo(
-        f"That is {per_hour:.2f} for an hour, and {places * pay:.2f} for all, without Prolific's "
-        "fee."
+        f"That is {per_hour:.2f} per hour, and {places * pay:.2f} in total, without Prolific's fee."
     )
-    if per_hour < LEAST_HOURLY:
-        click.echo(f"Prolific may refuse less than {LEAST_HOURLY:.2f} pounds for an hour.")
-    click.echo(f"Participants come to {draft['external_study_url']}")
+    if per_hour < MIN_HOURLY_POUNDS:
+        click.echo(f"Prolific may refuse less than {MIN_HOURLY_POUNDS:.2f} pounds per hour.")
+    click.echo(f"Participants are sent to {draft['external_study_url']}")
     if not yes:
-        click.echo("Nothing was sent; with --yes it is.")
+        click.echo("Nothing was sent; --yes creates the draft.")
         return
     with _client() as client:
-        study, made = prolific.create(folder, client, address)
-    state = "Made the draft" if made else "There already is the study"
-    click.echo(f"{state} {study.id} on Prolific ({study.status}). Publish it with 'publish'.")
+        study, is_new = prolific.create(folder, client, address)
+    words = f"Created the draft {study.id}" if is_new else f"The study {study.id} already exists"
+    click.echo(f"{words} on Prolific ({study.status}). Publish it with 'publish'.")
 
 
 def _show_prolific(folder: StudyFolder) -> None:
-    """Show places, and submissions there beside participants here."""
     with _client() as client:
-        found = prolific.status(folder, client)
-    study = found.study
+        status = prolific.status(folder, client)
+    study = status.study
     click.echo(
         f"Prolific: {study.status.lower()}, {study.places_taken or 0} of "
         f"{study.total_available_places or 0} places taken"
     )
     echo_table(
-        ("there", "here", "how many"),
+        ("on Prolific", "in the study", "count"),
         [
-            (there.lower(), here.replace("_", " "), str(count))
-            for (there, here), count in sorted(found.status_counts.items())
+            (site_state.lower(), study_state.replace("_", " "), str(count))
+            for (site_state, study_state), count in sorted(status.status_counts.items())
         ],
     )
-    if found.missing_there:
+    if status.missing_there:
         click.echo(
-            f"Here, but not there: {len(found.missing_there)} "
-            "(they may have come from another study on Prolific)"
+            f"In the study, but not on Prolific: {len(status.missing_there)} "
+            "(perhaps from another study on Prolific)"
         )
 
 
 def _approve_on_prolific(folder: StudyFolder, *, also: tuple[str, ...], yes: bool) -> None:
-    """Show who is to be paid, and with `yes` pay them and those of `also`."""
     with _client() as client:
-        found = prolific.status(folder, client)
+        status = prolific.status(folder, client)
         echo_verdicts(
-            "submission", [(each.submission.id, each.decision) for each in found.submissions]
+            "submission", [(each.submission.id, each.decision) for each in status.submissions]
         )
         if not yes:
-            click.echo("Nothing was paid; with --yes it is.")
+            click.echo("Nothing was paid; --yes pays.")
             return
-        click.echo(f"Approved {prolific.approve(client, found, also)} submissions.")
+        click.echo(f"Approved {prolific.approve(client, status, also)} submissions.")
 
 
 def _client() -> ProlificClient:
@@ -315,27 +315,24 @@ def _client() -> ProlificClient:
 
 
 def _create_on_mturk(folder: StudyFolder, address: str, *, live: bool, yes: bool) -> None:
-    """Say what would be offered, and with `yes` offer it."""
-    where = "for real money" if live else "in the sandbox, where nobody is paid"
+    site = "for real money" if live else "in the sandbox, where nobody is paid"
     request = mturk.request_of(folder, address, live=live)
     workers, reward = request["MaxAssignments"], request["Reward"]
     total = workers * folder.study().recruitment.mturk.dollars
     click.echo(
-        f"{request['Title']}: {workers} workers at ${reward} each, ${total} for all, without fees; "
-        f"{where}"
+        f"{request['Title']}: {workers} workers at ${reward} each, ${total} in total without fees; "
+        f"{site}"
     )
     if not yes:
-        click.echo("Nothing was offered; with --yes it is.")
+        click.echo("Nothing was offered; --yes offers the HIT.")
         return
     hit = mturk.create(folder, mturk.connect(live=live), address, live=live)
-    click.echo(f"Made HIT {hit.id}; workers see it now.")
+    click.echo(f"Created HIT {hit.id}; workers can see it now.")
 
 
 def _show_mturk(folder: StudyFolder, *, live: bool) -> None:
-    """Show how far every HIT is."""
     hits = mturk.hits_of(folder, live=live)
     client = mturk.connect(live=live)
-    found = [client.hit(hit) for hit in hits]
     echo_table(
         ("HIT", "state", "wanted", "free", "under way", "reviewed"),
         [
@@ -344,20 +341,24 @@ def _show_mturk(folder: StudyFolder, *, live: bool) -> None:
                 hit.status,
                 *(str(n) for n in (hit.wanted, hit.available, hit.pending, hit.completed)),
             )
-            for hit in found
+            for hit in map(client.hit, hits)
         ],
     )
-    assignments = mturk.judged_assignments(folder, client, live=live)
-    echo_verdicts("assignment", [(each.assignment.id, each.decision) for each in assignments])
+    echo_verdicts(
+        "assignment",
+        [
+            (each.assignment.id, each.decision)
+            for each in mturk.judged_assignments(folder, client, live=live)
+        ],
+    )
 
 
 def _approve_on_mturk(folder: StudyFolder, *, live: bool, yes: bool) -> None:
-    """Show who is to be paid, and with `yes` pay them."""
     mturk.hits_of(folder, live=live)
     client = mturk.connect(live=live)
-    found = mturk.judged_assignments(folder, client, live=live)
-    echo_verdicts("assignment", [(each.assignment.id, each.decision) for each in found])
+    assignments = mturk.judged_assignments(folder, client, live=live)
+    echo_verdicts("assignment", [(each.assignment.id, each.decision) for each in assignments])
     if not yes:
-        click.echo("Nothing was paid; with --yes it is.")
+        click.echo("Nothing was paid; --yes pays.")
         return
-    click.echo(f"Approved {mturk.approve(client, found)} assignments.")
+    click.echo(f"Approved {mturk.approve(client, assignments)} assignments.")

@@ -1,9 +1,10 @@
-"""`motionjury serve`, and `motionjury deploy` for a server."""
+"""`motionjury serve`, `motionjury desk`, and `motionjury deploy` for a server."""
 
 from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path, PurePosixPath
 from typing import cast
@@ -20,61 +21,83 @@ from studyapp.custody.deployment import (
     PROXIES,
     DatabaseKind,
     Proxy,
-    planned_deployment,
+    plan_deployment,
 )
 from studyapp.custody.server_files import write_deployment
 from studyapp.database.engine import Database, database_url_of
+from studyapp.desk.app import open_desk
+from studyapp.desk.server import run_desk
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.researchers.audit import COMMAND_LINE
-from studyapp.researchers.links import first_owner_link
+from studyapp.researchers.links import first_owner_link, offer_new_password
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.web.mounting import checked_prefix, path_to_try
 from studyapp.web.server import THREADS, WORKERS, run_server
 
+_Command = Callable[..., None]
+
+
+def _server_options(command: _Command) -> _Command:
+    """Add the options of a server that is started here."""
+    for option in reversed(
+        (
+            click.option(
+                "--host", default="127.0.0.1", show_default=True, help="Address to listen on."
+            ),
+            click.option("--port", default=8000, show_default=True, type=click.IntRange(1, 65535)),
+            click.option(
+                "--workers", default=WORKERS, show_default=True, type=click.IntRange(1, 64)
+            ),
+            click.option(
+                "--threads",
+                default=THREADS,
+                show_default=True,
+                type=click.IntRange(1, 512),
+                help="Requests that each worker handles at once; slow connections do not count.",
+            ),
+            public_address(
+                default=None,
+                help="The public address, behind a proxy; printed links start with it.",
+            ),
+        )
+    ):
+        command = option(command)
+    return command
+
 
 @click.command("serve")
 @study_folder
-@click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
-@click.option("--port", default=8000, show_default=True, type=click.IntRange(1, 65535))
-@click.option("--workers", default=WORKERS, show_default=True, type=click.IntRange(1, 64))
-@click.option(
-    "--threads",
-    default=THREADS,
-    show_default=True,
-    type=click.IntRange(1, 512),
-    help="Requests that each worker handles at once; slow connections do not count.",
-)
+@_server_options
 @click.option(
     "--accel-redirect",
     metavar="PREFIX",
     envvar="MOTIONJURY_ACCEL_REDIRECT",
-    help="Leave the videos to nginx, which has the study folder under this internal location.",
+    help="Let nginx send the videos; it maps this internal location to the study folder.",
 )
 @click.option(
     "--media-store",
     is_flag=True,
     envvar="MOTIONJURY_MEDIA_STORE",
-    help="Let participants load the videos from the store that 'publish-media' has filled.",
+    help="Let participants load the videos from the store that 'publish-media' filled.",
 )
 @click.option(
     "--prefix",
     default="",
     metavar="PATH",
     envvar="MOTIONJURY_PREFIX",
-    help="Serve below this path of the host, such as /studies/one; a proxy passes it on whole.",
+    help="Serve under this path of the host, such as /studies/one; the proxy must not strip it.",
 )
-@public_address(default=None, help="Where a proxy serves the study; the links printed begin so.")
 @click.option(
     "--try",
-    "is_tried",
+    "as_test",
     is_flag=True,
-    help="Print, and open, a link to take part as a test, which takes no place and never counts.",
+    help="Print and open a link for a test run, which takes no place and is never analysed.",
 )
 @click.option(
     "--new-version",
     is_flag=True,
-    help="Go on with a changed design; earlier answers are kept apart.",
+    help="Continue with a changed design; earlier answers are kept separate.",
 )
 def command(
     folder: StudyFolder,
@@ -86,21 +109,21 @@ def command(
     media_store: bool,
     prefix: str,
     address: str,
-    is_tried: bool,
+    as_test: bool,
     new_version: bool,
 ) -> None:
     """Serve the study FOLDER to participants.
 
-    Answers go to responses.db in the folder, or to the database that DATABASE_URL names.
+    Answers are stored in responses.db in the folder, or in the database of DATABASE_URL.
     """
-    below = checked_prefix(prefix)
-    if address and urlsplit(address).path != below:
+    path = checked_prefix(prefix)
+    if address and urlsplit(address).path != path:
         raise InputError(
-            "the address and the path below which the study is served do not fit together",
+            "the address does not end with the prefix",
             where=f"address {address!r}, prefix {prefix!r}",
-            remedy="Let the address end with the prefix",
+            remedy="Make the path of the address the same as the prefix",
         )
-    where = address or f"http://{host}:{port}{below}"
+    url = address or f"http://{host}:{port}{path}"
     run_server(
         folder.root,
         host,
@@ -111,34 +134,85 @@ def command(
         prefix=prefix,
         new_version=new_version,
         from_store=media_store,
-        origin=address.removesuffix(below),
-        on_ready=lambda: _say_where(folder, where, is_tried=is_tried),
+        origin=address.removesuffix(path),
+        on_ready=lambda: _print_links(folder, url, as_test=as_test),
     )
 
 
-def _say_where(folder: StudyFolder, address: str, *, is_tried: bool) -> None:
-    """Say where to take part and where to watch; until the study has an owner, how to be it."""
-    click.echo(f"Take part at {address}/ (Ctrl-C stops the server).")
-    if is_tried:
+def _print_links(folder: StudyFolder, url: str, *, as_test: bool) -> None:
+    """Print the links of participants and researchers, or of the first owner."""
+    click.echo(f"Take part at {url}/ (Ctrl-C stops the server).")
+    if as_test:
         served = ServedStudy.read(folder.root)
-        own = make_test_participation(folder.root, served, Clock(), by=COMMAND_LINE)
-        link = address + path_to_try(own)
-        click.echo(f"Take part as a test at {link} (for one test; it never counts).")
+        participation = make_test_participation(folder.root, served, Clock(), by=COMMAND_LINE)
+        link = url + path_to_try(participation)
+        click.echo(f"Take part as a test at {link} (once; it is never analysed).")
         if os.environ.get("DISPLAY") or sys.platform == "darwin":
             click.launch(link)
     with closing(Database.open(database_url_of(folder.root))) as database:
         token = first_owner_link(database, Clock())
     if token is None:
-        click.echo(f"Watch how it goes at {address}/research/.")
+        click.echo(f"Watch the study at {url}/research/.")
     else:
-        click.echo(
-            f"Become the study's owner at {address}/research/join/{token} (once, within a day)."
+        click.echo(f"Become the study's owner at {url}/research/join/{token} (once, within a day).")
+
+
+@click.command("desk")
+@click.argument("folder", type=click.Path(path_type=Path, file_okay=False, exists=True))
+@_server_options
+@click.option(
+    "--reset",
+    metavar="NAME",
+    help="Serve nothing; print a link that lets the researcher NAME choose a new password.",
+)
+def desk_command(
+    folder: Path,
+    host: str,
+    port: int,
+    workers: int,
+    threads: int,
+    address: str,
+    reset: str | None,
+) -> None:
+    """Serve all studies in FOLDER, each a sub-folder, behind one login.
+
+    Researchers create, watch and change studies in the browser; participants find each study under
+    the name of its folder. The desk's accounts are in desk.db in FOLDER.
+    """
+    url = address or f"http://{host}:{port}"
+    if "/" in url.partition("://")[2]:
+        raise InputError(
+            "a desk needs a host of its own",
+            where=f"address {address!r}",
+            remedy="Give an address without a path, such as https://studies.example.org",
         )
+    if reset is not None:
+        with closing(open_desk(folder).database) as database:
+            token = offer_new_password(database, Clock(), name=reset, by="")
+        click.echo(f"{url}/research/join/{token} (once, within a day).")
+        return
+    run_desk(
+        folder,
+        host,
+        port,
+        workers,
+        threads=threads,
+        origin=address,
+        on_ready=lambda: _print_desk_links(folder, url),
+    )
+
+
+def _print_desk_links(folder: Path, url: str) -> None:
+    click.echo(f"The desk is at {url}/research/ (Ctrl-C stops the server).")
+    with closing(open_desk(folder).database) as database:
+        token = first_owner_link(database, Clock())
+    if token is not None:
+        click.echo(f"Become the desk's owner at {url}/research/join/{token} (once, within a day).")
 
 
 @click.command("deploy")
 @study_folder
-@click.option("--host", required=True, help="Name of the server, such as study.example.org.")
+@click.option("--host", required=True, help="The server's name, such as study.example.org.")
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
@@ -150,33 +224,33 @@ def _say_where(folder: StudyFolder, address: str, *, is_tried: bool) -> None:
     type=click.Choice(PROXIES),
     default=PROXIES[0],
     show_default=True,
-    help="Who speaks HTTPS. Caddy needs less doing; nginx sends the videos itself.",
+    help="What serves HTTPS. Caddy needs less setup; nginx sends the videos itself.",
 )
 @click.option(
     "--database",
     type=click.Choice(DATABASES),
     default=DATABASES[0],
     show_default=True,
-    help="Where answers go.",
+    help="Where answers are stored.",
 )
 @click.option(
     "--prefix",
     default="",
     metavar="PATH",
-    help="Serve below this path of the host, such as /studies/one.",
+    help="Serve under this path of the host, such as /studies/one.",
 )
-@click.option("--contact", default="", help="Mail address for the issuer of certificates.")
+@click.option("--contact", default="", help="E-mail address for the certificate authority.")
 @click.option(
     "--port",
     type=click.IntRange(1024, 65535),
     default=PORT,
     show_default=True,
-    help="Where the study's server listens, for the proxy alone; another one for each study.",
+    help="Where the study's server listens for the proxy; choose another one for each study.",
 )
 @click.option(
     "--folder-there",
     metavar="PATH",
-    help="Where the study folder lies on the server, if this is not the server.",
+    help="The study folder's path on the server, if this machine is not the server.",
 )
 def deploy_command(
     folder: StudyFolder,
@@ -189,11 +263,11 @@ def deploy_command(
     port: int,
     folder_there: str | None,
 ) -> None:
-    """Write the files with which a server serves the study FOLDER to the world.
+    """Write the files that a public server needs to serve the study FOLDER.
 
-    docs/deploy.md says step by step what to do with them.
+    docs/deploy.md explains step by step what to do with them.
     """
-    deployment = planned_deployment(
+    deployment = plan_deployment(
         title=folder.study().title,
         folder=PurePosixPath(folder_there) if folder_there else folder.root.resolve(),
         host=host,
@@ -204,6 +278,6 @@ def deploy_command(
         port=port,
     )
     for file in write_deployment(deployment, out):
-        goes = f"{file.place} (mode {file.mode:03o})" if file.place else "stays where it is"
-        click.echo(f"{out / file.name}: {goes}")
-    click.echo(f"On the server, as root: sh {out / 'install'}. docs/deploy.md says what else.")
+        target = f"{file.place} (mode {file.mode:03o})" if file.place else "stays in this folder"
+        click.echo(f"{out / file.name}: {target}")
+    click.echo(f"On the server, as root: sh {out / 'install'}. See docs/deploy.md for the rest.")

@@ -1,7 +1,7 @@
-"""The file of a backup: a tar, perhaps compressed, whose first part is the manifest.
+"""The file of a backup: a tar archive, possibly compressed, that starts with the manifest.
 
-Reading one trusts nothing in it: every part must be a plain file that the manifest lists, of the
-size and SHA-256 that stand there. No part is asked for by a name of its own.
+Reading trusts nothing in it: every member must be a plain file with the name, size and SHA-256 that
+the manifest lists next.
 """
 
 from __future__ import annotations
@@ -10,10 +10,11 @@ import gzip
 import hashlib
 import io
 import os
+import shutil
 import tarfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import IO, Final, cast
 
@@ -30,11 +31,11 @@ DIGEST: Final = "manifest.sha256"
 LARGEST_DIGEST: Final = 1 << 10
 _GZIP: Final = b"\x1f\x8b"
 
-REMEDY: Final = "Take another backup; this one is damaged, or was changed, or is none"
+REMEDY: Final = "Use another backup: this file is damaged, was changed, or is no backup"
 
 
 def is_compressed(name: str) -> bool:
-    """Tell whether a backup of that name is compressed."""
+    """Return whether a backup with this name is compressed."""
     return not name.endswith(".tar")
 
 
@@ -46,33 +47,33 @@ def write_archive(
     compressed: bool,
     on_file: OnFile,
 ) -> None:
-    """Write the manifest and its files, which lie at `sources`, to `stream`.
+    """Write the manifest and its files, which are read from `sources`, to `stream`.
 
     Raises
     ------
     InputError
-        If a file is no longer what the manifest says.
+        If a file no longer matches the manifest.
     """
-    moment = int(manifest.made_at.timestamp())
+    timestamp = int(manifest.made_at.timestamp())
     text = manifest.model_dump_json(indent=1).encode()
     with (
-        _packed(stream, moment, compressed=compressed) as out,
+        _compress(stream, timestamp) if compressed else nullcontext(stream) as out,
         tarfile.open(fileobj=out, mode="w|", format=tarfile.PAX_FORMAT) as tar,
     ):
         for name, content in ((NAME, text), (DIGEST, _digest_line(text))):
-            tar.addfile(_head(name, len(content), moment), io.BytesIO(content))
+            tar.addfile(_tar_header(name, len(content), timestamp), io.BytesIO(content))
         for done, (entry, source) in enumerate(zip(manifest.files, sources, strict=True), 1):
-            _add(tar, _head(entry.path, entry.size, moment), source, entry.sha256)
+            _add(tar, _tar_header(entry.path, entry.size, timestamp), source, entry.sha256)
             on_file(done, len(sources))
 
 
-def _add(tar: tarfile.TarFile, head: tarfile.TarInfo, source: Path, sha256: str) -> None:
+def _add(tar: tarfile.TarFile, header: tarfile.TarInfo, source: Path, sha256: str) -> None:
     with source.open("rb") as file:
-        reader = _Hashing(file)
+        reader = _HashingReader(file)
         try:
-            tar.addfile(head, reader)
+            tar.addfile(header, reader)
         except OSError as error:
-            if error.errno is None:  # tarfile's own: the file has become shorter
+            if error.errno is None:  # raised by tarfile: the file has shrunk
                 raise _changed(source) from error
             raise
         if reader.digest != sha256 or file.read(1):
@@ -80,104 +81,102 @@ def _add(tar: tarfile.TarFile, head: tarfile.TarInfo, source: Path, sha256: str)
 
 
 def read_manifest(archive: Path) -> Manifest:
-    """Read what the backup `archive` says of itself, and nothing else of it.
+    """Read only the manifest of the backup `archive`.
 
     Raises
     ------
     InputError
         If it is not a backup.
     """
-    with _opened(archive) as tar:
-        return _manifest(tar, archive)
+    with _open(archive) as tar:
+        return _read_manifest(tar, archive)
 
 
 def read_archive(
     archive: Path,
-    place_for: Callable[[StoredFile], Path | None],
+    target_of: Callable[[StoredFile], Path | None],
     on_file: OnFile,
     *,
     accept: Callable[[Manifest], None] = lambda _manifest: None,
 ) -> Manifest:
-    """Check all of `archive`, and write its files where `place_for` says.
+    """Check all of `archive`, and write its files.
 
     Parameters
     ----------
-    place_for : callable
-        Returns where a file goes, a path at which there is nothing, or None where it is only
-        checked.
+    target_of : callable
+        Returns the new path of a file; None to only check the file.
     accept : callable
-        May raise an `InputError` before anything is written.
+        Can raise an `InputError` before anything is written.
 
     Raises
     ------
     InputError
-        If anything in it is not as the manifest says. What was written until then is left.
+        If anything differs from the manifest. Files written until then are kept.
     """
-    with _opened(archive) as tar:
-        manifest = _manifest(tar, archive)
+    with _open(archive) as tar:
+        manifest = _read_manifest(tar, archive)
         accept(manifest)
         for done, entry in enumerate(manifest.files, 1):
             member = tar.next()
             if member is None:
                 raise InputError(f"{entry.path} is missing", where=archive, remedy=REMEDY)
-            _require_plain(member, entry.path, entry.size, archive)
-            if _copied(tar, member, place_for(entry)) != entry.sha256:
+            _require_plain_file(member, entry.path, entry.size, archive)
+            if _extract(tar, member, target_of(entry)) != entry.sha256:
                 raise InputError(
-                    f"{entry.path} is not what was backed up", where=archive, remedy=REMEDY
+                    f"{entry.path} differs from what was backed up", where=archive, remedy=REMEDY
                 )
             on_file(done, len(manifest.files))
-        if tar.next() is not None or not _ends(tar):
-            raise InputError("it holds more than it lists", where=archive, remedy=REMEDY)
+        if tar.next() is not None or not _at_end(tar):
+            raise InputError(
+                "it contains more than its manifest lists", where=archive, remedy=REMEDY
+            )
     return manifest
 
 
-def _ends(tar: tarfile.TarFile) -> bool:
-    """Tell whether nothing but a tar's padding follows; what is compressed is then whole too."""
-    stream = cast(_Forward, tar.fileobj)
-    padding = stream.rest(tarfile.RECORDSIZE)
+def _at_end(tar: tarfile.TarFile) -> bool:
+    """Return whether only padding follows; reading it also checks the compression."""
+    stream = cast(_ForwardReader, tar.fileobj)
+    padding = stream.read_rest(tarfile.RECORDSIZE)
     return len(padding) <= tarfile.RECORDSIZE and not any(padding)
 
 
-def _copied(tar: tarfile.TarFile, member: tarfile.TarInfo, place: Path | None) -> str:
-    """Read a part, write it to `place` if there is one, and return its SHA-256."""
-    state = hashlib.sha256()
-    source = cast(IO[bytes], tar.extractfile(member))
-    if place is None:
-        while piece := source.read(BLOCK):
-            state.update(piece)
-        return state.hexdigest()
-    place.parent.mkdir(parents=True, exist_ok=True)
-    with place.open("xb") as out:
-        while piece := source.read(BLOCK):
-            state.update(piece)
-            out.write(piece)
+def _extract(tar: tarfile.TarFile, member: tarfile.TarInfo, target: Path | None) -> str:
+    """Read a member, write it to `target` if there is one, and return its SHA-256."""
+    source = _HashingReader(cast(IO[bytes], tar.extractfile(member)))
+    if target is None:
+        while source.read(BLOCK):
+            pass
+        return source.digest
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with target.open("xb") as out:
+        shutil.copyfileobj(source, out, BLOCK)
         out.flush()
         os.fsync(out.fileno())
-    return state.hexdigest()
+    return source.digest
 
 
-def _manifest(tar: tarfile.TarFile, archive: Path) -> Manifest:
+def _read_manifest(tar: tarfile.TarFile, archive: Path) -> Manifest:
     member = tar.next()
     if member is None or member.name != NAME or member.size > LARGEST_MANIFEST:
         raise InputError("this is not a backup of a study", where=archive, remedy=REMEDY)
-    text = _text(tar, member, NAME, archive)
+    text = _read_member(tar, member, NAME, archive)
     digest = tar.next()
     if digest is None or digest.size > LARGEST_DIGEST:
         raise InputError("this is not a backup of a study", where=archive, remedy=REMEDY)
-    if _text(tar, digest, DIGEST, archive) != _digest_line(text):
-        raise InputError(f"{NAME} is not what was written", where=archive, remedy=REMEDY)
+    if _read_member(tar, digest, DIGEST, archive) != _digest_line(text):
+        raise InputError(f"{NAME} differs from what was written", where=archive, remedy=REMEDY)
     try:
         return Manifest.model_validate_json(text)
     except ValidationError as error:
         raise InputError(
-            f"what it says of itself is wrong: {explain_errors(error)}",
+            f"its manifest is invalid: {explain_errors(error)}",
             where=archive,
-            remedy=f"{REMEDY}; or a newer version of Motion Jury made it",
+            remedy=f"{REMEDY}, or was made by a newer version of Motion Jury",
         ) from None
 
 
-def _text(tar: tarfile.TarFile, member: tarfile.TarInfo, name: str, archive: Path) -> bytes:
-    _require_plain(member, name, member.size, archive)
+def _read_member(tar: tarfile.TarFile, member: tarfile.TarInfo, name: str, archive: Path) -> bytes:
+    _require_plain_file(member, name, member.size, archive)
     source = cast(IO[bytes], tar.extractfile(member))
     return b"".join(iter(lambda: source.read(BLOCK), b""))
 
@@ -187,54 +186,53 @@ def _digest_line(text: bytes) -> bytes:
     return f"{hashlib.sha256(text).hexdigest()}  {NAME}\n".encode()
 
 
-def _require_plain(member: tarfile.TarInfo, path: str, size: int, archive: Path) -> None:
-    """Raise `InputError` unless a part is the plain file that is expected next."""
+def _require_plain_file(member: tarfile.TarInfo, path: str, size: int, archive: Path) -> None:
+    """Raise `InputError` unless `member` is the expected plain file."""
     is_plain = member.type in (tarfile.REGTYPE, tarfile.AREGTYPE) and member.sparse is None
     if not is_plain or member.name != path or member.size != size:
-        raise InputError(f"{path} is not what it should be", where=archive, remedy=REMEDY)
+        raise InputError(f"{path} is not the expected file", where=archive, remedy=REMEDY)
 
 
 @contextmanager
-def _opened(archive: Path) -> Iterator[tarfile.TarFile]:
+def _open(archive: Path) -> Iterator[tarfile.TarFile]:
     try:
         with archive.open("rb") as raw:
             start = raw.read(len(_GZIP))
             raw.seek(0)
             stream = gzip.GzipFile(fileobj=raw) if start == _GZIP else raw
-            with tarfile.open(fileobj=cast(IO[bytes], _Forward(stream)), mode="r:") as tar:
+            with tarfile.open(fileobj=cast(IO[bytes], _ForwardReader(stream)), mode="r:") as tar:
                 yield tar
     except (tarfile.TarError, EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise InputError(f"it cannot be read: {error}", where=archive, remedy=REMEDY) from error
 
 
-class _Forward:
-    """A file that is read from its start to its end, never more than `BLOCK` bytes at once.
+class _ForwardReader:
+    """Reads a file from start to end, at most `BLOCK` bytes at once.
 
-    A header may claim to be followed by gigabytes of a name, which would all be read. And to go
-    back by one byte, as tarfile does to see whether a part is whole, would unpack all of a
-    compressed file again.
+    A header may claim that gigabytes of a name follow, which tarfile would read. And going back by
+    one byte, as tarfile does to check a member, would decompress the whole file again.
     """
 
     def __init__(self, stream: IO[bytes] | gzip.GzipFile) -> None:
         self._stream = stream
         self._read = 0
-        self._wanted = 0
+        self._position = 0
         self._last = b""
 
     def read(self, size: int = -1) -> bytes:
         """Read `size` bytes."""
         if not 0 <= size <= BLOCK:
             raise tarfile.ReadError("a header is too long")
-        if size == 1 and self._wanted == self._read - 1:
-            self._wanted = self._read
+        if size == 1 and self._position == self._read - 1:
+            self._position = self._read
             return self._last
-        if self._wanted < self._read:
-            raise tarfile.ReadError("its parts overlap")
-        while self._wanted > self._read:
-            if not self._next(min(BLOCK, self._wanted - self._read)):
+        if self._position < self._read:
+            raise tarfile.ReadError("its members overlap")
+        while self._position > self._read:
+            if not self._next(min(BLOCK, self._position - self._read)):
                 return b""
         piece = self._next(size)
-        self._wanted = self._read
+        self._position = self._read
         return piece
 
     def _next(self, size: int) -> bytes:
@@ -243,25 +241,25 @@ class _Forward:
         self._last = piece[-1:] or self._last
         return piece
 
-    def rest(self, most: int) -> bytes:
-        """Read what follows to the end; a byte more than `most` where there is more."""
-        found = b""
-        while len(found) <= most and (piece := self._next(most + 1 - len(found))):
-            found += piece
-        return found
+    def read_rest(self, limit: int) -> bytes:
+        """Read to the end, but at most one byte more than `limit`."""
+        rest = b""
+        while len(rest) <= limit and (piece := self._next(limit + 1 - len(rest))):
+            rest += piece
+        return rest
 
     def seek(self, offset: int) -> int:
-        """Say where to read next."""
-        self._wanted = offset
+        """Set the position of the next read."""
+        self._position = offset
         return offset
 
     def tell(self) -> int:
-        """Return where is read next."""
-        return self._wanted
+        """Return the position of the next read."""
+        return self._position
 
 
-class _Hashing(io.RawIOBase):
-    """A file that is hashed while it is read."""
+class _HashingReader(io.RawIOBase):
+    """Hashes a file while it is read."""
 
     def __init__(self, file: IO[bytes]) -> None:
         super().__init__()
@@ -276,30 +274,24 @@ class _Hashing(io.RawIOBase):
 
     @property
     def digest(self) -> str:
-        """SHA-256 of what was read."""
+        """The SHA-256 of the bytes read so far."""
         return self._state.hexdigest()
 
 
-@contextmanager
-def _packed(stream: IO[bytes], moment: int, *, compressed: bool) -> Iterator[IO[bytes]]:
-    if not compressed:
-        yield stream
-        return
-    with gzip.GzipFile(
-        filename="", mode="wb", compresslevel=6, fileobj=stream, mtime=moment
-    ) as out:
-        yield cast(IO[bytes], out)
+def _compress(stream: IO[bytes], timestamp: int) -> IO[bytes]:
+    file = gzip.GzipFile(filename="", mode="wb", compresslevel=6, fileobj=stream, mtime=timestamp)
+    return cast(IO[bytes], file)
 
 
-def _head(name: str, size: int, moment: int) -> tarfile.TarInfo:
-    head = tarfile.TarInfo(name)
-    head.size, head.mtime, head.mode = size, moment, 0o600
-    return head
+def _tar_header(name: str, size: int, timestamp: int) -> tarfile.TarInfo:
+    header = tarfile.TarInfo(name)
+    header.size, header.mtime, header.mode = size, timestamp, 0o600
+    return header
 
 
 def _changed(source: Path) -> InputError:
     return InputError(
-        "the file changed while it was backed up",
+        "the file changed during the backup",
         where=source,
-        remedy="Back up again when nothing is being rendered or brought in",
+        remedy="Back up again when nothing is being rendered or imported",
     )

@@ -1,4 +1,4 @@
-"""Backing up a study into one file, while it may be served; and checking a backup."""
+"""Backing up a study into one file, even while it is served, and checking backups."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ from studyapp.custody.manifest import (
     DATABASE,
     Manifest,
     OnFile,
-    found_file,
     media_files,
     small_files,
+    source_file,
 )
 from studyapp.database.copies import count_rows, find_flaws, schema_of_copy, write_copy
 from studyapp.database.engine import database_url_of, display_address
@@ -40,16 +40,16 @@ _UNFINISHED: Final = "unfinished-backup-"
 
 @dataclass(frozen=True, kw_only=True)
 class Backup:
-    """A backup that was made.
+    """A finished backup.
 
     Attributes
     ----------
     path : Path
         Its file.
     manifest : Manifest
-        What is in it.
+        Its contents.
     database : str
-        The address of what was backed up, without a password.
+        The address of the database, without a password.
     removed : tuple of Path
         Older backups that were removed.
     """
@@ -69,23 +69,20 @@ def back_up(
     keep: int | None = None,
     on_file: OnFile = lambda _done, _total: None,
 ) -> Backup:
-    """Back up the study in `folder`, its database included, into one file.
+    """Back up the study in `folder` and its database into one file.
 
-    It appears under its name only when it is whole and on disk, for its owner alone. Every answer
-    that was acknowledged before the call is in it.
+    The file appears under its name only once it is complete and on disk, and only its owner can
+    read it. It contains every answer that was acknowledged before the call.
 
     Parameters
     ----------
     out : Path
-        The file, which must not exist; or a folder, where it is named after the study and the
-        moment.
+        The file, which must not exist; or a folder, where the file is named after the study and
+        the time.
     media : bool
-        Whether speech, motion and videos go into it; else only what they are, so that restoring
-        can tell whether they are there.
+        Include speech, motion and videos; else only list them, so that a restore can check them.
     keep : int, optional
-        With a folder: only so many backups of this study stay there. The new one is checked first.
-    on_file : callable
-        Is told how many files are done, of how many.
+        With a folder: the number of this study's backups to keep. The new one is checked first.
 
     Raises
     ------
@@ -93,10 +90,11 @@ def back_up(
         If there is no database, `out` cannot be written, or a file changes meanwhile.
     """
     into_folder = out.is_dir()
-    _require_room_for_name(out, into_folder=into_folder)
+    if not into_folder:
+        _require_new_file(out)
     if keep is not None and not into_folder:
         raise InputError(
-            "only a folder has older backups to be removed",
+            "older backups can only be removed from a folder",
             where=out,
             remedy="Give an existing folder with --keep",
         )
@@ -105,86 +103,84 @@ def back_up(
     with _work_folder(out if into_folder else out.parent) as work:
         copy = work / DATABASE
         write_copy(url, copy)
-        taken = [*small_files(folder), found_file(copy, DATABASE)]
-        known = media_files(folder, on_file)
+        included = [*small_files(folder), source_file(copy, DATABASE)]
+        all_media = media_files(folder, on_file)
         if media:
-            taken += known
+            included += all_media
         manifest = Manifest(
             motionjury=metadata.version("motionjury"),
             made_at=made_at,
             origin=_origin(folder, url),
             schema_name=schema_of_copy(copy) or "",
             rows=count_rows(copy),
-            files=tuple(each.entry for each in taken),
-            media=() if media else tuple(each.entry for each in known),
+            files=tuple(file.entry for file in included),
+            media=() if media else tuple(file.entry for file in all_media),
         )
         study = folder.root.resolve().name
-        path = out / dated_name(study, manifest) if into_folder else out
+        path = out / f"{study}-{made_at:{_TIMESTAMP}}.tar.gz" if into_folder else out
         draft = work / "archive"
         handle = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
         with os.fdopen(handle, "wb") as stream:
             write_archive(
                 stream,
                 manifest,
-                [each.source for each in taken],
+                [file.source for file in included],
                 compressed=is_compressed(path.name),
                 on_file=on_file,
             )
             stream.flush()
             os.fsync(stream.fileno())
-        _name(draft, path)
+        _publish(draft, path)
     removed: list[Path] = []
     if keep is not None:
-        # None goes before its successor is known to be good.
+        # No backup is removed before the new one is known to be good.
         check_archive(path, on_file)
-        removed = remove_older(path.parent, study, manifest, keep)
+        removed = _remove_older(path.parent, study, manifest, keep)
     return Backup(
         path=path, manifest=manifest, database=display_address(url), removed=tuple(removed)
     )
 
 
-def _require_room_for_name(out: Path, *, into_folder: bool) -> None:
-    if into_folder:
-        return
+def _require_new_file(out: Path) -> None:
     if not out.name.endswith(ENDINGS):
         raise InputError(
             "a backup is a .tar or .tar.gz",
             where=out,
-            remedy="Give such a name, or a folder that exists",
+            remedy="Give such a name, or an existing folder",
         )
     if out.exists() or out.is_symlink():
-        raise _taken(out)
+        raise _exists_already(out)
     if not out.parent.is_dir():
-        # Making it could fill a disk where another one should have been mounted.
+        # Creating it could fill a disk on which another one should have been mounted.
         raise InputError(
-            "the folder for the backup is not there",
+            "the folder for the backup does not exist",
             where=out.parent,
-            remedy="Make it, or mount its disk",
+            remedy="Create it, or mount its disk",
         )
 
 
 @contextmanager
-def _work_folder(beside: Path) -> Iterator[Path]:
-    """Give a folder that only its owner may look into, on the disk where the backup will be."""
+def _work_folder(parent: Path) -> Iterator[Path]:
+    """Yield a private folder on the disk of the backup."""
     try:
-        with tempfile.TemporaryDirectory(prefix=f".{_UNFINISHED}", dir=beside) as name:
+        with tempfile.TemporaryDirectory(prefix=f".{_UNFINISHED}", dir=parent) as name:
             yield Path(name)
     except OSError as error:
         if error.filename is not None:
             raise
         raise InputError(
             f"the backup could not be written: {error.strerror or error}",
-            where=beside,
-            remedy="Make room; nothing was left behind",
+            where=parent,
+            remedy="Free up space; nothing was left behind",
         ) from error
 
 
-def _name(draft: Path, path: Path) -> None:
-    """Give the finished `draft` its name, unless something has that name, and let it last."""
+def _publish(draft: Path, path: Path) -> None:
+    """Rename the finished `draft` to `path`, unless that exists, and sync the folder."""
     try:
         os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600))
     except FileExistsError:
-        raise _taken(path) from None
+        raise _exists_already(path) from None
     draft.replace(path)
     folder = os.open(path.parent, os.O_RDONLY)
     try:
@@ -193,61 +189,47 @@ def _name(draft: Path, path: Path) -> None:
         os.close(folder)
 
 
-def _taken(path: Path) -> InputError:
+def _exists_already(path: Path) -> InputError:
     return InputError(
-        "there is something already, and backups never overwrite",
+        "this file exists, and backups never overwrite",
         where=path,
-        remedy="Give another name, or a folder: there, each backup gets a name of its own",
+        remedy="Give another name, or a folder, where each backup gets its own name",
     )
 
 
 def _origin(folder: StudyFolder, url: str) -> str:
-    where = f"{folder.root.resolve()}\n{display_address(url)}"
-    return hashlib.sha256(where.encode()).hexdigest()
+    location = f"{folder.root.resolve()}\n{display_address(url)}"
+    return hashlib.sha256(location.encode()).hexdigest()
 
 
-STAMP: Final = "%Y%m%dT%H%M%SZ"
-_STAMP: Final = r"\d{8}T\d{6}Z"
+_TIMESTAMP: Final = "%Y%m%dT%H%M%SZ"
+_TIMESTAMP_PATTERN: Final = r"\d{8}T\d{6}Z"
 
 
-def dated_name(study: str, manifest: Manifest) -> str:
-    """Return the name of a backup in a folder of backups."""
-    return f"{study}-{manifest.made_at:{STAMP}}.tar.gz"
+def _remove_older(folder: Path, study: str, newest: Manifest, keep: int) -> list[Path]:
+    """Remove all but the newest `keep` backups of a study in `folder`, and return the removed.
 
-
-def remove_older(folder: Path, study: str, newest: Manifest, keep: int) -> list[Path]:
-    """Remove the backups of one study in `folder` but for the newest `keep`, and return which.
-
-    Left alone is whatever is not a backup, is of another study, or has another name than this
-    command gives.
-
-    Parameters
-    ----------
-    study : str
-        What names begin with.
-    newest : Manifest
-        Of the backup that was just made.
+    Other files, other studies' backups, and backups with names of another form are kept.
     """
-    pattern = re.compile(rf"{re.escape(study)}-{_STAMP}\.tar\.gz")
-    made = sorted(
+    pattern = re.compile(rf"{re.escape(study)}-{_TIMESTAMP_PATTERN}\.tar\.gz")
+    backups = sorted(
         (
             path
             for path in folder.iterdir()
             if pattern.fullmatch(path.name)
             and not path.is_symlink()
             and path.is_file()
-            and _recorded_origin(path) == newest.origin
+            and _origin_of_archive(path) == newest.origin
         ),
-        # The name ends in the moment it was made.
-        key=lambda path: path.name,
+        key=lambda path: path.name,  # ends with the time
         reverse=True,
     )
-    for path in made[keep:]:
+    for path in backups[keep:]:
         path.unlink()
-    return made[keep:]
+    return backups[keep:]
 
 
-def _recorded_origin(path: Path) -> str | None:
+def _origin_of_archive(path: Path) -> str | None:
     try:
         return read_manifest(path).origin
     except InputError:
@@ -255,34 +237,34 @@ def _recorded_origin(path: Path) -> str | None:
 
 
 def check_archive(archive: Path, on_file: OnFile) -> Manifest:
-    """Check all of a backup: its files, its database, and how many rows that has.
+    """Check the files of a backup, its database, and the number of rows.
 
     Raises
     ------
     InputError
-        If anything is not as it was backed up.
+        If anything differs from what was backed up.
     """
     with tempfile.TemporaryDirectory(prefix="motionjury-") as name:
         copy = Path(name) / DATABASE
         manifest = read_archive(
             archive, lambda entry: copy if entry.path == DATABASE else None, on_file
         )
-        require_sound(copy, manifest, archive)
+        require_intact(copy, manifest, archive)
     return manifest
 
 
-def require_sound(copy: Path, manifest: Manifest, archive: Path) -> None:
-    """Raise `InputError` unless the database `copy` is whole and holds what `manifest` says."""
+def require_intact(copy: Path, manifest: Manifest, archive: Path) -> None:
+    """Raise `InputError` unless the database `copy` is intact and as `manifest` states."""
     flaws: Sequence[str] = find_flaws(copy)
     if not flaws and schema_of_copy(copy) != manifest.schema_name:
         flaws = ["it has another schema"]
     if not flaws and (rows := count_rows(copy)) != manifest.rows:
         tables = sorted({*rows, *manifest.rows})
-        wrong = [name for name in tables if rows.get(name) != manifest.rows.get(name)]
-        flaws = [f"another number of rows in {listed(wrong)}"]
+        differing = [name for name in tables if rows.get(name) != manifest.rows.get(name)]
+        flaws = [f"another number of rows in {listed(differing)}"]
     if flaws:
         raise InputError(
-            f"the database in it is not what was backed up: {'; '.join(flaws[:3])}",
+            f"its database is not the one that was backed up: {'; '.join(flaws[:3])}",
             where=archive,
             remedy=REMEDY,
         )

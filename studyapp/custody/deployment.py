@@ -1,4 +1,4 @@
-"""What a server's files are made of: names, addresses and paths, all of them checked."""
+"""The validated names, addresses and paths in the files of a server."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ PROXIES: Final[tuple[Proxy, ...]] = ("caddy", "nginx")
 DATABASES: Final[tuple[DatabaseKind, ...]] = ("sqlite", "postgresql")
 
 STUDIES: Final = PurePosixPath("/srv/motionjury")
-"""Where studies lie on a server."""
+"""The folder of studies on a server."""
 
 INSTALLED: Final = PurePosixPath("/opt/motionjury")
-"""Where Motion Jury is installed on a server."""
+"""The installation of Motion Jury on a server."""
 
 PORT: Final = 8000
 
 LABEL: Final = r"[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?"
 HOST: Final = re.compile(rf"({LABEL}\.)*{LABEL}")
-LONGEST_HOST: Final = 253
+MAX_HOST_LENGTH: Final = 253
 NAME: Final = re.compile(r"[a-z0-9]([a-z0-9-]{0,30}[a-z0-9])?")
 MAIL: Final = re.compile(r"[A-Za-z0-9._+-]{1,64}@(.+)")
 UNSAFE: Final = re.compile(r"""[\x00-\x1f\x7f"'`$\\]""")
-"""What no folder on a server may have in its name: not every file could hold it."""
+"""Characters that a folder's name must not contain, since not every file can quote them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,23 +40,23 @@ class Deployment:
     Attributes
     ----------
     name : str
-        By which the study's service, files and database are known there.
+        Names the study's service, files and database on the server.
     title : str
-        What the study is called to people, in one line.
+        The study's title in one line.
     folder : PurePosixPath
         The study folder on the server.
     host : str
         The server's name on the internet.
     prefix : str
-        Path below which the study is served; empty where it has the host to itself.
-    proxy, database
-        What stands before and behind the study's server.
+        Path under which the study is served; empty if it has its own host.
+    proxy, database : str
+        What the study's server runs behind, and where it stores answers.
     contact : str
-        Mail address that the certificates' issuer may write to; empty for none.
+        E-mail address for the certificate authority; may be empty.
     port : int
-        Where the study's server listens, for the proxy alone; each study has its own.
+        Port of the study's server, used only by the proxy; each study needs its own.
     installed : PurePosixPath
-        Motion Jury's virtual environment there.
+        Motion Jury's virtual environment on the server.
     """
 
     name: str
@@ -72,12 +72,12 @@ class Deployment:
 
     @property
     def address(self) -> str:
-        """Where participants find the study."""
+        """The public address of the study."""
         return f"https://{self.host}{self.prefix}/"
 
     @property
     def unit(self) -> str:
-        """What systemd knows the study's server by."""
+        """The study's unit in systemd."""
         return f"motionjury-{self.name}"
 
     @property
@@ -87,11 +87,11 @@ class Deployment:
 
     @property
     def inner_location(self) -> str:
-        """What nginx knows the study folder by; nobody can ask for it from outside."""
+        """The study folder's internal location in nginx, which cannot be requested from outside."""
         return f"/study-files/{self.name}"
 
 
-def planned_deployment(
+def plan_deployment(
     *,
     title: str,
     folder: Path | PurePosixPath,
@@ -107,65 +107,65 @@ def planned_deployment(
     Raises
     ------
     InputError
-        If a value cannot stand in the files: a host that is none, a folder with a name that no
-        service can have, a path or a mail address that is none.
+        If the host, the prefix or the contact is invalid, or no service can be named after the
+        folder.
     """
-    place = PurePosixPath(folder)
+    path = PurePosixPath(folder)
     return Deployment(
-        name=_name_of(place),
+        name=_service_name(path),
         title=_one_line(title),
-        folder=place,
-        host=_checked_host(host),
+        folder=path,
+        host=_check_host(host),
         prefix=checked_prefix(prefix),
         proxy=proxy,
         database=database,
-        contact=_checked_mail(contact),
+        contact=_check_mail(contact),
         port=port,
     )
 
 
-def _name_of(folder: PurePosixPath) -> str:
+def _service_name(folder: PurePosixPath) -> str:
     if not folder.is_absolute() or ".." in folder.parts or UNSAFE.search(str(folder)):
         raise InputError(
-            "this is not a folder that a service could be given",
+            "a service cannot use this folder",
             where=f"folder {str(folder)!r}",
-            remedy="Name the whole path on the server, without quotes, $ and \\",
+            remedy="Give the absolute path on the server, without quotes, $ and \\",
         )
     name = folder.name.lower().replace("_", "-").replace(" ", "-")
     if NAME.fullmatch(name) is None:
         raise InputError(
-            "no service and no database could be named after this folder",
+            "no service or database can be named after this folder",
             where=f"folder {str(folder)!r}",
-            remedy="Call it on the server by at most 32 letters a to z, digits and '-', such as "
+            remedy="On the server, use a name of up to 32 letters a to z, digits and '-', such as "
             f"{STUDIES}/gestures-2",
         )
     return name
 
 
 def _one_line(title: str) -> str:
-    """Return `title` as systemd can show it within quotes."""
+    """Return `title` in a form that systemd can show within quotes."""
     words = " ".join(title.split())
     return "".join(c for c in words if c.isprintable()).replace('"', "'").replace("\\", "/")
 
 
-def _checked_host(text: str) -> str:
+def _check_host(text: str) -> str:
     host = text.lower()
     is_number = host.rpartition(".")[2].isdigit()
-    if HOST.fullmatch(host) is None or len(host) > LONGEST_HOST or is_number:
+    if HOST.fullmatch(host) is None or len(host) > MAX_HOST_LENGTH or is_number:
         raise InputError(
-            "this is not a name of a host",
+            "this is not a host name",
             where=f"host {text!r}",
-            remedy="Give the name alone, such as study.example.org, without https://, port and "
-            "path; letters other than a to z in the form xn--…",
+            remedy="Give only the name, such as study.example.org, without https://, port and "
+            "path; write letters other than a to z in the form xn--…",
         )
     return host
 
 
-def _checked_mail(text: str) -> str:
-    found = MAIL.fullmatch(text)
-    if text and (found is None or HOST.fullmatch(found[1].lower()) is None):
+def _check_mail(text: str) -> str:
+    match = MAIL.fullmatch(text)
+    if text and (match is None or HOST.fullmatch(match[1].lower()) is None):
         raise InputError(
-            "this is not a mail address",
+            "this is not an e-mail address",
             where=f"contact {text!r}",
             remedy="Give one such as ada@example.org",
         )

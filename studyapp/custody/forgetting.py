@@ -1,4 +1,4 @@
-"""Forgetting a participant: all that is stored of one person is erased."""
+"""Erasing all data of a participant."""
 
 from __future__ import annotations
 
@@ -33,76 +33,74 @@ from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.session.state import state_of
 from studyapp.session.trial_rows import new_token
 
-LEFT: Final = frozenset({"id", "version_id", "arm", "arm_design"})
-"""Columns of a study session that stay: they are of the study, not of the person. All others are
-emptied, so that a column that is added later is erased unless somebody decides otherwise."""
+KEPT_COLUMNS: Final = frozenset({"id", "version_id", "arm", "arm_design"})
+"""Columns of a study session that describe the study, not the person. All others are cleared, so a
+column that is added later is erased unless somebody decides otherwise."""
 
-GIVEN_BACK: Final = frozenset({"places"})
-"""Tables whose rows belong to the study: they lose the participant. In all other tables, what
-belongs to the study session is deleted."""
+RELEASED_TABLES: Final = frozenset({"places"})
+"""Tables whose rows belong to the study and only lose the participant. In other tables, the rows of
+the study session are deleted."""
 
-SHORTEST_NAME: Final = 4
-"""Shorter names are not looked for in the log: too much else would be replaced."""
+MIN_NAME_LENGTH: Final = 4
+"""Shorter names are not replaced in the log: they could be part of other words."""
 
 SESSIONS: Final = cast(Table, StudySession.__table__)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Remembered:
-    """What is stored of one person's coming, for whoever decides whether to erase it.
+class StoredData:
+    """The stored data of one study session or screen-out, for those who decide on its erasure.
 
     Attributes
     ----------
     study_session : int or None
-        Its number, which the report and the exports name it by; None of who was screened out
-        and has none.
+        Its number in reports and exports; None for a participant who was screened out.
     arm, state : str
-        See `studyapp.session.state.state_of`; or ``screened out``.
+        See `studyapp.session.state.state_of`, or ``screened out``.
     answers, form_answers, watch_records, refusals : int
-        How many rows of each there are.
-    known_as : str
-        What the participant was named by: ``recruiter id``, ``pseudonym`` or
-        ``completion code``.
+        The number of rows of each.
+    found_by : str
+        ``recruiter id``, ``pseudonym`` or ``completion code``.
     """
 
     study_session: int | None
     arm: str
     state: str
-    known_as: str
+    found_by: str
     answers: int = 0
     form_answers: int = 0
     watch_records: int = 0
     refusals: int = 0
 
 
-def remembered(database: Database, name: str, key: PseudonymKey | None) -> tuple[Remembered, ...]:
-    """Return what is stored of the participant called `name`; nothing where there is none.
+def find_data(database: Database, name: str, key: PseudonymKey | None) -> tuple[StoredData, ...]:
+    """Return the stored data of a participant; empty if there is none.
 
     Parameters
     ----------
     name : str
-        The recruiter's name for the participant, the pseudonym, or the completion code. Who came
-        in two of the recruiter's studies has two study sessions.
+        The recruiter's id of the participant, the pseudonym, or the completion code. A person who
+        took part in two of the recruiter's studies has two study sessions.
     key : PseudonymKey or None
-        By which pseudonyms are found; None where nothing was ever exported.
+        Resolves pseudonyms; None if nothing was ever exported.
     """
     with database.reading() as session:
         study_sessions = [
-            Remembered(
-                study_session=found.id,
-                arm=found.arm,
-                state=state_of(found),
-                known_as=known_as,
-                **_counts(session, found.id),
+            StoredData(
+                study_session=study_session.id,
+                arm=study_session.arm,
+                state=state_of(study_session),
+                found_by=found_by,
+                **_count_rows(session, study_session.id),
             )
-            for found, known_as in _called(session, name, key)
+            for study_session, found_by in _find_sessions(session, name, key)
         ]
         screened_out = session.scalars(select(ScreenOut.id).where(ScreenOut.participant == name))
         return (
             *study_sessions,
             *(
-                Remembered(
-                    study_session=None, arm="", state="screened out", known_as="recruiter id"
+                StoredData(
+                    study_session=None, arm="", state="screened out", found_by="recruiter id"
                 )
                 for _ in screened_out
             ),
@@ -110,75 +108,76 @@ def remembered(database: Database, name: str, key: PseudonymKey | None) -> tuple
 
 
 def forget(database: Database, name: str, key: PseudonymKey | None, clock: Clock) -> int:
-    """Erase the participant called `name`, in one transaction.
+    """Erase a participant in one transaction.
 
-    Answers, trials, watch evidence, form answers, refusals, tokens, codes and the recruiter's
-    names go; the place is given back. One row stays, as of who withdrew: that there was a study
-    session in this arm, which is gone, and when it was erased. A line in the log says so without
-    a name; names that stand in earlier lines are replaced. Forgetting twice changes nothing.
+    This deletes answers, trials, records of watching, form answers, refusals, tokens, codes and
+    the recruiter's ids, and releases the place. One row remains, as for participants who withdrew:
+    that a study session in this arm was erased, and when. A line in the log says so without a
+    name, and names in earlier lines are replaced. Erasing twice changes nothing.
 
-    What the participant sends meanwhile either comes before, and is erased, or is refused: the
-    address belongs to nobody any more. `studyapp.database.scrubbing.scrub` is to be
-    called after it.
+    A request that the participant sends meanwhile is either erased too or refused, since its
+    address no longer exists. Call `studyapp.database.scrubbing.scrub` afterwards.
 
     Parameters
     ----------
     name, key
-        See `remembered`.
+        See `find_data`.
 
     Returns
     -------
     int
-        How many entries of `remembered` were erased.
+        The number of erased entries of `find_data`.
     """
     with database.writing() as session:
         now = clock.now()
-        found = _called(session, name, key, to_change=True)
-        for study_session, _ in found:
+        study_sessions = _find_sessions(session, name, key, for_update=True)
+        for study_session, _ in study_sessions:
             erase(session, study_session, key, now)
         screened_out = _erase_screen_outs(session, [name])
-        if screened_out and not found:
+        if screened_out and not study_sessions:
             log_change(session, now, Event.FORGOTTEN, by="", detail="was screened out")
-        return len(found) + screened_out
+        return len(study_sessions) + screened_out
 
 
 def has_forgotten(database: Database) -> bool:
-    """Tell whether anybody was ever erased, so that the files may hold what was deleted."""
+    """Return whether anybody was ever erased, so that files may still hold deleted data."""
     with database.reading() as session:
         lines = select(AuditLine.id).where(AuditLine.event == Event.FORGOTTEN).limit(1)
         return session.scalars(lines).first() is not None
 
 
-def _called(
-    session: Session, name: str, key: PseudonymKey | None, *, to_change: bool = False
+def _find_sessions(
+    session: Session, name: str, key: PseudonymKey | None, *, for_update: bool = False
 ) -> list[tuple[StudySession, str]]:
+    """Return the study sessions of the person called `name`, and how each was found."""
     query = select(StudySession).order_by(StudySession.id)
-    everybody = list(session.scalars(query))
-    # One code or pseudonym is of one study session; the person may have several.
-    persons = {
-        study_session.recruiter_participant: found
-        for study_session in everybody
-        if (found := _known_as(study_session, name, key))
+    study_sessions = list(session.scalars(query))
+    # A code or pseudonym belongs to one study session, but the person may have several.
+    by_person = {
+        study_session.recruiter_participant: found_by
+        for study_session in study_sessions
+        if (found_by := _match(study_session, name, key))
     }
 
-    def known_as(study_session: StudySession) -> str:
-        own = _known_as(study_session, name, key)
-        recruited = study_session.recruiter_participant
-        return own or ("" if recruited is None else persons.get(recruited, ""))
+    def match(study_session: StudySession) -> str:
+        person = study_session.recruiter_participant
+        return _match(study_session, name, key) or (
+            "" if person is None else by_person.get(person, "")
+        )
 
-    chosen = [study_session.id for study_session in everybody if known_as(study_session)]
-    wanted = query.where(StudySession.id.in_(chosen))
-    if to_change:
-        wanted = wanted.with_for_update().execution_options(populate_existing=True)
+    matching = [study_session.id for study_session in study_sessions if match(study_session)]
+    query = query.where(StudySession.id.in_(matching))
+    if for_update:
+        query = query.with_for_update().execution_options(populate_existing=True)
     return [
-        (study_session, known_as(study_session))
-        for study_session in session.scalars(wanted)
-        # Whoever else was forgetting them may have been first.
-        if known_as(study_session)
+        (study_session, found_by)
+        for study_session in session.scalars(query)
+        # Another request may have erased them in the meantime.
+        if (found_by := match(study_session))
     ]
 
 
-def _known_as(study_session: StudySession, name: str, key: PseudonymKey | None) -> str:
+def _match(study_session: StudySession, name: str, key: PseudonymKey | None) -> str:
     if not name:
         return ""
     if study_session.recruiter_participant == name:
@@ -190,7 +189,7 @@ def _known_as(study_session: StudySession, name: str, key: PseudonymKey | None) 
     return ""
 
 
-def _counts(session: Session, number: int) -> dict[str, int]:
+def _count_rows(session: Session, number: int) -> dict[str, int]:
     def count(query: Any) -> int:
         return session.scalar(query) or 0
 
@@ -218,23 +217,23 @@ def erase(
     key: PseudonymKey | None,
     now: datetime,
 ) -> None:
-    """Erase `study_session` as `forget` does, within the transaction of `session`."""
+    """Erase `study_session` as in `forget`, within the transaction of `session`."""
     number, arm, state = study_session.id, study_session.arm, state_of(study_session)
-    # By an invitation, the visit is what stands for its holder.
-    known_as = [study_session.recruiter_participant, study_session.visit]
-    _erase_screen_outs(session, [name for name in known_as if name])
+    # With an invitation, the visit identifies its holder.
+    ids = [study_session.recruiter_participant, study_session.visit]
+    _erase_screen_outs(session, [name for name in ids if name])
     _erase_names(session, _names(study_session, key))
     erase_decisions(session, number)
-    # What few participants answered shows through what was computed of it.
+    # Figures computed from few participants reveal their answers.
     session.execute(delete(InterimFigures))
-    for table, column in _belonging():
-        if table.name in GIVEN_BACK:
+    for table, column in _referring_columns():
+        if table.name in RELEASED_TABLES:
             session.execute(update(table).where(column == number).values({column.name: None}))
         else:
-            # What hangs on these rows goes with them, in the database.
+            # The database deletes dependent rows.
             session.execute(delete(table).where(column == number))
     session.execute(
-        update(SESSIONS).where(SESSIONS.c.id == number).values(_emptied(now, new_token()))
+        update(SESSIONS).where(SESSIONS.c.id == number).values(_cleared_values(now, new_token()))
     )
     session.expire(study_session)
     log_change(
@@ -249,10 +248,10 @@ def erase(
 
 
 def _erase_screen_outs(session: Session, names: Sequence[str]) -> int:
-    """Delete that somebody was screened out, and return how often that was stored."""
-    chosen = ScreenOut.participant.in_(names)
-    count = session.scalar(select(func.count(ScreenOut.id)).where(chosen)) or 0
-    session.execute(delete(ScreenOut).where(chosen))
+    """Delete the screen-outs of a participant and return their number."""
+    matching = ScreenOut.participant.in_(names)
+    count = session.scalar(select(func.count(ScreenOut.id)).where(matching)) or 0
+    session.execute(delete(ScreenOut).where(matching))
     return count
 
 
@@ -263,12 +262,12 @@ def _names(study_session: StudySession, key: PseudonymKey | None) -> Iterator[st
         study_session.completion_code,
         None if key is None else key.pseudonym(study_session),
     ):
-        if name is not None and len(name) >= SHORTEST_NAME:
+        if name is not None and len(name) >= MIN_NAME_LENGTH:
             yield name
 
 
 def _erase_names(session: Session, names: Iterator[str]) -> None:
-    """Replace names in earlier lines of the log; what was done, and by whom, stays."""
+    """Replace names in earlier lines of the log; the events and their authors stay."""
     for name in names:
         for look in session.scalars(
             select(Look).where(Look.reason.contains(name, autoescape=True))
@@ -284,8 +283,8 @@ def _erase_names(session: Session, names: Iterator[str]) -> None:
             line.reason = line.reason.replace(name, ERASED)
 
 
-def _belonging() -> list[tuple[Table, Column[Any]]]:
-    """Return every table that names study sessions, and the column that does."""
+def _referring_columns() -> list[tuple[Table, Column[Any]]]:
+    """Return every table that refers to study sessions, with its foreign key."""
     return [
         (table, key.parent)
         for table in Base.metadata.sorted_tables
@@ -294,8 +293,8 @@ def _belonging() -> list[tuple[Table, Column[Any]]]:
     ]
 
 
-def _emptied(now: datetime, token: str) -> dict[str, Any]:
-    """Return what stands in a forgotten study session."""
+def _cleared_values(now: datetime, token: str) -> dict[str, Any]:
+    """Return the values of an erased study session."""
     values: dict[str, Any] = {
         "token": token,
         "consented_at": now,
@@ -303,14 +302,14 @@ def _emptied(now: datetime, token: str) -> dict[str, Any]:
         "withdrawn_at": now,
     }
     for column in SESSIONS.columns:
-        if column.name in LEFT or column.name in values:
+        if column.name in KEPT_COLUMNS or column.name in values:
             continue
-        values[column.name] = None if column.nullable else _empty_of(column, now)
+        values[column.name] = None if column.nullable else _empty_value(column, now)
     return values
 
 
-def _empty_of(column: Column[Any], now: datetime) -> object:
-    """Return the emptiest value that a column can hold which must hold one."""
+def _empty_value(column: Column[Any], now: datetime) -> object:
+    """Return the emptiest value of a column that cannot be null."""
     if isinstance(column.type, JSON):
         return []
     kind = column.type.python_type

@@ -1,6 +1,6 @@
-"""What a backup says of itself, and which files of a study it holds, or at least knows.
+"""The manifest of a backup: the files of a study that the backup holds or only knows.
 
-The manifest is its first part, by which all others are checked.
+The manifest is the first part of a backup, and all other parts are checked against it.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ SMALL_FILES: Final = (
     "invitations.csv",
     "speech/segments.csv",
 )
-"""What is in every backup, where the study has it. All else that a study's folder holds is made
-from these, the database and the media."""
+"""In every backup, if the study has them. All other files of a study folder are made from these,
+the database and the media."""
 
 MEDIA: Final = ("evaluators", "motion", "speech", "videos")
-"""Folders of the media."""
+"""Folders of media files."""
 
 
-def _belongs(path: str) -> str:
-    """Refuse a path that leads anywhere but to a study's own files."""
+def _validate_path(path: str) -> str:
+    """Refuse a path that is not one of a study's own files."""
     parts = PurePosixPath(path).parts
     if (
         path in (DATABASE, *SMALL_FILES)
@@ -48,15 +48,15 @@ def _belongs(path: str) -> str:
     raise ValueError(f"{path!r} is not a file of a study")
 
 
-class _Part(BaseModel):
+class _Model(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 OnFile = Callable[[int, int], None]
-"""Is told how many files are done, of how many."""
+"""Called with the number of finished files and of all files."""
 
 
-class StoredFile(_Part):
+class StoredFile(_Model):
     """A file of the study.
 
     Attributes
@@ -67,30 +67,30 @@ class StoredFile(_Part):
         Bytes.
     """
 
-    path: Annotated[str, AfterValidator(_belongs)]
+    path: Annotated[str, AfterValidator(_validate_path)]
     size: Annotated[int, Field(ge=0)]
     sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 
 
-class Manifest(_Part):
-    """A backup's first part.
+class Manifest(_Model):
+    """The manifest of a backup.
 
     Attributes
     ----------
     motionjury : str
-        The version that made it.
+        The version that made the backup.
     made_at : datetime
-        Everything that was stored before is in it.
+        Everything stored before is in the backup.
     origin : str
-        Digest of where the study lay: tells backups of one study from those of another.
+        Digest of the study's location, which distinguishes backups of different studies.
     schema_name : str
-        Of the database.
+        Schema of the database.
     rows : mapping of str to int
-        How many rows each of its tables has.
+        Number of rows of each table.
     files : tuple of StoredFile
-        What is in the backup, in this order.
+        The contents of the backup, in order.
     media : tuple of StoredFile
-        Media that the study had and that are not in the backup.
+        Media of the study that are not in the backup.
     """
 
     kind: Literal["motionjury backup"] = "motionjury backup"
@@ -104,7 +104,7 @@ class Manifest(_Part):
     media: tuple[StoredFile, ...] = ()
 
     @model_validator(mode="after")
-    def _is_one_study(self) -> Manifest:
+    def _check_files(self) -> Manifest:
         paths = Counter(file.path for file in (*self.files, *self.media))
         if any(count > 1 for count in paths.values()):
             raise ValueError("a file is listed twice")
@@ -114,12 +114,12 @@ class Manifest(_Part):
 
     @property
     def participants(self) -> int:
-        """How many study sessions there are."""
+        """The number of study sessions."""
         return self.rows.get("study_sessions", 0)
 
     @property
     def answers(self) -> int:
-        """How many answers there are."""
+        """The number of answers."""
         return self.rows.get("responses", 0)
 
     @property
@@ -129,66 +129,66 @@ class Manifest(_Part):
 
 
 @dataclass(frozen=True, kw_only=True)
-class FoundFile:
-    """A file on this disk, and what a manifest says of it."""
+class SourceFile:
+    """A file on this disk, and its entry in a manifest."""
 
     source: Path
     entry: StoredFile
 
 
-def small_files(folder: StudyFolder) -> list[FoundFile]:
-    """Return what is in every backup; see `studyapp.custody.manifest.SMALL_FILES`."""
+def small_files(folder: StudyFolder) -> list[SourceFile]:
+    """Return the existing `SMALL_FILES`."""
     return [
-        found_file(folder.root / path, path)
+        source_file(folder.root / path, path)
         for path in SMALL_FILES
         if (folder.root / path).is_file()
     ]
 
 
-def media_files(folder: StudyFolder, on_file: OnFile) -> list[FoundFile]:
-    """Return every file of the media, sorted by path; links count as what they lead to."""
+def media_files(folder: StudyFolder, on_file: OnFile) -> list[SourceFile]:
+    """Return all media files, sorted by path; links are followed."""
     paths = sorted(
         path
         for name in MEDIA
         for path in _below(folder.root / name)
         if path.relative_to(folder.root).as_posix() not in SMALL_FILES
     )
-    found = []
+    files = []
     for done, path in enumerate(paths, 1):
-        found.append(found_file(path, path.relative_to(folder.root).as_posix()))
+        files.append(source_file(path, path.relative_to(folder.root).as_posix()))
         on_file(done, len(paths))
-    return found
+    return files
 
 
-def found_file(source: Path, path: str) -> FoundFile:
-    """Return the file `source`, which is called `path` in the study."""
+def source_file(source: Path, path: str) -> SourceFile:
+    """Return the file `source`, whose path in the study is `path`."""
     with source.open("rb") as stream:
         digest = hashlib.file_digest(stream, "sha256").hexdigest()
         entry = StoredFile(path=path, size=stream.tell(), sha256=digest)
-    return FoundFile(source=source, entry=entry)
+    return SourceFile(source=source, entry=entry)
 
 
-def media_amiss(root: Path, media: tuple[StoredFile, ...]) -> tuple[list[str], list[str]]:
-    """Return which of `media` are missing in the study at `root`, and which are other ones."""
-    missing, other = [], []
+def compare_media(root: Path, media: tuple[StoredFile, ...]) -> tuple[list[str], list[str]]:
+    """Return the paths of `media` that are missing from the study at `root`, and that changed."""
+    missing, changed = [], []
     for entry in media:
-        place = root / entry.path
-        if not place.is_file():
+        file = root / entry.path
+        if not file.is_file():
             missing.append(entry.path)
-        elif place.stat().st_size != entry.size or found_file(place, entry.path).entry != entry:
-            other.append(entry.path)
-    return missing, other
+        elif file.stat().st_size != entry.size or source_file(file, entry.path).entry != entry:
+            changed.append(entry.path)
+    return missing, changed
 
 
 def _below(folder: Path) -> Iterator[Path]:
-    """Yield all files below `folder`; a folder that leads back to one above is left out."""
-    above = {folder.resolve()}
-    for where, folders, files in os.walk(folder, followlinks=True):
-        kept = []
+    """Yield all files below `folder`, without following circular links."""
+    visited = {folder.resolve()}
+    for parent, folders, files in os.walk(folder, followlinks=True):
+        new = []
         for name in folders:
-            real = (Path(where) / name).resolve()
-            if real not in above:
-                above.add(real)
-                kept.append(name)
-        folders[:] = kept
-        yield from (path for name in files if (path := Path(where) / name).is_file())
+            target = (Path(parent) / name).resolve()
+            if target not in visited:
+                visited.add(target)
+                new.append(name)
+        folders[:] = new
+        yield from (path for name in files if (path := Path(parent) / name).is_file())

@@ -1,4 +1,4 @@
-"""Bringing a study back from a backup, whole or not at all."""
+"""Restoring a study from a backup, completely or not at all."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from typing import Final
 from motion.errors import InputError, found_at, listed
 from studyapp.clock import Clock
 from studyapp.custody.archive import read_archive
-from studyapp.custody.backup import require_sound
-from studyapp.custody.manifest import DATABASE, MEDIA, Manifest, OnFile, media_amiss
+from studyapp.custody.backup import require_intact
+from studyapp.custody.manifest import DATABASE, MEDIA, Manifest, OnFile, compare_media
 from studyapp.database.copies import compact, fill_from_copy, require_empty
 from studyapp.database.engine import (
     Database,
@@ -24,32 +24,32 @@ from studyapp.database.engine import (
 )
 from studyapp.database.tables import Event
 from studyapp.researchers.audit import log_change
-from studyapp.stimuli.disk_space import as_text
+from studyapp.stimuli.disk_space import format_size
 from studyapp.study.folder import StudyFolder, lock_folder
 from studyapp.study.media import read_stimuli
 
 _UNFINISHED: Final = ".unfinished-restore-"
-_FOR_THE_OWNER: Final = frozenset({DATABASE, "pseudonyms.key", "invitations.csv"})
+_OWNER_ONLY: Final = frozenset({DATABASE, "pseudonyms.key", "invitations.csv"})
 
 
 @dataclass(frozen=True, kw_only=True)
 class Restored:
-    """A study that was brought back.
+    """A restored study.
 
     Attributes
     ----------
     manifest : Manifest
-        What the backup says of itself.
+        The manifest of the backup.
     database : str
-        The address of its answers, without a password.
-    missing, other : tuple of str
-        Media that the study had and that are not there, or not as they were.
+        The address of its database, without a password.
+    missing, changed : tuple of str
+        Media outside the backup that are missing, or differ from those of the study.
     """
 
     manifest: Manifest
     database: str
     missing: tuple[str, ...]
-    other: tuple[str, ...]
+    changed: tuple[str, ...]
 
 
 def restore(
@@ -59,40 +59,40 @@ def restore(
     *,
     on_file: OnFile = lambda _done, _total: None,
 ) -> Restored:
-    """Bring the study in `archive` back to `folder`, and its answers to the database of now.
+    """Restore the study in `archive` to `folder`, and its answers to the current database.
 
-    Everything is unpacked, checked and brought to the newest schema apart. Then it takes its
-    place, the study file last: without it, no command takes a folder for a study.
+    Everything is first unpacked, checked and migrated to the current schema in a temporary folder,
+    then moved into place. The study file is last: without it, a folder is not a study.
 
     Parameters
     ----------
     folder : StudyFolder
-        Empty or not there; the folders of its media may be there, where the backup has none.
-    on_file : callable
-        Is told how many files are done, of how many.
+        New or empty, except for folders of media if the backup has none.
 
     Raises
     ------
     InputError
-        If the backup is not whole, or there is something already where the study is to go.
+        If the backup is damaged, or the target is not empty.
     """
     root = folder.root
     existed = root.exists()
-    _require_free(root)
+    _require_empty_folder(root)
     root.mkdir(parents=True, exist_ok=True)
     try:
-        busy = InputError("another restore is at work there", where=root, remedy="Wait for its end")
+        busy = InputError(
+            "another restore is running there", where=root, remedy="Wait until it ends"
+        )
         with (
             lock_folder(root, busy=busy),
             tempfile.TemporaryDirectory(prefix=_UNFINISHED, dir=root) as draft,
         ):
-            return _restored(archive, folder, StudyFolder(Path(draft) / "study"), clock, on_file)
+            return _restore(archive, folder, StudyFolder(Path(draft) / "study"), clock, on_file)
     finally:
         if not existed and not any(root.iterdir()):
             root.rmdir()
 
 
-def _restored(
+def _restore(
     archive: Path,
     folder: StudyFolder,
     unpacked: StudyFolder,
@@ -105,10 +105,10 @@ def _restored(
         archive,
         lambda entry: unpacked.root / entry.path,
         on_file,
-        accept=lambda found: _require_fits(folder.root, found),
+        accept=lambda manifest: _require_space(folder.root, manifest),
     )
     copy = unpacked.root / DATABASE
-    require_sound(copy, manifest, archive)
+    require_intact(copy, manifest, archive)
     with found_at(archive):
         if unpacked.stimuli.exists():
             read_stimuli(unpacked.stimuli)
@@ -116,13 +116,13 @@ def _restored(
     with closing(database):
         _note_restored(database, manifest, clock)
     compact(copy)
-    _take_place(folder, unpacked, manifest, url)
-    missing, other = media_amiss(folder.root, manifest.media)
+    _move_into_place(folder, unpacked, manifest, url)
+    missing, changed = compare_media(folder.root, manifest.media)
     return Restored(
         manifest=manifest,
         database=display_address(url),
         missing=tuple(missing),
-        other=tuple(other),
+        changed=tuple(changed),
     )
 
 
@@ -132,75 +132,72 @@ def _note_restored(database: Database, manifest: Manifest, clock: Clock) -> None
         log_change(session, clock.now(), Event.RESTORED, by="", detail=detail)
 
 
-def _require_free(root: Path) -> None:
-    """Raise `InputError` unless there is nothing at `root` but folders of media."""
+def _require_empty_folder(root: Path) -> None:
+    """Raise `InputError` if there is anything but folders of media at `root`."""
     if not root.exists():
         return
     if not root.is_dir():
         raise InputError("this is not a folder", where=root, remedy="Give a new or empty folder")
-    there = sorted(path.name for path in root.iterdir() if path.name not in MEDIA)
-    if any(name.startswith(_UNFINISHED) for name in there):
+    existing = sorted(path.name for path in root.iterdir() if path.name not in MEDIA)
+    if any(name.startswith(_UNFINISHED) for name in existing):
         raise InputError(
-            f"a restore did not come to its end here, and left {listed(there)}",
+            f"an interrupted restore left {listed(existing)}",
             where=root,
             remedy="Remove these, and restore again",
         )
-    if there:
+    if existing:
         raise InputError(
-            f"the folder is not empty: {there[0]} is there",
+            f"the folder is not empty: it contains {existing[0]}",
             where=root,
-            remedy="Restore into a new folder, so that nothing that is there can be lost; only "
-            f"the folders {listed(MEDIA)} may be there before",
+            remedy=f"Restore to a new folder; only the folders {listed(MEDIA)} may exist already",
         )
 
 
-def _require_fits(root: Path, manifest: Manifest) -> None:
-    """Raise `InputError` unless there is room, and no file where one is to go."""
-    # The database is written a second time, without what was deleted.
+def _require_space(root: Path, manifest: Manifest) -> None:
+    """Raise `InputError` unless the disk has room and no file would be overwritten."""
+    # The database is written twice, the second time without deleted data.
     needed = manifest.size + sum(f.size for f in manifest.files if f.path == DATABASE)
     free = shutil.disk_usage(root).free
     if needed > free:
         raise InputError(
-            f"{as_text(needed)} are needed, and {as_text(free)} are free",
+            f"{format_size(needed)} are needed, but only {format_size(free)} are free",
             where=root,
-            remedy="Make room",
+            remedy="Free up space",
         )
     for entry in manifest.files:
         if (root / entry.path).exists():
             raise InputError(
-                "the backup has this file too",
+                "the backup also contains this file",
                 where=root / entry.path,
-                remedy="Remove it, or restore into a new folder",
+                remedy="Remove it, or restore to a new folder",
             )
 
 
-def _take_place(folder: StudyFolder, unpacked: StudyFolder, manifest: Manifest, url: str) -> None:
-    """Move what was unpacked to where it belongs; where that fails, nothing of it stays."""
+def _move_into_place(
+    folder: StudyFolder, unpacked: StudyFolder, manifest: Manifest, url: str
+) -> None:
+    """Move the unpacked files to the study; after a failure, none of them stay."""
     file = sqlite_file(url)
-    places = {
+    targets = {
         entry.path: folder.root / entry.path
         for entry in manifest.files
         if entry.path not in (DATABASE, folder.definition.name)
     }
     if file is not None:
-        places[DATABASE] = file
+        targets[DATABASE] = file
     moved: list[Path] = []
     try:
-        for path, place in places.items():
-            place.parent.mkdir(parents=True, exist_ok=True)
-            moved.append(place)
-            shutil.move(_kept_close(unpacked.root / path), place)
+        for path, target in targets.items():
+            source = unpacked.root / path
+            if source.name in _OWNER_ONLY:
+                source.chmod(0o600)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            moved.append(target)
+            shutil.move(source, target)
         if file is None:
             fill_from_copy(url, unpacked.root / DATABASE)
         unpacked.definition.rename(folder.definition)
     except BaseException:
-        for place in moved:
-            place.unlink(missing_ok=True)
+        for target in moved:
+            target.unlink(missing_ok=True)
         raise
-
-
-def _kept_close(file: Path) -> Path:
-    """Let only the owner read `file` where it is nobody else's business."""
-    if file.name in _FOR_THE_OWNER and file.exists():
-        file.chmod(0o600)
-    return file

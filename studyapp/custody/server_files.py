@@ -1,4 +1,4 @@
-"""The files of a deployment: what each is called, where it goes, and what stands in it."""
+"""The files of a deployment: their names, targets and contents."""
 
 from __future__ import annotations
 
@@ -16,43 +16,39 @@ from motion.errors import InputError
 from studyapp.custody.deployment import Deployment
 
 
-def in_unit(text: str) -> str:
-    """Return `text` for a quoted value of systemd's units; ``%`` begins a specifier there."""
-    return _behind_backslashes(" ".join(text.split())).replace("%", "%%")
+def escape_unit(text: str) -> str:
+    """Escape a quoted value of a systemd unit, where ``%`` starts a specifier."""
+    return escape_proxy(" ".join(text.split())).replace("%", "%%")
 
 
-def in_proxy(text: str) -> str:
-    """Return `text` for a quoted value of Caddy's or nginx's files."""
-    return _behind_backslashes(text)
+def escape_proxy(text: str) -> str:
+    """Escape a quoted value of a Caddy or nginx file."""
+    return text.replace("\\", "\\\\").replace('"', '\\"')
 
 
-def in_script(text: str) -> str:
-    """Return `text` for between two single quotes of a shell script."""
+def escape_script(text: str) -> str:
+    """Escape a single-quoted value of a shell script."""
     return text.replace("'", "'\\''")
 
 
-def in_sql(text: str) -> str:
-    """Return `text` for a quoted name or string of SQL."""
+def escape_sql(text: str) -> str:
+    """Escape a quoted name or string of SQL."""
     return text.replace('"', '""').replace("'", "''")
-
-
-def _behind_backslashes(text: str) -> str:
-    return text.replace("\\", "\\\\").replace('"', '\\"')
 
 
 ESCAPES: Final[Mapping[str, Callable[[str], str]]] = MappingProxyType(
     {
-        **dict.fromkeys((".service", ".timer"), in_unit),
-        **dict.fromkeys((".caddy", ".nginx"), in_proxy),
-        ".sh": in_script,
-        ".sql": in_sql,
-        # These hold nothing but values of a known alphabet.
+        **dict.fromkeys((".service", ".timer"), escape_unit),
+        **dict.fromkeys((".caddy", ".nginx"), escape_proxy),
+        ".sh": escape_script,
+        ".sql": escape_sql,
+        # Values in these files have a restricted alphabet.
         **dict.fromkeys((".env", ".conf", ".container"), str),
     }
 )
-"""How a value is written so that it stays one value, by the ending of a template.
+"""How values are escaped, by the ending of a template.
 
-Templates put a value that could hold anything within double quotes (in scripts, single ones).
+Templates put arbitrary values in double quotes (in scripts, single quotes).
 """
 
 TEMPLATES: Final = Path(__file__).parent / "templates"
@@ -60,19 +56,18 @@ TEMPLATES: Final = Path(__file__).parent / "templates"
 
 @dataclass(frozen=True, kw_only=True)
 class DeployedFile:
-    """One file.
+    """A file for a server.
 
     Attributes
     ----------
     name : str
-        By which it is asked for.
     text : str
     place : PurePosixPath or None
-        Where it goes on the server; None where it stays beside the others and is used from there.
+        Its path on the server; None if it is used from the folder of these files.
     mode : int
-        Who may read, write and run it there.
+        Its permissions.
     keeps : bool
-        Whether one that is there already stays: people write into it.
+        Whether an existing file is kept, because people edit it.
     """
 
     name: str
@@ -84,7 +79,7 @@ class DeployedFile:
 
 @dataclass(frozen=True)
 class _Kind:
-    """A kind of file: its place on the server may name attributes of the deployment."""
+    """A kind of file; braces in its place are attributes of the deployment."""
 
     name: str
     place: str = ""
@@ -126,11 +121,11 @@ KINDS: Final = (
 def deployed_files(deployment: Deployment) -> tuple[DeployedFile, ...]:
     """Return all files of `deployment`."""
     *kinds, install = (kind for kind in KINDS if kind.belongs_to(deployment))
-    installed = tuple(_made(kind, deployment) for kind in kinds)
-    return (*installed, _made(install, deployment, files=installed))
+    installed = tuple(_render(kind, deployment) for kind in kinds)
+    return (*installed, _render(install, deployment, files=installed))
 
 
-def _made(
+def _render(
     kind: _Kind, deployment: Deployment, *, files: tuple[DeployedFile, ...] = ()
 ) -> DeployedFile:
     template = kind.template or kind.name
@@ -146,7 +141,7 @@ def _made(
 
 @cache
 def _environment(ending: str) -> Environment:
-    """Return what renders templates of one kind: each value is escaped for that kind of file."""
+    """Return the environment that escapes values for files with this ending."""
     escape = ESCAPES[ending]
     return Environment(
         loader=FileSystemLoader(TEMPLATES),
@@ -155,26 +150,25 @@ def _environment(ending: str) -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
         finalize=lambda value: escape(str(value)),
-        # What is made are files of a server, of which none is HTML.
-        autoescape=False,  # noqa: S701
+        autoescape=False,  # noqa: S701 - none of the files is HTML
     )
 
 
 def write_deployment(deployment: Deployment, out: Path) -> tuple[DeployedFile, ...]:
     """Write all files of `deployment` into the folder `out`, and return them.
 
-    Each has the mode that it needs on the server from its first byte on.
+    Each is created with the permissions that it needs on the server.
 
     Raises
     ------
     InputError
-        If there is anything in the folder yet: what was changed by hand is never overwritten.
+        If the folder is not empty: files that were edited are never overwritten.
     """
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise InputError(
-            "there is something already",
+            "the folder is not empty",
             where=out,
-            remedy="Name a new folder with --out, and compare the two",
+            remedy="Choose a new folder (--out), and compare the two",
         )
     out.mkdir(parents=True, exist_ok=True)
     files = deployed_files(deployment)

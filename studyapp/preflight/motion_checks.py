@@ -16,7 +16,13 @@ from studyapp.preflight.catch_checks import catch_motion_findings
 from studyapp.preflight.finding import Finding, finding_of_error, make_finding
 from studyapp.preflight.material import Material
 from studyapp.stimuli.render_plan import study_camera
-from studyapp.stimuli.shown_motion import background_of, left_out, shown_abilities, shown_body
+from studyapp.stimuli.shown_motion import (
+    background_of,
+    left_out,
+    shown_abilities,
+    shown_body,
+    study_look,
+)
 from studyapp.study.settings.questions import is_about_face
 from studyapp.study.settings.study import Study
 
@@ -142,7 +148,8 @@ def _framing_findings(
 def _head_pixels(material: Material, clips: Sequence[MotionClip]) -> int:
     """Return the height of a head in the videos."""
     study = material.study
-    camera = study_camera(clips, study, shown_body(material.folder, study))
+    look = study_look(material.folder, study)
+    camera = study_camera(clips, look, shown_body(material.folder, study))
     distance = float(np.linalg.norm(np.subtract(camera.eye, camera.target)))
     view_height = 2 * distance * np.tan(np.radians(camera.field_of_view / 2))
     return round(float(study.video.size * _HEAD_METRES / view_height))

@@ -19,7 +19,7 @@ from studyapp.recruitment.record import count_places
 from studyapp.session.intake import current_intake
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import needs_new_version
-from studyapp.stimuli.disk_space import as_text
+from studyapp.stimuli.disk_space import format_size
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 from studyapp.study.versioning import design_digest
@@ -93,9 +93,9 @@ def _disk_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
     if free < needed + SPARE_BYTES:
         yield make_finding(
             "disk-full" if free < needed else "disk-short",
-            free=as_text(free),
+            free=format_size(free),
             participants=count_places(study),
-            needed=as_text(needed),
+            needed=format_size(needed),
         )
 
 

@@ -22,8 +22,8 @@ from studyapp.stimuli.media_probe import (
     VideoStructure,
     flaw_of,
     format_of,
+    read_metadata,
     structure_of,
-    written_in,
 )
 from studyapp.stimuli.video_copies import out_of_date
 from studyapp.study.design.trial import Content, PlannedTrial
@@ -118,7 +118,7 @@ def _metadata_findings(material: Material, by_segment: FilesBySegment) -> Iterat
     for segment, videos in by_segment.items():
         # A video without sound has no sound stream to describe.
         metadata = {
-            name: [entry for entry in written_in(video.file) if entry != _SOUND_STREAM]
+            name: [entry for entry in read_metadata(video.file) if entry != _SOUND_STREAM]
             for name, video in videos.items()
         }
         naming = {

@@ -166,7 +166,7 @@ def _playable_pairs(
                 left_out[f"Segment {pair.segment} is not in the study any more."] = None
                 continue
             scene, missing = segment_scene(
-                folder, study, segment, (pair.first, pair.second), heard=segment
+                folder, study, segment, (pair.first, pair.second), speech=segment
             )
             for condition, why in missing.items():
                 sentence = f"{wording.condition(condition)}, segment {segment.name}: {why}."

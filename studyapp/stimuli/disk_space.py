@@ -1,4 +1,4 @@
-"""Whether the disk holds what a rendering will write, found before it begins."""
+"""Whether the disk has room for a rendering, checked before it starts."""
 
 from __future__ import annotations
 
@@ -11,77 +11,72 @@ from motion.errors import InputError
 from renderer.look import Look
 from studyapp.study.media import ClipVideo, PairVideo
 
-FRAMES_LIMIT: Final = 20 * 10**9
-"""Bytes of frames that are kept where nobody says otherwise and the disk has room."""
+MAX_FRAME_BYTES: Final = 20 * 10**9
+"""Bytes of cached frames if the disk has room."""
 
-# Bytes per frame and pixel of one clip's picture: twice what a gesturing upper body takes.
-_FRAMES: Final = 0.07
+# Bytes per frame and pixel of one clip: twice those of a gesturing upper body.
+_FRAME_CACHE: Final = 0.07
 _CLIP: Final = 0.02
 _PAIR: Final = 0.03
 _SOUND: Final = 20_000
-"""Bytes per second of what is heard, with what holds it together."""
+"""Bytes per second of sound and container."""
 
 _UNITS: Final = ((10**9, "GB"), (10**6, "MB"))
 
 
 def frames_limit(folder: Path, kept: int) -> int:
-    """Return how many bytes of frames may stay: `FRAMES_LIMIT`, or half of the room there is.
+    """Return the bytes of frames to keep: `MAX_FRAME_BYTES`, or half of the free disk space.
 
     Parameters
     ----------
     folder : Path
-        A folder on the disk in question.
+        A folder on the disk.
     kept : int
-        Bytes of frames that are there already.
+        Bytes of frames that are already there.
     """
-    return min(FRAMES_LIMIT, (shutil.disk_usage(folder).free + kept) // 2)
+    return min(MAX_FRAME_BYTES, (shutil.disk_usage(folder).free + kept) // 2)
 
 
-def check_room(
+def require_space(
     folder: Path,
-    to_do: Iterable[ClipVideo | PairVideo],
+    videos: Iterable[ClipVideo | PairVideo],
     look: Look,
     *,
     sides: Collection[tuple[str, str]],
     limit: int,
     kept: int,
 ) -> None:
-    """Refuse to begin where the disk would be full before the end.
+    """Raise `InputError` if the disk would be full before the end of a rendering.
 
     Parameters
     ----------
     folder : Path
-        The study's folder.
-    to_do : iterable of ClipVideo and PairVideo
-        Videos to be made; those that they replace give their room back.
+        The study folder.
+    videos : iterable of ClipVideo and PairVideo
+        Videos to render; files that they replace are subtracted.
     look : Look
         Size and frame rate of the videos.
     sides : collection of (segment, condition)
-        Clips whose frames are written as well, since pairs are composed from them.
+        Clips whose frames are cached too, since pairs are composed of them.
     limit, kept : int
-        Bytes of frames that may stay, and that are there already.
-
-    Raises
-    ------
-    InputError
-        Saying how much is needed and how much is free.
+        Bytes of frames that may be cached, and that already are.
     """
     pixels = look.size**2 * look.frame_rate
-    videos = frames = 0.0
-    for record in to_do:
-        is_clip = isinstance(record, ClipVideo)
-        videos += record.duration * (pixels * (_CLIP if is_clip else _PAIR) + _SOUND)
-        if isinstance(record, ClipVideo) and _has_frames(record, sides):
-            frames += record.duration * pixels * _FRAMES
-        there = folder / record.file
-        videos -= there.stat().st_size if there.is_file() else 0
-    needed = max(0.0, videos) + min(frames, max(0, limit - kept))
+    video_bytes = frame_bytes = 0.0
+    for video in videos:
+        is_clip = isinstance(video, ClipVideo)
+        video_bytes += video.duration * (pixels * (_CLIP if is_clip else _PAIR) + _SOUND)
+        if isinstance(video, ClipVideo) and _has_frames(video, sides):
+            frame_bytes += video.duration * pixels * _FRAME_CACHE
+        replaced = folder / video.file
+        video_bytes -= replaced.stat().st_size if replaced.is_file() else 0
+    needed = max(0.0, video_bytes) + min(frame_bytes, max(0, limit - kept))
     free = shutil.disk_usage(folder).free
     if needed > free:
         raise InputError(
-            f"rendering may need {as_text(needed)}, and {as_text(free)} are free on this disk",
+            f"rendering may need {format_size(needed)}, but only {format_size(free)} are free",
             where=folder,
-            remedy="Make room, or make smaller videos (video.size in study.toml)",
+            remedy="Free up space, or make smaller videos (video.size in study.toml)",
         )
 
 
@@ -89,7 +84,7 @@ def _has_frames(clip: ClipVideo, sides: Collection[tuple[str, str]]) -> bool:
     return clip.speech is None and (clip.segment, clip.condition) in sides
 
 
-def as_text(size: float) -> str:
-    """Return a number of bytes as people read it."""
+def format_size(size: float) -> str:
+    """Return a number of bytes in kB, MB or GB."""
     unit, name = next(((unit, name) for unit, name in _UNITS if size >= unit), (1000, "kB"))
     return f"{size / unit:.1f} {name}"

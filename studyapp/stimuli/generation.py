@@ -1,4 +1,4 @@
-"""Making the motion of every generated condition, and motion to speech files without a study."""
+"""Generating the motion of a study's conditions, or of speech files without a study."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ from studyapp.study.settings.conditions import Condition
 
 
 class OnClip(Protocol):
-    """Shows how many clips are done, and how far the next one is."""
+    """Shows the progress of a generation."""
 
     def __call__(self, done: int, total: int, detail: str = "") -> None:
-        """Show that `done` of `total` clips are made, and a `detail` behind."""
+        """Show that `done` of `total` clips are finished, with a `detail`."""
         ...
 
 
-def unshown(done: int, total: int, detail: str = "") -> None:
-    """Show nothing."""
+def show_nothing(done: int, total: int, detail: str = "") -> None:
+    """Ignore the progress."""
 
 
-def part_shown(on_clip: OnClip, done: int, total: int, name: str) -> OnPart:
-    """Return what a generator tells how far the clip `name` is, `done` others being made."""
+def show_parts(on_clip: OnClip, done: int, total: int, name: str) -> OnPart:
+    """Return a function that shows the progress of the clip `name`, after `done` others."""
 
     def on_part(made: int, parts: int) -> None:
         on_clip(done, total, f"{name}: {100 * made // parts}%")
@@ -46,7 +46,7 @@ def part_shown(on_clip: OnClip, done: int, total: int, name: str) -> OnPart:
 
 @dataclass(frozen=True)
 class ConditionClips:
-    """The clips of one condition, as a generator that starts from them sees them."""
+    """The clips of a condition, as the source of another condition."""
 
     folder: StudyFolder
     condition: str
@@ -59,26 +59,26 @@ class ConditionClips:
             raise InputError(
                 f"condition {self.condition!r} has no motion for segment {segment_name}",
                 where=path,
-                remedy="Bring it in with 'motionjury import', or give the condition a generator",
+                remedy="Import it with 'motionjury import', or give the condition a generator",
             )
         return read_clip(path)
 
-    def paths_digest(self) -> str:
-        """Return a digest of everything `clip` can give."""
+    def digest_clips(self) -> str:
+        """Return a digest of all clips."""
         paths = [self.folder.clip(self.condition, segment.name) for segment in self.segments]
         return digest(*(path for path in paths if path.exists()))
 
 
 @dataclass(frozen=True)
 class GenerationCount:
-    """How many clips a run made and how many were there already.
+    """The result of a run.
 
     Attributes
     ----------
     made, kept : int
-        Clips.
+        Clips made by this run, and existing ones that are up to date.
     remarks : tuple of str
-        Sentences about what should be known of clips, with the condition's name.
+        Sentences about the clips of a condition.
     """
 
     made: int
@@ -87,9 +87,9 @@ class GenerationCount:
 
 
 def generate(
-    folder: StudyFolder, *, device: str = "cpu", on_clip: OnClip = unshown
+    folder: StudyFolder, *, device: str = "cpu", on_clip: OnClip = show_nothing
 ) -> GenerationCount:
-    """Make each generated clip that is missing or no longer fits its speech or settings.
+    """Generate all clips that are missing, or out of date with their speech or settings.
 
     Parameters
     ----------
@@ -98,8 +98,8 @@ def generate(
     device : {'cpu', 'cuda'}
         Where networks run.
     on_clip : callable
-        Called with (clips done, clips in all) after each clip, and with how far a clip is behind
-        that while a network makes it.
+        Called with (finished clips, all clips) after each clip, and with a detail while a network
+        generates one.
     """
     study = folder.study()
     segments = folder.segments_of(study)
@@ -108,7 +108,7 @@ def generate(
     total = len(conditions) * len(segments)
     remarks = Remarks()
     for name, condition in conditions.items():
-        settings = settings_of(folder, name, condition)
+        settings = resolve_settings(folder, name, condition)
         generator = load_generator(str(condition.generator), settings, device)
         source = ConditionClips(folder, condition.source, segments) if condition.source else None
         shared = digest(
@@ -116,7 +116,7 @@ def generate(
             generator.version,
             study.seed,
             study.video.frame_rate,
-            source.paths_digest() if source else "",
+            source.digest_clips() if source else "",
             *settings.fingerprint(),
         )
         for segment in segments:
@@ -125,10 +125,10 @@ def generate(
             imported = InputError(
                 f"this motion was imported, but condition {name!r} has a generator",
                 where=path,
-                remedy="Remove the condition's generator from study.toml to use the file, or move "
-                "the file away to generate the motion",
+                remedy="Remove the generator from study.toml to use the file, or move the file "
+                "away to generate the motion",
             )
-            if is_made_from(inputs, path, otherwise=imported):
+            if is_up_to_date(path, inputs, foreign=imported):
                 kept += 1
             else:
                 clip = generator.generate(
@@ -136,29 +136,29 @@ def generate(
                     seed=zlib.crc32(f"{study.seed}/{name}/{segment.name}".encode()),
                     frame_rate=study.video.frame_rate,
                     source=source,
-                    on_part=part_shown(on_clip, made + kept, total, f"{name}/{segment.name}"),
+                    on_part=show_parts(on_clip, made + kept, total, f"{name}/{segment.name}"),
                 )
                 write_clip(path, place(clip)[0].with_provenance(inputs=inputs))
                 made += 1
             on_clip(made + kept, total)
             if needs_model(str(condition.generator)):
-                remarks.look_at(name, segment.name, path)
+                remarks.add(name, segment.name, path)
     return GenerationCount(made=made, kept=kept, remarks=remarks.sentences())
 
 
-def is_made_from(inputs: str, path: Path, *, otherwise: InputError) -> bool:
-    """Tell whether the clip at `path` is there and was made from `inputs`.
+def is_up_to_date(path: Path, inputs: str, *, foreign: InputError) -> bool:
+    """Return whether the clip at `path` exists and was made from `inputs`.
 
     Raises
     ------
     InputError
-        `otherwise`, if no generator made it.
+        `foreign`, if the clip was not generated.
     """
     if not path.exists():
         return False
     made_from = read_clip(path).provenance.get("inputs")
     if made_from is None:
-        raise otherwise
+        raise foreign
     return made_from == inputs
 
 
@@ -171,14 +171,8 @@ def _excerpt(speech: Path, segment: Segment) -> Audio:
         raise InputError(error.what, where=where, remedy=error.remedy) from error
 
 
-def settings_of(folder: StudyFolder, name: str, condition: Condition) -> Settings:
-    """Return what condition `name` tells its generator, with paths from here.
-
-    Raises
-    ------
-    InputError
-        If one of its files is not there.
-    """
+def resolve_settings(folder: StudyFolder, name: str, condition: Condition) -> Settings:
+    """Return the settings of condition `name`, with paths relative to the study folder."""
     try:
         return condition.settings.resolved_in(folder.root)
     except InputError as error:
@@ -188,31 +182,31 @@ def settings_of(folder: StudyFolder, name: str, condition: Condition) -> Setting
 
 
 class Remarks:
-    """Collects what clips say of themselves, once for all clips of a condition that say it."""
+    """Collects remarks in clips, once for all clips of a condition."""
 
     def __init__(self) -> None:
         self._stand_ins: dict[str, dict[str, None]] = defaultdict(dict)
         self._in_parts: dict[tuple[str, str], list[str]] = defaultdict(list)
 
-    def look_at(self, condition: str, segment: str, path: Path) -> None:
-        """Take down what the clip at `path` says of stand-ins and of how its speech was heard."""
-        facts = read_clip(path).provenance
-        for stand_in in facts.get("stand_ins", "").split("; "):
+    def add(self, condition: str, segment: str, path: Path) -> None:
+        """Add the remarks of the clip at `path` on stand-ins and on long speech."""
+        provenance = read_clip(path).provenance
+        for stand_in in provenance.get("stand_ins", "").split("; "):
             if stand_in:
                 self._stand_ins[condition].setdefault(stand_in)
-        heard = facts.get("heard", "as a whole")
-        if heard != "as a whole":
-            self._in_parts[condition, heard].append(segment)
+        processed = provenance.get("heard", "as a whole")
+        if processed != "as a whole":
+            self._in_parts[condition, processed].append(segment)
 
     def sentences(self) -> tuple[str, ...]:
-        """Return a sentence for each thing to know."""
+        """Return a sentence for each remark."""
         stood_in = (
-            f"Stands in for something real: {condition}: {'; '.join(found)}"
-            for condition, found in self._stand_ins.items()
+            f"Uses stand-ins: {condition}: {'; '.join(names)}"
+            for condition, names in self._stand_ins.items()
         )
         in_parts = (
-            f"Long speech was heard {heard}: {condition}: {', '.join(segments)}"
-            for (condition, heard), segments in self._in_parts.items()
+            f"Long speech was processed {processed}: {condition}: {', '.join(segments)}"
+            for (condition, processed), segments in self._in_parts.items()
         )
         return (*stood_in, *in_parts)
 
@@ -227,48 +221,48 @@ def generate_files(
     seed: int,
     frame_rate: float,
     emotion: str,
-    on_clip: OnClip = unshown,
+    on_clip: OnClip = show_nothing,
 ) -> GenerationCount:
-    """Write a clip for each file of speech, ``<out>/<name>.npz``; clips that still fit are kept.
+    """Write a clip ``<out>/<name>.npz`` for each file of speech, unless it is up to date.
 
     Parameters
     ----------
     generator : str
-        One that needs no source.
+        A generator that needs no source.
     settings : Settings
-        What the generator takes besides speech.
+        Its settings.
     device : {'cpu', 'cuda'}
         Where a network runs.
     seed : int
-        The same for all files; each is moved to as it would be alone.
+        The seed of every clip, so that a clip does not depend on the other files.
     frame_rate : float
-        Frames per second of the clips.
+        Frame rate of the clips.
     emotion : str
-        One of `motion.segment.EMOTIONS`, for generators that move by it.
+        One of `motion.segment.EMOTIONS`, for generators that use it.
     on_clip : callable
-        As for `generate`.
+        As in `generate`.
 
     Raises
     ------
     InputError
-        If two files would make one clip, a clip in `out` was made by something else, the
-        generator starts from other motion, or a file cannot be read.
+        If two files have the same name, a clip in `out` was not generated, the generator needs a
+        source, or a file cannot be read.
     """
     if needs_source(generator):
         raise InputError(
             f"the generator {generator} changes another condition's motion",
-            remedy="Use it in a study, or name another generator",
+            remedy="Use it in a study, or choose another generator",
         )
-    twice = [name for name, count in Counter(path.stem for path in speech).items() if count > 1]
-    if twice:
+    repeated = [n for n, count in Counter(path.stem for path in speech).items() if count > 1]
+    if repeated:
         raise InputError(
-            f"two files of speech are called {twice[0]!r} and would make one clip",
-            remedy="Give them separately, with another --out each",
+            f"two files of speech have the name {repeated[0]!r}",
+            remedy="Generate them separately (--out)",
         )
-    moving = load_generator(generator, settings, device)
+    loaded = load_generator(generator, settings, device)
     shared = digest(
-        moving.name,
-        moving.version,
+        loaded.name,
+        loaded.version,
         seed,
         frame_rate,
         emotion,
@@ -280,11 +274,11 @@ def generate_files(
         target = out / f"{path.stem}.npz"
         inputs = digest(shared, path)
         foreign = InputError(
-            "this motion was made elsewhere and would be written over",
+            "this motion was not generated here and would be overwritten",
             where=target,
-            remedy="Move it away, or name another --out",
+            remedy="Move it away, or choose another folder (--out)",
         )
-        if not is_made_from(inputs, target, otherwise=foreign):
+        if not is_up_to_date(target, inputs, foreign=foreign):
             audio = read_audio(path)
             segment = Segment(
                 name=path.stem,
@@ -294,14 +288,14 @@ def generate_files(
                 speaker="unknown",
                 emotion=emotion,
             )
-            clip = moving.generate(
+            clip = loaded.generate(
                 SpeechSegment(segment=segment, audio=audio),
                 seed=seed,
                 frame_rate=frame_rate,
-                on_part=part_shown(on_clip, number - 1, len(speech), path.stem),
+                on_part=show_parts(on_clip, number - 1, len(speech), path.stem),
             )
             write_clip(target, clip.with_provenance(inputs=inputs))
             made += 1
-        remarks.look_at(generator, path.stem, target)
+        remarks.add(generator, path.stem, target)
         on_clip(number, len(speech))
     return GenerationCount(made=made, kept=len(speech) - made, remarks=remarks.sentences())

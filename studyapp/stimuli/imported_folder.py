@@ -1,7 +1,7 @@
-"""Bringing a folder of files into a study: speech, motion and finished videos, by their names.
+"""Importing a folder of speech, motion and finished videos into a study, by their names.
 
-Files in the folder itself are of the condition that is stated; those in a sub-folder are of the
-condition that it is called after.
+Files in the folder itself belong to the given condition; files in a sub-folder belong to the
+condition of its name.
 """
 
 from __future__ import annotations
@@ -36,54 +36,53 @@ TABLE: Final = ".csv"
 
 @dataclass(frozen=True, kw_only=True)
 class FolderItem:
-    """Files that come into a study together, or not at all.
+    """Files that are imported together, or not at all.
 
     Attributes
     ----------
     files : tuple of Path
-        The one that it is about comes first.
-    bring_in : callable
-        Does it, and returns what was changed on the way.
+        The main file first.
+    store : callable
+        Imports them and returns notes.
     """
 
     files: tuple[Path, ...]
-    bring_in: Callable[[], list[str]]
+    store: Callable[[], list[str]]
 
 
 def folder_items(study: StudyFolder, folder: Path, facts: RecordingFacts) -> list[FolderItem]:
-    """Return what is in `folder`, in an order in which it can be brought in: speech first.
+    """Return the items of `folder` in the order of their import, speech first.
 
     Raises
     ------
     InputError
-        If there is nothing.
+        If there are none.
     """
-    places = {folder: facts.condition}
-    for each in sorted(folder.iterdir()):
-        if each.is_dir() and not each.name.startswith("."):
-            places[each] = each.name
-    found = [_Place(study, place, condition, facts) for place, condition in places.items()]
-    items = [
-        item
-        for listed in (_Place.speech, _Place.motion, _Place.videos, _Place.others)
-        for place in found
-        for item in listed(place)
-    ]
+    conditions = {folder: facts.condition}
+    for path in sorted(folder.iterdir()):
+        if path.is_dir() and not path.name.startswith("."):
+            conditions[path] = path.name
+    sources = [_ConditionFolder(study, path, name, facts) for path, name in conditions.items()]
+    kinds = (
+        _ConditionFolder.speech,
+        _ConditionFolder.motion,
+        _ConditionFolder.videos,
+        _ConditionFolder.others,
+    )
+    items = [item for kind in kinds for source in sources for item in kind(source)]
     if not items:
-        raise InputError(
-            "there is no file to bring in", where=folder, remedy="Put files there first"
-        )
+        raise InputError("there is no file to import", where=folder, remedy="Put files there first")
     return items
 
 
-class _Place:
-    """One folder of files that belong to one condition."""
+class _ConditionFolder:
+    """A folder of files of one condition."""
 
     def __init__(
         self, study: StudyFolder, folder: Path, condition: str | None, facts: RecordingFacts
     ) -> None:
         self._study, self._condition, self._facts = study, condition, facts
-        self._left = {
+        self._remaining = {
             path.name: path
             for path in sorted(folder.iterdir())
             if path.is_file() and not path.name.startswith(".")
@@ -91,76 +90,75 @@ class _Place:
         self._folder = folder
 
     def speech(self) -> Iterator[FolderItem]:
-        """Yield what makes segments: a table with its recordings, takes, and speech alone."""
-        table = self._left.get(SEGMENTS_FILE)
+        """Yield the items that add segments: a table with its recordings, takes, speech alone."""
+        table = self._remaining.get(SEGMENTS_FILE)
         if table is not None:
-            told = {one.strip() for line in _lines(table) for one in line.split(",")}
-            named = [path for path in self._of(SPEECH_ENDINGS) if path.name in told]
-            files = self._taken([table, *named])
-            yield FolderItem(
-                files=files, bring_in=partial(import_speech, self._study, self._folder)
-            )
-        for speech in self._of(SPEECH_ENDINGS):
-            motion = next((one for one in self._moving() if one.stem == speech.stem), None)
-            files = self._taken([*([motion] if motion else []), speech, *self._beside(speech)])
-            yield FolderItem(files=files, bring_in=partial(self._bring_take, motion, speech))
+            lines = table.read_text("utf-8", errors="replace").splitlines()
+            cells = {cell.strip() for line in lines for cell in line.split(",")}
+            named = [path for path in self._with_ending(SPEECH_ENDINGS) if path.name in cells]
+            store = partial(import_speech, self._study, self._folder)
+            yield FolderItem(files=self._take([table, *named]), store=store)
+        for speech in self._with_ending(SPEECH_ENDINGS):
+            motion = next((file for file in self._motion_files() if file.stem == speech.stem), None)
+            files = [*([motion] if motion else []), speech, *self._companions(speech)]
+            store = partial(self._store_take, motion, speech)
+            yield FolderItem(files=self._take(files), store=store)
 
     def motion(self) -> Iterator[FolderItem]:
-        """Yield motion of segments that the study has then."""
-        for motion in self._moving():
-            files = self._taken([motion, *self._beside(motion)])
-            yield FolderItem(files=files, bring_in=partial(self._bring_clip, motion))
+        """Yield motion of segments that exist by then."""
+        for motion in self._motion_files():
+            files = self._take([motion, *self._companions(motion)])
+            yield FolderItem(files=files, store=partial(self._store_clip, motion))
 
     def videos(self) -> Iterator[FolderItem]:
         """Yield finished videos."""
-        for video in self._of((VIDEO_ENDING,)):
-            bring_in = partial(self._bring_video, video)
-            yield FolderItem(files=self._taken([video]), bring_in=bring_in)
+        for video in self._with_ending((VIDEO_ENDING,)):
+            yield FolderItem(files=self._take([video]), store=partial(self._store_video, video))
 
     def others(self) -> Iterator[FolderItem]:
-        """Yield what is nothing of these."""
-        for path in list(self._left.values()):
-            yield FolderItem(files=self._taken([path]), bring_in=partial(_refuse_unknown, path))
+        """Yield all other files, which are refused."""
+        for path in list(self._remaining.values()):
+            yield FolderItem(files=self._take([path]), store=partial(_refuse_unknown, path))
 
-    def _of(self, endings: Sequence[str]) -> list[Path]:
-        return [path for path in self._left.values() if path.suffix.lower() in endings]
+    def _with_ending(self, endings: Sequence[str]) -> list[Path]:
+        return [path for path in self._remaining.values() if path.suffix.lower() in endings]
 
-    def _moving(self) -> list[Path]:
-        tables = [path for path in self._of((TABLE,)) if is_joint_table(path)]
-        return [*self._of(MOTION_ENDINGS), *tables]
+    def _motion_files(self) -> list[Path]:
+        tables = [path for path in self._with_ending((TABLE,)) if is_joint_table(path)]
+        return [*self._with_ending(MOTION_ENDINGS), *tables]
 
-    def _beside(self, path: Path) -> list[Path]:
-        return [one for one in self._of(COMPANION_ENDINGS) if one.stem == path.stem]
+    def _companions(self, path: Path) -> list[Path]:
+        return [file for file in self._with_ending(COMPANION_ENDINGS) if file.stem == path.stem]
 
-    def _taken(self, files: Sequence[Path]) -> tuple[Path, ...]:
+    def _take(self, files: Sequence[Path]) -> tuple[Path, ...]:
         for path in files:
-            self._left.pop(path.name, None)
+            self._remaining.pop(path.name, None)
         return tuple(dict.fromkeys(files))
 
-    def _bring_take(self, motion: Path | None, speech: Path) -> list[str]:
+    def _store_take(self, motion: Path | None, speech: Path) -> list[str]:
         facts = self._facts
         if facts.speaker is None or facts.emotion is None:
             raise InputError(
-                "nothing says who speaks, and with which emotion",
+                "the speaker and the emotion are unknown",
                 where=speech,
                 remedy="Name the speaker and the emotion (--speaker, --emotion), or put a "
                 f"{SEGMENTS_FILE} beside it that does",
             )
-        told = vars(facts) | {"condition": motion and self._named_condition(motion)}
-        take = Take(**told, motion=motion, speech=speech)
+        condition = motion and self._require_condition(motion)
+        take = Take(**vars(facts) | {"condition": condition}, motion=motion, speech=speech)
         return import_take(self._study, take)[1]
 
-    def _bring_clip(self, motion: Path) -> list[str]:
-        condition = self._named_condition(motion)
+    def _store_clip(self, motion: Path) -> list[str]:
+        condition = self._require_condition(motion)
         return import_clips(self._study, [motion], condition, self._facts)
 
-    def _bring_video(self, video: Path) -> list[str]:
-        return import_video(self._study, video, self._named_condition(video))
+    def _store_video(self, video: Path) -> list[str]:
+        return import_video(self._study, video, self._require_condition(video))
 
-    def _named_condition(self, path: Path) -> str:
+    def _require_condition(self, path: Path) -> str:
         if self._condition is None:
             raise InputError(
-                "nothing says of which condition this is",
+                "the condition is unknown",
                 where=path,
                 remedy="Name its condition (--condition), or put it into a folder of that name",
             )
@@ -173,33 +171,40 @@ def import_video(study: StudyFolder, video: Path, condition: str) -> list[str]:
     Returns
     -------
     list of str
-        What was changed on the way.
+        Notes for the researcher.
 
     Raises
     ------
     InputError
-        If it cannot be played, is of another length than its segment, belongs to no segment or
-        to a condition of motion, or the condition has another video for the segment.
+        If the video cannot be played, has no segment or another length, or its condition has
+        motion or another video for the segment.
     """
     definition = study.study()
     check_name(condition, "condition")
     is_known = condition in (*definition.conditions, definition.catch.condition)
     if is_known and not definition.is_finished(condition):
         raise InputError(
-            f"condition {condition!r} has motion, no finished videos",
+            f"condition {condition!r} has motion instead of finished videos",
             where=study.definition,
-            remedy="Bring the video in under another condition, or write videos = true for this "
-            "one first",
+            remedy="Import the video under another condition, or set videos = true for this one "
+            "first",
         )
-    # A segment, or a segment with another one's speech: no name holds an @.
+    # A segment, or a segment with the speech of another one; names contain no @.
     names = [check_name(name, "segment", video) for name in video.stem.split("@", 1)]
-    _check_video(video, _seconds(study, names, video))
+    # Only the design knows whether it needs sound, which 'check' tests.
+    if flaw := flaw_of(video, _expected_seconds(study, names, video), sound=False):
+        raise InputError(
+            f"the video {flaw.what}",
+            where=video,
+            remedy="Provide it as H.264 and AAC in MP4; lengths may differ by "
+            f"{DURATION_TOLERANCE} s",
+        )
     stored = study.videos / condition / f"{video.stem}{VIDEO_ENDING}"
     if stored.is_file() and not filecmp.cmp(stored, video, shallow=False):
         raise InputError(
-            f"condition {condition!r} has another video for segment {video.stem} already",
+            f"condition {condition!r} already has another video for segment {video.stem}",
             where=stored,
-            remedy="Bring this one in under another condition, or remove that file first",
+            remedy="Import this one under another condition, or remove that file first",
         )
     if not is_known:
         add_condition(study.definition, condition, videos=True)
@@ -208,40 +213,25 @@ def import_video(study: StudyFolder, video: Path, condition: str) -> list[str]:
     return [] if is_known else [f"{study.definition.name}: condition {condition!r} added"]
 
 
-def _seconds(study: StudyFolder, names: Sequence[str], video: Path) -> float:
-    """Return how long a video should be: as its segment where the study has speech."""
+def _expected_seconds(study: StudyFolder, names: Sequence[str], video: Path) -> float:
+    """Return the length of a video's segment, or its own without speech."""
     if not (study.speech / SEGMENTS_FILE).exists():
         return video_duration(video)
-    segments: Mapping[str, float] = {one.name: one.duration for one in study.segments()}
+    segments: Mapping[str, float] = {item.name: item.duration for item in study.segments()}
     for name in names:
         if name not in segments:
             raise InputError(
-                f"no segment is called {name!r}",
+                f"there is no segment {name!r}",
                 where=video,
                 remedy=f"Name the file after its segment ({', '.join(list(segments)[:3])}, …)",
             )
     return segments[names[0]]
 
 
-def _check_video(video: Path, seconds: float) -> None:
-    # Whether it needs sound, only the design tells: 'check' does.
-    if flaw := flaw_of(video, seconds, sound=False):
-        raise InputError(
-            f"the video {flaw.what}",
-            where=video,
-            remedy="Bring it as H.264 and AAC in MP4; lengths may differ by "
-            f"{DURATION_TOLERANCE} s",
-        )
-
-
 def _refuse_unknown(path: Path) -> list[str]:
     raise InputError(
-        "this is neither speech, motion nor a finished video, nor named after one that lies here",
+        "this is neither speech, motion nor a finished video, nor a companion of one",
         where=path,
-        remedy=f"Bring motion as {', '.join(MOTION_ENDINGS)} or a table of joints, speech as "
+        remedy=f"Provide motion as {', '.join(MOTION_ENDINGS)} or a table of joints, speech as "
         f"{', '.join(SPEECH_ENDINGS)}, videos as {VIDEO_ENDING}",
     )
-
-
-def _lines(table: Path) -> list[str]:
-    return table.read_text("utf-8", errors="replace").splitlines()

@@ -1,4 +1,4 @@
-"""Whether a video is what it should be, and how it is encoded, found by opening it."""
+"""Flaws and encoding of a video, found by opening it."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ DURATION_TOLERANCE: Final = 0.1
 """Seconds by which a video may be longer or shorter than its segment."""
 
 
-def _opened(video: Path) -> InputContainer:
+def _open(video: Path) -> InputContainer:
     return av.open(str(video), options=dict(WHOLE_FORMATS))
 
 
 def _has_picture(container: InputContainer) -> bool:
-    """Tell whether a picture can be decoded; of a file that is cut off early, none can."""
+    """Return whether a picture can be decoded, which fails for truncated files."""
     return any(stream.codec_context is not None for stream in container.streams.video[:1])
 
 
@@ -35,47 +35,47 @@ FlawKind = Literal["video-damaged", "sound-missing", "video-length"]
 
 @dataclass(frozen=True)
 class Flaw:
-    """What is wrong with a video, as 'check' calls it, and in words that follow its name."""
+    """A flaw of a video: the name of its finding, and a predicate of the video."""
 
     kind: FlawKind
     what: str
 
 
 def flaw_of(video: Path, seconds: float, *, sound: bool = True) -> Flaw | None:
-    """Return what is wrong with a video that should last `seconds`; None where nothing is.
+    """Return the flaw of a video that should last `seconds`; None if there is none.
 
-    Its index is read and its first frame decoded, not the whole of it.
+    Only the index and the first frame are read.
 
     Parameters
     ----------
     video : Path
         Any file.
     seconds : float
-        May be missed by `DURATION_TOLERANCE`.
+        The expected length, within `DURATION_TOLERANCE`.
     sound : bool
         Whether it must have sound.
     """
     try:
-        with _opened(video) as container:
+        with _open(video) as container:
             if "mp4" not in container.format.name:
-                return Flaw("video-damaged", "is no MP4")
+                return Flaw("video-damaged", "is not an MP4 file")
             if not container.streams.video:
                 return Flaw("video-damaged", "has no picture")
             if sound and not container.streams.audio:
                 return Flaw("sound-missing", "has no sound")
-            lasts = (container.duration or 0) / av.time_base
-            if abs(lasts - seconds) > DURATION_TOLERANCE:
-                return Flaw("video-length", f"lasts {lasts:.2f} s, its segment {seconds:.2f} s")
+            duration = (container.duration or 0) / av.time_base
+            if abs(duration - seconds) > DURATION_TOLERANCE:
+                return Flaw("video-length", f"lasts {duration:.2f} s, its segment {seconds:.2f} s")
             if next(container.decode(video=0), None) is None:
                 return Flaw("video-damaged", "has no frame")
     except _UNREADABLE:
-        return Flaw("video-damaged", "cannot be played: it is damaged or no video")
+        return Flaw("video-damaged", "cannot be played: it is damaged or not a video")
     return None
 
 
 @dataclass(frozen=True, kw_only=True)
 class VideoFormat:
-    """How a video is encoded, as far as a browser can tell.
+    """The encoding of a video, as far as browsers can tell.
 
     Attributes
     ----------
@@ -84,9 +84,9 @@ class VideoFormat:
     frame_rate : float
         Frames per second.
     picture : str
-        Codec and profile, and how colours are stored.
+        Codec, profile and pixel format.
     sound : str
-        Codec, samples per second and channels; empty where there is none.
+        Codec, sample rate and channels; empty without sound.
     """
 
     WORDS: ClassVar[Mapping[str, str]] = MappingProxyType(
@@ -97,7 +97,7 @@ class VideoFormat:
             "sound": "how the sound is encoded",
         }
     )
-    """What must be the same in videos that can stand beside each other."""
+    """Must be the same in all videos shown side by side."""
 
     width: int
     height: int
@@ -112,7 +112,7 @@ class VideoFormat:
 
     @property
     def unplayable(self) -> str | None:
-        """Why not every browser plays it; None where all do."""
+        """Why not every browser plays it; None if all do."""
         if not self.picture.startswith("h264") or not self.picture.endswith("420p"):
             return f"is encoded as {self.picture}, which not every browser plays"
         if self.sound and not self.sound.startswith("aac"):
@@ -121,7 +121,7 @@ class VideoFormat:
 
     @classmethod
     def rendered(cls, size: int, frame_rate: int) -> Self:
-        """Return the format of the videos that are rendered."""
+        """Return the format of rendered videos."""
         return cls(
             width=size,
             height=size,
@@ -132,15 +132,15 @@ class VideoFormat:
 
 
 def format_of(video: Path) -> VideoFormat | None:
-    """Return how a video is encoded; None where it cannot be opened or has no picture."""
-    with suppress(*_UNREADABLE), _opened(video) as container:
+    """Return the encoding of a video; None if it cannot be opened or has no picture."""
+    with suppress(*_UNREADABLE), _open(video) as container:
         if not _has_picture(container):
             return None
         picture: Any = container.streams.video[0]
-        heard: Any = next(iter(container.streams.audio), None)
+        audio: Any = next(iter(container.streams.audio), None)
         sound = ""
-        if heard is not None:
-            sound = f"{heard.codec_context.name} {heard.sample_rate} Hz {heard.layout.name}"
+        if audio is not None:
+            sound = f"{audio.codec_context.name} {audio.sample_rate} Hz {audio.layout.name}"
         return VideoFormat(
             width=picture.width,
             height=picture.height,
@@ -153,19 +153,18 @@ def format_of(video: Path) -> VideoFormat | None:
 
 @dataclass(frozen=True, kw_only=True)
 class VideoStructure:
-    """What the index of a video tells of how it was encoded; no browser shows it.
+    """What the index of a video reveals of its encoding; no browser shows it.
 
     Attributes
     ----------
     settings : bytes
-        What decoders of picture and sound are set up with.
+        Configuration of the decoders of picture and sound.
     pictures : int
-        How many there are.
+        Number of pictures.
     order : tuple of (int, bool)
-        Of each picture as they are stored: its place as they are shown, and whether it can be
-        decoded on its own.
+        For each stored picture, its index in presentation order, and whether it is a keyframe.
     sounds : int
-        How many pieces the sound is encoded in; 0 without sound.
+        Number of packets of sound.
     """
 
     WORDS: ClassVar[Mapping[str, str]] = MappingProxyType(
@@ -176,7 +175,7 @@ class VideoStructure:
             "sounds": "how long the sound lasts",
         }
     )
-    """What should be the same in videos that can stand beside each other."""
+    """Should be the same in all videos shown side by side."""
 
     settings: bytes
     pictures: int
@@ -185,8 +184,8 @@ class VideoStructure:
 
 
 def structure_of(video: Path) -> VideoStructure | None:
-    """Return what the index of a video tells; None where it cannot be opened or has no picture."""
-    with suppress(*_UNREADABLE), _opened(video) as container:
+    """Return the structure of a video; None if it cannot be opened or has no picture."""
+    with suppress(*_UNREADABLE), _open(video) as container:
         if not _has_picture(container):
             return None
         streams: list[Any] = [*container.streams.video[:1], *container.streams.audio[:1]]
@@ -202,12 +201,11 @@ def structure_of(video: Path) -> VideoStructure | None:
     return None
 
 
-def written_in(video: Path) -> tuple[str, ...]:
-    """Return what a video's file says of itself: brands, titles, comments, names of streams."""
+def read_metadata(video: Path) -> tuple[str, ...]:
+    """Return the metadata of a video's file: brands, titles, comments, names of streams."""
     try:
-        with _opened(video) as container:
+        with _open(video) as container:
             tables = [container.metadata, *(stream.metadata for stream in container.streams)]
     except _UNREADABLE:
         return ()
-    said = [f"{key}: {value}" for table in tables for key, value in table.items()]
-    return tuple(sorted(said))
+    return tuple(sorted(f"{key}: {value}" for table in tables for key, value in table.items()))

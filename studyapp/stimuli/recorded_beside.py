@@ -1,4 +1,4 @@
-"""What lies beside recorded motion under its name: a face, words, semantic scores."""
+"""Companion files of recorded motion, of the same name: face, transcript, semantic scores."""
 
 from __future__ import annotations
 
@@ -27,55 +27,42 @@ _SEMANTIC = ".txt"
 
 
 def read_recorded(path: Path, **options: Any) -> tuple[MotionClip, list[str]]:
-    """Return recorded motion with the face beside it, and what was noted of both."""
+    """Return recorded motion with the face in its companion file, and notes on both."""
     clip = read_motion(path, **options)
     note = clip.provenance.get("notes", "")
-    clip, face_notes = _with_face_beside(clip, path)
+    clip, face_notes = _add_face(clip, path)
     return clip, [*([f"{path.name}: {note}"] if note else []), *face_notes]
 
 
-def _with_face_beside(clip: MotionClip, path: Path) -> tuple[MotionClip, list[str]]:
-    """Return `clip` with the face that a recording has beside it, and what there is to say of it.
+def _add_face(clip: MotionClip, path: Path) -> tuple[MotionClip, list[str]]:
+    """Return `clip` with the face of its JSON file, and notes.
 
-    BEAT and those who generate in its format keep a take's face in a JSON file of the same name.
-
-    Parameters
-    ----------
-    clip : MotionClip
-        A motion; one that has a face is returned as it is.
-    path : Path
-        The file that it was read from.
-
-    Returns
-    -------
-    MotionClip
-        Frames behind the face's last one hold that.
-    list of str
-        For the researcher to read; a file that is no face is left out and named.
+    BEAT, and generators that use its format, store a take's face in a JSON file of the same name.
+    A clip that has a face is returned unchanged; after the last frame, the face stays still.
     """
-    beside = path.with_suffix(".json")
-    if clip.arkit is not None or clip.expressions is not None or not beside.is_file():
+    companion = path.with_suffix(".json")
+    if clip.arkit is not None or clip.expressions is not None or not companion.is_file():
         return clip, []
     try:
-        face = read_arkit_json(beside, clip.frame_rate)
+        face = read_arkit_json(companion, clip.frame_rate)
     except InputError as error:
-        return clip, _left_out(beside, path, error)
-    shown = face[np.minimum(np.arange(len(clip)), len(face) - 1)]
-    return replace(clip, arkit=shown), [f"{path.name}: the face is that of {beside.name}"]
+        return clip, _left_out(companion, path, error)
+    frames = face[np.minimum(np.arange(len(clip)), len(face) - 1)]
+    return replace(clip, arkit=frames), [f"{path.name}: the face is from {companion.name}"]
 
 
-def with_words_beside(
+def add_transcripts(
     segments: Sequence[Segment], motion: Path, audio: Audio
 ) -> tuple[list[Segment], list[str]]:
-    """Return the segments of a take with what is said in each, and what there is to say of it.
+    """Return the segments of a take with their transcripts, and notes.
 
     Parameters
     ----------
     segments : sequence of Segment
-        In seconds of the take.
+        With times relative to the take.
     motion : Path
-        The take's motion; its transcript has the same name and is a TextGrid, a table of words or
-        plain text, which is spread over the speech where the take is cut.
+        The take's motion. Its transcript of the same name is a TextGrid, a table of words, or
+        plain text, whose words are spread over the speech if the take is cut.
     audio : Audio
         The take's speech.
     """
@@ -84,46 +71,48 @@ def with_words_beside(
         for path in sorted(motion.parent.iterdir())
         if path.stem == motion.stem
     }
-    beside = preferred_transcript(files.get)
-    if beside is None:
+    companion = preferred_transcript(files.get)
+    if companion is None:
         return list(segments), []
     try:
-        words = read_transcript(beside, audio)
-        if len(segments) == 1 and beside.suffix == _PLAIN:
-            said = [" ".join(beside.read_text(encoding="utf-8-sig").split())]
+        words = read_transcript(companion, audio)
+        if len(segments) == 1 and companion.suffix == _PLAIN:
+            texts = [" ".join(companion.read_text(encoding="utf-8-sig").split())]
         else:
-            said = [
-                " ".join(w.text for w in words if one.start <= (w.start + w.end) / 2 < one.end)
-                for one in segments
+            texts = [
+                " ".join(w.text for w in words if item.start <= (w.start + w.end) / 2 < item.end)
+                for item in segments
             ]
     except InputError as error:
-        return list(segments), _left_out(beside, motion, error)
-    told = [replace(one, transcript=text) for one, text in zip(segments, said, strict=True)]
-    return told, [f"{motion.name}: the words are those of {beside.name}"]
+        return list(segments), _left_out(companion, motion, error)
+    transcribed = [
+        replace(segment, transcript=text) for segment, text in zip(segments, texts, strict=True)
+    ]
+    return transcribed, [f"{motion.name}: the transcript is from {companion.name}"]
 
 
-def semantics_beside(
+def cut_semantics(
     segments: Sequence[Segment], motion: Path
 ) -> tuple[dict[str, tuple[SemanticSpan, ...]], list[str]]:
-    """Return which gestures of each segment mean something, and what there is to say of it.
+    """Return the semantic scores of each segment of a take, and notes.
 
     Parameters
     ----------
     segments : sequence of Segment
-        In seconds of the take.
+        With times relative to the take.
     motion : Path
-        The take's motion; BEAT's semantic scores lie beside it in a text of the same name.
+        The take's motion; BEAT's semantic scores are in a text file of the same name.
     """
-    beside = motion.with_suffix(_SEMANTIC)
-    if not beside.is_file():
+    companion = motion.with_suffix(_SEMANTIC)
+    if not companion.is_file():
         return {}, []
     try:
-        spans = read_semantic_scores(beside)
+        spans = read_semantic_scores(companion)
     except InputError as error:
-        return {}, _left_out(beside, motion, error)
-    scores = {one.name: cut_semantic_scores(spans, one.start, one.end) for one in segments}
-    return scores, [f"{motion.name}: the semantic scores are those of {beside.name}"]
+        return {}, _left_out(companion, motion, error)
+    scores = {item.name: cut_semantic_scores(spans, item.start, item.end) for item in segments}
+    return scores, [f"{motion.name}: the semantic scores are from {companion.name}"]
 
 
-def _left_out(beside: Path, motion: Path, error: InputError) -> list[str]:
-    return [f"{beside.name} lies beside {motion.name} and is left out: {error.what}"]
+def _left_out(companion: Path, motion: Path, error: InputError) -> list[str]:
+    return [f"{companion.name}, beside {motion.name}, is left out: {error.what}"]

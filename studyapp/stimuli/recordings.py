@@ -1,4 +1,4 @@
-"""Bringing recorded or generated motion into a study."""
+"""Importing speech and motion into a study."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from motion.placement import place
 from motion.resample import cut
 from motion.segment import Segment, check_name
 from studyapp.stimuli.recorded_beside import (
+    add_transcripts,
+    cut_semantics,
     read_recorded,
-    semantics_beside,
-    with_words_beside,
 )
 from studyapp.stimuli.shown_motion import SEGMENT_TOLERANCE, check_same_length, licensed_hands
 from studyapp.stimuli.stored_speech import (
-    check_no_clash,
-    check_same_speech,
-    known_segments,
+    existing_segments,
+    require_same_speech,
+    require_same_times,
     store_segments,
 )
 from studyapp.study.folder import StudyFolder
@@ -37,25 +37,25 @@ from studyapp.study.settings.study import Study
 from studyapp.study.study_file import add_condition
 
 TAKE_TOLERANCE: Final = 1.0
-"""Seconds by which the ends of a take's motion and speech may differ; it is cut to the shorter."""
+"""Seconds by which a take's motion and speech may differ in length; the longer one is cut."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RecordingFacts:
-    """What files of recordings do not say themselves.
+    """What files of recordings do not state themselves.
 
     Attributes
     ----------
     condition : str or None
-        What their motion belongs to.
+        The condition of the motion.
     speaker, emotion : str or None
-        What their segments are.
+        Speaker and emotion of the segments.
     segment_seconds : float or None
-        Length of the segments that each is cut into; None keeps it whole.
+        Length of segments; None keeps a take in one piece.
     frame_rate : float or None
-        Overrides what motion files say of their frame rate.
+        Overrides the frame rate of motion files.
     as_recorded : bool
-        Whether hands of a BVH stay where they come to lie inside the body.
+        Keep the hands of a BVH where they are, even inside the body.
     joint_map : mapping of str to str, optional
         For a BVH of an unknown skeleton, see `motion.formats.read_motion`.
     """
@@ -71,14 +71,14 @@ class RecordingFacts:
 
 @dataclass(frozen=True, kw_only=True)
 class Take(RecordingFacts):
-    """A recording of speech, mostly with motion, and what to make of it.
+    """A take to import.
 
     Attributes
     ----------
     motion : Path or None
-        In any format the project reads; None of speech alone.
+        The motion file; None for speech alone.
     speech : Path
-        In any format the project reads.
+        The recording.
     """
 
     motion: Path | None
@@ -90,62 +90,62 @@ class Take(RecordingFacts):
 def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[str]]:
     """Cut a take into segments, and store their speech and motion in the study.
 
-    Nothing is written before everything has been read and checked.
+    Nothing is written before everything was read and checked.
 
     Returns
     -------
     segments : list of Segment
-        The segments that the take gave.
+        The segments of the take.
     notes : list of str
-        What was changed on the way, for the researcher to read.
+        Changes made while reading, for the researcher.
 
     Raises
     ------
     InputError
-        If a file cannot be used, the two do not belong together, the condition's motion is
-        generated or another one, or a segment of the same name but another place or other speech
-        exists.
+        If a file cannot be used, motion and speech do not belong together, the condition is
+        generated or has other motion, or a segment of the same name exists with other times or
+        other speech.
     """
     study = folder.study()
     if take.condition is not None:
-        _check_condition(study, take.condition, folder)
+        _require_imported(study, take.condition, folder)
     check_name(take.speech.stem, "segment", take.speech)
     audio = read_audio(take.speech, sample_rate=None)
-    clip, seconds, motion_notes = _motion_of(folder, study, take, audio)
+    clip, seconds, motion_notes = _take_motion(folder, study, take, audio)
     notes = [*audio.notes, *motion_notes]
-    segments = _cut_points(take, seconds)
-    rest = seconds - segments[-1].end
-    if rest > SEGMENT_TOLERANCE:
+    segments = _make_segments(take, seconds)
+    remainder = seconds - segments[-1].end
+    if remainder > SEGMENT_TOLERANCE:
         notes.append(
-            f"{take.speech.name}: the last {rest:.1f} s make no whole segment and are left out"
+            f"{take.speech.name}: the last {remainder:.1f} s, shorter than a segment, are left out"
         )
     named = take.motion or take.speech
-    segments, word_notes = with_words_beside(segments, named, audio)
-    semantics, semantic_notes = semantics_beside(segments, named)
-    notes += [*word_notes, *semantic_notes]
-    known = known_segments(folder)
-    check_no_clash(known, segments, folder)
-    check_same_speech(folder.speech / segments[0].wav, audio)
+    segments, transcript_notes = add_transcripts(segments, named, audio)
+    semantics, semantic_notes = cut_semantics(segments, named)
+    notes += [*transcript_notes, *semantic_notes]
+    existing = existing_segments(folder)
+    require_same_times(existing, segments, folder)
+    require_same_speech(folder.speech / segments[0].wav, audio)
     clips = {}
     if clip is not None and take.condition is not None:
-        clips = {one.name: _placed_cut(clip, one.start, one.end) for one in segments}
-        _check_no_other_motion(folder, take.condition, clips)
+        clips = {item.name: _cut_and_place(clip, item.start, item.end) for item in segments}
+        _require_same_motion(folder, take.condition, clips)
 
     write_wav(folder.speech / segments[0].wav, replace(audio, notes=()))
-    for name, piece in clips.items():
-        write_clip(folder.clip(str(take.condition), name), piece)
+    for name, excerpt in clips.items():
+        write_clip(folder.clip(str(take.condition), name), excerpt)
     for name, spans in semantics.items():
         write_semantic_scores(folder.semantics(name), spans)
-    segments = store_segments(folder, known, segments)
+    segments = store_segments(folder, existing, segments)
     if take.condition is not None:
-        notes += _add_if_new(folder, study, take.condition)
+        notes += _add_new_condition(folder, study, take.condition)
     return segments, notes
 
 
 def import_clips(
     folder: StudyFolder, motions: Sequence[Path], condition: str, facts: RecordingFacts
 ) -> list[str]:
-    """Store motion made elsewhere for segments the study already has.
+    """Store motion files for existing segments.
 
     Parameters
     ----------
@@ -154,23 +154,23 @@ def import_clips(
     motions : sequence of Path
         Motion files, each named after its segment.
     condition : str
-        The condition they belong to; added to the study file where it is new.
+        Their condition, which is added to the study file if it is new.
     facts : RecordingFacts
-        How they are to be read.
+        How to read them.
 
     Returns
     -------
     list of str
-        What was changed on the way.
+        Changes made while reading.
 
     Raises
     ------
     InputError
-        If a file belongs to no segment, two belong to the same, one is more than 0.1 s longer or
-        shorter than its speech, or the condition's motion is generated or another one.
+        If a file has no segment, two have the same, one differs from its speech by more than
+        0.1 s, or the condition is generated or has other motion.
     """
     study = folder.study()
-    _check_condition(study, condition, folder)
+    _require_imported(study, condition, folder)
     segments = {segment.name: segment for segment in folder.segments()}
     mean_hands = licensed_hands(folder, study)
     clips, notes = {}, []
@@ -178,32 +178,32 @@ def import_clips(
         segment = segments.get(path.stem)
         if segment is None:
             raise InputError(
-                f"no segment is called {path.stem!r}",
+                f"there is no segment {path.stem!r}",
                 where=path,
                 remedy="Name the file after its segment ("
                 + ", ".join(list(segments)[:3])
-                + ", …), or bring its recording along, as a new take (--speech)",
+                + ", …), or import its recording too, as a new take (--speech)",
             )
         if segment.name in clips:
             raise InputError(
-                f"two of the files are called {path.stem!r}",
+                f"two of the files have the name {path.stem!r}",
                 where=path,
-                remedy="Give one motion for each segment",
+                remedy="Give one motion file for each segment",
             )
         clip, motion_notes = _read(path, facts, mean_hands)
         check_same_length(clip, segment, path)
         notes += motion_notes
-        clips[segment.name] = _placed_cut(clip, 0.0, min(clip.duration, segment.duration))
-    _check_no_other_motion(folder, condition, clips)
+        clips[segment.name] = _cut_and_place(clip, 0.0, min(clip.duration, segment.duration))
+    _require_same_motion(folder, condition, clips)
     for name, clip in clips.items():
         write_clip(folder.clip(condition, name), clip)
-    return notes + _add_if_new(folder, study, condition)
+    return notes + _add_new_condition(folder, study, condition)
 
 
-def _motion_of(
+def _take_motion(
     folder: StudyFolder, study: Study, take: Take, audio: Audio
 ) -> tuple[MotionClip | None, float, list[str]]:
-    """Return a take's motion, how many seconds can be used, and notes; None of speech alone."""
+    """Return a take's motion, if any, its usable length, and notes."""
     if take.motion is None:
         return None, audio.duration, []
     clip, notes = _read(take.motion, take, licensed_hands(folder, study))
@@ -223,24 +223,24 @@ def _read(
     )
 
 
-def _placed_cut(clip: MotionClip, start: float, end: float) -> MotionClip:
-    """Return an excerpt that is placed by its own frames, whatever it was cut from.
+def _cut_and_place(clip: MotionClip, start: float, end: float) -> MotionClip:
+    """Return an excerpt that is placed by its own frames.
 
-    A segment would otherwise show whether its condition came as whole takes or as segments.
+    Otherwise a segment would reveal whether its condition was imported as takes or as segments.
     """
     return place(cut(clip, start, end))[0]
 
 
 def _common_length(motion: Path, audio: Audio, clip: MotionClip) -> tuple[float, list[str]]:
-    """Return how many seconds of a take have both motion and speech."""
+    """Return the seconds of a take with both motion and speech, and notes."""
     difference = abs(audio.duration - clip.duration)
     lengths = f"the motion lasts {clip.duration:.2f} s, the speech {audio.duration:.2f} s"
     if difference > TAKE_TOLERANCE:
         raise InputError(
             lengths,
             where=motion,
-            remedy=f"A take's ends may differ by {TAKE_TOLERANCE} s: check that the files belong "
-            "together and that the frame rate is right (--fps)",
+            remedy=f"They may differ by {TAKE_TOLERANCE} s: check that the files belong together "
+            "and that the frame rate is right (--fps)",
         )
     seconds = min(audio.duration, clip.duration)
     if difference <= 1e-3:
@@ -248,14 +248,14 @@ def _common_length(motion: Path, audio: Audio, clip: MotionClip) -> tuple[float,
     return seconds, [f"{motion.name}: {lengths}; cut to the common {seconds:.2f} s"]
 
 
-def _cut_points(take: Take, seconds: float) -> list[Segment]:
-    """Return the segments of a take whose first `seconds` can be used."""
+def _make_segments(take: Take, seconds: float) -> list[Segment]:
+    """Return the segments of a take with `seconds` of usable motion and speech."""
     length = take.segment_seconds if take.segment_seconds is not None else seconds
     if not length <= seconds + 1e-6:
         raise InputError(
-            f"the take has {seconds:.1f} s, too short for a segment of {length:g} s",
+            f"the take lasts {seconds:.1f} s, too short for a segment of {length:g} s",
             where=take.motion or take.speech,
-            remedy="Choose a shorter length of segments (--segment)",
+            remedy="Choose shorter segments (--segment)",
         )
     count = int(seconds / length + 1e-6)
     stem = take.speech.stem
@@ -273,38 +273,38 @@ def _cut_points(take: Take, seconds: float) -> list[Segment]:
     ]
 
 
-def _check_condition(study: Study, condition: str, folder: StudyFolder) -> None:
-    """Raise if motion files cannot be brought in for `condition`."""
+def _require_imported(study: Study, condition: str, folder: StudyFolder) -> None:
+    """Raise `InputError` if motion files cannot be imported for `condition`."""
     check_name(condition, "condition")
     generated = study.generated().get(condition)
     if generated is not None:
         raise InputError(
             f"the motion of {condition!r} is made by the generator {generated.generator!r}",
             where=folder.definition,
-            remedy="Bring the files in under another condition, or remove the generator of this "
-            "one first",
+            remedy="Import the files under another condition, or remove the generator of this one "
+            "first",
         )
     if condition in (*study.conditions, study.catch.condition) and study.is_finished(condition):
         raise InputError(
-            f"condition {condition!r} has finished videos, no motion",
+            f"condition {condition!r} has finished videos instead of motion",
             where=folder.definition,
-            remedy="Bring the files in under another condition, or remove videos = true from "
-            "this one first",
+            remedy="Import the files under another condition, or remove videos = true from this "
+            "one first",
         )
 
 
-def _add_if_new(folder: StudyFolder, study: Study, condition: str) -> list[str]:
-    """Add `condition` to the study file if it is not there yet, and say so."""
+def _add_new_condition(folder: StudyFolder, study: Study, condition: str) -> list[str]:
+    """Add `condition` to the study file if it is new; return a note."""
     if condition in (*study.conditions, study.catch.condition):
         return []
     add_condition(folder.definition, condition)
     return [f"{folder.definition.name}: condition {condition!r} added"]
 
 
-def _check_no_other_motion(
+def _require_same_motion(
     folder: StudyFolder, condition: str, clips: Mapping[str, MotionClip]
 ) -> None:
-    """Raise if `condition` has another motion for a segment; the same one may come again."""
+    """Raise `InputError` if `condition` has other motion for a segment."""
     with TemporaryDirectory() as scratch:
         draft = Path(scratch) / "clip.npz"
         for name, clip in clips.items():
@@ -314,7 +314,7 @@ def _check_no_other_motion(
             write_clip(draft, clip)
             if draft.read_bytes() != stored.read_bytes():
                 raise InputError(
-                    f"condition {condition!r} has another motion for segment {name} already",
+                    f"condition {condition!r} already has other motion for segment {name}",
                     where=stored,
-                    remedy="Bring this one in under another condition, or remove that file first",
+                    remedy="Import this one under another condition, or remove that file first",
                 )

@@ -1,4 +1,4 @@
-"""What a study needs rendered, and what each file depends on."""
+"""The videos of a study, and what each file depends on."""
 
 from __future__ import annotations
 
@@ -17,13 +17,12 @@ from renderer.framing import Camera, frame_clips
 from renderer.jobs.job import ClipJob, DubJob, PairJob
 from renderer.look import BACKGROUND, RENDERER_VERSION, Look
 from studyapp.stimuli.shown_motion import (
-    background_of,
     body_file,
-    expression_matrix_file,
     left_out,
-    moved_clips,
     read_motion_shown,
     shown_body,
+    shown_clips,
+    study_look,
 )
 from studyapp.study.design.trial import Content
 from studyapp.study.folder import StudyFolder
@@ -37,14 +36,14 @@ class RenderPlan:
 
     Attributes
     ----------
-    keys : mapping
-        What each (segment, condition)'s clip depends on.
+    keys : mapping of (segment, condition) to str
+        Digests of everything that clips depend on.
     clips, pairs : tuple
-        The records that `stimuli.json` holds once the videos are there.
+        The records in `stimuli.json` once the videos exist.
     model : BodyModel
         The body in the file `body`.
     notes : tuple of str
-        What of the conditions' motion the body cannot show.
+        Motion that the body cannot show.
     """
 
     folder: StudyFolder
@@ -66,13 +65,14 @@ class RenderPlan:
         segments = {segment.name: segment for segment in folder.segments_of(study)}
         shown = read_motion_shown(folder, study, tuple(segments.values()))
         body, model = body_file(folder, study), shown_body(folder, study)
-        matrix = expression_matrix_file(folder, study)
-        look = video_look(study)
+        look = study_look(folder, study)
+        matrix = look.expression_matrix
         framed = [clip for (name, _), clip in shown.items() if name != study.catch.condition]
-        camera = study_camera(framed, study, model)
+        camera = study_camera(framed, look, model)
         chosen = () if look.background == BACKGROUND else (look.background,)
         size = body.stat().st_size
-        shared = (RENDERER_VERSION, body.name, size, camera, look, study.freeze, *chosen)
+        general = replace(look, expression_matrix=None)  # the file counts, not its path
+        shared = (RENDERER_VERSION, body.name, size, camera, general, study.freeze, *chosen)
         contents = list(study.contents(tuple(segments.values())))
         own = tuple(
             ClipVideo(
@@ -88,7 +88,7 @@ class RenderPlan:
                     *([matrix] if matrix else []),
                 ),
             )
-            for condition, segment in moved_clips(study, tuple(segments.values()))
+            for condition, segment in shown_clips(study, tuple(segments.values()))
         )
         keys = {(clip.segment, clip.condition): clip.key for clip in own}
         pairs = tuple(
@@ -112,7 +112,7 @@ class RenderPlan:
             body=body.absolute(),
             model=model,
             camera=camera,
-            look=replace(look, expression_matrix=matrix),
+            look=look,
             keys=keys,
             clips=clips,
             pairs=pairs,
@@ -121,25 +121,25 @@ class RenderPlan:
 
     @property
     def conditions(self) -> tuple[str, ...]:
-        """Every condition that has motion and is shown."""
+        """All conditions with motion that are shown."""
         return tuple(dict.fromkeys(clip.condition for clip in self.clips))
 
     @cached_property
     def sides(self) -> frozenset[tuple[str, str]]:
-        """Each (segment, condition) that pairs are composed from."""
+        """All (segment, condition) that pairs are composed of."""
         return sides_of(self.pairs)
 
     @property
     def frames_folder(self) -> Path:
-        """Where the lossless frames are kept."""
+        """The cache of lossless frames."""
         return self.folder.videos / ".frames"
 
     def frames(self, segment: str, condition: str) -> Path:
-        """Return the lossless frames from which the pairs of a clip are composed."""
+        """Return the file of a clip's lossless frames, of which its pairs are composed."""
         return self.frames_folder / f"{self.keys[segment, condition]}.mkv"
 
     def clip_job(self, clip: ClipVideo) -> ClipJob | DubJob:
-        """Return the work that makes `clip`; with another speech, it has its own one's picture."""
+        """Return the job of `clip`; with other speech, it reuses the picture of the clip."""
         if clip.speech is not None:
             return self._dub_job(clip, self.segments[clip.speech])
         speech = self.segments[clip.segment]
@@ -170,7 +170,7 @@ class RenderPlan:
         )
 
     def pair_job(self, pair: PairVideo) -> PairJob:
-        """Return the work that composes `pair` from its two clips."""
+        """Return the job that composes `pair` of its two clips."""
         segment = self.segments[pair.segment]
         return PairJob(
             name=pair.file,
@@ -185,7 +185,7 @@ class RenderPlan:
 
 
 def sides_of(pairs: Iterable[PairVideo]) -> frozenset[tuple[str, str]]:
-    """Return each (segment, condition) that `pairs` are composed from."""
+    """Return all (segment, condition) that `pairs` are composed of."""
     return frozenset((pair.segment, side) for pair in pairs for side in (pair.left, pair.right))
 
 
@@ -196,7 +196,7 @@ def _mismatched(
     contents: Sequence[Content],
     keys: Mapping[tuple[str, str], str],
 ) -> tuple[ClipVideo, ...]:
-    """Return the clips that are heard with another speech than their own."""
+    """Return the clips with speech of another segment."""
     return tuple(
         ClipVideo(
             segment=shown.segment,
@@ -221,20 +221,7 @@ def _clip_file(condition: str, name: str) -> str:
     return f"videos/clips/{condition}/{name}.mp4"
 
 
-def video_look(study: Study) -> Look:
-    """Return how the study's videos look."""
-    video = study.video
-    return Look(
-        size=video.size,
-        frame_rate=video.frame_rate,
-        framing=video.framing,
-        view=video.view,
-        background=background_of(study),
-        avatar=video.avatar,
-    )
-
-
-def study_camera(clips: Iterable[MotionClip], study: Study, body: BodyModel) -> Camera:
-    """Return the camera of a study's `clips`, frozen channels still; leave the catch motion out."""
+def study_camera(clips: Iterable[MotionClip], look: Look, body: BodyModel) -> Camera:
+    """Return the camera for `clips`, which have still frozen channels and no catch motion."""
     standing = [stand_on_ground(clip, body.joints(clip.betas)) for clip in clips]
-    return frame_clips(standing, body, video_look(study))
+    return frame_clips(standing, body, look)

@@ -1,4 +1,4 @@
-"""What of a study's videos is made: `stimuli.json`, kept true while rendering goes on."""
+"""The record of rendered videos in `stimuli.json`, kept up to date during rendering."""
 
 from __future__ import annotations
 
@@ -12,22 +12,20 @@ from renderer.jobs.job import Outcome
 from studyapp.stimuli.render_plan import RenderPlan
 from studyapp.study.media import ClipVideo, PairVideo, Stimuli, read_stimuli, write_stimuli
 
-_WRITTEN_EVERY: Final = 1.0
-"""Seconds between two writings; of thousands of videos, each takes its time."""
+_WRITE_SECONDS: Final = 1.0
+"""Between two writes; with thousands of videos, each write takes a while."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RenderProgress:
-    """How far a run is.
+    """The state of a run.
 
     Attributes
     ----------
     videos, frames : int
-        Dealt with, whether made or failed.
+        Finished or failed so far.
     all_videos, all_frames : int
-        To be dealt with.
-    kept : int
-        Videos that were there and still fit.
+        In total.
     failed : int
         Videos that could not be made.
     """
@@ -36,24 +34,23 @@ class RenderProgress:
     all_videos: int
     frames: int
     all_frames: int
-    kept: int
     failed: int
 
 
 @dataclass(frozen=True, kw_only=True)
 class RenderCount:
-    """What a run did, and what is to be said of it.
+    """The result of a run.
 
     Attributes
     ----------
     made, kept : int
-        Videos made by this run, copies included, and those that were there and still fit.
+        Videos made by this run, copies included, and existing ones that are up to date.
     failures : tuple of str
         Videos that could not be made, and why.
     left_out : int
-        Videos that could not be made because a clip that they are made from could not.
+        Videos that could not be made because a clip failed.
     notes : tuple of str
-        What the videos do not show or sound as others do.
+        Motion that is not shown, and speech of another loudness.
     """
 
     made: int
@@ -64,27 +61,27 @@ class RenderCount:
 
 
 class RenderRecord:
-    """The videos that are finished; leaving the ``with`` block writes them down.
+    """The finished videos; leaving the ``with`` block writes them.
 
     Parameters
     ----------
     plan : RenderPlan
         All videos of the study.
-    to_do : collection of ClipVideo and PairVideo
-        Those that this run makes; all others count as finished.
+    pending : collection of ClipVideo and PairVideo
+        Videos that this run makes; all others count as finished.
     """
 
-    def __init__(self, plan: RenderPlan, to_do: Collection[ClipVideo | PairVideo]) -> None:
+    def __init__(self, plan: RenderPlan, pending: Collection[ClipVideo | PairVideo]) -> None:
         self._plan = plan
-        self._to_do = {record.file: record for record in to_do}
-        everything = (*plan.clips, *plan.pairs)
-        self._finished = {record.file for record in everything if record.file not in self._to_do}
+        self._pending = {video.file: video for video in pending}
+        videos = (*plan.clips, *plan.pairs)
+        self._finished = {video.file for video in videos if video.file not in self._pending}
         self._kept = len(self._finished)
-        known = plan.folder.stimuli
-        self._copies = read_stimuli(known).copies if known.exists() else ()
+        stimuli = plan.folder.stimuli
+        self._copies = read_stimuli(stimuli).copies if stimuli.exists() else ()
         self._failures: list[str] = []
         self._left_out = 0
-        self._all_frames = sum(self._frame_count(record) for record in to_do)
+        self._all_frames = sum(map(self._frame_count, pending))
         self._frames = 0
         self._written = 0.0
 
@@ -101,11 +98,11 @@ class RenderRecord:
         self._write()
 
     def add(self, outcome: Outcome) -> None:
-        """Record what became of one video."""
-        self._frames += self._frame_count(self._to_do[outcome.name])
+        """Record the outcome of one video."""
+        self._frames += self._frame_count(self._pending[outcome.name])
         if outcome.error is None:
             self._finished.add(outcome.name)
-            if time.monotonic() - self._written > _WRITTEN_EVERY:
+            if time.monotonic() - self._written > _WRITE_SECONDS:
                 self._write()
         elif outcome.because_of is None:
             self._failures.append(f"{outcome.name}: {outcome.error}")
@@ -113,20 +110,19 @@ class RenderRecord:
             self._left_out += 1
 
     def progress(self) -> RenderProgress:
-        """Return how far the run is."""
+        """Return the state of the run."""
         made = len(self._finished) - self._kept
         failed = len(self._failures) + self._left_out
         return RenderProgress(
             videos=made + failed,
-            all_videos=len(self._to_do),
+            all_videos=len(self._pending),
             frames=self._frames,
             all_frames=self._all_frames,
-            kept=self._kept,
             failed=failed,
         )
 
     def count(self, notes: tuple[str, ...]) -> RenderCount:
-        """Return what the run did."""
+        """Return the result of the run."""
         return RenderCount(
             made=len(self._finished) - self._kept,
             kept=self._kept,
@@ -135,8 +131,8 @@ class RenderRecord:
             notes=notes,
         )
 
-    def _frame_count(self, record: ClipVideo | PairVideo) -> int:
-        return round(record.duration * self._plan.look.frame_rate)
+    def _frame_count(self, video: ClipVideo | PairVideo) -> int:
+        return round(video.duration * self._plan.look.frame_rate)
 
     def _write(self) -> None:
         write_stimuli(

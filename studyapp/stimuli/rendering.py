@@ -1,10 +1,9 @@
-"""Rendering a study: one video per clip, and the pairs that participants see."""
+"""Rendering a study: a video per clip, and the pairs that participants see."""
 
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from renderer.jobs.job import Job, Outcome, PairJob
 from renderer.jobs.making import run_jobs
 from renderer.loudness import at_common_loudness
 from renderer.pair import FrameCache
-from studyapp.stimuli.disk_space import check_room, frames_limit
+from studyapp.stimuli.disk_space import frames_limit, require_space
 from studyapp.stimuli.render_plan import RenderPlan, sides_of
 from studyapp.stimuli.render_record import RenderCount, RenderProgress, RenderRecord
 from studyapp.stimuli.video_copies import copy_videos
@@ -31,45 +30,51 @@ def render(
     cluster: str | None = None,
     on_progress: Callable[[RenderProgress], None] = lambda progress: None,
 ) -> RenderCount:
-    """Render each clip and pair that is missing or no longer fits what it shows.
+    """Render all clips and pairs that are missing or out of date.
 
-    What is finished is recorded, so that an interrupted run goes on where it was. A video that
-    cannot be made is reported and the rest goes on. Each segment's pairs follow its clips, so
-    that the frames between them need not be kept longer than that. Finished videos that were
-    brought, and clips to be shown without sound, are copied for the participants.
+    Finished videos are recorded, so that an interrupted run can be continued. A video that cannot
+    be made is reported and the others are made. Each segment's pairs follow its clips, so that
+    frames are cached no longer than needed. Videos supplied by the researcher, and clips to be
+    shown without sound, are copied for participants.
 
     Parameters
     ----------
     folder : StudyFolder
         The study; its motion must be complete.
     processes : int
-        How many videos are made at once.
+        Number of videos made at once.
     cluster : str or None
         Address of a Dask scheduler whose workers make them instead.
     on_progress : callable
-        Called at the beginning, and after each video.
+        Called at the start and after each video.
 
     Raises
     ------
     InputError
         If motion is missing, the disk is too small, the cluster cannot be used, or the study is
-        being rendered already.
+        already being rendered.
     """
-    # Absolute, because workers of a cluster stand elsewhere.
+    # Absolute, because workers of a cluster have another working directory.
     folder = StudyFolder(folder.root.absolute())
     plan = None if folder.study().only_finished else RenderPlan.of(folder)
-    with _alone(folder):
+    busy = InputError(
+        "this study is already being rendered",
+        where=folder.root,
+        remedy="Wait until the other 'motionjury render' ends, or stop it",
+    )
+    folder.videos.mkdir(exist_ok=True)
+    with lock_folder(folder.videos, busy=busy):
         _remove_drafts(folder.videos)
-        rendered = RenderCount(made=0, kept=0)
+        count = RenderCount(made=0, kept=0)
         if plan is not None:
-            rendered = _render(plan, processes, cluster, on_progress)
-        copied = copy_videos(folder)
-        hide_sizes(folder)
+            count = _render(plan, processes, cluster, on_progress)
+        copies = copy_videos(folder)
+        equalise_sizes(folder)
     return replace(
-        rendered,
-        made=rendered.made + copied.made,
-        kept=rendered.kept + copied.kept,
-        failures=(*rendered.failures, *copied.failures),
+        count,
+        made=count.made + copies.made,
+        kept=count.kept + copies.kept,
+        failures=(*count.failures, *copies.failures),
     )
 
 
@@ -79,23 +84,25 @@ def _render(
     cluster: str | None,
     on_progress: Callable[[RenderProgress], None],
 ) -> RenderCount:
-    """Render what `plan` lacks; nobody else renders the study."""
+    """Render the videos of `plan` that are missing; the study must be locked."""
     folder = plan.folder
-    clips, pairs = _to_do(plan)
+    clips, pairs = _outdated_videos(plan)
     frames = FrameCache(plan.frames_folder, 0)
     frames.keep_only({plan.frames(*side) for side in plan.sides})
     kept = frames.size()
     limit = frames_limit(folder.videos, kept)
-    check_room(folder.root, [*clips, *pairs], plan.look, sides=plan.sides, limit=limit, kept=kept)
-    spoken = {clip.speech or clip.segment for clip in clips}
-    notes = loudness_notes(folder, [plan.segments[name] for name in sorted(spoken)])
+    require_space(
+        folder.root, [*clips, *pairs], plan.look, sides=plan.sides, limit=limit, kept=kept
+    )
+    speech = {clip.speech or clip.segment for clip in clips}
+    notes = loudness_notes(folder, [plan.segments[name] for name in sorted(speech)])
     jobs = _jobs_in_order(plan, clips, pairs)
-    room = _FrameRoom(FrameCache(plan.frames_folder, limit), jobs)
+    cache = _NeededFrames(FrameCache(plan.frames_folder, limit), jobs)
     try:
         with RenderRecord(plan, [*clips, *pairs]) as record:
 
             def on_done(outcome: Outcome) -> None:
-                room.free(outcome)
+                cache.release(outcome)
                 record.add(outcome)
                 on_progress(record.progress())
 
@@ -106,15 +113,15 @@ def _render(
     return record.count(notes=(*plan.notes, *notes))
 
 
-def _to_do(plan: RenderPlan) -> tuple[list[ClipVideo], list[PairVideo]]:
-    """Return the pairs to be made, and the clips whose video or frames are lacking for it."""
-    current = _current_files(plan.folder)
-    pairs = [pair for pair in plan.pairs if current.get(pair.file) != pair.key]
+def _outdated_videos(plan: RenderPlan) -> tuple[list[ClipVideo], list[PairVideo]]:
+    """Return outdated clips and pairs, and clips whose cached frames these pairs need."""
+    keys = _existing_keys(plan.folder)
+    pairs = [pair for pair in plan.pairs if keys.get(pair.file) != pair.key]
     sides = sides_of(pairs)
     clips = [
         clip
         for clip in plan.clips
-        if current.get(clip.file) != clip.key
+        if keys.get(clip.file) != clip.key
         or (
             clip.speech is None
             and (clip.segment, clip.condition) in sides
@@ -127,7 +134,7 @@ def _to_do(plan: RenderPlan) -> tuple[list[ClipVideo], list[PairVideo]]:
 def _jobs_in_order(
     plan: RenderPlan, clips: Iterable[ClipVideo], pairs: Iterable[PairVideo]
 ) -> list[Job]:
-    """Return the work, each segment's pairs right after its clips."""
+    """Return the jobs, with each segment's pairs right after its clips."""
     by_segment: defaultdict[str, list[Job]] = defaultdict(list)
     for clip in clips:
         by_segment[clip.segment].append(plan.clip_job(clip))
@@ -136,8 +143,8 @@ def _jobs_in_order(
     return [job for segment in plan.segments for job in by_segment[segment]]
 
 
-class _FrameRoom:
-    """Lets frames go once no pair of this run needs them and the cache is full."""
+class _NeededFrames:
+    """Keeps frames that pairs of this run still need, and lets the cache drop others."""
 
     def __init__(self, cache: FrameCache, jobs: Sequence[Job]) -> None:
         self._cache = cache
@@ -147,8 +154,8 @@ class _FrameRoom:
         )
         self._cache.shrink(required=self._needed.keys())
 
-    def free(self, outcome: Outcome) -> None:
-        """Count a job as ended, and shrink the cache."""
+    def release(self, outcome: Outcome) -> None:
+        """Release the frames of a finished job."""
         pair = self._pairs.get(outcome.name)
         for side in (pair.left, pair.right) if pair is not None else ():
             self._cache.mark_used(side)
@@ -158,8 +165,8 @@ class _FrameRoom:
         self._cache.shrink(required=self._needed.keys())
 
 
-def _current_files(folder: StudyFolder) -> dict[str, str]:
-    """Return the key of each video that is recorded and really there."""
+def _existing_keys(folder: StudyFolder) -> dict[str, str]:
+    """Return the keys of the recorded videos whose files exist."""
     if not folder.stimuli.exists():
         return {}
     stimuli = read_stimuli(folder.stimuli)
@@ -170,58 +177,39 @@ def _current_files(folder: StudyFolder) -> dict[str, str]:
     }
 
 
-def hide_sizes(folder: StudyFolder) -> None:
-    """Give all videos of one segment that participants are shown the same file size.
-
-    Of finished videos that were brought, the copies are meant.
-    """
+def equalise_sizes(folder: StudyFolder) -> None:
+    """Pad the videos of each segment that participants see to the same file size."""
     study = folder.study()
     media = Media.of(folder, study)
     by_segment: defaultdict[str, list[Path]] = defaultdict(list)
     for content in study.contents(tuple(folder.segments_of(study))):
-        found = media.find(content)
-        if found is not None and found.file.exists():
-            by_segment[content[0].segment].append(found.file)
+        video = media.find(content)
+        if video is not None and video.file.exists():
+            by_segment[content[0].segment].append(video.file)
     for videos in by_segment.values():
         pad_to_equal_size(list(dict.fromkeys(videos)))
 
 
 def _remove_drafts(videos: Path) -> None:
-    """Remove what processes that were killed left half written."""
+    """Remove unfinished files of processes that were killed."""
     for draft in videos.rglob(".*"):
         if draft.suffix in {".mp4", ".mkv"}:
             draft.unlink(missing_ok=True)
 
 
-@contextmanager
-def _alone(folder: StudyFolder) -> Iterator[None]:
-    """Keep others from rendering the study meanwhile."""
-    busy = InputError(
-        "this study is being rendered already",
-        where=folder.root,
-        remedy="Wait until the other 'motionjury render' is done, or stop it",
-    )
-    folder.videos.mkdir(exist_ok=True)
-    with lock_folder(folder.videos, busy=busy):
-        yield
-
-
 def loudness_notes(folder: StudyFolder, segments: Iterable[Segment]) -> tuple[str, ...]:
-    """Return a sentence for each segment whose speech cannot be made as loud as the others'.
-
-    Nothing is said of speech that cannot be read: making its videos fails, and says why.
-    """
-    of_recording: defaultdict[str, list[Segment]] = defaultdict(list)
+    """Return a note for each segment whose speech cannot be brought to the common loudness."""
+    by_recording: defaultdict[str, list[Segment]] = defaultdict(list)
     for segment in segments:
-        of_recording[segment.wav].append(segment)
+        by_recording[segment.wav].append(segment)
     notes: list[str] = []
-    for wav, spoken in of_recording.items():
+    for wav, recorded in by_recording.items():
         try:
             recording = read_audio(folder.speech / wav, sample_rate=SOUND_RATE)
-            excerpts = [recording.cut(segment.start, segment.end) for segment in spoken]
+            excerpts = [recording.cut(segment.start, segment.end) for segment in recorded]
         except InputError:
-            continue
-        for segment, speech in zip(spoken, excerpts, strict=True):
+            continue  # rendering its videos fails with this error
+        for segment, speech in zip(recorded, excerpts, strict=True):
             new = at_common_loudness(speech).notes[len(speech.notes) :]
             notes.extend(f"the speech of segment {segment.name}: {note}" for note in new)
     return tuple(notes)

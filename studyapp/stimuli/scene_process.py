@@ -1,8 +1,8 @@
 """The process that packs motion for researchers' pages.
 
-``python -m studyapp.stimuli.scene_process avatar NAME`` writes the body of an avatar, and ``… scene
-FOLDER SEGMENT SPEECH LABEL=CONDITION …`` a segment's motion, as ``viewer.js`` reads them. SPEECH is
-the segment that is heard, and empty for silence. Motion is called by its label alone.
+``python -m studyapp.stimuli.scene_process avatar NAME`` writes an avatar's body for ``viewer.js``;
+``… scene FOLDER SEGMENT SPEECH LABEL=CONDITION …`` writes a segment's motion. SPEECH is the segment
+that is heard, or empty for silence. The output contains labels, but no conditions.
 """
 
 from __future__ import annotations
@@ -25,39 +25,33 @@ PROCESSOR_SECONDS: Final = 60
 
 
 def scene(root: str, segment: str, speech: str, *labelled: str) -> bytes:
-    """Return the motion of a segment in JSON.
-
-    Raises
-    ------
-    InputError
-        If there is nothing to play.
-    """
+    """Return the motion of a segment as JSON; `InputError` if there is none."""
     folder = StudyFolder(Path(root))
     study = folder.study()
-    segments = {each.name: each for each in folder.segments_of(study)}
+    segments = {item.name: item for item in folder.segments_of(study)}
     if segment not in segments:
-        raise InputError(f"segment {segment!r} is not in the study any more")
-    conditions = {label: name for label, _, name in (each.rpartition("=") for each in labelled)}
-    found, missing = segment_scene(
-        folder, study, segments[segment], conditions.values(), heard=segments.get(speech)
+        raise InputError(f"segment {segment!r} is no longer in the study")
+    conditions = {label: name for label, _, name in (text.rpartition("=") for text in labelled)}
+    shown, missing = segment_scene(
+        folder, study, segments[segment], conditions.values(), speech=segments.get(speech)
     )
-    clips = {label: found.clips[c] for label, c in conditions.items() if c in found.clips}
+    clips = {label: shown.clips[c] for label, c in conditions.items() if c in shown.clips}
     notes = [f"{label}: {missing[c]}." for label, c in conditions.items() if c in missing]
     if not clips:
         raise InputError(" ".join(notes).removesuffix("."))
     look = study_look(folder, study)
-    packed = packed_scene(replace(found, clips=clips), viewed_body(look), look, data_address)
+    packed = packed_scene(replace(shown, clips=clips), viewed_body(look), look, data_address)
     return json.dumps(packed | {"notes": notes}).encode()
 
 
-MADE: Final[dict[str, Callable[..., bytes]]] = {"avatar": packed_avatar, "scene": scene}
+COMMANDS: Final[dict[str, Callable[..., bytes]]] = {"avatar": packed_avatar, "scene": scene}
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write what is asked for; return the exit status."""
-    what, *which = arguments
+    """Write the output of a command; return the exit status."""
+    command, *options = arguments
     try:
-        sys.stdout.buffer.write(MADE[what](*which))
+        sys.stdout.buffer.write(COMMANDS[command](*options))
     except InputError as error:
         print(" ".join(error.what.split()), file=sys.stderr)
         return 1

@@ -1,4 +1,4 @@
-"""The motion that a study shows, and the body that it shows all of it on."""
+"""The motion that a study shows, and the body that performs it."""
 
 from __future__ import annotations
 
@@ -27,26 +27,26 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
 SEGMENT_TOLERANCE: Final = 0.1
-"""Seconds by which motion and speech of one segment may differ."""
+"""Seconds by which motion and speech of a segment may differ."""
 
 
 def body_file(folder: StudyFolder, study: Study) -> Path:
-    """Return the licensed body that the study names, else its avatar's, built where needed."""
+    """Return the file of the study's licensed body, or of its avatar, which is built if needed."""
     if study.video.body:
         return folder.root / Path(study.video.body).expanduser()
     return default_body(study.video.avatar)
 
 
 def background_of(study: Study) -> Colour:
-    """Return the sRGB of what is behind the speaker in the study's videos."""
+    """Return the background of the study's videos in sRGB."""
     red, green, blue = bytes.fromhex(study.video.background[1:])
     return red, green, blue
 
 
 def expression_matrix_file(folder: StudyFolder, study: Study) -> Path | None:
-    """Return the expression matrix that the study names; a relative path begins at its folder."""
-    given = study.video.expression_matrix
-    return folder.root / Path(given).expanduser() if given else None
+    """Return the study's expression matrix, whose path is relative to the study folder."""
+    name = study.video.expression_matrix
+    return folder.root / Path(name).expanduser() if name else None
 
 
 def shown_body(folder: StudyFolder, study: Study) -> BodyModel:
@@ -56,13 +56,13 @@ def shown_body(folder: StudyFolder, study: Study) -> BodyModel:
 
 
 def licensed_hands(folder: StudyFolder, study: Study) -> NDArray[np.float32] | None:
-    """Return the mean hands, shape (30, 3), of the licensed body that the study names, if any."""
+    """Return the mean hands, shape (30, 3), of the study's licensed body, if there is one."""
     body = body_file(folder, study) if study.video.body else None
     return read_mean_hands(body) if body is not None and body.is_file() else None
 
 
 def shown_abilities(folder: StudyFolder, study: Study) -> BodyAbilities:
-    """Return what the study's body can show, without building an avatar's.
+    """Return what the study's body can show, without building an avatar.
 
     Raises
     ------
@@ -84,12 +84,12 @@ def shown_abilities(folder: StudyFolder, study: Study) -> BodyAbilities:
 
 
 def left_out(shown: Iterable[tuple[str, MotionClip]], body: BodyAbilities) -> tuple[str, ...]:
-    """Return, once for each condition, what of its motion the body cannot show.
+    """Return the motion that the body cannot show, as a sentence per condition.
 
     Parameters
     ----------
     shown : iterable of (condition, clip)
-        Every clip as it is shown: of a frozen face nothing is left out.
+        All clips, with still frozen channels.
     """
     sentences = {
         f"{condition}: {sentence}": None
@@ -104,60 +104,60 @@ def check_same_length(clip: MotionClip, segment: Segment, where: Path) -> None:
     difference = abs(clip.duration - segment.duration)
     if difference > SEGMENT_TOLERANCE + 1e-6:
         raise InputError(
-            f"the motion lasts {clip.duration:.2f} s, the speech of segment {segment.name} "
+            f"the motion lasts {clip.duration:.2f} s, but the speech of segment {segment.name} "
             f"{segment.duration:.2f} s",
             where=where,
-            remedy=f"They may differ by {SEGMENT_TOLERANCE} s: cut the longer one, "
-            "or check the frame rate",
+            remedy=f"They may differ by {SEGMENT_TOLERANCE} s: cut the longer one, or check the "
+            "frame rate",
         )
 
 
-def moved_clips(study: Study, segments: Sequence[Segment]) -> list[tuple[str, Segment]]:
-    """Return every (condition, segment) whose motion is shown, condition after condition."""
-    moved = {
+def shown_clips(study: Study, segments: Sequence[Segment]) -> list[tuple[str, Segment]]:
+    """Return all (condition, segment) whose motion is shown, by condition."""
+    shown = {
         (stimulus.condition, stimulus.segment): stimulus.condition
         for content in study.contents(segments)
         for stimulus in content
         if not study.is_finished(stimulus.condition)
     }
-    order = dict.fromkeys(moved.values())
-    return [(c, s) for c in order for s in segments if (c, s.name) in moved]
+    order = dict.fromkeys(shown.values())
+    return [(c, s) for c in order for s in segments if (c, s.name) in shown]
 
 
 def read_motion_shown(
     folder: StudyFolder, study: Study, segments: Sequence[Segment]
 ) -> dict[tuple[str, str], MotionClip]:
-    """Return each (condition, segment)'s clip as it is shown, frozen channels still.
+    """Return the clips by (condition, segment), with still frozen channels.
 
-    A clip that cannot be read, or does not fit its speech, is left out: making its video fails,
-    which is reported, and the rest goes on.
+    A clip that cannot be read, or does not fit its speech, is omitted: rendering it will fail and
+    be reported.
 
     Raises
     ------
     InputError
         If clips are missing, or none can be used.
     """
-    wanted = moved_clips(study, segments)
-    if not wanted:
+    keys = shown_clips(study, segments)
+    if not keys:
         raise InputError(
-            "all videos of this study were brought finished, and there is no motion to draw",
+            "this study has only finished videos and no motion to draw",
             where=folder.definition,
-            remedy="Take a study whose conditions have motion",
+            remedy="Use a study whose conditions have motion",
         )
-    missing = [(c, s) for c, s in wanted if not folder.clip(c, s.name).exists()]
+    missing = [(c, s) for c, s in keys if not folder.clip(c, s.name).exists()]
     if missing:
         condition, segment = missing[0]
         imported = condition in study.conditions and study.conditions[condition].generator is None
-        remedy = "Bring it in with 'motionjury import'" if imported else "Run 'motionjury generate'"
+        remedy = "Import it with 'motionjury import'" if imported else "Run 'motionjury generate'"
         raise InputError(
-            f"{len(missing)} of {len(wanted)} motion clips are missing, the first is condition "
+            f"{len(missing)} of {len(keys)} motion clips are missing, the first one of condition "
             f"{condition!r} for segment {segment.name}",
             where=folder.clip(condition, segment.name),
             remedy=remedy,
         )
     shown = {}
     broken: list[InputError] = []
-    for condition, segment in wanted:
+    for condition, segment in keys:
         path = folder.clip(condition, segment.name)
         try:
             clip = read_clip(path)
@@ -172,11 +172,13 @@ def read_motion_shown(
 
 
 def study_look(folder: StudyFolder, study: Study) -> Look:
-    """Return how a study's motion looks in a browser: always on its avatar.
+    """Return the look of a study's videos.
 
-    A licensed body is never written into a page, which its licence forbids to pass on.
+    In a browser, motion is always shown on the avatar: the licence of a body forbids to distribute
+    it in a page.
     """
     return Look(
+        size=study.video.size,
         frame_rate=study.video.frame_rate,
         framing=study.video.framing,
         view=study.video.view,
@@ -192,27 +194,23 @@ def segment_scene(
     segment: Segment,
     conditions: Iterable[str],
     *,
-    heard: Segment | None,
+    speech: Segment | None,
 ) -> tuple[Scene, dict[str, str]]:
-    """Return a segment's clips as participants see them, with what is heard.
+    """Return a segment's clips as participants see them, with speech.
 
     Parameters
     ----------
-    folder : StudyFolder
-        The study.
-    study : Study
-        Its definition.
     segment : Segment
-        What the motion is made for.
-    heard : Segment or None
-        Whose speech is heard, as far as the motion goes; None for silence.
+        The segment of the motion.
     conditions : iterable of str
-        Whose clips; only the first `MAX_CLIPS` that can be read are shown.
+        Conditions to show; only the first `MAX_CLIPS` that can be read are shown.
+    speech : Segment or None
+        The segment that is heard, up to the end of the motion; None for silence.
 
     Returns
     -------
     Scene
-        Its clips by condition; none where no motion can be read, and no speech where that cannot.
+        The clips that can be read, by condition, and the speech if it can be read.
     dict of str to str
         Conditions that are left out, and why.
     """
@@ -224,23 +222,22 @@ def segment_scene(
         if not path.is_file():
             missing[condition] = "there is no motion file"
         elif len(clips) == MAX_CLIPS:
-            missing[condition] = f"{MAX_CLIPS} others are shown already"
+            missing[condition] = f"{MAX_CLIPS} others are already shown"
         else:
             try:
                 clip, rate = read_clip(path), study.video.frame_rate
                 clips[condition] = as_shown(clip, body, path, segment.duration, study.freeze, rate)
             except InputError as error:
                 missing[condition] = error.what
-    return Scene(name=segment.name, clips=clips, speech=_speech(folder, segment, heard)), missing
+    audio = None if speech is None else _read_speech(folder, speech, segment.duration)
+    return Scene(name=segment.name, clips=clips, speech=audio), missing
 
 
-def _speech(folder: StudyFolder, segment: Segment, heard: Segment | None) -> Audio | None:
-    """Return the speech of `heard`, no longer than `segment`; None where it cannot be read."""
-    if heard is None:
-        return None
+def _read_speech(folder: StudyFolder, segment: Segment, seconds: float) -> Audio | None:
+    """Return at most `seconds` of a segment's speech; None if it cannot be read."""
     try:
-        speech = read_audio(folder.recording(heard), sample_rate=SOUND_RATE)
+        recording = read_audio(folder.recording(segment), sample_rate=SOUND_RATE)
     except InputError:
         return None
-    end = min(heard.end, heard.start + segment.duration)
-    return at_common_loudness(speech.cut(heard.start, end))
+    end = min(segment.end, segment.start + seconds)
+    return at_common_loudness(recording.cut(segment.start, end))

@@ -1,4 +1,4 @@
-"""A study's recordings and its table of segments: adding to them without changing what is there."""
+"""A study's speech and its table of segments, to which imports only add."""
 
 from __future__ import annotations
 
@@ -21,84 +21,89 @@ from motion.segment import (
 from studyapp.study.folder import StudyFolder
 
 ROUNDING: Final = 1e-3
-"""Share of full scale by which storing a recording as 16-bit WAV may change it."""
+"""Share of full scale by which 16-bit WAV may change a recording."""
 
 
 def import_speech(folder: StudyFolder, speech: Path) -> list[str]:
-    """Store all recordings of a folder `speech`, and the segments that its ``segments.csv`` tells.
+    """Store the recordings of a folder `speech` and the segments in its ``segments.csv``.
 
     Returns
     -------
     list of str
-        What was changed on the way.
+        Changes made while reading.
 
     Raises
     ------
     InputError
-        If the table or a recording cannot be used, or a segment of the same name but another
-        place or other speech exists. Nothing is written then.
+        If the table or a recording cannot be used, or a segment of the same name exists with other
+        times or other speech. Nothing is written then.
     """
-    given = read_segments(speech)
-    files = {one.wav: check_name(Path(one.wav).stem, "recording", speech) for one in given}
-    segments = [replace(one, wav=f"{files[one.wav]}.wav") for one in given]
-    known = known_segments(folder)
-    check_no_clash(known, segments, folder)
+    new = read_segments(speech)
+    names = {item.wav: check_name(Path(item.wav).stem, "recording", speech) for item in new}
+    segments = [replace(segment, wav=f"{names[segment.wav]}.wav") for segment in new]
+    existing = existing_segments(folder)
+    require_same_times(existing, segments, folder)
     notes: list[str] = []
-    for wav, name in files.items():
+    for wav, name in names.items():
         audio = read_audio(speech / wav, sample_rate=None)
-        for one in given:
-            if one.wav == wav:
-                with found_at(f"{speech / SEGMENTS_FILE}, segment {one.name}"):
-                    audio.cut(one.start, one.end)
-        check_same_speech(folder.speech / f"{name}.wav", audio)
+        for segment in new:
+            if segment.wav == wav:
+                with found_at(f"{speech / SEGMENTS_FILE}, segment {segment.name}"):
+                    audio.cut(segment.start, segment.end)
+        require_same_speech(folder.speech / f"{name}.wav", audio)
         notes += audio.notes
-    # Read anew: all of them together may be more than memory holds.
-    for wav, name in files.items():
+    # Read again, since all recordings together may not fit into memory.
+    for wav, name in names.items():
         audio = read_audio(speech / wav, sample_rate=None)
         write_wav(folder.speech / f"{name}.wav", replace(audio, notes=()))
-    store_segments(folder, known, segments)
+    store_segments(folder, existing, segments)
     return notes
 
 
-def known_segments(folder: StudyFolder) -> tuple[Segment, ...]:
-    """Return the study's segments; none where it has no speech yet."""
+def existing_segments(folder: StudyFolder) -> tuple[Segment, ...]:
+    """Return the study's segments; empty without speech."""
     if not (folder.speech / "segments.csv").exists():
         return ()
     return read_segments(folder.speech)
 
 
 def store_segments(
-    folder: StudyFolder, known: Sequence[Segment], new: Sequence[Segment]
+    folder: StudyFolder, existing: Sequence[Segment], new: Sequence[Segment]
 ) -> list[Segment]:
-    """Add segments to the study's table; return them with the words that were known before."""
-    told = {segment.name: segment.transcript for segment in known}
-    stored = [replace(one, transcript=one.transcript or told.get(one.name, "")) for one in new]
-    merged = {segment.name: segment for segment in (*known, *stored)}
+    """Add segments to the study's table and return them with their stored transcripts."""
+    transcripts = {segment.name: segment.transcript for segment in existing}
+    stored = [
+        replace(segment, transcript=segment.transcript or transcripts.get(segment.name, ""))
+        for segment in new
+    ]
+    merged = {segment.name: segment for segment in (*existing, *stored)}
     write_segments(folder.speech, tuple(merged.values()))
     return stored
 
 
-def check_same_speech(stored: Path, audio: Audio) -> None:
-    """Raise if another recording is stored under the name that `audio` would get."""
+def require_same_speech(stored: Path, audio: Audio) -> None:
+    """Raise `InputError` if `stored` exists and is another recording than `audio`."""
     if not stored.exists():
         return
-    known = read_audio(stored, sample_rate=None)
-    if known.sample_rate != audio.sample_rate or not (
-        known.samples.shape == audio.samples.shape
-        and np.allclose(known.samples, audio.samples, atol=ROUNDING)
+    recording = read_audio(stored, sample_rate=None)
+    if recording.sample_rate != audio.sample_rate or not (
+        recording.samples.shape == audio.samples.shape
+        and np.allclose(recording.samples, audio.samples, atol=ROUNDING)
     ):
         raise InputError(
             "another recording is stored under this name",
             where=stored,
-            remedy="Rename the new recording: its segments are named after it",
+            remedy="Rename the new recording; its segments are named after it",
         )
 
 
-def check_no_clash(known: Sequence[Segment], new: Sequence[Segment], folder: StudyFolder) -> None:
-    """Raise if importing `new` would change what an existing segment is."""
-    existing = {segment.name: segment for segment in known}
+def require_same_times(
+    existing: Sequence[Segment], new: Sequence[Segment], folder: StudyFolder
+) -> None:
+    """Raise `InputError` if a new segment has other times than the existing one of its name."""
+    by_name = {segment.name: segment for segment in existing}
     for segment in new:
-        old = existing.get(segment.name)
+        old = by_name.get(segment.name)
         if old is not None and (old.start, old.end) != (segment.start, segment.end):
             raise InputError(
                 f"segment {segment.name} exists with other times "

@@ -1,4 +1,4 @@
-"""Training feature networks on the recordings of a study, or of a folder of motion files."""
+"""Recordings of a study or of a folder, to train feature networks on."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ _MOTION: Final = (".npz", ".npy", ".bvh", ".csv")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Recordings:
-    """Recorded motion to learn from.
+    """Recorded motion to train on.
 
     Attributes
     ----------
     sources : tuple of ClipSource
         The clips.
     frozen : tuple of str
-        Channels that are held still in them.
+        Channels that are frozen.
     read_body : callable
-        Returns the body whose face the clips move; reading it takes a while.
+        Reads the body of the clips' face, which takes a while.
     networks : Path
-        Folder where networks trained on them belong.
+        Folder for networks trained on the clips.
     """
 
     sources: tuple[ClipSource, ...]
@@ -54,18 +54,18 @@ def recordings_of(
     Parameters
     ----------
     data : Path
-        Either of them.
+        The folder.
     condition : str
-        Of a study: the condition that is recorded.
+        With a study: the recorded condition.
     file_rate : float, optional
-        Of a folder: frames per second of all files, in place of what they state.
+        With a folder: frame rate of all files, overriding their own.
     body : Path, optional
-        Of a folder: an SMPL-X body, for landmarks of clips with expression coefficients.
+        With a folder: an SMPL-X body, for landmarks of clips with expression coefficients.
 
     Raises
     ------
     InputError
-        If there is no such folder or it holds no motion.
+        If the folder does not exist or has no motion.
     """
     if not data.is_dir():
         raise InputError("there is no such folder", where=data, remedy="Check the path")
@@ -74,13 +74,13 @@ def recordings_of(
         if file_rate is not None or body is not None:
             raise InputError(
                 "--fps and --body are for folders of motion files without a study",
-                remedy="Leave them out: the study says both",
+                remedy="Omit them: the study states both",
             )
-        return _of_study(study, condition)
-    return _of_folder(data, file_rate, body)
+        return _study_recordings(study, condition)
+    return _folder_recordings(data, file_rate, body)
 
 
-def _of_study(folder: StudyFolder, condition: str) -> Recordings:
+def _study_recordings(folder: StudyFolder, condition: str) -> Recordings:
     study = folder.study()
     segments = folder.segments()
     files = {segment: folder.clip(condition, segment.name) for segment in segments}
@@ -99,7 +99,7 @@ def _of_study(folder: StudyFolder, condition: str) -> Recordings:
         raise InputError(
             f"condition {condition!r} has no motion",
             where=folder.root / "motion" / condition,
-            remedy="Bring recordings in with 'motionjury import', or name another --condition",
+            remedy="Import recordings with 'motionjury import', or choose another --condition",
         )
     return Recordings(
         sources=sources,
@@ -109,7 +109,7 @@ def _of_study(folder: StudyFolder, condition: str) -> Recordings:
     )
 
 
-def _of_folder(folder: Path, file_rate: float | None, body: Path | None) -> Recordings:
+def _folder_recordings(folder: Path, file_rate: float | None, body: Path | None) -> Recordings:
     paths = sorted(
         path
         for path in folder.rglob("*")
@@ -122,7 +122,7 @@ def _of_folder(folder: Path, file_rate: float | None, body: Path | None) -> Reco
         raise InputError(
             "there is no motion file in the folder",
             where=folder,
-            remedy=f"Give a folder of files that end in {', '.join(_MOTION)}, or a study folder",
+            remedy=f"Give a folder of {', '.join(_MOTION)} files, or a study folder",
         )
     labels = _labels(folder / SEGMENTS_FILE)
     mean_hands = read_mean_hands(body) if body is not None else None
@@ -147,10 +147,10 @@ def _of_folder(folder: Path, file_rate: float | None, body: Path | None) -> Reco
 
 
 def _labels(table: Path) -> Mapping[str, tuple[str, str]]:
-    """Return the recording and the emotion of each motion file, as a table says; none without it.
+    """Return the recording and the emotion of each motion file in a table; empty without it.
 
-    Of a study's table only the columns ``name`` and ``emotion`` are needed. Segments of one
-    ``wav`` are of one recording.
+    The table needs only the columns ``name`` and ``emotion``. Segments with the same ``wav`` belong
+    to one recording.
     """
     if not table.is_file():
         return {}
@@ -162,8 +162,7 @@ def _labels(table: Path) -> Mapping[str, tuple[str, str]]:
                 raise InputError(
                     f"the table has no column {sorted(missing)[0]!r}",
                     where=table,
-                    remedy="Give the columns name (of the motion file, without its ending) and "
-                    "emotion",
+                    remedy="Add the columns name (of the motion file, without ending) and emotion",
                 )
             return {
                 (row["name"] or "").strip(): (

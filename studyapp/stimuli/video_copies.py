@@ -1,8 +1,8 @@
-"""Copies of videos for participants, where the files themselves would tell more than they show.
+"""Copies of videos for participants, where the original files would reveal more than they show.
 
-Finished videos come from any tool: their files name it, may last some frames more or less, and
-carry sound where none is to be heard. Copies have the same picture, encoded as it was, and are
-alike in all else. Originals are never changed.
+Finished videos come from any tool: their files may name it, differ by some frames in length, or
+contain sound that should not be heard. Copies keep the encoded picture and are alike in everything
+else. Originals are never changed.
 """
 
 from __future__ import annotations
@@ -28,49 +28,49 @@ from studyapp.study.settings.study import Study
 
 @dataclass(frozen=True, kw_only=True)
 class CopyCount:
-    """What a run copied.
+    """The result of a run.
 
     Attributes
     ----------
     made, kept : int
-        Copies made by this run, and those that were there and still fit.
+        Copies made by this run, and existing ones that are up to date.
     failures : tuple of str
         Videos that could not be copied, and why.
     """
 
-    made: int = 0
-    kept: int = 0
-    failures: tuple[str, ...] = ()
+    made: int
+    kept: int
+    failures: tuple[str, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Original:
-    """A video to be copied, and what tells it from every other."""
+    """A video to be copied, and the digest of its source."""
 
     file: Path
     made_from: str
 
     @property
     def key(self) -> str:
-        """What its copies depend on, the way of copying included."""
+        """Digest of everything that its copies depend on."""
         return digest(COPY_VERSION, self.made_from)
 
 
 def copy_videos(folder: StudyFolder) -> CopyCount:
-    """Copy each video that participants are shown a copy of, unless it was and still fits.
+    """Copy all videos that participants see as copies, unless a copy is up to date.
 
-    All copies of one segment last equally long: as long as the longest of them, within the
-    tolerance that `motionjury check` allows.
+    All copies of a segment get the length of the longest, within the tolerance of `motionjury
+    check`.
     """
     study = folder.study()
     segments = {segment.name: segment for segment in folder.segments_of(study)}
     before = read_stimuli(folder.stimuli) if folder.stimuli.exists() else Stimuli()
-    known = frozenset(before.copies)
+    existing = frozenset(before.copies)
     made: list[VideoCopy] = []
     kept: list[VideoCopy] = []
     failures: list[str] = []
     by_segment = _originals(folder, study, tuple(segments.values()), before)
-    needed = {original.file for each in by_segment.values() for original in each.values()}
+    sources = {original.file for group in by_segment.values() for original in group.values()}
     for name, originals in by_segment.items():
         usable = {}
         for stimulus, original in originals.items():
@@ -78,21 +78,21 @@ def copy_videos(folder: StudyFolder) -> CopyCount:
             if flaw is None:
                 usable[stimulus] = original
                 continue
-            similar = None if original.file.is_file() else similar_file(original.file, needed)
-            meant = "" if similar is None else f" (is it {similar.relative_to(folder.root)}?)"
-            failures.append(f"{original.file.relative_to(folder.root)} {flaw}{meant}")
+            similar = None if original.file.is_file() else similar_file(original.file, sources)
+            hint = "" if similar is None else f" (is it {similar.relative_to(folder.root)}?)"
+            failures.append(f"{original.file.relative_to(folder.root)} {flaw}{hint}")
         files = {original.file for original in usable.values()}
-        lasts = max(map(end_of, files), default=Fraction(0))
+        length = max(map(end_of, files), default=Fraction(0))
         for stimulus, original in usable.items():
-            copy = _copy_of(stimulus, original, lasts)
-            if copy in known and (folder.root / copy.file).is_file():
+            copy = _describe_copy(stimulus, original, length)
+            if copy in existing and (folder.root / copy.file).is_file():
                 kept.append(copy)
                 continue
             try:
                 copy_video(
                     original.file,
                     folder.root / copy.file,
-                    lasts=lasts,
+                    lasts=length,
                     sound=copy.heard is not None,
                 )
             except InputError as error:
@@ -102,13 +102,13 @@ def copy_videos(folder: StudyFolder) -> CopyCount:
     current = sorted([*kept, *made], key=lambda copy: copy.file)
     if made or len(current) != len(before.copies):
         write_stimuli(folder.stimuli, before.model_copy(update={"copies": tuple(current)}))
-    for gone in {copy.file for copy in before.copies} - {copy.file for copy in current}:
-        (folder.root / gone).unlink(missing_ok=True)
+    for file in {copy.file for copy in before.copies} - {copy.file for copy in current}:
+        (folder.root / file).unlink(missing_ok=True)
     return CopyCount(made=len(made), kept=len(kept), failures=tuple(dict.fromkeys(failures)))
 
 
 def out_of_date(folder: StudyFolder) -> list[VideoCopy]:
-    """Return the copies whose original has changed since."""
+    """Return the copies whose original has changed."""
     study = folder.study()
     stimuli = read_stimuli(folder.stimuli)
     segments = tuple(folder.segments_of(study))
@@ -128,8 +128,8 @@ def out_of_date(folder: StudyFolder) -> list[VideoCopy]:
 def _originals(
     folder: StudyFolder, study: Study, segments: Sequence[Segment], stimuli: Stimuli
 ) -> Mapping[str, Mapping[Stimulus, _Original]]:
-    """Return, for each segment, the videos to be copied and what each copy shows."""
-    # A rendered clip is told by its key: its file is padded after it was copied.
+    """Return the videos to copy, by segment and by the stimulus that the copy shows."""
+    # A rendered clip is identified by its key, since its file is padded after copying.
     rendered = {
         (clip.condition, clip.segment, clip.speech or clip.segment): _Original(
             file=folder.root / clip.file, made_from=clip.key
@@ -140,31 +140,32 @@ def _originals(
     for content in study.contents(segments):
         if not shows_copy(study, content):
             continue
-        (shown,) = content
-        made = rendered.get((shown.condition, shown.segment, shown.speech or shown.segment))
-        if study.is_finished(shown.condition):
-            file = finished_video_path(folder.videos, shown)
-            made = _Original(file=file, made_from=digest(file) if file.is_file() else "")
-        if made is not None:
-            originals[shown.segment][shown] = made
+        (stimulus,) = content
+        speech = stimulus.speech or stimulus.segment
+        original = rendered.get((stimulus.condition, stimulus.segment, speech))
+        if study.is_finished(stimulus.condition):
+            file = finished_video_path(folder.videos, stimulus)
+            original = _Original(file=file, made_from=digest(file) if file.is_file() else "")
+        if original is not None:
+            originals[stimulus.segment][stimulus] = original
     return originals
 
 
 def _flaw_of(file: Path, segment: Segment, *, sound: bool) -> str | None:
-    """Return why participants cannot be shown a copy of `file`; None where they can."""
+    """Return why `file` cannot be copied for participants; None if it can."""
     if not file.is_file():
         return "is missing"
     flaw = flaw_of(file, segment.duration, sound=sound)
     return None if flaw is None else flaw.what
 
 
-def _copy_of(stimulus: Stimulus, original: _Original, lasts: Fraction) -> VideoCopy:
+def _describe_copy(stimulus: Stimulus, original: _Original, length: Fraction) -> VideoCopy:
     return VideoCopy(
         condition=stimulus.condition,
         segment=stimulus.segment,
         heard=stimulus.speech,
         file=f"videos/copies/{digest(stimulus)}.mp4",
-        duration=float(lasts),
-        key=f"{original.key}-{float(lasts):.6f}",
+        duration=float(length),
+        key=f"{original.key}-{float(length):.6f}",
         original=original.made_from,
     )

@@ -1,4 +1,4 @@
-"""From an ordinary video of somebody who talks to takes that networks are trained on."""
+"""Takes for training, from an ordinary video of a speaker."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from renderer.look import default_body
 from training.data.found_take import usable_name
 
 LEFT_OUT: Final = "left_out.csv"
-"""In the folder of takes: which parts of which videos are no takes, and why."""
+"""Lists, in the folder of takes, the parts of videos that are not used, and why."""
 
 _COLUMNS: Final = ("video", "start", "end", "reason")
 _NO_SOUND: Final = "no sound"
-_WORTH_SAYING: Final = 0.1
-"""Seconds by which a video may outlast its sound before anybody needs to know."""
+_SOUND_TOLERANCE: Final = 0.1
+"""Seconds by which a video may outlast its sound without a note."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class VideoTakes:
-    """What became of a video.
+    """The takes of a video.
 
     Attributes
     ----------
     takes : tuple of str
-        Names of the takes.
+        Their names.
     seconds : float
-        How long they are together.
+        Their total length.
     notes : tuple of str
-        What was left out or changed, for the researcher to read.
+        What was left out or changed, for the researcher.
     """
 
     takes: tuple[str, ...]
@@ -49,35 +49,35 @@ class VideoTakes:
 
 
 def import_video(
-    video: Path, folder: Path, *, speaker: str | None, told: Callable[[int, int], None]
+    video: Path, folder: Path, *, speaker: str | None, on_frame: Callable[[int, int], None]
 ) -> VideoTakes:
-    """Store each stretch of a video in which a person is seen as a take in a folder of takes.
+    """Store each stretch of a video that shows a person as a take in `folder`.
 
-    Nothing is written before everything has been found and checked.
+    Nothing is written before everything was detected and checked.
 
     Parameters
     ----------
     video : Path
-        Any video with sound.
+        A video with sound.
     folder : Path
-        Made where it is new; takes of other videos may be in it. A take is
-        ``SPEAKER/VIDEO_01.npz`` and ``.wav``.
+        Created if needed; may hold takes of other videos. A take is ``SPEAKER/VIDEO_01.npz`` and
+        ``.wav``.
     speaker : str or None
-        Who speaks; by default the video's name.
-    told : callable
-        Told how many frames have been looked at, of how many.
+        The speaker's name; by default the video's name.
+    on_frame : callable
+        Called with (processed frames, all frames).
 
     Raises
     ------
     InputError
-        If the video cannot be read, has no sound, shows nobody's face for long enough, or takes
-        of such a name are there already.
+        If the video cannot be read, has no sound, shows no face for long enough, or takes of the
+        same name exist.
     """
     if (folder / "study.toml").exists():
         raise InputError(
             "this is a study folder",
             where=folder,
-            remedy="Give another folder for takes; 'import' brings single ones into a study",
+            remedy="Choose another folder for takes; import single takes into the study",
         )
     speaker = usable_name(video.stem) if speaker is None else speaker
     check_name(speaker, "speaker")
@@ -87,67 +87,74 @@ def import_video(
         raise InputError(
             error.what, where=video, remedy="Export the video with its sound as MP4 (H.264, AAC)"
         ) from error
-    found = detect(video, told)
-    parts = _parts(found, audio.duration)
-    kept = [part for part in parts if not part.reason]
-    if not kept:
+    detection = detect(video, on_frame)
+    parts = _parts(detection, audio.duration)
+    usable = [part for part in parts if not part.reason]
+    if not usable:
         raise InputError(
             f"no part of the video can be used: {_reasons(parts)}",
             where=video,
-            remedy="Give a video that shows one person's face and upper body for a while",
+            remedy="Use a video that shows the face and upper body of one person",
         )
-    places = [
+    files = [
         folder / speaker / f"{usable_name(f'{video.stem}_{number:02d}')}.npz"
-        for number in range(1, len(kept) + 1)
+        for number in range(1, len(usable) + 1)
     ]
-    for place in places:
-        if place.exists():
+    for file in files:
+        if file.exists():
             raise InputError(
-                "a take of this name is there already",
-                where=place,
+                "a take of this name exists",
+                where=file,
                 remedy="Rename the video, or remove its takes first",
             )
     body = read_body(default_body())
     clips = [
-        clip_from_detection(found.stretch(part.start, part.end), body).with_provenance(
+        clip_from_detection(detection.stretch(part.start, part.end), body).with_provenance(
             source=video.name, format="video (MediaPipe)"
         )
-        for part in kept
+        for part in usable
     ]
-    rate = found.frame_rate
-    for place, part, clip in zip(places, kept, clips, strict=True):
+    rate = detection.frame_rate
+    for file, part, clip in zip(files, usable, clips, strict=True):
         sound = audio.cut(part.start / rate, part.end / rate)
-        write_wav(place.with_suffix(".wav"), replace(sound, notes=()))
-        write_clip(place, clip)
-    left = [part for part in parts if part.reason]
-    _add_left_out(folder / LEFT_OUT, video, left, rate)
-    noted = [f"{place.stem}: {note}" for place, clip in zip(places, clips, strict=True)
-             if (note := clip.provenance.get("notes"))]  # fmt: skip
-    return VideoTakes(
-        takes=tuple(place.stem for place in places),
-        seconds=sum(clip.duration for clip in clips),
-        notes=(
-            *audio.notes,
-            *(f"left out {part.start / rate:.1f} to {part.end / rate:.1f} s: {part.reason}"
-              for part in left),
-            *noted,
+        write_wav(file.with_suffix(".wav"), replace(sound, notes=()))
+        write_clip(file, clip)
+    left_out = [part for part in parts if part.reason]
+    _append_left_out(folder / LEFT_OUT, video, left_out, rate)
+    notes = [
+        *audio.notes,
+        *(
+            f"left out {part.start / rate:.1f} to {part.end / rate:.1f} s: {part.reason}"
+            for part in left_out
         ),
-    )  # fmt: skip
-
-
-def _parts(found: Detection, seconds: float) -> tuple[Stretch, ...]:
-    """Return the parts of a video, the last of which may have no sound."""
-    heard = min(len(found), int(seconds * found.frame_rate + 1e-6))
-    parts = [
-        replace(part, end=min(part.end, heard)) for part in stretches(found) if part.start < heard
+        *(
+            f"{file.stem}: {note}"
+            for file, clip in zip(files, clips, strict=True)
+            if (note := clip.provenance.get("notes"))
+        ),
     ]
-    if len(found) - heard > _WORTH_SAYING * found.frame_rate:
-        parts.append(Stretch(start=heard, end=len(found), reason=_NO_SOUND))
+    return VideoTakes(
+        takes=tuple(file.stem for file in files),
+        seconds=sum(clip.duration for clip in clips),
+        notes=tuple(notes),
+    )
+
+
+def _parts(detection: Detection, seconds: float) -> tuple[Stretch, ...]:
+    """Return the parts of a video with `seconds` of sound."""
+    frames = min(len(detection), int(seconds * detection.frame_rate + 1e-6))
+    parts = [
+        replace(part, end=min(part.end, frames))
+        for part in stretches(detection)
+        if part.start < frames
+    ]
+    if len(detection) - frames > _SOUND_TOLERANCE * detection.frame_rate:
+        parts.append(Stretch(start=frames, end=len(detection), reason=_NO_SOUND))
     return tuple(parts)
 
 
 def _reasons(parts: Sequence[Stretch]) -> str:
-    """Return why the parts are left out, those that take most frames first."""
+    """Return why the parts are left out, the most frequent reason first."""
     frames: dict[str, int] = {}
     for part in parts:
         frames[part.reason] = frames.get(part.reason, 0) + part.end - part.start
@@ -156,15 +163,14 @@ def _reasons(parts: Sequence[Stretch]) -> str:
     return ", ".join(f"{reason} in {100 * count / total:.0f}%" for reason, count in ordered)
 
 
-def _add_left_out(table: Path, video: Path, left: Sequence[Stretch], rate: float) -> None:
-    """Add what was left out of a video to the table of the folder."""
+def _append_left_out(table: Path, video: Path, parts: Sequence[Stretch], rate: float) -> None:
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     if table.exists():
         text.write(table.read_text("utf-8"))
     else:
         writer.writerow(_COLUMNS)
-    for part in left:
+    for part in parts:
         times = (f"{frame / rate:.3f}" for frame in (part.start, part.end))
         writer.writerow((harmless_cell(video.name), *times, part.reason))
     write_text(table, text.getvalue())

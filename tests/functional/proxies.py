@@ -19,7 +19,7 @@ from pathlib import Path, PurePosixPath
 
 import httpx
 
-from studyapp.custody.deployment import Deployment, Proxy, planned_deployment
+from studyapp.custody.deployment import Deployment, Proxy, plan_deployment
 from studyapp.custody.server_files import deployed_files
 from studyapp.rehearsal.server import free_port
 
@@ -100,7 +100,7 @@ def program(proxy: Proxy) -> str | None:
 @contextmanager
 def behind(proxy: Proxy, study: Path, root: Path, *, prefix: str) -> Iterator[Proxied]:
     """Serve `study` behind `proxy`, with `root` in place of the root of the server's disk."""
-    deployment = planned_deployment(
+    deployment = plan_deployment(
         title="A study",
         folder=PurePosixPath(study),
         host=HOST,

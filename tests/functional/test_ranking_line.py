@@ -86,7 +86,7 @@ def study(home: Path, motionjury: Callable[..., str]) -> Path:
             "--condition", "ground_truth", "--speaker", "anna", "--emotion", "neutral", "lab",
         )  # fmt: skip
     output = motionjury("generate", "lab")
-    assert "Stands in for something real: diffsheg: stand-in for HuBERT" in output
+    assert "Uses stand-ins: diffsheg: stand-in for HuBERT" in output
     motionjury("render", "lab", "--processes", 1)
     assert "can be served" in motionjury("check", "lab")
     motionjury("rehearse", "lab", "--seed", 1)

@@ -14,14 +14,14 @@ from types import MappingProxyType
 from typing import Final
 
 from motion.files import write_text
-from studyapp.custody.deployment import STUDIES, Deployment, planned_deployment
+from studyapp.custody.deployment import STUDIES, Deployment, plan_deployment
 from studyapp.custody.server_files import deployed_files
 from tools.handbook.fenced import Fenced, fenced_blocks, with_body
 
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "deploy.md"
 MARK: Final = "file"
 
-FIRST: Final = planned_deployment(
+FIRST: Final = plan_deployment(
     title="Gestures and speech",
     folder=STUDIES / "my-study",
     host="study.example.org",

@@ -1,4 +1,4 @@
-"""Videos for a supplement: conditions side by side with their names, in slow motion if wanted."""
+"""Supplementary videos of conditions side by side with their names, also in slow motion."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from renderer.figures.skeleton_lines import Place
 from studyapp.stimuli.figures.material import FigureMaterial
 from studyapp.study.folder import StudyFolder
 
-WIDEST: Final = 1920
-"""Pixels across a video whose panel size was not chosen."""
+MAX_WIDTH: Final = 1920
+"""Pixels of a video whose panel size is not given."""
 
 
-def write_grid_of(
+def write_condition_grid(
     folder: StudyFolder,
     *,
     segment: str,
@@ -37,44 +37,43 @@ def write_grid_of(
     folder : StudyFolder
         The study; its motion must be complete.
     segment : str
-        What is said.
+        Name of the segment.
     conditions : sequence of str
-        Each ``name`` or ``name=what it is called``; empty for all but the catch motion.
+        Each ``name`` or ``name=label``; empty for all but the catch condition.
     speed : float
         From `renderer.figures.grid_video.MIN_SPEED` to 1. Slow motion interpolates the original
-        motion, so that it is as smooth as at full speed.
+        motion, so it is as smooth as at full speed.
     skeleton : {'over', 'beside'} or None
-        Where the skeleton is drawn, if it is.
+        Where the skeleton is drawn.
     size : int or None
-        Pixels along each side of a panel; None for the study's own, or what makes a video no
-        wider than `WIDEST`.
+        Pixels of each panel's side; by default the study's, limited by `MAX_WIDTH`.
     closeup : bool
-        Whether only the faces are shown.
+        Show only the faces.
     output : Path
         An MP4 file.
     on_frame : callable
-        Called with (frames done, frames in all) after each.
+        Called with (finished frames, all frames) after each.
     """
     if not MIN_SPEED <= speed <= 1:
         raise InputError(
-            f"speed {speed:g} is not usable", remedy=f"Give {MIN_SPEED:g} to 1, such as 0.25"
+            f"the speed {speed:g} is out of range", remedy=f"Give {MIN_SPEED:g} to 1, such as 0.25"
         )
     if output.suffix.lower() != ".mp4":
         raise InputError("a grid is written as MP4", where=output, remedy="End its name with .mp4")
-    material = FigureMaterial.of(folder)
+    material = FigureMaterial.read(folder)
     excerpt = material.segment(segment)
-    names = material.conditions(conditions)
-    layout = GridLayout(count=len(names), size=2, widened=skeleton == "beside")
-    fitting = WIDEST // (layout.frame[0] // 2) // 2 * 2
+    labels = material.labels(conditions)
+    layout = GridLayout(count=len(labels), size=2, widened=skeleton == "beside")
+    fitting_size = MAX_WIDTH // (layout.frame[0] // 2) // 2 * 2
     rate = material.plan.look.frame_rate
     panels = [
-        Panel(caption=called, clip=material.clip(excerpt, name, frame_rate=rate / speed))
-        for name, called in names.items()
+        Panel(caption=label, clip=material.clip(excerpt, name, frame_rate=rate / speed))
+        for name, label in labels.items()
     ]
     if closeup:
         material, faces = material.close_to_faces([[panel.clip] for panel in panels])
         panels = [replace(panel, clip=clip) for panel, [clip] in zip(panels, faces, strict=True)]
-    with material.stage(size or min(material.plan.look.size, fitting)) as stage:
+    with material.stage(size or min(material.plan.look.size, fitting_size)) as stage:
         write_grid(
             stage,
             material.camera,

@@ -1,4 +1,4 @@
-"""What figures are made of: a study's clips as participants see them, its stage, its speech."""
+"""The material of figures: a study's clips as participants see them, its stage, its speech."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from studyapp.stimuli.render_plan import RenderPlan
 from studyapp.stimuli.shown_motion import licensed_hands
 from studyapp.study.folder import StudyFolder
 
-MOST_PIXELS: Final = 2160
+MAX_PIXELS: Final = 2160
 
 
 @dataclass(frozen=True)
@@ -33,16 +33,16 @@ class FigureMaterial:
     Attributes
     ----------
     plan : RenderPlan
-        The study's look and body, equal for all conditions.
+        The study's look and body, the same for all conditions.
     camera : Camera
-        The camera that all conditions are seen by: the study's own, or one close to their faces.
+        The camera for all conditions: the study's own, or one close to the faces.
     """
 
     plan: RenderPlan
     camera: Camera
 
     @classmethod
-    def of(cls, folder: StudyFolder) -> Self:
+    def read(cls, folder: StudyFolder) -> Self:
         """Read the study in `folder`; its motion must be complete."""
         plan = RenderPlan.of(folder)
         return cls(plan, plan.camera)
@@ -50,7 +50,7 @@ class FigureMaterial:
     def close_to_faces(
         self, groups: Iterable[Sequence[MotionClip]]
     ) -> tuple[Self, list[list[MotionClip]]]:
-        """Return the same with a camera close to the faces, and the clips brought before it."""
+        """Return the material with a camera close to the faces, and the clips in front of it."""
         level = align_faces(groups, self.plan.model)
         clips = [clip for group in level for clip in group]
         camera = face_camera(clips, self.plan.model, self.plan.camera)
@@ -58,51 +58,45 @@ class FigureMaterial:
 
     @contextmanager
     def stage(self, size: int) -> Iterator[Stage]:
-        """Give the study's stage with pictures of `size` × `size` pixels.
-
-        Parameters
-        ----------
-        size : int
-            Made even, and at most `MOST_PIXELS`.
-        """
-        usable = min(max(64, size + size % 2), MOST_PIXELS)
-        look = replace(self.plan.look, size=usable)
+        """Yield the study's stage with `size` × `size` pixels, made even and within limits."""
+        even_size = min(max(64, size + size % 2), MAX_PIXELS)
+        look = replace(self.plan.look, size=even_size)
         with Stage(self.plan.body, self.camera, look) as stage:
             yield stage
 
     def segment(self, name: str) -> Segment:
-        """Return a segment by name; `InputError` names the ones there are."""
-        return self.plan.segments[_known(name, "segment", list(self.plan.segments))]
+        """Return a segment by name."""
+        return self.plan.segments[_require_known(name, "segment", list(self.plan.segments))]
 
-    def conditions(self, given: Sequence[str]) -> dict[str, str]:
-        """Return what each condition is called in the figure, by its name in the study.
+    def labels(self, conditions: Sequence[str]) -> dict[str, str]:
+        """Return the label of each condition in a figure.
 
         Parameters
         ----------
-        given : sequence of str
-            Each ``name`` or ``name=what it is called``; without any, all but the catch motion.
+        conditions : sequence of str
+            Each ``name`` or ``name=label``; empty for all but the catch condition.
 
         Raises
         ------
         InputError
-            If the study shows no such condition, or two in the figure are the same or called so.
+            If a condition is unknown, or names or labels are not distinct.
         """
         shown = self.plan.conditions
-        if not given:
+        if not conditions:
             return {name: name for name in shown if name != self.plan.study.catch.condition}
-        parts = [text.partition("=") for text in given]
-        names = [_known(name, "condition", shown) for name, _, _ in parts]
+        parts = [text.partition("=") for text in conditions]
+        names = [_require_known(name, "condition", shown) for name, _, _ in parts]
         labels = [label.strip() or name for name, _, label in parts]
-        check_distinct(names)
-        check_distinct(labels)
+        require_distinct(names)
+        require_distinct(labels)
         return dict(zip(names, labels, strict=True))
 
     def clip(
         self, segment: Segment, condition: str, *, frame_rate: float | None = None
     ) -> MotionClip:
-        """Return the motion as participants see it, at the videos' rate unless told otherwise."""
-        known = _known(condition, "condition", self.plan.conditions)
-        path = self.plan.folder.clip(known, segment.name)
+        """Return the motion as participants see it, by default at the videos' frame rate."""
+        name = _require_known(condition, "condition", self.plan.conditions)
+        path = self.plan.folder.clip(name, segment.name)
         rate = frame_rate or self.plan.look.frame_rate
         return self._shown(read_clip(path), path, segment, rate)
 
@@ -119,51 +113,49 @@ class FigureMaterial:
         return as_shown(clip, plan.model, path, segment.duration, plan.study.freeze, frame_rate)
 
     def box_around(self, poses: Iterable[MotionClip]) -> Box:
-        """Return the part of the picture that holds the figure in all `poses`."""
+        """Return the part of the picture that contains the body in all `poses`."""
         return common_box(self.plan.model, poses, self.camera)
 
     def speech(self, segment: Segment, *, sample_rate: int) -> Audio:
-        """Return what is said in `segment`."""
+        """Return the speech of `segment`."""
         path = self.plan.folder.speech / segment.wav
         return read_audio(path, sample_rate=sample_rate).cut(segment.start, segment.end)
 
-    def found_moments(self, segment: Segment, count: int) -> tuple[Moment, ...]:
-        """Return `count` moments, on the loudest syllables of equal parts of the speech."""
+    def loud_moments(self, segment: Segment, count: int) -> tuple[Moment, ...]:
+        """Return `count` moments, at the loudest syllables of equal parts of the speech."""
         return loud_moments(self.speech(segment, sample_rate=SPEECH_RATE), count)
 
-    def moments(self, segment: Segment, given: Sequence[Moment]) -> tuple[Moment, ...]:
-        """Return the moments `given`, in order of time.
+    def ordered_moments(self, segment: Segment, moments: Sequence[Moment]) -> tuple[Moment, ...]:
+        """Return `moments` in chronological order.
 
         Raises
         ------
         InputError
             If a moment lies outside the segment, or there are more than `MAX_MOMENTS`.
         """
-        if len(given) > MAX_MOMENTS:
+        if len(moments) > MAX_MOMENTS:
             raise InputError(
-                f"{len(given)} moments are too many", remedy=f"Give 1 to {MAX_MOMENTS}"
+                f"{len(moments)} moments are too many", remedy=f"Give 1 to {MAX_MOMENTS}"
             )
-        for moment in given:
+        for moment in moments:
             if not 0 <= moment.seconds <= segment.duration:
                 raise InputError(
-                    f"there is no moment {moment.seconds:g} s",
+                    f"{moment.seconds:g} s is not within the segment",
                     where=f"segment {segment.name}",
                     remedy=f"Give times from 0 to {segment.duration:.2f} s",
                 )
-        return tuple(sorted(given, key=lambda moment: moment.seconds))
+        return tuple(sorted(moments, key=lambda moment: moment.seconds))
 
 
-def check_distinct(names: Sequence[str]) -> None:
-    """Raise `InputError` if two things in a figure would have one name."""
+def require_distinct(names: Sequence[str]) -> None:
+    """Raise `InputError` if a name or label occurs twice in a figure."""
     for name in names:
         if names.count(name) > 1:
-            raise InputError(
-                f"two in this figure are called {name!r}", remedy="Call each something else"
-            )
+            raise InputError(f"{name!r} occurs twice in this figure", remedy="Use different labels")
 
 
-def _known(name: str, kind: str, known: Sequence[str]) -> str:
+def _require_known(name: str, kind: str, known: Sequence[str]) -> str:
     if name not in known:
-        near = known if len(known) <= 10 else [*get_close_matches(name, known, 10, 0.0), "…"]
-        raise InputError(f"unknown {kind} {name!r}", remedy=f"Use one of {', '.join(near)}")
+        names = known if len(known) <= 10 else [*get_close_matches(name, known, 10, 0.0), "…"]
+        raise InputError(f"unknown {kind} {name!r}", remedy=f"Use one of {', '.join(names)}")
     return name

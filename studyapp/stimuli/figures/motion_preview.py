@@ -1,4 +1,4 @@
-"""Looking at motion files without a study, and exporting them for other programs."""
+"""Previews of motion files without a study, and exports for other programs."""
 
 from __future__ import annotations
 
@@ -29,27 +29,27 @@ from renderer.viewer.page import MAX_CLIPS, Scene, write_motion_page
 from studyapp.stimuli.recorded_beside import read_recorded
 
 PAGE, VIDEO, GLB, BVH = KINDS = ("page", "video", "glb", "bvh")
-"""What can be written: one page of all motion files, or of each a video, a GLB or a BVH."""
+"""One page of all motion files; or a video, a GLB or a BVH of each."""
 
 _PAGE_OF_SEVERAL: Final = "motions.html"
 
 
 @dataclass(frozen=True, kw_only=True)
 class PreviewedMotion:
-    """A motion file as it was read.
+    """A motion file to preview.
 
     Attributes
     ----------
     path : Path
         The file.
     name : str
-        What it is called, and files that are made of it.
+        Its label, and the name of exported files.
     clip : MotionClip
-        Its motion, cut to the speech where there is any.
+        Its motion, cut to the speech.
     speech : Audio or None
-        What is heard, as long as the motion.
+        The speech, as long as the motion.
     notes : tuple of str
-        What was changed on the way.
+        Changes made while reading.
     """
 
     path: Path
@@ -60,12 +60,12 @@ class PreviewedMotion:
 
 
 def distinct_names(paths: Sequence[Path]) -> list[str]:
-    """Return what motion files are called: their own names, with their folders' where needed."""
+    """Return distinct names of motion files, with their folders' names if needed."""
     names = [path.stem for path in paths]
     if len(set(names)) < len(names):
         names = [f"{path.absolute().parent.name}-{path.stem}" for path in paths]
-    twice = {name for name in names if names.count(name) > 1}
-    return [f"{name}-{k}" if name in twice else name for k, name in enumerate(names, start=1)]
+    repeated = {name for name in names if names.count(name) > 1}
+    return [f"{name}-{k}" if name in repeated else name for k, name in enumerate(names, start=1)]
 
 
 def read_previewed(
@@ -76,18 +76,18 @@ def read_previewed(
     frame_rate: float | None = None,
     joint_map: JointMap | None = None,
 ) -> PreviewedMotion:
-    """Read a motion file and what is heard with it.
+    """Read a motion file and its speech.
 
     Parameters
     ----------
     path : Path
         In any format that `motion.formats.read_motion` reads.
     name : str
-        What it is called.
+        Its name.
     speech : Path, optional
-        What is heard; where one of the two is longer, it is cut.
+        The speech; the longer of the two is cut.
     frame_rate : float, optional
-        Overrides what the file says of its frame rate.
+        Overrides the file's frame rate.
     joint_map : mapping of str to str, optional
         For a BVH of an unknown skeleton.
 
@@ -97,25 +97,23 @@ def read_previewed(
         If motion or speech cannot be read.
     """
     clip, notes = read_recorded(path, frame_rate=frame_rate, joint_map=joint_map)
-    heard = None
+    audio = None
     if speech is not None:
-        heard = read_audio(speech, sample_rate=SOUND_RATE)
-        seconds = min(heard.duration, clip.duration)
-        heard, clip = at_common_loudness(heard.cut(0.0, seconds)), cut(clip, 0.0, seconds)
-    return PreviewedMotion(path=path, name=name, clip=clip, speech=heard, notes=tuple(notes))
+        audio = read_audio(speech, sample_rate=SOUND_RATE)
+        seconds = min(audio.duration, clip.duration)
+        audio, clip = at_common_loudness(audio.cut(0.0, seconds)), cut(clip, 0.0, seconds)
+    return PreviewedMotion(path=path, name=name, clip=clip, speech=audio, notes=tuple(notes))
 
 
 def write_preview_page(motions: Sequence[PreviewedMotion], out: Path, look: Look) -> Path:
-    """Write one page on which all motions can be played and turned around, and return it.
-
-    They stand side by side on one clock, `MAX_CLIPS` in a row.
+    """Write a page on which all motions can be played in sync and turned around; return it.
 
     Parameters
     ----------
     motions : sequence of PreviewedMotion
-        At least one; all have the same speech, if any.
+        At least one; all have the same speech, if any. The page shows `MAX_CLIPS` in a row.
     out : Path
-        The folder.
+        The output folder.
     look : Look
         Body and framing.
     """
@@ -136,7 +134,9 @@ def write_preview_page(motions: Sequence[PreviewedMotion], out: Path, look: Look
                 name=", ".join(motion.name for motion in row),
                 clips={motion.name: clips[motion.name] for motion in row},
                 speech=max(
-                    (motion.speech for motion in row if motion.speech), default=None, key=_length
+                    (motion.speech for motion in row if motion.speech),
+                    default=None,
+                    key=lambda speech: speech.duration,
                 ),
             )
             for row in rows
@@ -146,23 +146,18 @@ def write_preview_page(motions: Sequence[PreviewedMotion], out: Path, look: Look
     return page
 
 
-def _length(speech: Audio) -> float:
-    return speech.duration
-
-
 def write_preview(motion: PreviewedMotion, kind: str, out: Path, look: Look) -> tuple[Path, ...]:
-    """Write a motion as one of `KINDS`, named after its file, and return what was written.
+    """Write a motion as one of `KINDS`, named after its file; return the written files.
 
     Parameters
     ----------
     motion : PreviewedMotion
         The motion.
     kind : str
-        ``video``: as a study would show it, by a camera that fits this motion.
-        ``glb`` and ``bvh``: for other programs, on the ground at height 0; the speech
-        lies beside.
+        ``video``: as in a study, with a camera for this motion. ``glb`` and ``bvh``: for other
+        programs, on the ground at height 0, with the speech in a separate file.
     out : Path
-        The folder.
+        The output folder.
     look : Look
         Body, size and framing.
     """
@@ -171,24 +166,24 @@ def write_preview(motion: PreviewedMotion, kind: str, out: Path, look: Look) -> 
     target = out / f"{motion.name}.{kind}"
     if target.exists() and target.samefile(motion.path):
         raise InputError(
-            f"this {kind.upper()} would replace the motion that it is made of",
+            f"this {kind.upper()} would overwrite its own source",
             where=motion.path,
-            remedy="Name another folder with --out",
+            remedy="Choose another folder (--out)",
         )
     body = read_body(default_body(look.avatar))
     joints = body.joints(motion.clip.betas)
     clip = stand_on_ground(motion.clip, joints)
     ground = np.array([0, body.shaped(clip.betas)[:, 1].min(), 0], np.float32)
     clip = replace(clip, trans=clip.trans - ground)
-    beside: tuple[Path, ...] = ()
+    files = [target]
     if motion.speech is not None:
-        beside = (out / f"{motion.name}-speech.wav",)
-        write_wav(beside[0], motion.speech)
+        files.append(out / f"{motion.name}-speech.wav")
+        write_wav(files[-1], motion.speech)
     if kind == GLB:
-        write_glb(target, clip, body, speech=beside[0].name if beside else "")
+        write_glb(target, clip, body, speech=files[-1].name if motion.speech else "")
     else:
         write_clip_bvh(target, clip, joints)
-    return (target, *beside)
+    return tuple(files)
 
 
 def _write_video(motion: PreviewedMotion, out: Path, look: Look) -> tuple[Path]:

@@ -1,4 +1,4 @@
-"""Figures that stand still: single frames, strips of key words, overlaid variations."""
+"""Still figures: single frames, strips of key words, overlaid variations."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from renderer.figures.plate import DOTS_PER_INCH, check_ending
 from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
 from renderer.figures.strip import Moment, StripLayout, draw_strip
 from renderer.shown_clip import frame_at
-from studyapp.stimuli.figures.material import FigureMaterial, check_distinct
+from studyapp.stimuli.figures.material import FigureMaterial, require_distinct
 from studyapp.study.folder import StudyFolder
 
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
-    """What of a study a figure shows.
+    """The content of a figure.
 
     Attributes
     ----------
     segment : str
         Name of the segment.
     conditions : tuple of str
-        Each ``name`` or ``name=what it is called``; empty for all but the catch motion.
+        Each ``name`` or ``name=label``; empty for all but the catch condition.
     moments : tuple of Moment
-        From the segment's start.
+        Measured from the segment's start.
     """
 
     segment: str
@@ -49,15 +49,15 @@ class Print:
     Attributes
     ----------
     inches : float
-        Width of the page.
+        Width in print.
     clear : bool
-        Whether there is nothing behind the figures, rather than the videos' background.
+        Transparent instead of the videos' background.
     whole : bool
-        Whether the whole picture is shown, rather than the part that a figure fills.
+        Show whole pictures instead of cropping them to the body.
     closeup : bool
-        Whether only the face is shown.
+        Show only the face.
     outputs : tuple of Path
-        Where to write; ``.pdf`` or ``.png``.
+        Output files, ``.pdf`` or ``.png``.
     """
 
     inches: float
@@ -90,23 +90,23 @@ def write_still(
     folder : StudyFolder
         The study; its motion must be complete.
     segment, condition : str
-        Which clip.
+        The clip.
     seconds : float
-        Moment from the segment's start.
+        Time from the segment's start.
     size : int
-        Pixels along each side.
+        Pixels of each side.
     skeleton : {'over', 'beside'} or None
-        Where the skeleton is drawn, if it is.
+        Where the skeleton is drawn.
     clear : bool
-        Whether there is nothing behind the figure.
+        Make the background transparent.
     closeup : bool
-        Whether only the face is shown.
+        Show only the face.
     output : Path
-        Where to write.
+        A PNG file.
     """
     if output.suffix.lower() != ".png":
         raise InputError("a still is written as PNG", where=output, remedy="End its name with .png")
-    material = FigureMaterial.of(folder)
+    material = FigureMaterial.read(folder)
     excerpt = material.segment(segment)
     pose = frame_at(material.clip(excerpt, condition), seconds)
     if closeup:
@@ -129,37 +129,37 @@ def write_strip(
     wave: bool,
     skeleton: bool,
 ) -> None:
-    """Write a strip: a row for each condition, a column for each moment.
+    """Write a strip with a row per condition and a column per moment.
 
     Parameters
     ----------
     folder : StudyFolder
         The study; its motion must be complete.
     choice : Choice
-        What is shown.
+        The content.
     printed : Print
-        How it is printed.
+        The print.
     count : int
-        How many loud syllables to look for where `choice` has no moments.
+        Number of loud syllables to show if `choice` has no moments.
     wave : bool
-        Whether the speech's wave is drawn under it.
+        Draw the waveform of the speech below.
     skeleton : bool
-        Whether the skeleton is drawn over the body.
+        Draw the skeleton over the body.
     """
-    material = FigureMaterial.of(folder)
+    material = FigureMaterial.read(folder)
     segment = material.segment(choice.segment)
-    names = material.conditions(choice.conditions)
+    labels = material.labels(choice.conditions)
     moments = (
-        material.moments(segment, choice.moments)
+        material.ordered_moments(segment, choice.moments)
         if choice.moments
-        else material.found_moments(segment, count)
+        else material.loud_moments(segment, count)
     )
-    clips = {called: material.clip(segment, name) for name, called in names.items()}
+    clips = {label: material.clip(segment, name) for name, label in labels.items()}
     rows = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
     material, box, rows = _view(material, printed, rows)
     poses = {
-        (called, moment): pose
-        for called, row in zip(clips, rows, strict=True)
+        (label, moment): pose
+        for label, row in zip(clips, rows, strict=True)
         for moment, pose in zip(moments, row, strict=True)
     }
     layout = StripLayout(
@@ -186,28 +186,27 @@ def write_strip(
 def write_overlay(
     folder: StudyFolder, choice: Choice, printed: Print, *, motions: Sequence[tuple[Path, str]]
 ) -> None:
-    """Write an overlay of moments, or of variations at a moment, in one picture.
+    """Write a picture of several moments, or of variations at one moment.
 
     Parameters
     ----------
     folder : StudyFolder
         The study; its motion must be complete.
     choice : Choice
-        Several conditions are variations of each other, several moments a trail.
+        Several conditions are variations, several moments a trail.
     printed : Print
-        How it is printed.
+        The print.
     motions : sequence of (Path, str)
-        Motion files of the segment's speech that are variations too, such as other seeds, and
-        what each is called.
+        Motion files for the segment that are variations too, such as other seeds, with labels.
     """
-    material = FigureMaterial.of(folder)
+    material = FigureMaterial.read(folder)
     segment = material.segment(choice.segment)
-    names = material.conditions(choice.conditions) if choice.conditions or not motions else {}
-    check_distinct([*names.values(), *(called for _, called in motions)])
-    colours_for(len(names) + len(motions))
-    moments = material.moments(segment, choice.moments)
-    clips = {called: material.clip(segment, name) for name, called in names.items()}
-    clips |= {called: material.variation(segment, path) for path, called in motions}
+    labels = material.labels(choice.conditions) if choice.conditions or not motions else {}
+    require_distinct([*labels.values(), *(label for _, label in motions)])
+    colours_for(len(labels) + len(motions))
+    moments = material.ordered_moments(segment, choice.moments)
+    clips = {label: material.clip(segment, name) for name, label in labels.items()}
+    clips |= {label: material.variation(segment, path) for path, label in motions}
     poses = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
     material, box, poses = _view(material, printed, poses)
     width = round(printed.inches * DOTS_PER_INCH)
@@ -227,14 +226,14 @@ def write_overlay(
 def _view(
     material: FigureMaterial, printed: Print, rows: list[list[MotionClip]]
 ) -> tuple[FigureMaterial, Box, list[list[MotionClip]]]:
-    """Return the material seen as asked for, the part of its picture that is shown, and poses."""
+    """Return the material with its camera, the visible part of the picture, and the poses."""
     if printed.closeup:
         material, rows = material.close_to_faces(rows)
         return material, FULL_BOX, rows
-    everyone = [pose for row in rows for pose in row]
-    return material, FULL_BOX if printed.whole else material.box_around(everyone), rows
+    poses = [pose for row in rows for pose in row]
+    return material, FULL_BOX if printed.whole else material.box_around(poses), rows
 
 
 def _drawn_size(width: int, box: Box) -> int:
-    """Return the pixels along a whole picture whose part `box` is `width` wide."""
+    """Return the size of a whole picture whose part `box` is `width` pixels wide."""
     return math.ceil(width / (box[2] - box[0]))

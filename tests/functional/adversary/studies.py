@@ -8,7 +8,7 @@ from typing import Final
 
 from motion.files import digest
 from motion.segment import Segment
-from studyapp.stimuli.rendering import hide_sizes
+from studyapp.stimuli.rendering import equalise_sizes
 from studyapp.stimuli.video_copies import copy_videos
 from studyapp.study.design.trial import Content
 from studyapp.study.finished_videos import finished_video_path
@@ -93,7 +93,7 @@ def write_study(root: Path, name: str) -> StudyFolder:
     else:
         write_stimuli(folder.stimuli, _rendered(folder, segments, contents))
     copy_videos(folder)
-    hide_sizes(folder)
+    equalise_sizes(folder)
     return folder
 
 

@@ -20,29 +20,31 @@ def study(
     return root
 
 
-def test_what_is_in_a_backup_and_who_is_back_is_said(study: Path, tmp_path: Path) -> None:
+def test_the_contents_of_a_backup_and_the_limits_of_a_restore_are_printed(
+    study: Path, tmp_path: Path
+) -> None:
     archive = tmp_path / "out.tar.gz"
-    said = run("backup", study, archive)
-    assert "Backed up 1 participant with 2 answers" in said
-    assert f"from sqlite:///{study / 'responses.db'}" in said
-    assert "media files are not in it (--with-media)" in said
-    assert "Keep it as safe as the answers" in said
+    output = run("backup", study, archive)
+    assert "Backed up 1 participant with 2 answers" in output
+    assert f"from sqlite:///{study / 'responses.db'}" in output
+    assert "media files; --with-media includes them" in output
+    assert "Keep it as safe as the answers" in output
 
-    said = run("restore", archive, tmp_path / "new")
-    assert "Restored 1 participant with 2 answers" in said
-    assert "media files are missing" in said
-    assert "Whoever was forgotten after" in said
+    output = run("restore", archive, tmp_path / "new")
+    assert "Restored 1 participant with 2 answers" in output
+    assert "media files are missing" in output
+    assert "Participants who were erased or withdrew after" in output
 
 
 def test_a_backup_is_checked_alone_and_beside_its_media(study: Path, tmp_path: Path) -> None:
     archive = tmp_path / "out.tar"
     run("backup", study, archive)
 
-    assert "is whole: 1 participant" in run("backup", "--check", archive)
-    assert "that it does not hold are in" in run("backup", study, "--check", archive)
+    assert "is intact: 1 participant" in run("backup", "--check", archive)
+    assert "media files outside the backup are in" in run("backup", study, "--check", archive)
     next((study / "videos").rglob("*.mp4")).unlink()
     assert "1 are missing" in run("backup", study, "--check", archive, status=1)
     both = run("backup", study, tmp_path / "x.tar", "--check", archive, status=1)
     assert "--check makes no backup" in both
     archive.write_bytes(archive.read_bytes()[:-20_000])
-    assert "Take another backup" in run("backup", "--check", archive, status=1)
+    assert "Use another backup" in run("backup", "--check", archive, status=1)

@@ -29,7 +29,7 @@ def test_the_demo_speaks_one_sentence_of_four_seconds_or_more_per_emotion(
     assert all(segment.duration >= 4 and segment.transcript for segment in segments)
 
 
-def test_a_demo_that_is_there_is_kept_and_an_interrupted_one_goes_on(
+def test_an_existing_demo_is_kept_and_an_interrupted_one_continues(
     demo: StudyFolder, tmp_path: Path
 ) -> None:
     folder = StudyFolder(Path(shutil.copytree(demo.root, tmp_path / "demo-study")))

@@ -1,4 +1,4 @@
-"""Whom a researcher excludes: what reports, exports and shared folders make of it."""
+"""Exclusions by hand, and their effect on reports and exports."""
 
 from __future__ import annotations
 
@@ -57,8 +57,10 @@ def exclude(folder: StudyFolder, name: str, *options: str, reason: str = REASON)
 
 
 def results(folder: StudyFolder) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(report(folder).with_name("results.json").read_text("utf-8"))
-    return found
+    document: dict[str, Any] = json.loads(
+        report(folder).with_name("results.json").read_text("utf-8")
+    )
+    return document
 
 
 def left_out(folder: StudyFolder) -> LeftOut:
@@ -66,8 +68,8 @@ def left_out(folder: StudyFolder) -> LeftOut:
 
 
 def reasons(database: Database) -> list[str]:
-    found = read_once(database, stored_answers).study_sessions["excluded_because"]
-    return [str(reason) for reason in found]
+    reasons = read_once(database, stored_answers).study_sessions["excluded_because"]
+    return [str(reason) for reason in reasons]
 
 
 def test_a_participant_is_excluded_and_reinstated_by_number_or_pseudonym(
@@ -77,24 +79,24 @@ def test_a_participant_is_excluded_and_reinstated_by_number_or_pseudonym(
     with opened(folder.responses) as database:
         name = read_once(database, pseudonyms, key)["2"]
 
-        assert "left out of the analysis" in exclude(folder, "1", reason="asleep")
+        assert "excluded from the analysis" in exclude(folder, "1", reason="asleep")
         assert reasons(database) == ["asleep", "", "", ""]
         exclude(folder, name, reason="played at double speed")
         assert reasons(database) == ["asleep", "played at double speed", "", ""]
-        back = exclude(folder, name, "--reinstate", reason="that was somebody else")
+        output = exclude(folder, name, "--reinstate", reason="that was somebody else")
         assert reasons(database) == ["asleep", "", "", ""]
-        assert "rules of the study file hold as before" in back
+        assert "exclusion rules still apply" in output
         assert [(line.researcher, line.event) for line in latest_changes(database)[:2]] == [
             ("", "participant reinstated"),
             ("", "participant excluded"),
         ]
 
 
-def test_nobody_is_excluded_without_a_reason_or_by_a_name_that_nobody_has(
+def test_an_exclusion_needs_a_reason_and_a_known_participant(
     folder: StudyFolder,
 ) -> None:
     run("exclude", folder.root, "1", status=2)
-    unknown = "no study session is called"
+    unknown = "there is no study session"
     for name in ("77", "p" * 17, "-", ""):
         given = ("exclude", folder.root, "--reason", "asleep", "--", name)
         assert unknown in run(*given, status=1)
@@ -104,7 +106,7 @@ def test_nobody_is_excluded_without_a_reason_or_by_a_name_that_nobody_has(
     assert not folder.responses.exists()
 
 
-def test_the_report_leaves_them_out_after_the_rules_and_says_that_it_was_by_hand(
+def test_the_report_applies_exclusions_by_hand_after_the_rules_and_marks_them(
     folder: StudyFolder, tmp_path: Path
 ) -> None:
     for name in ("2", "4"):
@@ -114,18 +116,18 @@ def test_the_report_leaves_them_out_after_the_rules_and_says_that_it_was_by_hand
     database.close()
     places = sum(arm.places for arm in folder.study().arms)
 
-    found = results(folder)
+    document = results(folder)
 
-    rule = found["rules"][-1]
+    rule = document["rules"][-1]
     assert (rule["rule"], rule["removed"], rule["exploratory"]) == ("researcher", 1, True)
-    # Whom a rule of the study leaves out counts under the rule.
-    assert list(found["exclusions"]) == ["4", "2"]
-    assert found["exclusions"]["4"].endswith("trials answered")
-    assert found["exclusions"]["2"] == REASON
-    assert found["participants"] == {"recruited": 4, "attentive": 2}
-    first = found["sensitivity"][0]
+    # Participants whom a rule excludes too count under the rule.
+    assert list(document["exclusions"]) == ["4", "2"]
+    assert document["exclusions"]["4"].endswith("trials answered")
+    assert document["exclusions"]["2"] == REASON
+    assert document["participants"] == {"recruited": 4, "attentive": 2}
+    first = document["sensitivity"][0]
     assert first["as_planned"]["participants"] == first["analysed"]["participants"] + 1
-    assert sum(flow["places"] for flow in found["flow"]) == places + 3
+    assert sum(flow["places"] for flow in document["flow"]) == places + 3
     page = (folder.report / "report.html").read_text("utf-8")
     assert "1 participant whom the earlier rules would have kept was excluded by hand" in page
     assert "excluded by a researcher (exploratory)" in page
@@ -134,7 +136,7 @@ def test_the_report_leaves_them_out_after_the_rules_and_says_that_it_was_by_hand
     assert "has been passed on" in passed_on
 
 
-def test_the_export_says_of_each_answer_that_a_researcher_decided(
+def test_the_export_marks_answers_that_were_excluded_by_hand(
     folder: StudyFolder, tmp_path: Path
 ) -> None:
     exclude(folder, "2")
@@ -142,8 +144,8 @@ def test_the_export_says_of_each_answer_that_a_researcher_decided(
     export(folder, tmp_path / "answers.csv")
 
     people = pd.read_csv(tmp_path / "answers_participants.csv").set_index("study_session")
-    found = [people.loc[2, f"exclusion_{what}"] for what in ("rule", "kind", "reason")]
-    assert found == ["researcher", "by hand", f"'{REASON}"]
+    exclusion = [people.loc[2, f"exclusion_{field}"] for field in ("rule", "kind", "reason")]
+    assert exclusion == ["researcher", "by hand", f"'{REASON}"]
     answers = pd.read_csv(tmp_path / "answers.csv")
     assert not answers.loc[answers["study_session"] == 2, "analysed"].any()
     log = pd.read_csv(tmp_path / "answers_log.csv")

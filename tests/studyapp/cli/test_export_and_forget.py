@@ -36,26 +36,26 @@ def is_in_the_file(study: Path) -> bool:
     return any(PERSON.encode() in path.read_bytes() for path in study.glob("responses.db*"))
 
 
-def test_tables_are_written_as_their_ending_says(study: Path, tmp_path: Path) -> None:
-    said = run("export", study, "--out", tmp_path / "out.parquet")
+def test_the_ending_decides_the_format_of_tables(study: Path, tmp_path: Path) -> None:
+    output = run("export", study, "--out", tmp_path / "out.parquet")
 
-    assert f"Wrote 0 answers to {tmp_path / 'out.parquet'}" in said
+    assert f"Wrote 0 answers to {tmp_path / 'out.parquet'}" in output
     assert not list(tmp_path.glob("*.csv"))
     wrong = run("export", study, "--out", tmp_path / "out.xlsx", status=1)
     assert "neither in .csv nor in .parquet" in wrong
 
 
-def test_a_folder_for_another_lab_says_what_to_do_with_it(study: Path, tmp_path: Path) -> None:
-    said = run("export", study, "--folder", tmp_path / "out")
+def test_a_folder_for_another_lab_is_explained(study: Path, tmp_path: Path) -> None:
+    output = run("export", study, "--folder", tmp_path / "out")
 
-    assert f"motionjury report {tmp_path / 'out' / 'sourcedata' / 'study'}" in said
+    assert f"motionjury report {tmp_path / 'out' / 'sourcedata' / 'study'}" in output
     for wrong in (["--with-recruiter-ids"], ["--out", "x.csv"]):
         refused = run("export", study, "--folder", tmp_path / "other", *wrong, status=1)
         assert "cannot be given with --folder" in refused
     assert "for a folder for another lab" in run("export", study, "--with-videos", status=1)
 
 
-def test_a_participant_is_erased_when_asked_and_told_what_remains(study: Path) -> None:
+def test_a_participant_is_erased_after_a_question_and_what_remains_is_printed(study: Path) -> None:
     run("export", study)
     run("forget", study, PERSON, typed="n\n", status=1)
     assert is_in_the_file(study)
@@ -64,11 +64,11 @@ def test_a_participant_is_erased_when_asked_and_told_what_remains(study: Path) -
 
     assert "found by its recruiter id" in erased
     assert "What remains: one row" in erased
-    assert "Left to do by hand: Beside the study, responses.csv" in erased
+    assert "Left to do by hand: in the study folder, responses.csv" in erased
     assert not is_in_the_file(study)
 
 
-def test_erasing_again_clears_the_files_however_much_has_happened_since(
+def test_erasing_again_rewrites_the_files_however_long_the_log_is(
     study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cleared: list[Database] = []
@@ -78,12 +78,12 @@ def test_erasing_again_clears_the_files_however_much_has_happened_since(
         for _ in range(MAX_LINES):
             log_change(session, SetClock().now(), Event.LOGGED_IN, by="ada")
 
-    assert "Nobody in this study" in run("forget", study, PERSON, "--yes")
+    assert "No participant has this" in run("forget", study, PERSON, "--yes")
 
     assert len(cleared) == 2
 
 
-def test_the_pseudonym_of_an_export_finds_the_participant_who_is_in_none_afterwards(
+def test_a_pseudonym_finds_a_participant_who_is_in_no_later_export(
     study: Path,
 ) -> None:
     run("export", study, "--with-recruiter-ids")
@@ -98,11 +98,11 @@ def test_the_pseudonym_of_an_export_finds_the_participant_who_is_in_none_afterwa
         assert read_once(database, responses_table).empty
 
 
-def test_nobody_is_forgotten_where_nobody_took_part(
+def test_without_participants_nobody_is_erased(
     finished_study: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("DATABASE_URL", raising=False)
     root = finished_study("rating")
 
-    assert "Nobody in this study" in run("forget", root, PERSON, "--yes")
+    assert "No participant has this" in run("forget", root, PERSON, "--yes")
     assert not (root / "responses.db").exists()

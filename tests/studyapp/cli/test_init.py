@@ -1,4 +1,4 @@
-"""A new study by options: what is written, and what is refused."""
+"""New studies from options."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.support.command_line import run
 
 
 @pytest.mark.parametrize("template", ["pairwise", "rating", "ranking", "mismatch", "three-systems"])
-def test_check_asks_a_new_study_for_media_alone(tmp_path: Path, template: str) -> None:
+def test_a_new_study_lacks_only_media(tmp_path: Path, template: str) -> None:
     for channel in get_args(Channel):
         run(
             "init", tmp_path / channel, "--template", template, "--condition", "real=files",
@@ -25,8 +25,9 @@ def test_check_asks_a_new_study_for_media_alone(tmp_path: Path, template: str) -
         )  # fmt: skip
 
     channel = get_args(Channel)[len(template) % 4]
-    found = check(StudyFolder(tmp_path / channel))
-    assert [each.name for each in found if each.severity == "error"] == ["speech-unreadable"]
+    findings = check(StudyFolder(tmp_path / channel))
+    errors = [finding.name for finding in findings if finding.severity == "error"]
+    assert errors == ["speech-unreadable"]
 
 
 def test_options_end_up_in_the_study_file(tmp_path: Path) -> None:
@@ -51,20 +52,20 @@ def test_options_end_up_in_the_study_file(tmp_path: Path) -> None:
     assert study.video.framing == "hands"
 
 
-def test_finished_videos_have_catch_trials_where_a_broken_motion_is_brought(tmp_path: Path) -> None:
+def test_finished_videos_have_catch_trials_if_flawed_ones_are_promised(tmp_path: Path) -> None:
     videos = ("--condition", "real=videos", "--condition", "ours=videos")
 
-    said = run("init", tmp_path / "with", *videos, "--catch-videos")
+    output = run("init", tmp_path / "with", *videos, "--catch-videos")
     run("init", tmp_path / "without", *videos)
 
-    assert "videos/CONDITION/SEGMENT.mp4" in said
-    brought, none = (read_study(tmp_path / name / "study.toml") for name in ("with", "without"))
-    assert (brought.catch.videos, brought.catch.trials) == (True, 3)
+    assert "videos/CONDITION/SEGMENT.mp4" in output
+    flawed, none = (read_study(tmp_path / name / "study.toml") for name in ("with", "without"))
+    assert (flawed.catch.videos, flawed.catch.trials) == (True, 3)
     assert (none.catch.trials, none.attention.trials) == (0, 2)
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "error"),
     [
         (["--condition", "ours"], "does not say where its motion comes from"),
         (["--condition", "ours=magic", "--condition", "b=files"], "unknown source 'magic'"),
@@ -77,13 +78,13 @@ def test_finished_videos_have_catch_trials_where_a_broken_motion_is_brought(tmp_
         (["--pay", "much EUR"], "'much' is not an amount"),
     ],
 )
-def test_options_that_make_no_study_are_refused_and_nothing_is_written(
-    tmp_path: Path, options: list[str], said: str
+def test_invalid_options_are_refused_and_nothing_is_written(
+    tmp_path: Path, options: list[str], error: str
 ) -> None:
-    assert said in run("init", tmp_path / "s", *options, status=1)
+    assert error in run("init", tmp_path / "s", *options, status=1)
     assert not (tmp_path / "s" / "study.toml").exists()
 
 
-def test_a_study_that_is_there_is_never_overwritten(tmp_path: Path) -> None:
+def test_an_existing_study_is_never_overwritten(tmp_path: Path) -> None:
     run("init", tmp_path / "s")
     assert "already exists" in run("init", tmp_path / "s", status=1)

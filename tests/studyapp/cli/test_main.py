@@ -18,28 +18,28 @@ Refused = Callable[..., tuple[int, str]]
 
 @pytest.fixture(name="refused")
 def _refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Refused:
-    """Return how a command line is refused: its exit status and what it says."""
+    """Return a function that runs a failing command line and returns its status and error."""
 
     def run(*arguments: str) -> tuple[int, str]:
         monkeypatch.setattr(sys, "argv", ["motionjury", *arguments])
-        with pytest.raises(SystemExit) as left:
+        with pytest.raises(SystemExit) as exit_:
             main()
-        said, error = capsys.readouterr()
-        assert said == ""
-        assert isinstance(left.value.code, int)
-        return left.value.code, error
+        output, error = capsys.readouterr()
+        assert output == ""
+        assert isinstance(exit_.value.code, int)
+        return exit_.value.code, error
 
     return run
 
 
-def test_a_misspelt_command_is_told_the_nearest(refused: Refused) -> None:
-    status, said = refused("reprot")
+def test_the_nearest_command_is_suggested_for_a_misspelt_one(refused: Refused) -> None:
+    status, error = refused("reprot")
     assert status == 2
-    assert "No such command 'reprot'. Did you mean 'report'?" in said
+    assert "No such command 'reprot'. Did you mean 'report'?" in error
 
 
 @pytest.mark.parametrize("command", ["export", "report", "metrics"])
-def test_a_command_without_a_folder_takes_the_one_it_is_run_in(
+def test_a_command_without_a_folder_uses_the_working_directory(
     refused: Refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -48,23 +48,18 @@ def test_a_command_without_a_folder_takes_the_one_it_is_run_in(
 
 
 def test_bad_input_is_one_sentence_without_a_traceback(refused: Refused, tmp_path: Path) -> None:
-    status, said = refused("check", str(tmp_path))
+    status, error = refused("check", str(tmp_path))
     assert status == 1
-    assert "study.toml is missing" in said
-    assert "motionjury init" in said
-    assert "Traceback" not in said
-
-
-def test_a_folder_in_the_place_of_a_file_is_one_sentence_too(
-    refused: Refused, tmp_path: Path
-) -> None:
+    assert "study.toml is missing" in error
+    assert "motionjury init" in error
+    assert "Traceback" not in error
     (tmp_path / "study.toml").mkdir()
 
-    status, said = refused("check", str(tmp_path))
+    status, error = refused("check", str(tmp_path))
 
     assert status == 1
-    assert said.startswith(f"Error: {tmp_path / 'study.toml'}: Is a directory.")
-    assert "Traceback" not in said
+    assert error.startswith(f"Error: {tmp_path / 'study.toml'}: Is a directory.")
+    assert "Traceback" not in error
 
 
 def test_debug_shows_where_it_happened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -73,17 +68,17 @@ def test_debug_shows_where_it_happened(monkeypatch: pytest.MonkeyPatch, tmp_path
         main()
 
 
-def test_an_interruption_says_how_to_go_on(
+def test_an_interruption_says_how_to_continue(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def interrupted(**_: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(front, "group", interrupted)
-    with pytest.raises(SystemExit) as left:
+    with pytest.raises(SystemExit) as exit_:
         main()
-    assert left.value.code == 130
-    assert "goes on where it stopped" in capsys.readouterr().err
+    assert exit_.value.code == 130
+    assert "Run the same command again" in capsys.readouterr().err
 
 
 WITHOUT_MOTION = """
@@ -104,34 +99,25 @@ main()
 """
 
 
-def test_a_report_is_written_where_no_networks_and_no_graphics_are_installed(
-    tmp_path: Path,
-) -> None:
+def run_without_motion(*arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", WITHOUT_MOTION, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_a_report_needs_neither_networks_nor_graphics(tmp_path: Path) -> None:
     table = tmp_path / "answers.csv"
     ranking_table(participants=4, segments=3).to_csv(table, index=False)
 
-    options = ["--responses", str(table), "--protocol", "ranking", "--out", str(tmp_path / "out")]
-    shown = subprocess.run(
-        [sys.executable, "-c", WITHOUT_MOTION, "report", *options],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    options = ("--responses", table, "--protocol", "ranking", "--out", tmp_path / "out")
+    done = run_without_motion("report", *options)
 
-    assert shown.returncode == 0, shown.stderr
+    assert done.returncode == 0, done.stderr
     assert (tmp_path / "out" / "report.html").exists()
 
 
-def test_what_draws_motion_says_how_to_install_graphics(tmp_path: Path) -> None:
-    motion = write_motion(tmp_path / "a.npz", 1.0)
+def test_a_command_that_draws_motion_says_how_to_install_graphics(tmp_path: Path) -> None:
+    done = run_without_motion("preview", write_motion(tmp_path / "a.npz", 1.0))
 
-    shown = subprocess.run(
-        [sys.executable, "-c", WITHOUT_MOTION, "preview", str(motion)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-    assert shown.returncode == 1
-    assert "pip install 'motionjury[motion]'" in shown.stderr
-    assert "Traceback" not in shown.stderr
+    assert done.returncode == 1
+    assert "pip install 'motionjury[motion]'" in done.stderr
+    assert "Traceback" not in done.stderr

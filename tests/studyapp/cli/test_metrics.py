@@ -55,15 +55,15 @@ def test_nothing_that_can_be_measured_is_a_failure(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "error"),
     [
-        ((), "of a study or of folders, not of both or neither"),
+        ((), "give either a study or --generated"),
         (("--generated", "ours", "--out", "scores.xlsx"), ".csv, .json, .parquet"),
         (("--generated", "ours", "--preset", "best"), "'best' is not one of"),
     ],
 )
-def test_what_does_not_fit_together_is_refused(
-    generated: Path, arguments: tuple[str, ...], said: str, monkeypatch: pytest.MonkeyPatch
+def test_conflicting_options_are_refused(
+    generated: Path, arguments: tuple[str, ...], error: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(generated.parent)
-    assert said in refused("metrics", *arguments)
+    assert error in refused("metrics", *arguments)

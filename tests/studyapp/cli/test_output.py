@@ -12,13 +12,13 @@ from studyapp.desk.jobs import PROGRESS_FILE, Progress
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
-    """Return a list whose only number is the time."""
+    """Return a list that holds the time."""
     now = [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
     return now
 
 
-def test_without_a_terminal_a_line_comes_now_and_then_with_rate_and_time_left(
+def test_without_a_terminal_lines_are_printed_with_rate_and_time_left(
     clock: list[float], capsys: pytest.CaptureFixture[str]
 ) -> None:
     with progress("render", "frame") as show:
@@ -27,14 +27,14 @@ def test_without_a_terminal_a_line_comes_now_and_then_with_rate_and_time_left(
             clock[0] += 10
             show(done, 1000, f"{done // 100} of 10 videos, 1 failed")
     assert capsys.readouterr().err.splitlines() == [
-        "render: 300 of 1000 frames, 10 a second, about 01:10 left, 3 of 10 videos, 1 failed",
-        "render: 600 of 1000 frames, 10 a second, about 00:40 left, 6 of 10 videos, 1 failed",
-        "render: 900 of 1000 frames, 10 a second, about 00:10 left, 9 of 10 videos, 1 failed",
-        "render: 1000 of 1000 frames, 10 a second, 10 of 10 videos, 1 failed",
+        "render: 300 of 1000 frames, 10 per second, about 01:10 left, 3 of 10 videos, 1 failed",
+        "render: 600 of 1000 frames, 10 per second, about 00:40 left, 6 of 10 videos, 1 failed",
+        "render: 900 of 1000 frames, 10 per second, about 00:10 left, 9 of 10 videos, 1 failed",
+        "render: 1000 of 1000 frames, 10 per second, 10 of 10 videos, 1 failed",
     ]
 
 
-def test_what_was_done_before_counts_for_no_rate(
+def test_earlier_work_does_not_count_for_the_rate(
     clock: list[float], capsys: pytest.CaptureFixture[str]
 ) -> None:
     with progress("train", "step") as show:
@@ -44,7 +44,7 @@ def test_what_was_done_before_counts_for_no_rate(
         show(601, 1000)
     assert capsys.readouterr().err.splitlines() == [
         "train: 501 of 1000 steps",
-        "train: 601 of 1000 steps, 2 a second, about 03:19 left",
+        "train: 601 of 1000 steps, 2 per second, about 03:19 left",
     ]
 
 
@@ -61,22 +61,22 @@ def test_a_terminal_gets_a_bar_with_rate_and_time_left(
     assert "4 of 4 videos" in bar
 
 
-def test_whoever_watches_finds_in_a_file_how_far_it_is(
+def test_progress_is_also_written_to_a_file(
     clock: list[float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file = tmp_path / "progress.json"
     monkeypatch.setenv(PROGRESS_FILE, str(file))
 
-    def told() -> Progress:
+    def stored() -> Progress:
         return Progress.model_validate_json(file.read_bytes())
 
     with progress("render", "frame") as show:
         show(0, 400)
-        assert told().words == "render: 0 of 400 frames"
+        assert stored().words == "render: 0 of 400 frames"
         clock[0] += 0.5
         show(100, 400)
-        assert told().done == 0
+        assert stored().done == 0
         clock[0] += 0.5
         show(200, 400)
-        assert (told().done, told().total) == (200, 400)
-        assert told().words == "render: 200 of 400 frames, 200 a second, about 00:01 left"
+        assert (stored().done, stored().total) == (200, 400)
+        assert stored().words == "render: 200 of 400 frames, 200 per second, about 00:01 left"

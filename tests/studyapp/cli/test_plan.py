@@ -31,9 +31,9 @@ def test_every_size_gets_its_power_and_its_cost(study: Callable[..., Path]) -> N
     folder = study()
     out = folder / "plan"
 
-    said = run("plan", folder, *SMALL, "--pay", 2)
+    output = run("plan", folder, *SMALL, "--pay", 2)
 
-    assert "6 x 5" in said
+    assert "6 x 5" in output
     table = pd.read_csv(out / "power.csv")
     assert table["participants"].tolist() == [6, 12]
     assert table["power"].between(0, 1).all()

@@ -11,38 +11,36 @@ from tests.support.servers.s3_stand_in import BUCKET, SECRET, Store
 ADDRESS = "https://study.example.org/studies/one/"
 
 
-def test_videos_are_published_and_tried_as_a_browser_will(
-    tiny_study: Path, s3_store: Store
-) -> None:
+def test_videos_are_uploaded_and_loaded_as_by_a_browser(tiny_study: Path, s3_store: Store) -> None:
     given = ("--endpoint", s3_store.endpoint)
     first = run("publish-media", tiny_study, f"s3://{BUCKET}/a", *given, "--address", ADDRESS)
     again = run("publish-media", tiny_study)
     (tiny_study / FILE).unlink()
     anew = run("publish-media", tiny_study, f"s3://{BUCKET}/a/", *given, "--remove-unused")
 
-    assert "Stored 32 copies; 0 were there." in first
+    assert "Uploaded 32 copies; 0 were already there." in first
     assert "Pages of https://study.example.org can load them" in first
     assert s3_store.origins == ["https://study.example.org"]
-    assert "Stored 0 copies; 32 were there." in again
-    assert "Removed 32 objects" in anew
+    assert "Uploaded 0 copies; 32 were already there." in again
+    assert "Removed 32 unused objects" in anew
     assert len(s3_store.objects) == 32
     assert SECRET not in first + again + anew
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "error"),
     [
-        (["https://example.org/bucket"], "this names no bucket"),
-        (["s3://Bucket_1"], "this names no bucket"),
-        (["s3://bucket/../other"], "this names no bucket"),
-        (["s3://bucket", "--endpoint", "http://s3.example.org"], "by https alone"),
-        (["s3://bucket", "--address", "study.example.org"], "not an address of a study"),
-        ([], "nobody has said where"),
+        (["https://example.org/bucket"], "not the name of a bucket"),
+        (["s3://Bucket_1"], "not the name of a bucket"),
+        (["s3://bucket/../other"], "not the name of a bucket"),
+        (["s3://bucket", "--endpoint", "http://s3.example.org"], "only load videos over https"),
+        (["s3://bucket", "--address", "study.example.org"], "not the address of a study"),
+        ([], "no bucket was given"),
     ],
 )
-def test_a_wrong_place_is_said_before_anything_is_asked(
-    tiny_study: Path, s3_store: Store, arguments: list[str], said: str
+def test_an_invalid_place_is_refused_before_any_request(
+    tiny_study: Path, s3_store: Store, arguments: list[str], error: str
 ) -> None:
-    assert said in run("publish-media", tiny_study, *arguments, status=1)
+    assert error in run("publish-media", tiny_study, *arguments, status=1)
     assert s3_store.asked == []
     assert not (tiny_study / FILE).exists()

@@ -50,10 +50,10 @@ def folder(tiny_study: Path) -> Path:
     return tiny_study
 
 
-def said(folder: Path, *arguments: str, status: int = 0) -> str:
-    found = run("recruit", folder, *arguments, status=status)
-    assert TOKEN not in found
-    return found
+def recruit(folder: Path, *arguments: str, status: int = 0) -> str:
+    output = run("recruit", folder, *arguments, status=status)
+    assert TOKEN not in output
+    return output
 
 
 def test_codes_are_drawn_into_the_study_file_and_kept(folder: Path) -> None:
@@ -61,7 +61,7 @@ def test_codes_are_drawn_into_the_study_file_and_kept(folder: Path) -> None:
 
     assert "# Ours." in text
     assert len(set(tomllib.loads(text)["recruitment"]["prolific"].values())) == 4
-    assert "already" in said(folder, "codes")
+    assert "already" in recruit(folder, "codes")
     assert (folder / "study.toml").read_text("utf-8") == text
 
 
@@ -85,7 +85,7 @@ def test_codes_are_drawn_into_the_study_file_and_kept(folder: Path) -> None:
         ),
     ],
 )
-def test_codes_stand_where_they_belong_and_all_else_stays(
+def test_codes_are_inserted_and_everything_else_stays(
     tiny_study: Path, written: str, expected: str
 ) -> None:
     path = tiny_study / "study.toml"
@@ -109,10 +109,10 @@ def test_codes_are_not_written_into_a_file_that_is_wrong(tiny_study: Path) -> No
         path.write_text(text, "utf-8")
 
 
-def test_nothing_is_sent_before_it_is_agreed_to(folder: Path, stand_in: StandIn) -> None:
-    shown = said(folder, "create", "--address", ADDRESS)
+def test_nothing_is_sent_without_yes(folder: Path, stand_in: StandIn) -> None:
+    shown = recruit(folder, "create", "--address", ADDRESS)
 
-    assert "9.00 for an hour" in shown
+    assert "9.00 per hour" in shown
     assert "Nothing was sent" in shown
     assert stand_in.asked == []
 
@@ -120,25 +120,27 @@ def test_nothing_is_sent_before_it_is_agreed_to(folder: Path, stand_in: StandIn)
 def test_a_study_is_made_once_and_published_paused_and_stopped(
     folder: Path, stand_in: StandIn
 ) -> None:
-    first = said(folder, "create", "--address", ADDRESS, "--yes")
-    second = said(folder, "create", "--address", ADDRESS, "--yes")
+    first = recruit(folder, "create", "--address", ADDRESS, "--yes")
+    second = recruit(folder, "create", "--address", ADDRESS, "--yes")
     (folder / "recruitment.json").unlink()
-    third = said(folder, "create", "--address", ADDRESS, "--yes")
+    third = recruit(folder, "create", "--address", ADDRESS, "--yes")
 
-    assert "Made the draft" in first
-    assert "There already is the study" in second
-    assert "There already is the study" in third
+    assert "Created the draft" in first
+    assert "already exists on Prolific" in second
+    assert "already exists on Prolific" in third
     assert len(stand_in.studies) == 1
-    assert "Nothing was published" in said(folder, "publish")
-    assert "active" in said(folder, "publish", "--yes")
-    assert "paused" in said(folder, "pause")
-    assert "active" in said(folder, "resume")
-    assert "200 places" in said(folder, "places", "200")
-    assert "awaiting review" in said(folder, "stop")
+    assert "Nothing was published" in recruit(folder, "publish")
+    assert "active" in recruit(folder, "publish", "--yes")
+    assert "paused" in recruit(folder, "pause")
+    assert "active" in recruit(folder, "resume")
+    assert "200 places" in recruit(folder, "places", "200")
+    assert "awaiting review" in recruit(folder, "stop")
 
 
-def test_who_is_paid_is_shown_before_anybody_is(folder: Path, stand_in: StandIn) -> None:
-    said(folder, "create", "--address", ADDRESS, "--yes")
+def test_decisions_about_pay_are_shown_before_anybody_is_paid(
+    folder: Path, stand_in: StandIn
+) -> None:
+    recruit(folder, "create", "--address", ADDRESS, "--yes")
     code = StudyFolder(folder).study().recruitment.prolific.completed
     with taking_part(folder) as ann:
         ann.another().arrive(Arrival(recruiter_participant="bob"))
@@ -147,41 +149,41 @@ def test_who_is_paid_is_shown_before_anybody_is(folder: Path, stand_in: StandIn)
     stand_in.add_submission("bob", "AWAITING REVIEW", code)
     stand_in.add_submission("eve", "TIMED-OUT", None)
 
-    shown = said(folder, "approve")
+    shown = recruit(folder, "approve")
 
-    assert "1 to be paid, 1 to be decided by you, 0 under way, 1 settled" in shown
+    assert "1 to pay, 1 for you to decide, 0 under way, 1 settled" in shown
     assert "did not finish here, but entered the code of those who do" in shown
     assert "Nothing was paid" in shown
     assert not any("bulk-approve" in each for each in stand_in.asked)
-    said(folder, "approve", "--also", "unknown", "--yes", status=1)
-    assert "Approved 1 " in said(folder, "approve", "--yes")
+    recruit(folder, "approve", "--also", "unknown", "--yes", status=1)
+    assert "Approved 1 " in recruit(folder, "approve", "--yes")
     assert [each["status"] for each in stand_in.submissions] == [
         "APPROVED",
         "AWAITING REVIEW",
         "TIMED-OUT",
     ]
-    counts = said(folder, "status")
-    assert "awaiting review  unfinished  1" in counts
-    asked = said(folder, "return", "submission-bob", "other", "--reason", "You did not finish.")
-    assert "submission-bob: asked to return it" in asked
-    assert "other: is none of this study's submissions" in asked
+    counts = recruit(folder, "status")
+    assert "awaiting review  unfinished    1" in counts
+    asked = recruit(folder, "return", "submission-bob", "other", "--reason", "You did not finish.")
+    assert "submission-bob: return requested" in asked
+    assert "other: not a submission of this study" in asked
     assert stand_in.returns == {"submission-bob": ["You did not finish."]}
 
 
-def test_codes_are_not_drawn_anew_once_prolific_knows_them(folder: Path, stand_in: StandIn) -> None:
+def test_codes_are_not_replaced_once_prolific_knows_them(folder: Path, stand_in: StandIn) -> None:
     path = folder / "study.toml"
-    said(folder, "create", "--address", ADDRESS, "--yes")
+    recruit(folder, "create", "--address", ADDRESS, "--yes")
     text = path.read_text("utf-8")
 
-    assert "on Prolific already" in said(folder, "codes", "--again", status=1)
+    assert "on Prolific already" in recruit(folder, "codes", "--again", status=1)
     assert path.read_text("utf-8") == text
-    assert "already" in said(folder, "codes")
+    assert "already" in recruit(folder, "codes")
     assert stand_in.studies
 
 
 def test_a_command_of_another_channel_says_so(folder: Path) -> None:
-    refused = said(folder, "invite", "--count", "3", "--address", ADDRESS, status=1)
-    assert "'prolific', and this command is for 'invitations'" in refused
+    refused = recruit(folder, "invite", "--count", "3", "--address", ADDRESS, status=1)
+    assert "'prolific', but this command is for 'invitations'" in refused
 
 
 @pytest.fixture
@@ -198,9 +200,9 @@ def test_each_person_on_a_list_is_invited_once_and_only_its_owner_reads_the_tabl
     people.write_text("who,note\nann@x.org,a\nbob@x.org,b\n\nann@x.org,again\n", "utf-8")
     address = ("--address", ADDRESS)
 
-    assert "Added 2 links" in said(by_invitation, "invite", "--list", str(people), *address)
-    assert "Added 0 links" in said(by_invitation, "invite", "--list", str(people), *address)
-    assert "Added 3 links" in said(by_invitation, "invite", "--count", "3", *address)
+    assert "Added 2 links" in recruit(by_invitation, "invite", "--list", str(people), *address)
+    assert "Added 0 links" in recruit(by_invitation, "invite", "--list", str(people), *address)
+    assert "Added 3 links" in recruit(by_invitation, "invite", "--count", "3", *address)
 
     assert (by_invitation / "invitations.csv").stat().st_mode & 0o777 == 0o600
     with (by_invitation / "invitations.csv").open(encoding="utf-8") as file:
@@ -208,35 +210,34 @@ def test_each_person_on_a_list_is_invited_once_and_only_its_owner_reads_the_tabl
     assert [row["for"] for row in rows][:3] == ["ann@x.org", "bob@x.org", "invitation 3"]
     assert len({row["link"] for row in rows}) == 5
     assert all(row["link"].startswith(f"{ADDRESS}?invitation=") for row in rows)
-    assert "5 invitations: 0 have begun" in said(by_invitation, "status")
+    assert "5 invitations: 0 begun" in recruit(by_invitation, "status")
 
 
-def test_a_table_of_something_else_is_not_written_over(by_invitation: Path) -> None:
+def test_another_table_is_not_overwritten(by_invitation: Path) -> None:
     other = by_invitation / "answers.csv"
     other.write_text("a,b\n1,2\n", "utf-8")
 
     given = ("--count", "1", "--address", ADDRESS, "--out", str(other))
-    assert "not a table of invitations" in said(by_invitation, "invite", *given, status=1)
+    assert "not a table of invitations" in recruit(by_invitation, "invite", *given, status=1)
     assert other.read_text("utf-8") == "a,b\n1,2\n"
 
 
-def test_a_code_that_was_changed_after_prolific_was_told_is_found(
-    folder: Path, stand_in: StandIn
-) -> None:
+def test_a_code_that_differs_from_prolifics_is_found(folder: Path, stand_in: StandIn) -> None:
     def problems() -> dict[str, str]:
         study = StudyFolder(folder).study()
-        return {each.name: each.what for each in prolific_code_findings(study, folder)}
+        findings = prolific_code_findings(study, folder)
+        return {finding.name: finding.what for finding in findings}
 
     path = folder / "study.toml"
     as_told = path.read_text("utf-8")
     assert problems() == {}
-    said(folder, "create", "--address", ADDRESS, "--yes")
+    recruit(folder, "create", "--address", ADDRESS, "--yes")
     assert problems() == {}
 
     code = tomllib.loads(as_told)["recruitment"]["prolific"]["screened_out"]
     path.write_text(as_told.replace(code, "HB4NVJ9ZCDQW"), "utf-8")
     assert problems()["codes-differ"].endswith(" has for screened_out")
-    said(folder, "create", "--address", ADDRESS, "--yes")
+    recruit(folder, "create", "--address", ADDRESS, "--yes")
     assert list(problems()) == ["codes-differ"]
 
     path.write_text(as_told, "utf-8")

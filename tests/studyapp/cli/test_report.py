@@ -23,8 +23,8 @@ def report(folder: Path, protocol: str, *options: str, status: int = 0) -> str:
 
 
 def results(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / "out" / "results.json").read_text("utf-8"))
-    return found
+    document: dict[str, Any] = json.loads((folder / "out" / "results.json").read_text("utf-8"))
+    return document
 
 
 def test_a_table_is_reported_with_rules_that_are_marked_exploratory(tmp_path: Path) -> None:
@@ -32,27 +32,27 @@ def test_a_table_is_reported_with_rules_that_are_marked_exploratory(tmp_path: Pa
 
     assert str(tmp_path / "out" / "report.html") in said
     assert (tmp_path / "out" / "tables" / "conditions.csv").exists()
-    found = results(tmp_path)
-    assert found["protocol"] == "ranking"
-    assert found["exclusions"] == {"p02": "50% of the videos watched"}
-    assert [(rule["rule"], rule["removed"], rule["exploratory"]) for rule in found["rules"]] == [
+    document = results(tmp_path)
+    assert document["protocol"] == "ranking"
+    assert document["exclusions"] == {"p02": "50% of the videos watched"}
+    assert [(rule["rule"], rule["removed"], rule["exploratory"]) for rule in document["rules"]] == [
         ("coverage", 1, True),
         ("time", 0, True),
     ]
-    assert found["rules"][1]["remark"] == "cannot be applied: how long answers took is not known"
+    assert document["rules"][1]["remark"] == "cannot be applied: how long answers took is not known"
 
 
 def test_margin_and_family_of_a_table_are_named_on_the_command_line(tmp_path: Path) -> None:
     report(tmp_path, "pairwise", "--family", "primary=ours,other", "--margin", "0.1")
 
-    found = results(tmp_path)
-    corrected = [each["decision"]["p_holm"] is not None for each in found["comparisons"]]
+    document = results(tmp_path)
+    corrected = [each["decision"]["p_holm"] is not None for each in document["comparisons"]]
     assert sorted(corrected) == [False, False, True]
-    assert len(found["equivalence"]) == len(found["comparisons"])
+    assert len(document["equivalence"]) == len(document["comparisons"])
 
 
 @pytest.mark.parametrize(
-    ("protocol", "arguments", "said"),
+    ("protocol", "arguments", "error"),
     [
         ("pairwise", ("--family", "against=nobody"), "names nobody"),
         ("pairwise", ("--scale", "1-5"), "is not a scale of a pairwise table"),
@@ -61,14 +61,14 @@ def test_margin_and_family_of_a_table_are_named_on_the_command_line(tmp_path: Pa
     ],
 )
 def test_a_family_or_scale_that_does_not_fit_is_refused(
-    protocol: str, arguments: tuple[str, str], said: str, tmp_path: Path
+    protocol: str, arguments: tuple[str, str], error: str, tmp_path: Path
 ) -> None:
-    assert said in report(tmp_path, protocol, *arguments, status=1)
+    assert error in report(tmp_path, protocol, *arguments, status=1)
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "error"),
     [
         ([], "there is nothing to report"),
         (["--responses", "a.csv", "--out", "out"], "--protocol is missing"),
@@ -79,11 +79,11 @@ def test_a_family_or_scale_that_does_not_fit_is_refused(
         ),
     ],
 )
-def test_what_is_missing_or_does_not_go_together_is_said(
-    arguments: list[str], said: str, tmp_path: Path
+def test_missing_and_conflicting_options_are_refused(
+    arguments: list[str], error: str, tmp_path: Path
 ) -> None:
     (tmp_path / "study.toml").touch()
 
     given = [each.replace("{study}", str(tmp_path)) for each in arguments]
 
-    assert said in run("report", *given, status=1)
+    assert error in run("report", *given, status=1)

@@ -43,7 +43,7 @@ def test_somebody_is_invited_listed_and_given_a_new_password(tiny_study: Path) -
     database.close()
 
 
-def test_who_lost_the_device_logs_in_without_a_code_again(tiny_study: Path) -> None:
+def test_a_lost_second_factor_is_reset(tiny_study: Path) -> None:
     token = token_of(researchers(tiny_study, "invite", "--role", "owner"))
     database = Database.open(database_url_of(tiny_study))
     join(database, Clock(), token, name="Ada", password=PASSWORD)
@@ -60,7 +60,7 @@ def test_who_lost_the_device_logs_in_without_a_code_again(tiny_study: Path) -> N
     database.close()
 
 
-def test_nobody_gets_a_new_password_who_is_not_there(tiny_study: Path) -> None:
+def test_an_unknown_researcher_is_refused(tiny_study: Path) -> None:
     refused = researchers(tiny_study, "reset", "Eve", status=1)
     assert "no researcher 'Eve'" in refused
     assert "motionjury researchers STUDY list" in refused
@@ -81,4 +81,4 @@ def test_serving_prints_a_link_until_there_is_an_owner(
     assert [account.role for account in list_accounts(database)] == ["owner"]
     assert first_owner_link(database, Clock()) is None
     database.close()
-    assert "Watch how it goes at http://127.0.0.1:8000/research/." in run("serve", tiny_study)
+    assert "Watch the study at http://127.0.0.1:8000/research/." in run("serve", tiny_study)

@@ -1,4 +1,4 @@
-"""`motionjury serve` and `motionjury deploy`: where links begin, and what a server needs."""
+"""`motionjury serve` and `motionjury deploy`: links, and the files of a server."""
 
 from __future__ import annotations
 
@@ -14,66 +14,64 @@ from tests.support.command_line import run
 
 @pytest.fixture
 def started(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """Return what a server would be started with; it says that it listens, and ends."""
-    given: dict[str, Any] = {}
+    """Return the options of a server that reports itself ready and ends."""
+    started_with: dict[str, Any] = {}
 
     def start(*_places: object, on_ready: Callable[[], None], **options: object) -> None:
-        given.update(options)
+        started_with.update(options)
         on_ready()
 
     monkeypatch.setattr(serve_command, "run_server", start)
     monkeypatch.delenv("DISPLAY", raising=False)
-    return given
+    return started_with
 
 
-def test_links_begin_where_a_proxy_serves_the_study(
+def test_links_start_with_the_public_address(
     tiny_study: Path, started: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("MOTIONJURY_PREFIX", "/studies/one/")
     monkeypatch.setenv("MOTIONJURY_ADDRESS", "https://study.example.org/studies/one")
 
-    said = run("serve", tiny_study)
+    output = run("serve", tiny_study)
 
     assert started["prefix"] == "/studies/one/"
-    assert "at https://study.example.org/studies/one/ (" in said
-    assert "at https://study.example.org/studies/one/research/join/" in said
+    assert "at https://study.example.org/studies/one/ (" in output
+    assert "at https://study.example.org/studies/one/research/join/" in output
 
 
 @pytest.mark.usefixtures("started")
-def test_without_a_proxy_links_begin_where_the_server_listens(tiny_study: Path) -> None:
-    said = run("serve", tiny_study, "--prefix", "/one", "--try")
+def test_without_a_proxy_links_start_with_the_servers_address(tiny_study: Path) -> None:
+    output = run("serve", tiny_study, "--prefix", "/one", "--try")
 
-    assert "at http://127.0.0.1:8000/one/ (" in said
-    assert "as a test at http://127.0.0.1:8000/one/try/?invitation=" in said
+    assert "at http://127.0.0.1:8000/one/ (" in output
+    assert "as a test at http://127.0.0.1:8000/one/try/?invitation=" in output
 
 
 @pytest.mark.parametrize(
-    ("address", "said"),
+    ("address", "error"),
     [
-        ("https://study.example.org/two", "do not fit together"),
-        ("study.example.org/one", "not an address of a study"),
-        ("https://study.example.org/one?a=b", "not an address of a study"),
-        ("ftp://study.example.org/one", "not an address of a study"),
+        ("https://study.example.org/two", "the address does not end with the prefix"),
+        ("study.example.org/one", "not the address of a study"),
+        ("https://study.example.org/one?a=b", "not the address of a study"),
+        ("ftp://study.example.org/one", "not the address of a study"),
     ],
 )
-def test_an_address_that_nobody_would_find_is_refused(
-    tiny_study: Path, started: dict[str, Any], address: str, said: str
+def test_an_invalid_address_is_refused(
+    tiny_study: Path, started: dict[str, Any], address: str, error: str
 ) -> None:
     given = ("--prefix", "/one", "--address", address)
-    assert said in run("serve", tiny_study, *given, status=1)
+    assert error in run("serve", tiny_study, *given, status=1)
     assert not started
 
 
-def test_files_of_a_server_are_written_and_their_places_said(
-    tiny_study: Path, tmp_path: Path
-) -> None:
+def test_files_of_a_server_are_written_and_listed(tiny_study: Path, tmp_path: Path) -> None:
     out = tmp_path / "server"
     given = ("--host", "study.example.org", "--prefix", "/one", "--proxy", "nginx")
     there = ("--folder-there", "/srv/motionjury/gestures")
 
-    said = run("deploy", tiny_study, *given, *there, "--out", out)
+    output = run("deploy", tiny_study, *given, *there, "--out", out)
 
-    assert f"{out}/environment: /etc/motionjury/gestures.env (mode 600)" in said
+    assert f"{out}/environment: /etc/motionjury/gestures.env (mode 600)" in output
     assert "MOTIONJURY_PREFIX=/one" in (out / "environment").read_text("utf-8")
     assert {path.name for path in out.iterdir()} >= {"install", "host.nginx", "Containerfile"}
     unit = (out / "serve.service").read_text("utf-8")

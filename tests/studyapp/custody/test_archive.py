@@ -1,4 +1,4 @@
-"""A backup is read as if somebody else had written it."""
+"""Backups are read without trust."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def manifest_of(files: dict[str, bytes]) -> Manifest:
     )
 
 
-def written(folder: Path, archive: Path, *, compressed: bool) -> Manifest:
+def write_backup(folder: Path, archive: Path, *, compressed: bool) -> Manifest:
     manifest = manifest_of(FILES)
     sources = []
     for number, content in enumerate(FILES.values()):
@@ -69,7 +69,7 @@ def listing(manifest: bytes) -> list[tuple[tarfile.TarInfo | str, bytes]]:
     return [(NAME, manifest), (DIGEST, f"{digest}  {NAME}\n".encode())]
 
 
-def forged(archive: Path, *members: tuple[tarfile.TarInfo | str, bytes]) -> Path:
+def forge(archive: Path, *members: tuple[tarfile.TarInfo | str, bytes]) -> Path:
     """Write an archive of the parts given, whatever they are."""
     with tarfile.open(archive, "w") as tar:
         for head, content in members:
@@ -85,13 +85,13 @@ def as_json(manifest: Manifest) -> bytes:
 
 
 def unpack(archive: Path, into: Path) -> Manifest:
-    return read_archive(archive, lambda found: into / found.path, silent)
+    return read_archive(archive, lambda file: into / file.path, silent)
 
 
 @pytest.mark.parametrize("name", ["out.tar", "out.tar.gz"])
-def test_what_was_written_is_read_again(name: str, tmp_path: Path) -> None:
+def test_a_backup_is_read_as_it_was_written(name: str, tmp_path: Path) -> None:
     archive = tmp_path / name
-    manifest = written(tmp_path, archive, compressed=is_compressed(name))
+    manifest = write_backup(tmp_path, archive, compressed=is_compressed(name))
 
     assert read_manifest(archive) == manifest
     assert unpack(archive, tmp_path / "unpacked") == manifest
@@ -100,24 +100,24 @@ def test_what_was_written_is_read_again(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["out.tar", "out.tar.gz"])
-def test_no_flipped_or_missing_byte_stays_unnoticed(name: str, tmp_path: Path) -> None:
+def test_every_flipped_or_missing_byte_is_noticed(name: str, tmp_path: Path) -> None:
     archive, broken = tmp_path / name, tmp_path / "broken"
-    written(tmp_path, archive, compressed=is_compressed(name))
+    write_backup(tmp_path, archive, compressed=is_compressed(name))
     whole = archive.read_bytes()
     contents = [whole.index(content[:64]) for content in FILES.values() if content[:64] in whole]
-    said = [whole.index(word) for word in (b'"0.1.0"', b"2026-", b"somewhere") if word in whole]
-    # Of what is compressed, the last eight bytes are a check sum and the length.
-    for place in [*said, *contents] or [len(whole) // 3, len(whole) - 8, len(whole) - 4]:
-        broken.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
-        with pytest.raises(InputError, match="Take another backup"):
+    facts = [whole.index(word) for word in (b'"0.1.0"', b"2026-", b"somewhere") if word in whole]
+    # A compressed file ends with a check sum and its length, eight bytes.
+    for index in [*facts, *contents] or [len(whole) // 3, len(whole) - 8, len(whole) - 4]:
+        broken.write_bytes(whole[:index] + bytes([whole[index] ^ 1]) + whole[index + 1 :])
+        with pytest.raises(InputError, match="Use another backup"):
             read_archive(broken, lambda _: None, silent)
     for length in (0, 1, 511, 513, len(whole) // 2, len(whole) - 11_000):
         broken.write_bytes(whole[: max(0, length)])
-        with pytest.raises(InputError, match="Take another backup"):
+        with pytest.raises(InputError, match="Use another backup"):
             read_archive(broken, lambda _: None, silent)
 
 
-def test_a_file_that_changes_meanwhile_is_named(tmp_path: Path) -> None:
+def test_a_file_that_changes_during_the_backup_is_named(tmp_path: Path) -> None:
     for grown in (b"name = 'tiny'\n#", b"name", b"NAME = 'tiny'\n"):
         (tmp_path / "study.toml").write_bytes(grown)
         (tmp_path / "responses.db").write_bytes(b"")
@@ -144,12 +144,12 @@ def test_a_file_that_changes_meanwhile_is_named(tmp_path: Path) -> None:
         "",
     ],
 )
-def test_no_path_leads_out_of_the_study(path: str) -> None:
+def test_paths_outside_the_study_are_refused(path: str) -> None:
     with pytest.raises(ValidationError, match="not a file of a study"):
         entry(path, b"")
 
 
-def hostile(kind: bytes, target: str) -> tarfile.TarInfo:
+def special_file(kind: bytes, target: str) -> tarfile.TarInfo:
     head = tarfile.TarInfo("study.toml")
     head.type, head.linkname = kind, target
     return head
@@ -160,11 +160,11 @@ def hostile(kind: bytes, target: str) -> tarfile.TarInfo:
 )
 def test_links_devices_and_folders_are_refused(kind: bytes, tmp_path: Path) -> None:
     manifest = manifest_of({"study.toml": b"", "responses.db": b""})
-    archive = forged(
-        tmp_path / "out.tar", *listing(as_json(manifest)), (hostile(kind, "/etc/passwd"), b"")
+    archive = forge(
+        tmp_path / "out.tar", *listing(as_json(manifest)), (special_file(kind, "/etc/passwd"), b"")
     )
 
-    with pytest.raises(InputError, match=r"study\.toml is not what it should be"):
+    with pytest.raises(InputError, match=r"study\.toml is not the expected file"):
         unpack(archive, tmp_path / "unpacked")
 
     assert not (tmp_path / "unpacked").exists()
@@ -174,22 +174,25 @@ BASE = {"study.toml": b"name", "responses.db": b"rows"}
 
 
 @pytest.mark.parametrize(
-    ("parts", "said"),
+    ("parts", "error"),
     [
-        ([("../x", b"name")], "study.toml is not what it should be"),
-        ([("study.toml", b"name and more")], "study.toml is not what it should be"),
-        ([("study.toml", b"eman")], "study.toml is not what was backed up"),
+        ([("../x", b"name")], "study.toml is not the expected file"),
+        ([("study.toml", b"name and more")], "study.toml is not the expected file"),
+        ([("study.toml", b"eman")], "study.toml differs from what was backed up"),
         ([("study.toml", b"name")], "responses.db is missing"),
-        ([("responses.db", b"rows"), ("study.toml", b"name")], "study.toml is not what it"),
-        ([*BASE.items(), ("videos/x", b"")], "more than it lists"),
+        (
+            [("responses.db", b"rows"), ("study.toml", b"name")],
+            "study.toml is not the expected file",
+        ),
+        ([*BASE.items(), ("videos/x", b"")], "more than its manifest lists"),
     ],
 )
-def test_every_part_must_be_what_is_listed(
-    parts: list[tuple[str, bytes]], said: str, tmp_path: Path
+def test_every_member_must_be_the_listed_file(
+    parts: list[tuple[str, bytes]], error: str, tmp_path: Path
 ) -> None:
-    archive = forged(tmp_path / "out.tar", *listing(as_json(manifest_of(BASE))), *parts)
+    archive = forge(tmp_path / "out.tar", *listing(as_json(manifest_of(BASE))), *parts)
 
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=error):
         unpack(archive, tmp_path / "unpacked")
 
 
@@ -203,25 +206,23 @@ def test_every_part_must_be_what_is_listed(
         lambda _: b"\xff\xfe",
     ],
 )
-def test_a_manifest_that_is_none_is_refused(
-    change: Callable[[bytes], bytes], tmp_path: Path
-) -> None:
+def test_an_invalid_manifest_is_refused(change: Callable[[bytes], bytes], tmp_path: Path) -> None:
     text = change(as_json(manifest_of(BASE)))
-    archive = forged(tmp_path / "out.tar", *listing(text), *BASE.items())
+    archive = forge(tmp_path / "out.tar", *listing(text), *BASE.items())
 
-    with pytest.raises(InputError, match="what it says of itself is wrong"):
+    with pytest.raises(InputError, match="its manifest is invalid"):
         read_manifest(archive)
 
 
 def test_other_archives_are_no_backups(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="this is not a backup"):
-        read_manifest(forged(tmp_path / "out.tar", ("holiday.jpg", b"")))
+        read_manifest(forge(tmp_path / "out.tar", ("holiday.jpg", b"")))
     with pytest.raises(InputError, match="this is not a backup"):
-        read_manifest(forged(tmp_path / "empty.tar"))
+        read_manifest(forge(tmp_path / "empty.tar"))
 
 
-def test_no_claim_of_size_fills_the_memory(tmp_path: Path) -> None:
-    """Long names and manifests are claimed in headers of some bytes, and compress to nothing."""
+def test_a_claimed_size_does_not_fill_the_memory(tmp_path: Path) -> None:
+    """Small headers can claim long names and manifests, which compress to nothing."""
     long_name = tarfile.TarInfo(NAME)
     long_name.type, long_name.size = tarfile.GNUTYPE_LONGNAME, 1 << 30
     manifest = tarfile.TarInfo(NAME)

@@ -1,4 +1,4 @@
-"""A study comes back from its backup as it was, whole or not at all."""
+"""Studies are restored from backups completely, or not at all."""
 
 from __future__ import annotations
 
@@ -83,16 +83,18 @@ def contents(root: Path) -> dict[str, bytes]:
     }
 
 
-def test_everything_comes_back_and_participants_go_on(study: Study, new: StudyFolder) -> None:
+def test_everything_is_restored_and_participants_can_continue(
+    study: Study, new: StudyFolder
+) -> None:
     made = study.back_up(media=True)
 
-    done = restore(made.path, new, study.clock)
+    restored = restore(made.path, new, study.clock)
 
     for_the_owner = (made.path, new.pseudonym_key, new.responses)
     assert {stat.S_IMODE(path.stat().st_mode) for path in for_the_owner} == {0o600}
     assert list(study.backups.iterdir()) == [made.path]
     assert contents(new.root) == contents(study.folder.root)
-    assert (done.missing, done.other) == ((), ())
+    assert (restored.missing, restored.changed) == ((), ())
     database = Database.open(sqlite_url(new.responses))
     one = Participant(database, ServedStudy.read(new.root), study.clock, study.people[0].token)
     assert one.trial().position == 3
@@ -106,7 +108,7 @@ def test_everything_comes_back_and_participants_go_on(study: Study, new: StudyFo
     database.close()
 
 
-def test_media_that_are_not_in_it_are_looked_for(study: Study, new: StudyFolder) -> None:
+def test_media_outside_the_backup_are_checked(study: Study, new: StudyFolder) -> None:
     made = study.back_up()
     assert len(made.manifest.media) == 17
 
@@ -114,12 +116,12 @@ def test_media_that_are_not_in_it_are_looked_for(study: Study, new: StudyFolder)
     shutil.rmtree(new.root)
     shutil.copytree(study.folder.videos, new.videos)
     (new.videos / "pairs" / "003.mp4").write_bytes(b"another one")
-    found = restore(made.path, new, study.clock)
+    restored = restore(made.path, new, study.clock)
 
     assert "videos/pairs/003.mp4" in missing
     assert len(missing) == 17
-    assert found.missing == ("speech/take.wav",)
-    assert found.other == ("videos/pairs/003.mp4",)
+    assert restored.missing == ("speech/take.wav",)
+    assert restored.changed == ("videos/pairs/003.mp4",)
 
 
 def test_nothing_is_ever_overwritten_or_written_elsewhere(study: Study, new: StudyFolder) -> None:
@@ -127,10 +129,10 @@ def test_nothing_is_ever_overwritten_or_written_elsewhere(study: Study, new: Stu
     before = made.path.read_bytes()
 
     for name in ("out.zip", "out", "nowhere/out.tar", "out.tar.gz"):
-        with pytest.raises(InputError, match=r"is not there|a backup is a|never overwrite"):
+        with pytest.raises(InputError, match=r"does not exist|a backup is a|never overwrite"):
             study.back_up(name)
     assert list(study.backups.iterdir()) == [made.path]
-    with pytest.raises(InputError, match=r"not empty: pseudonyms\.key"):
+    with pytest.raises(InputError, match=r"it contains pseudonyms\.key"):
         restore(made.path, study.folder, study.clock)
     restore(made.path, new, study.clock)
     with pytest.raises(InputError, match="the folder is not empty"):
@@ -139,7 +141,7 @@ def test_nothing_is_ever_overwritten_or_written_elsewhere(study: Study, new: Stu
     assert made.path.read_bytes() == before
 
 
-def test_a_database_that_is_there_already_is_kept(
+def test_an_existing_database_is_kept(
     study: Study, new: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made = study.back_up()
@@ -156,7 +158,7 @@ def fail(*_: object, **__: object) -> None:
     raise OSError(28, "No space left on device")
 
 
-@pytest.mark.parametrize("step", ["media_amiss", "compact", "require_sound", "_note_restored"])
+@pytest.mark.parametrize("step", ["compare_media", "compact", "require_intact", "_note_restored"])
 def test_a_restore_that_fails_leaves_nothing_or_all(
     study: Study, new: StudyFolder, step: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -166,11 +168,11 @@ def test_a_restore_that_fails_leaves_nothing_or_all(
     with pytest.raises(OSError, match="No space"):
         restore(made.path, new, study.clock)
 
-    assert new.definition.exists() == new.responses.exists() == (step == "media_amiss")
-    assert new.root.exists() == (step == "media_amiss")
+    assert new.definition.exists() == new.responses.exists() == (step == "compare_media")
+    assert new.root.exists() == (step == "compare_media")
 
 
-def test_a_restore_that_was_killed_says_what_to_remove(study: Study, new: StudyFolder) -> None:
+def test_a_killed_restore_says_what_to_remove(study: Study, new: StudyFolder) -> None:
     made = study.back_up()
     (new.root / ".unfinished-restore-1234").mkdir(parents=True)
     (new.root / "stimuli.json").write_text("{}")
@@ -190,9 +192,7 @@ def test_a_full_disk_leaves_no_half_backup(study: Study, monkeypatch: pytest.Mon
     assert list(study.backups.iterdir()) == []
 
 
-def test_a_folder_keeps_the_newest_backups_of_this_study_alone(
-    study: Study, tmp_path: Path
-) -> None:
+def test_a_folder_keeps_only_the_newest_backups_of_a_study(study: Study, tmp_path: Path) -> None:
     another = shutil.copytree(study.folder.root, tmp_path / "elsewhere" / "study")
     other = back_up(StudyFolder(another), study.backups, study.clock)
     (study.backups / "study-20200101T000000Z.tar.gz").write_bytes(b"not made by this command")
@@ -207,18 +207,19 @@ def test_a_folder_keeps_the_newest_backups_of_this_study_alone(
         "study-20200101T000000Z.tar.gz",
         *(each.path.name for each in (other, by_hand, *made[2:])),
     }
-    with pytest.raises(InputError, match="only a folder"):
+    with pytest.raises(InputError, match="only be removed from a folder"):
         back_up(study.folder, study.backups / "x.tar", study.clock, keep=2)
 
 
 def people(folder: StudyFolder) -> dict[str | None, int]:
     """Return how many trials each participant has answered."""
     with reading(folder.responses) as session:
-        found = {
-            known.visit: sum(trial.answered_at is not None for trial in known.trials)
-            for known in session.scalars(select(StudySession))
+        return {
+            study_session.visit: sum(
+                trial.answered_at is not None for trial in study_session.trials
+            )
+            for study_session in session.scalars(select(StudySession))
         }
-    return found
 
 
 def test_a_study_moves_from_sqlite_to_postgresql_and_back(
@@ -233,23 +234,23 @@ def test_a_study_moves_from_sqlite_to_postgresql_and_back(
     monkeypatch.setenv("DATABASE_URL", url)
     password = url.split(":")[2].split("@")[0]
 
-    said = restore(made.path, new, study.clock).database
+    address = restore(made.path, new, study.clock).database
     again = back_up(new, study.backups / "again.tar", study.clock, media=True)
     with pytest.raises(InputError, match="the database is not empty"):
         restore(made.path, StudyFolder(tmp_path / "third"), study.clock)
     monkeypatch.delenv("DATABASE_URL")
     restore(again.path, StudyFolder(tmp_path / "back"), study.clock)
 
-    assert said.startswith("postgresql")
+    assert address.startswith("postgresql")
     assert not new.responses.exists()
     assert people(StudyFolder(tmp_path / "back")) == dict.fromkeys(PEOPLE, 2)
     assert again.manifest.rows == made.manifest.rows | {"audit_lines": 1}
-    for text in (said, again.database, again.path.read_bytes().decode("latin-1")):
+    for text in (address, again.database, again.path.read_bytes().decode("latin-1")):
         assert password not in text
     postgresql.drop_database("restored")
 
 
-def test_postgresql_stays_empty_where_the_files_cannot_take_their_place(
+def test_postgresql_stays_empty_if_files_cannot_be_moved(
     study: Study,
     new: StudyFolder,
     postgresql: ThrowawayPostgresql,
@@ -287,7 +288,7 @@ def test_a_backup_that_names_files_outside_the_study_is_refused(
         "CREATE VIEW v AS SELECT * FROM response",
     ],
 )
-def test_a_backup_whose_database_does_something_by_itself_is_refused(
+def test_a_backup_with_triggers_or_views_is_refused(
     study: Study, new: StudyFolder, smuggled: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def with_more(url: str, file: Path) -> None:
@@ -304,9 +305,7 @@ def test_a_backup_whose_database_does_something_by_itself_is_refused(
     assert not new.root.exists()
 
 
-def test_media_are_found_behind_links_and_no_circle_is_followed(
-    study: Study, tmp_path: Path
-) -> None:
+def test_links_to_media_are_followed_without_circles(study: Study, tmp_path: Path) -> None:
     shutil.move(study.folder.videos, tmp_path / "big-disk")
     study.folder.videos.symlink_to(tmp_path / "big-disk")
     (tmp_path / "big-disk" / "circle").symlink_to(study.folder.root)

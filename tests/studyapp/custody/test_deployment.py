@@ -1,4 +1,4 @@
-"""What may stand in the files of a server."""
+"""Values in the files of a server are validated."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from motion.errors import InputError
-from studyapp.custody.deployment import planned_deployment
+from studyapp.custody.deployment import plan_deployment
 
 GIVEN: dict[str, Any] = {
     "title": "Gestures",
@@ -26,14 +26,14 @@ GIVEN: dict[str, Any] = {
         *("a.org; }", "a.org\n}", "$host", "a.org{", 'a"b.org', f"{'a.' * 127}org"),
     ],
 )
-def test_what_is_no_host_is_refused(host: str) -> None:
-    with pytest.raises(InputError, match=r"not a name of a host\. Give .*study\.example\.org"):
-        planned_deployment(**GIVEN | {"host": host})
+def test_an_invalid_host_is_refused(host: str) -> None:
+    with pytest.raises(InputError, match=r"not a host name\. Give .*study\.example\.org"):
+        plan_deployment(**GIVEN | {"host": host})
 
 
 @pytest.mark.parametrize("host", ["localhost", "Study.Example.org", "xn--exmple-cua.org", "a.b-c"])
-def test_hosts_are_taken_in_small_letters(host: str) -> None:
-    assert planned_deployment(**GIVEN | {"host": host}).host == host.lower()
+def test_hosts_are_converted_to_lower_case(host: str) -> None:
+    assert plan_deployment(**GIVEN | {"host": host}).host == host.lower()
 
 
 @pytest.mark.parametrize(
@@ -43,22 +43,22 @@ def test_hosts_are_taken_in_small_letters(host: str) -> None:
         *("/srv/a\\b", "/srv/a\nb", "/", "/srv/ü", "/srv/-a", f"/srv/{'a' * 33}"),
     ],
 )
-def test_a_folder_that_no_service_could_have_is_refused(folder: str) -> None:
-    with pytest.raises(InputError, match=r"folder .*\. (Name|Call it)"):
-        planned_deployment(**GIVEN | {"folder": PurePosixPath(folder)})
+def test_a_folder_that_a_service_cannot_use_is_refused(folder: str) -> None:
+    with pytest.raises(InputError, match=r"folder .*\. (Give|On the server)"):
+        plan_deployment(**GIVEN | {"folder": PurePosixPath(folder)})
 
 
 @pytest.mark.parametrize("contact", ["ada", "a@b@c", "ada@exa mple.org", "a\n@b.org", "}@b.org"])
-def test_what_is_no_mail_address_is_refused(contact: str) -> None:
-    with pytest.raises(InputError, match="not a mail address"):
-        planned_deployment(**GIVEN | {"contact": contact})
+def test_an_invalid_e_mail_address_is_refused(contact: str) -> None:
+    with pytest.raises(InputError, match="not an e-mail address"):
+        plan_deployment(**GIVEN | {"contact": contact})
 
 
 def test_names_follow_from_the_folder() -> None:
-    found = planned_deployment(
+    deployment = plan_deployment(
         **GIVEN | {"folder": PurePosixPath("/srv/My_Study 2"), "prefix": "/studies/one/"}
     )
 
-    assert (found.name, found.unit) == ("my-study-2", "motionjury-my-study-2")
-    assert found.database_name == "motionjury_my_study_2"
-    assert found.address == "https://study.example.org/studies/one/"
+    assert (deployment.name, deployment.unit) == ("my-study-2", "motionjury-my-study-2")
+    assert deployment.database_name == "motionjury_my_study_2"
+    assert deployment.address == "https://study.example.org/studies/one/"

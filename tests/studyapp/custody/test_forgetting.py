@@ -9,7 +9,7 @@ from sqlalchemy import String, Text, func, select
 
 from motion.errors import InputError
 from studyapp.custody import forgetting
-from studyapp.custody.forgetting import forget, remembered
+from studyapp.custody.forgetting import find_data, forget
 from studyapp.database import scrubbing
 from studyapp.database.engine import Database
 from studyapp.database.scrubbing import scrub
@@ -68,8 +68,7 @@ def other(participant: Participant, name: str = "somebody-else", **keys: str) ->
     return arrive(participant.another(), name, **keys)
 
 
-def forgotten(person: Participant, name: str = PERSON) -> int:
-    """Forget who is called `name`; return how many entries that were."""
+def forget_person(person: Participant, name: str = PERSON) -> int:
     return forget(person.database, name, KEY, person.clock)
 
 
@@ -91,12 +90,12 @@ def stored_text(database: Database) -> str:
 
 
 @BOTH
-def test_nothing_of_them_is_left_but_one_empty_row(person: Participant) -> None:
+def test_only_one_empty_row_is_left(person: Participant) -> None:
     before = rows(person.database)
     second = other(person)
     token = second.token
 
-    assert forgotten(person, "somebody-else") == 1
+    assert forget_person(person, "somebody-else") == 1
 
     assert rows(person.database) == before | {
         "study_sessions": 2,
@@ -114,7 +113,7 @@ def test_nothing_of_them_is_left_but_one_empty_row(person: Participant) -> None:
 
 
 def test_every_column_of_a_study_session_is_emptied_or_of_the_study(person: Participant) -> None:
-    forgotten(person)
+    forget_person(person)
 
     with person.database.reading() as session:
         (left,) = session.scalars(select(StudySession))
@@ -129,7 +128,7 @@ def test_every_column_of_a_study_session_is_emptied_or_of_the_study(person: Part
     assert left.consented_at == left.withdrawn_at == person.clock.now()
 
 
-def test_the_log_says_that_somebody_was_forgotten_and_no_name(person: Participant) -> None:
+def test_the_log_records_the_erasure_without_a_name(person: Participant) -> None:
     with person.database.writing() as session:
         log_change(
             session, person.clock.now(), Event.UNBLINDED, by="ada", reason=f"{PERSON} wrote to us"
@@ -138,11 +137,11 @@ def test_the_log_says_that_somebody_was_forgotten_and_no_name(person: Participan
         log_look(session, person.clock.now(), state, way="page", reason=f"{PERSON} wrote")
         session.add(InterimFigures(what="results", document="{}", state="", problem=""))
 
-    forgotten(person)
+    forget_person(person)
 
     once = stored_text(person.database)
-    assert forgotten(person) == 0
-    assert forgotten(person, "") == 0
+    assert forget_person(person) == 0
+    assert forget_person(person, "") == 0
     assert stored_text(person.database) == once
     with person.database.reading() as session:
         assert session.scalars(select(Look.reason)).all() == ["(erased) wrote"]
@@ -153,11 +152,11 @@ def test_the_log_says_that_somebody_was_forgotten_and_no_name(person: Participan
     assert (lines[-3].researcher, lines[-3].reason) == ("ada", "(erased) wrote to us")
 
 
-def test_the_place_can_be_taken_again_by_the_same_person_too(person: Participant) -> None:
+def test_the_place_can_be_taken_again_even_by_the_same_person(person: Participant) -> None:
     for name in ("second", "third", "fourth"):
         other(person, name)
 
-    forgotten(person)
+    forget_person(person)
 
     with person.database.reading() as session:
         held = session.scalar(select(func.count(Place.study_session_id)))
@@ -173,28 +172,28 @@ def test_a_finished_participant_is_found_by_the_completion_code(person: Particip
         code = session.scalars(select(StudySession.completion_code)).one()
     assert code is not None
 
-    (found,) = remembered(person.database, code, None)
+    (entry,) = find_data(person.database, code, None)
 
-    assert (found.known_as, found.state, found.answers) == ("completion code", "completed", 12)
+    assert (entry.found_by, entry.state, entry.answers) == ("completion code", "completed", 12)
     assert forget(person.database, code, None, person.clock) == 1
     assert code not in stored_text(person.database)
 
 
-def test_that_they_were_screened_out_is_forgotten_too(person: Participant) -> None:
+def test_a_screen_out_is_erased_too(person: Participant) -> None:
     for name in ("screened-out", "another"):
         arrival = Arrival(recruiter_participant=name, recruiter_study="one")
         note_screen_out(person.database, arrival, "eligibility", person.clock, named=True)
 
-    (found,) = remembered(person.database, "screened-out", KEY)
+    (entry,) = find_data(person.database, "screened-out", KEY)
 
-    assert (found.study_session, found.state) == (None, "screened out")
-    assert forgotten(person, "screened-out") == 1
+    assert (entry.study_session, entry.state) == (None, "screened out")
+    assert forget_person(person, "screened-out") == 1
     assert "screened-out" not in stored_text(person.database)
     assert "another" in stored_text(person.database)
 
 
 @BOTH
-def test_an_answer_that_comes_while_they_are_forgotten_is_refused(
+def test_an_answer_during_the_erasure_is_refused(
     person: Participant, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     trial = person.trial().token
@@ -202,7 +201,7 @@ def test_an_answer_that_comes_while_they_are_forgotten_is_refused(
     person.watch((0.0, 2.0))
     before = len(read_once(person.database, responses_table))
     outcomes: list[BaseException | None] = []
-    sending = threading.Thread(target=lambda: outcomes.append(sent(person, trial)))
+    sending = threading.Thread(target=lambda: outcomes.append(try_to_answer(person, trial)))
 
     def begin_sending(*args: object, **keys: object) -> None:
         # Everything is erased by now and nothing is stored yet.
@@ -211,7 +210,7 @@ def test_an_answer_that_comes_while_they_are_forgotten_is_refused(
 
     monkeypatch.setattr(forgetting, "log_change", begin_sending)
 
-    forgotten(person)
+    forget_person(person)
     sending.join()
 
     assert before == 2
@@ -219,7 +218,7 @@ def test_an_answer_that_comes_while_they_are_forgotten_is_refused(
     assert read_once(person.database, responses_table).empty
 
 
-def sent(person: Participant, trial: str) -> BaseException | None:
+def try_to_answer(person: Participant, trial: str) -> BaseException | None:
     try:
         person.answer(trial)
     except Exception as error:
@@ -240,7 +239,7 @@ def files_of(database: Database, request: pytest.FixtureRequest) -> bytes:
 
 
 @BOTH
-def test_nothing_of_them_is_left_in_the_databases_files(
+def test_nothing_is_left_in_the_databases_files(
     person: Participant, request: pytest.FixtureRequest
 ) -> None:
     database = person.database
@@ -265,11 +264,11 @@ def test_nothing_of_them_is_left_in_the_databases_files(
 
 
 @BOTH
-def test_who_reads_an_earlier_state_is_said_to_be_in_the_way(
+def test_a_reader_of_an_earlier_state_blocks_the_scrubbing(
     person: Participant, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scrubbing, "LOCK_SECONDS", 0.05)
-    forgotten(person)
+    forget_person(person)
 
     with person.database.reading() as session:
         session.execute(select(StudySession)).all()

@@ -1,4 +1,4 @@
-"""The files of a server, read by the programs that will read them there."""
+"""The files of a server, checked with the programs that read them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from studyapp.custody.deployment import (
     DatabaseKind,
     Deployment,
     Proxy,
-    planned_deployment,
+    plan_deployment,
 )
 from studyapp.custody.server_files import deployed_files, write_deployment
 from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
@@ -34,7 +34,7 @@ HOSTILE = PurePosixPath("/srv/50% {x};# of it/%n/my-study")
 def deployment(
     proxy: Proxy = "nginx", database: DatabaseKind = "postgresql", prefix: str = "/studies/one"
 ) -> Deployment:
-    return planned_deployment(
+    return plan_deployment(
         title='100% "gestures";\n{a} #b $c \\',
         folder=HOSTILE,
         host="study.example.org",
@@ -51,7 +51,7 @@ ALL = [
 ]
 
 
-def said_by(*command: str | Path, cwd: Path | None = None) -> str:
+def output_of(*command: str | Path, cwd: Path | None = None) -> str:
     done = subprocess.run(command, cwd=cwd, capture_output=True, text=True)
     return f"{done.stdout}{done.stderr}" + (
         f"\nexit status {done.returncode}" if done.returncode else ""
@@ -68,7 +68,7 @@ def needs(program: str) -> pytest.MarkDecorator:
 
 
 @pytest.mark.parametrize("study", ALL, ids=lambda d: f"{d.proxy}-{d.database}-{d.prefix}")
-def test_every_file_is_whole_and_its_own(study: Deployment) -> None:
+def test_every_file_is_complete_and_distinct(study: Deployment) -> None:
     files = deployed_files(study)
 
     assert len({file.name for file in files}) == len(files)
@@ -92,14 +92,14 @@ def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path) -> None:
         (tmp_path / file.place.name).write_text(file.text, "utf-8")
     names = [tmp_path / file.place.name for file in units if file.place]
 
-    said = said_by("systemd-analyze", "verify", "--man=no", *names)
+    output = output_of("systemd-analyze", "verify", "--man=no", *names)
 
     assert len(units) == 3
-    # What is said of other units of this machine is not ours.
-    assert [line for line in said.splitlines() if str(tmp_path) in line] == []
+    # Messages about other units of this machine do not count.
+    assert [line for line in output.splitlines() if str(tmp_path) in line] == []
     for service in (name for name in names if name.suffix == ".service"):
         strict = ["--offline=true", "--threshold=20", "--no-pager"]
-        assert "exit status" not in said_by("systemd-analyze", "security", *strict, service)
+        assert "exit status" not in output_of("systemd-analyze", "security", *strict, service)
 
 
 def test_the_unit_names_the_folder_as_one_word() -> None:
@@ -131,9 +131,9 @@ def test_scripts_are_sound(tmp_path: Path, study: Deployment) -> None:
     scripts: Sequence[Path] = [tmp_path / "out" / name for name in ("install", "command")]
 
     for script in scripts:
-        assert said_by("sh", "-n", script) == ""
+        assert output_of("sh", "-n", script) == ""
         if shutil.which("shellcheck"):
-            assert said_by("shellcheck", script) == ""
+            assert output_of("shellcheck", script) == ""
 
 
 def test_postgresql_gets_a_database_of_utf_8_and_nothing_the_second_time(
@@ -149,10 +149,10 @@ def test_postgresql_gets_a_database_of_utf_8_and_nothing_the_second_time(
     address = postgresql.url.replace("+psycopg", "")
     try:
         for _run in range(2):
-            said = said_by("psql", address, "--set", "ON_ERROR_STOP=1", "--file", script)
-            assert "exit status" not in said, said
+            output = output_of("psql", address, "--set", "ON_ERROR_STOP=1", "--file", script)
+            assert "exit status" not in output, output
         with psycopg.connect(address) as connection:
-            found = connection.execute(
+            row = connection.execute(
                 "SELECT pg_get_userbyid(datdba), pg_encoding_to_char(encoding), datcollate, "
                 "has_database_privilege('public', datname, 'CONNECT') FROM pg_database "
                 "WHERE datname = 'motionjury_deployed_here'"
@@ -162,10 +162,10 @@ def test_postgresql_gets_a_database_of_utf_8_and_nothing_the_second_time(
             connection.execute("DROP DATABASE IF EXISTS motionjury_deployed_here")
             connection.execute("DROP ROLE IF EXISTS deployed_role")
 
-    assert found == ("deployed_role", "UTF8", "C.UTF-8", False)
+    assert row == ("deployed_role", "UTF8", "C.UTF-8", False)
 
 
-STUDY = planned_deployment(
+STUDY = plan_deployment(
     title="Gestures", folder=PurePosixPath("/srv/motionjury/my-study"), host="study.example.org"
 )
 
@@ -182,10 +182,10 @@ def test_files_have_their_modes_whatever_the_umask_is(tmp_path: Path) -> None:
     assert (modes["environment"], modes["install"], modes["Caddyfile"]) == (0o600, 0o755, 0o644)
 
 
-def test_what_is_there_already_is_never_overwritten(tmp_path: Path) -> None:
+def test_existing_files_are_never_overwritten(tmp_path: Path) -> None:
     (tmp_path / "environment").write_text("PROLIFIC_TOKEN=secret\n", "utf-8")
 
-    with pytest.raises(InputError, match="something already"):
+    with pytest.raises(InputError, match="the folder is not empty"):
         write_deployment(STUDY, tmp_path)
 
     assert [path.name for path in tmp_path.iterdir()] == ["environment"]

@@ -37,7 +37,7 @@ def set_seed(folder: StudyFolder, seed: int) -> None:
         document["seed"] = seed
 
 
-def test_every_generated_condition_gets_a_placed_clip_of_its_speech_once(
+def test_every_generated_condition_gets_a_placed_clip_once(
     study: StudyFolder,
 ) -> None:
     reported: list[tuple[int, int]] = []
@@ -61,7 +61,7 @@ def test_every_generated_condition_gets_a_placed_clip_of_its_speech_once(
     assert generated_files(study) == before
 
 
-def test_an_interrupted_run_goes_on_where_it_was(study: StudyFolder) -> None:
+def test_an_interrupted_run_continues(study: StudyFolder) -> None:
     def interrupt(done: int, total: int, detail: str = "") -> None:
         if done == 4:
             raise KeyboardInterrupt
@@ -110,18 +110,18 @@ def reach_past_the_recording(study: StudyFolder) -> None:
 
 
 @pytest.mark.parametrize(
-    ("spoil", "said"),
+    ("spoil", "error"),
     [
         (import_another, "this motion was imported"),
         (lose_a_source, r"take_02.*motionjury import"),
         (reach_past_the_recording, r"take\.wav, segment late: an excerpt from 4 s to 60 s"),
     ],
 )
-def test_what_cannot_be_generated_is_named_and_no_file_written_over(
-    study: StudyFolder, spoil: Callable[[StudyFolder], None], said: str
+def test_a_failed_generation_names_its_cause_and_overwrites_nothing(
+    study: StudyFolder, spoil: Callable[[StudyFolder], None], error: str
 ) -> None:
     spoil(study)
     before = generated_files(study)
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=error):
         generate(study)
     assert before.items() <= generated_files(study).items()

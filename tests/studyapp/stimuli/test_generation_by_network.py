@@ -38,7 +38,7 @@ def set_key(folder: StudyFolder, key: str, value: object) -> None:
         document["conditions"]["learned"][key] = value
 
 
-def test_a_study_that_was_moved_keeps_its_clips(study: StudyFolder, tmp_path: Path) -> None:
+def test_a_moved_study_keeps_its_clips(study: StudyFolder, tmp_path: Path) -> None:
     generate(study)
     shutil.copytree(study.root, tmp_path / "elsewhere")
     assert generate(StudyFolder(tmp_path / "elsewhere")).made == 0
@@ -51,7 +51,7 @@ def test_a_missing_checkpoint_is_named_with_its_condition(study: StudyFolder) ->
     assert str(study.root / "models" / "absent.pt") in str(refusal.value)
 
 
-def test_how_far_a_clip_is_is_shown_while_it_is_made(study: StudyFolder) -> None:
+def test_progress_within_a_clip_is_shown(study: StudyFolder) -> None:
     shown: list[tuple[int, int, str]] = []
 
     def show(done: int, total: int, detail: str = "") -> None:
@@ -63,13 +63,13 @@ def test_how_far_a_clip_is_is_shown_while_it_is_made(study: StudyFolder) -> None
     assert shown[-1] == (1, 1, "")
 
 
-def test_long_speech_is_said_to_be_heard_in_parts(
+def test_stand_ins_and_speech_processed_in_parts_are_remarked(
     study: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 1.0)
     remarks = generate(study).remarks
     names = ", ".join(segment.name for segment in study.segments())
-    assert remarks[0] == (f"Stands in for something real: learned: {stand_in().description}")
+    assert remarks[0] == (f"Uses stand-ins: learned: {stand_in().description}")
     assert remarks[1] == (
-        f"Long speech was heard 60 s at once with 4 s before and 4 s ahead: learned: {names}"
+        f"Long speech was processed 60 s at once with 4 s before and 4 s ahead: learned: {names}"
     )

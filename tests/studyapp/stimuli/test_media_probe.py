@@ -18,4 +18,4 @@ def test_sound_alone_and_other_formats_are_no_video(tmp_path: Path) -> None:
         container.mux([*stream.encode(frame), *stream.encode(None)])
     write_video(other, Told())
     assert flaw_of(sound, 1.0) == Flaw("video-damaged", "has no picture")
-    assert flaw_of(other, 2.0) == Flaw("video-damaged", "is no MP4")
+    assert flaw_of(other, 2.0) == Flaw("video-damaged", "is not an MP4 file")

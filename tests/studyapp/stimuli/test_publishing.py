@@ -1,4 +1,4 @@
-"""Videos come into a store whole, under names and in an order that tell nothing."""
+"""Videos are uploaded to a store under names and in an order that reveal nothing."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.session.served_study import ServedStudy
-from studyapp.stimuli.publishing import MARK_BYTES, Publication, let_in, publish, remove
+from studyapp.stimuli.publishing import MARK_BYTES, Publication, allow_origin, publish, remove
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from studyapp.web.media_store import FILE, Place, Published, digests_of, read_published
@@ -27,9 +27,9 @@ def silent(_done: int, _total: int) -> None:
 
 
 def published_of(study: Path) -> Published:
-    found = read_published(study)
-    assert found is not None
-    return found
+    published = read_published(study)
+    assert published is not None
+    return published
 
 
 def names_of(study: Path) -> set[str]:
@@ -107,21 +107,21 @@ def test_a_video_that_is_made_anew_has_all_of_them_stored_anew(
     assert set(s3_store.objects) == names_of(tiny_study)
 
 
-def test_pages_of_the_study_are_let_in_beside_those_that_were_and_all_else_stays(
+def test_allowed_origins_are_added_and_unused_objects_removed(
     tiny_study: Path, s3_store: Store
 ) -> None:
     folder = StudyFolder(tiny_study)
     publish(folder, place_in(s3_store, ""), silent)
 
     for origin in (ORIGIN, "https://other.example.org", ORIGIN):
-        let_in(folder, origin)
+        allow_origin(folder, origin)
 
     assert s3_store.origins == [ORIGIN, "https://other.example.org"]
-    with pytest.raises(InputError, match="all that is in the bucket"):
+    with pytest.raises(InputError, match="everything else in the bucket"):
         remove(folder, ["somebody/elses.mp4"])
     s3_store.public = True
     with pytest.raises(InputError, match="anybody can load from it"):
-        let_in(folder, ORIGIN)
+        allow_origin(folder, ORIGIN)
 
 
 def test_wrong_keys_and_an_absent_store_are_said(

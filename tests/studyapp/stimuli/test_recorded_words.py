@@ -16,27 +16,25 @@ from studyapp.study.folder import StudyFolder
 MakeTake = Callable[..., Take]
 
 
-def beside(take: Take, ending: str, text: str) -> Path:
+def write_companion(take: Take, ending: str, text: str) -> Path:
     assert take.motion is not None
     path = take.motion.with_suffix(ending)
     path.write_text(text, encoding="utf-8")
     return path
 
 
-def test_a_whole_take_has_the_words_that_lie_beside_it(folder: StudyFolder, take: MakeTake) -> None:
+def test_a_whole_take_gets_its_transcript(folder: StudyFolder, take: MakeTake) -> None:
     whole = take(segment=None)
-    beside(whole, ".lab", "Good morning,\neverybody.\n")
+    write_companion(whole, ".lab", "Good morning,\neverybody.\n")
     (segment,), notes = import_take(folder, whole)
     assert segment.transcript == "Good morning, everybody."
     assert list(folder.segments()) == [segment]
-    assert "motion.npz: the words are those of motion.lab" in notes
+    assert "motion.npz: the transcript is from motion.lab" in notes
 
 
-def test_each_segment_has_the_words_that_are_said_in_it(
-    folder: StudyFolder, take: MakeTake
-) -> None:
+def test_each_segment_gets_its_own_words(folder: StudyFolder, take: MakeTake) -> None:
     cut = take()
-    beside(cut, ".csv", "word,start,end\nGood,0.5,0.9\nmorning,1.9,2.3\nall,4.1,4.5\n")
+    write_companion(cut, ".csv", "word,start,end\nGood,0.5,0.9\nmorning,1.9,2.3\nall,4.1,4.5\n")
     segments, _ = import_take(folder, cut)
     assert [segment.transcript for segment in segments] == ["good", "morning", "all"]
 
@@ -45,27 +43,25 @@ def test_a_transcript_of_other_speech_is_named_and_left_out(
     folder: StudyFolder, take: MakeTake
 ) -> None:
     cut = take()
-    beside(cut, ".csv", "word,start,end\nlate,50,51\n")
+    write_companion(cut, ".csv", "word,start,end\nlate,50,51\n")
     segments, notes = import_take(folder, cut)
     assert {segment.transcript for segment in segments} == {""}
     assert any("is left out: the transcript is of other speech" in note for note in notes)
 
 
-def test_words_that_are_known_stay_where_another_motion_brings_none(
-    folder: StudyFolder, take: MakeTake
-) -> None:
+def test_known_transcripts_stay(folder: StudyFolder, take: MakeTake) -> None:
     first = take(segment=None)
     (segment,), _ = import_take(folder, first)
     write_segments(folder.speech, [replace(segment, transcript="Known.")])
     import_take(folder, replace(first, condition="ours"))
-    assert [one.transcript for one in folder.segments()] == ["Known."]
+    assert [segment.transcript for segment in folder.segments()] == ["Known."]
 
 
-def test_semantic_scores_come_along_and_are_measured_with(
+def test_semantic_scores_are_imported_and_used_by_metrics(
     folder: StudyFolder, take: MakeTake
 ) -> None:
     cut = take()
-    beside(cut, ".txt", "beat\t1.500\t2.500\t1.000\t0.700\t\n")
+    write_companion(cut, ".txt", "beat\t1.500\t2.500\t1.000\t0.700\t\n")
     import_take(folder, cut)
     import_take(folder, replace(cut, condition="ours"))
     assert read_semantic_scores(folder.semantics("take_01")) == (

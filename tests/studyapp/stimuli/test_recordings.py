@@ -36,7 +36,7 @@ def test_a_take_becomes_segments_with_speech_motion_and_condition(
     assert any("condition 'ground_truth' added" in note for note in notes)
 
 
-def test_ends_up_to_a_second_apart_are_cut_to_the_common_part_and_said(
+def test_lengths_up_to_a_second_apart_are_cut_to_the_common_part(
     folder: StudyFolder, take: MakeTake
 ) -> None:
     segments, notes = import_take(folder, take(speech=6.9, motion=6.0))
@@ -52,7 +52,7 @@ def test_importing_the_same_take_again_changes_nothing(folder: StudyFolder, take
 
 
 @pytest.mark.parametrize(
-    ("recorded", "condition", "said"),
+    ("recorded", "condition", "error"),
     [
         ({"speech": 8.0}, "ours", "the motion lasts 6.00 s, the speech 8.00 s"),
         ({"speech": 1.5, "motion": 1.5}, "ours", "too short for a segment"),
@@ -62,51 +62,51 @@ def test_importing_the_same_take_again_changes_nothing(folder: StudyFolder, take
         ({}, "broken", "motion of 'broken' is made by the generator"),
         ({"segment": 3.0}, "known", "exists with other times"),
         ({"speech": 6.2}, "known", r"speech/take\.wav: another recording"),
-        ({"motion": 6.4}, "known", "has another motion for segment take_01 already"),
+        ({"motion": 6.4}, "known", "already has other motion for segment take_01"),
     ],
 )
-def test_a_take_that_cannot_be_brought_in_changes_nothing(
-    folder: StudyFolder, take: MakeTake, recorded: dict[str, Any], condition: str, said: str
+def test_a_refused_take_changes_nothing(
+    folder: StudyFolder, take: MakeTake, recorded: dict[str, Any], condition: str, error: str
 ) -> None:
     if condition == "known":
         import_take(folder, replace(take(), condition="known"))
     before = files_in(folder)
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=error):
         import_take(folder, replace(take(**recorded), condition=condition))
     assert files_in(folder) == before
 
 
 @pytest.mark.parametrize(
-    ("names", "seconds", "condition", "said"),
+    ("names", "seconds", "condition", "error"),
     [
         (["take_02", "take_01"], 2.2, "ours", "differ by 0.1 s"),
-        (["take_02", "take_99"], 2.0, "ours", "no segment is called 'take_99'"),
-        (["take_02", "take_02"], 2.0, "ours", "two of the files are called 'take_02'"),
+        (["take_02", "take_99"], 2.0, "ours", "there is no segment 'take_99'"),
+        (["take_02", "take_02"], 2.0, "ours", "two of the files have the name 'take_02'"),
         (["take_02"], 2.0, "a b", "condition name"),
-        (["take_02"], 2.0, "ground_truth", "has another motion for segment take_02 already"),
+        (["take_02"], 2.0, "ground_truth", "already has other motion for segment take_02"),
     ],
 )
-def test_motion_that_cannot_be_brought_in_changes_nothing(
+def test_refused_motion_changes_nothing(
     folder: StudyFolder,
     take: MakeTake,
     motion_file: Callable[..., Path],
     names: list[str],
     seconds: float,
     condition: str,
-    said: str,
+    error: str,
 ) -> None:
     import_take(folder, take())
     before = files_in(folder)
     motions = [motion_file(seconds, name=name) for name in names]
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=error):
         import_clips(folder, motions, condition, RecordingFacts())
     assert files_in(folder) == before
 
 
-def test_a_motion_is_placed_alike_cut_here_or_before(
+def test_motion_is_placed_the_same_when_cut_before_the_import(
     folder: StudyFolder, take: MakeTake, tmp_path: Path
 ) -> None:
-    """Where somebody stands and looks would tell which way a condition came in."""
+    """Position and orientation would reveal how a condition was imported."""
     poses = np.zeros((180, 165))
     poses[:, 1] = np.linspace(0, 1, 180)
     trans = np.linspace((0, 0, 0), (1, 0.2, 2), 180)
@@ -139,13 +139,13 @@ def test_the_real_take_gives_six_segments(folder: StudyFolder, shared_data: Path
         import_take(folder, replace(take, frame_rate=None))
 
 
-def test_the_face_beside_a_recording_comes_with_it(folder: StudyFolder, take: MakeTake) -> None:
+def test_the_face_in_a_companion_file_is_imported(folder: StudyFolder, take: MakeTake) -> None:
     recording = take()
     assert recording.motion is not None
     weights = np.linspace(0, 1, 300)[:, None] * np.ones(51)
     write_arkit_json(recording.motion.with_suffix(".json"), weights, 60)
     segments, notes = import_take(folder, recording)
-    assert "motion.npz: the face is that of motion.json" in notes
+    assert "motion.npz: the face is from motion.json" in notes
     faces = [read_clip(folder.clip("ground_truth", s.name)).arkit for s in segments]
     first, last = faces[0], faces[2]
     assert first is not None
@@ -156,12 +156,12 @@ def test_the_face_beside_a_recording_comes_with_it(folder: StudyFolder, take: Ma
     np.testing.assert_array_equal(last[:, 51], 0)
 
 
-def test_another_json_beside_a_recording_is_left_out_and_said(
+def test_another_companion_json_is_left_out_with_a_note(
     folder: StudyFolder, take: MakeTake
 ) -> None:
     recording = take()
     assert recording.motion is not None
     recording.motion.with_suffix(".json").write_text('{"take": 3}')
     segments, notes = import_take(folder, recording)
-    assert any("motion.json lies beside motion.npz and is left out" in note for note in notes)
+    assert any("motion.json, beside motion.npz, is left out" in note for note in notes)
     assert read_clip(folder.clip("ground_truth", segments[0].name)).arkit is None

@@ -31,14 +31,14 @@ Disk = namedtuple("Disk", "total used free")
 FirstRun = tuple[StudyFolder, RenderCount, list[RenderProgress]]
 
 
-def own(folder: StudyFolder, tmp_path: Path) -> StudyFolder:
-    """Return a copy of a study of the test's own; times of its files are kept."""
+def copy_study(folder: StudyFolder, tmp_path: Path) -> StudyFolder:
+    """Return a copy of a study with the times of its files."""
     return StudyFolder(Path(shutil.copytree(folder.root, tmp_path / "own")))
 
 
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
-    """A study of two segments whose clips are there, made once."""
+    """A study of two segments with clips, made once."""
     root = tmp_path_factory.mktemp("generated")
     folder = StudyFolder(root / "study")
     new_study(folder.definition, name="study", trials=2)
@@ -62,22 +62,22 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
 
 @pytest.fixture(scope="module")
 def first_run(generated: StudyFolder, tmp_path_factory: pytest.TempPathFactory) -> FirstRun:
-    """The study rendered, what was counted, and what was told meanwhile."""
-    folder = own(generated, tmp_path_factory.mktemp("rendered"))
-    told: list[RenderProgress] = []
-    return folder, render(folder, processes=1, on_progress=told.append), told
+    """The rendered study, its count and its progress."""
+    folder = copy_study(generated, tmp_path_factory.mktemp("rendered"))
+    progress: list[RenderProgress] = []
+    return folder, render(folder, processes=1, on_progress=progress.append), progress
 
 
 @pytest.fixture
 def study(generated: StudyFolder, tmp_path: Path) -> StudyFolder:
     """A copy of the study without videos."""
-    return own(generated, tmp_path)
+    return copy_study(generated, tmp_path)
 
 
 @pytest.fixture
 def rendered(first_run: FirstRun, tmp_path: Path) -> StudyFolder:
     """A copy of the study with its videos."""
-    return own(first_run[0], tmp_path)
+    return copy_study(first_run[0], tmp_path)
 
 
 def videos_of(folder: StudyFolder) -> Iterator[Path]:
@@ -88,13 +88,13 @@ def videos_of(folder: StudyFolder) -> Iterator[Path]:
 def test_every_clip_and_both_orders_of_every_pair_are_rendered(
     first_run: FirstRun,
 ) -> None:
-    study, count, told = first_run
+    study, count, progress = first_run
     assert count.failures == ()
     assert count.notes == ()
     assert (count.made, count.kept) == (8 + 12, 0)
-    assert (told[0].videos, told[0].frames) == (0, 0)
-    assert (told[-1].videos, told[-1].all_videos, told[-1].failed) == (20, 20, 0)
-    assert told[-1].frames == told[-1].all_frames == 20 * 10
+    assert (progress[0].videos, progress[0].frames) == (0, 0)
+    assert (progress[-1].videos, progress[-1].all_videos, progress[-1].failed) == (20, 20, 0)
+    assert progress[-1].frames == progress[-1].all_frames == 20 * 10
     stimuli = read_stimuli(study.stimuli)
     defined = study.study()
     assert isinstance(defined, PairwiseStudy)
@@ -108,7 +108,7 @@ def test_every_clip_and_both_orders_of_every_pair_are_rendered(
                 assert sum(1 for _ in video.decode(stream)) == 10
 
 
-def test_neither_name_nor_size_of_a_pair_tells_what_it_shows(rendered: StudyFolder) -> None:
+def test_names_and_sizes_of_pairs_reveal_nothing(rendered: StudyFolder) -> None:
     stimuli = read_stimuli(rendered.stimuli)
     names = [*rendered.study().conditions, "broken", "take"]
     for segment in rendered.segments():
@@ -119,11 +119,11 @@ def test_neither_name_nor_size_of_a_pair_tells_what_it_shows(rendered: StudyFold
             assert not any(name.encode() in file.read_bytes() for name in names)
 
 
-def test_a_second_run_renders_nothing_and_changed_clips_only_what_shows_them(
+def test_only_videos_of_changed_clips_are_rendered_again(
     rendered: StudyFolder,
 ) -> None:
     before = {path: path.stat().st_mtime_ns for path in videos_of(rendered)}
-    # As a process that was killed leaves them.
+    # Left by a killed process.
     drafts = [rendered.videos / name for name in (".frames/.draft.mkv", "pairs/.draft.mp4")]
     for draft in drafts:
         draft.parent.mkdir(exist_ok=True)
@@ -132,7 +132,7 @@ def test_a_second_run_renders_nothing_and_changed_clips_only_what_shows_them(
     assert {path: path.stat().st_mtime_ns for path in videos_of(rendered)} == before
     assert not any(draft.exists() for draft in drafts)
 
-    # Exchanged clips leave the framing, which all clips decide together, as it was.
+    # Exchanged clips do not change the framing, which depends on all clips.
     one, two = (rendered.clip("mismatched", segment.name) for segment in rendered.segments())
     content = one.read_bytes(), two.read_bytes()
     two.write_bytes(content[0])
@@ -146,9 +146,7 @@ def test_a_second_run_renders_nothing_and_changed_clips_only_what_shows_them(
     ("key", "value"),
     [("framing", "face"), ("view", "three_quarter"), ("background", "#2e3440")],
 )
-def test_whoever_changes_the_look_makes_every_video_anew(
-    key: str, value: str, study: StudyFolder
-) -> None:
+def test_a_new_look_changes_every_video(key: str, value: str, study: StudyFolder) -> None:
     before = RenderPlan.of(study)
     with edited(study.definition) as document:
         document["video"][key] = value
@@ -158,12 +156,12 @@ def test_whoever_changes_the_look_makes_every_video_anew(
         assert not {video.key for video in old} & {video.key for video in new}
 
 
-def test_a_study_is_rendered_by_one_run_at_a_time_and_an_interrupted_one_goes_on(
+def test_one_run_at_a_time_renders_a_study_and_an_interrupted_one_continues(
     study: StudyFolder,
 ) -> None:
     def interrupt(progress: RenderProgress) -> None:
         if progress.videos == 10:
-            with pytest.raises(InputError, match="rendered already"):
+            with pytest.raises(InputError, match="already being rendered"):
                 render(study, processes=1)
             raise KeyboardInterrupt
 
@@ -181,7 +179,7 @@ def test_a_missing_clip_is_named_before_anything_is_rendered(study: StudyFolder)
     assert not study.videos.exists()
 
 
-def test_videos_that_cannot_be_made_are_reported_and_the_rest_goes_on(study: StudyFolder) -> None:
+def test_failed_videos_are_reported_and_the_others_made(study: StudyFolder) -> None:
     blocked = study.videos / "clips" / "mismatched" / "take_01.mp4"
     blocked.mkdir(parents=True)
     truncated = study.clip("mismatched", "take_02")
@@ -189,8 +187,8 @@ def test_videos_that_cannot_be_made_are_reported_and_the_rest_goes_on(study: Stu
     lengthened = study.clip("broken", "take_01")
     clip = read_clip(lengthened)
     write_clip(lengthened, replace(clip, frame_rate=clip.frame_rate / 2))
-    told: list[RenderProgress] = []
-    count = render(study, processes=1, on_progress=told.append)
+    progress: list[RenderProgress] = []
+    count = render(study, processes=1, on_progress=progress.append)
     broken = {
         f"videos/clips/{name}.mp4"
         for name in ("mismatched/take_01", "mismatched/take_02", "broken/take_01")
@@ -198,7 +196,7 @@ def test_videos_that_cannot_be_made_are_reported_and_the_rest_goes_on(study: Stu
     assert len(count.failures) == 3
     assert {failure.split(":")[0] for failure in count.failures} == broken
     assert (count.left_out, count.made) == (6, 11)
-    assert (told[-1].videos, told[-1].failed) == (20, 9)
+    assert (progress[-1].videos, progress[-1].failed) == (20, 9)
     known = read_stimuli(study.stimuli)
     assert len(known.clips) == 5
     assert not broken & {clip.file for clip in known.clips}
@@ -208,7 +206,7 @@ def frames_of(folder: StudyFolder) -> dict[str, int]:
     return {path.name: path.stat().st_size for path in (folder.videos / ".frames").glob("*.mkv")}
 
 
-def test_without_room_for_frames_the_same_pairs_come_out_and_no_frames_stay(
+def test_without_room_for_frames_the_same_pairs_are_made_and_no_frames_stay(
     study: StudyFolder, first_run: FirstRun, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("studyapp.stimuli.rendering.frames_limit", lambda _folder, _kept: 0)
@@ -226,7 +224,7 @@ def test_without_room_for_frames_the_same_pairs_come_out_and_no_frames_stay(
     for here, there in zip(videos_of(study), videos_of(roomy), strict=True):
         assert here.read_bytes() == there.read_bytes()
 
-    # Frames that were let go are made again where a new pair needs them.
+    # Dropped frames are made again when a new pair needs them.
     pair = read_stimuli(study.stimuli).pairs[0]
     before = (study.root / pair.file).read_bytes()
     (study.root / pair.file).unlink()
@@ -235,16 +233,16 @@ def test_without_room_for_frames_the_same_pairs_come_out_and_no_frames_stay(
     assert (study.root / pair.file).read_bytes() == before
 
 
-def test_a_disk_that_is_too_small_is_told_before_anything_is_rendered(
+def test_a_small_disk_is_refused_before_anything_is_rendered(
     study: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(shutil, "disk_usage", lambda folder: Disk(10**9, 10**9 - 1000, 1000))
-    with pytest.raises(InputError, match=r"may need .*B, and 1.0 kB are free.*video.size"):
+    with pytest.raises(InputError, match=r"may need .*B, but only 1.0 kB are free.*video.size"):
         render(study, processes=1)
     assert list(study.videos.iterdir()) == []
 
 
-def test_faces_that_the_body_cannot_show_and_speech_that_cannot_be_as_loud_are_told(
+def test_unshown_faces_and_silent_speech_are_noted(
     study: StudyFolder,
 ) -> None:
     text = study.definition.read_text("utf-8")

@@ -70,5 +70,5 @@ def test_a_finished_video_that_is_missing_says_where_it_belongs(own_study: OwnSt
 
 
 def test_a_study_of_finished_videos_has_no_motion_to_draw(own_study: OwnStudy) -> None:
-    with pytest.raises(InputError, match="brought finished, and there is no motion to draw"):
+    with pytest.raises(InputError, match="only finished videos and no motion to draw"):
         RenderPlan.of(own_study("rating"))

@@ -79,7 +79,7 @@ def test_another_segments_speech_is_heard_no_longer_than_the_motion(folder: Stud
     write_motion(folder.clip("ours", "short"), 2.0)
 
     def speech_seconds(speech: Segment | None) -> float | None:
-        scene, missing = segment_scene(folder, folder.study(), short, ["ours"], heard=speech)
+        scene, missing = segment_scene(folder, folder.study(), short, ["ours"], speech=speech)
         assert (list(scene.clips), missing) == (["ours"], {})
         return None if scene.speech is None else round(scene.speech.duration, 3)
 

@@ -24,22 +24,22 @@ def folder_of_motion(motion_file: Callable[..., Path], tmp_path: Path) -> Path:
     return folder
 
 
-def test_a_studys_recordings_keep_their_take_emotion_and_what_is_held_still(
+def test_a_studys_recordings_have_their_take_emotion_and_frozen_channels(
     folder: StudyFolder, take: Callable[..., Take]
 ) -> None:
     import_take(folder, take())
     text = folder.definition.read_text(encoding="utf-8")
     held_still = re.sub(r"^freeze = .*$", 'freeze = ["hands"]', text, flags=re.MULTILINE)
     folder.definition.write_text(held_still, encoding="utf-8")
-    found = recordings_of(folder.root, condition="ground_truth")
-    assert [source.name for source in found.sources] == ["take_01", "take_02", "take_03"]
-    assert {(s.recording, s.emotion) for s in found.sources} == {("take.wav", "neutral")}
-    assert found.frozen == ("hands",)
-    assert found.networks == folder.root / "evaluators"
+    recordings = recordings_of(folder.root, condition="ground_truth")
+    assert [source.name for source in recordings.sources] == ["take_01", "take_02", "take_03"]
+    assert {(s.recording, s.emotion) for s in recordings.sources} == {("take.wav", "neutral")}
+    assert recordings.frozen == ("hands",)
+    assert recordings.networks == folder.root / "evaluators"
     stored = folder.clip("ground_truth", "take_01")
-    assert found.sources[0].sha256 == hashlib.sha256(stored.read_bytes()).hexdigest()
-    assert len(found.sources[0].read()) == 60
-    assert found.read_body().has_arkit_slots
+    assert recordings.sources[0].sha256 == hashlib.sha256(stored.read_bytes()).hexdigest()
+    assert len(recordings.sources[0].read()) == 60
+    assert recordings.read_body().has_arkit_slots
 
 
 def test_a_study_without_recordings_says_how_to_get_some(
@@ -52,32 +52,32 @@ def test_a_study_without_recordings_says_how_to_get_some(
         recordings_of(folder.root, condition="ground_truth", file_rate=30)
 
 
-def test_motion_is_found_in_folders_of_folders_and_is_a_recording_each(
+def test_nested_motion_files_are_separate_recordings(
     folder_of_motion: Path,
 ) -> None:
-    found = recordings_of(folder_of_motion, condition="", file_rate=15)
-    assert [(s.name, s.recording, s.emotion) for s in found.sources] == [
+    recordings = recordings_of(folder_of_motion, condition="", file_rate=15)
+    assert [(s.name, s.recording, s.emotion) for s in recordings.sources] == [
         ("a.npz", "a", ""),
         ("deep/b.npz", "b", ""),
     ]
-    assert found.sources[1].read().frame_rate == 15
-    assert found.frozen == ()
+    assert recordings.sources[1].read().frame_rate == 15
+    assert recordings.frozen == ()
 
 
-def test_a_table_tells_emotions_and_which_clips_are_of_one_recording(
+def test_a_table_states_emotions_and_recordings(
     folder_of_motion: Path,
 ) -> None:
     table = folder_of_motion / "segments.csv"
     table.write_text("name,emotion,wav\na,anger,take.wav\nb,calm,take.wav\n")
-    found = recordings_of(folder_of_motion, condition="")
-    assert [(s.recording, s.emotion) for s in found.sources] == [
+    recordings = recordings_of(folder_of_motion, condition="")
+    assert [(s.recording, s.emotion) for s in recordings.sources] == [
         ("take.wav", "anger"),
         ("take.wav", "calm"),
     ]
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "error"),
     [
         (b"name,feeling\na,calm\n", "no column 'emotion'"),
         (b"", "no column 'emotion'"),
@@ -85,10 +85,10 @@ def test_a_table_tells_emotions_and_which_clips_are_of_one_recording(
     ],
 )
 def test_a_table_that_cannot_be_used_is_named(
-    content: bytes, said: str, folder_of_motion: Path
+    content: bytes, error: str, folder_of_motion: Path
 ) -> None:
     (folder_of_motion / "segments.csv").write_bytes(content)
-    with pytest.raises(InputError, match=rf"segments\.csv: .*{said}"):
+    with pytest.raises(InputError, match=rf"segments\.csv: .*{error}"):
         recordings_of(folder_of_motion, condition="")
 
 

@@ -53,21 +53,21 @@ def study(tmp_path: Path, usual: Path) -> Callable[..., StudyFolder]:
 
 def errors(folder: StudyFolder, severity: Severity = "error") -> list[str]:
     material = Material.read(folder, folder.study())
-    found = [
+    findings = [
         *finished_video_findings(material),
         *shown_video_findings(material),
         *sound_findings(material),
     ]
-    return [finding.what for finding in found if finding.severity is severity]
+    return [finding.what for finding in findings if finding.severity is severity]
 
 
 def shown(folder: StudyFolder, condition: str, segment: str = "one") -> Path:
-    found = Media.of(folder, folder.study()).find((Stimulus.own(condition, segment),))
-    assert found is not None
-    return found.file
+    video = Media.of(folder, folder.study()).find((Stimulus.own(condition, segment),))
+    assert video is not None
+    return video.file
 
 
-def test_files_that_told_who_made_them_become_alike(study: Callable[..., StudyFolder]) -> None:
+def test_copies_do_not_reveal_their_condition(study: Callable[..., StudyFolder]) -> None:
     told = Told(name="groundtruth", language="jpn", frames=62)
     folder = study(ours=told)
     original = folder.videos / "ours" / "one.mp4"
@@ -88,7 +88,7 @@ def test_files_that_told_who_made_them_become_alike(study: Callable[..., StudyFo
     assert errors(folder) == []
 
 
-def test_what_is_copied_and_fits_is_kept(study: Callable[..., StudyFolder]) -> None:
+def test_up_to_date_copies_are_kept(study: Callable[..., StudyFolder]) -> None:
     folder = study("mismatch")
     before = {path: path.stat().st_mtime_ns for path in (folder.videos / "copies").iterdir()}
 
@@ -98,7 +98,7 @@ def test_what_is_copied_and_fits_is_kept(study: Callable[..., StudyFolder]) -> N
     assert {path: path.stat().st_mtime_ns for path in before} == before
 
 
-def test_a_changed_original_is_told_and_copied_anew(study: Callable[..., StudyFolder]) -> None:
+def test_a_changed_original_is_found_and_copied_again(study: Callable[..., StudyFolder]) -> None:
     folder = study(ours=Told(sound=LOUD))
 
     assert errors(folder) == [
@@ -108,7 +108,7 @@ def test_a_changed_original_is_told_and_copied_anew(study: Callable[..., StudyFo
     assert errors(folder) == []
 
 
-def test_copies_that_a_newer_release_makes_anew_are_no_other_design(
+def test_copies_by_a_newer_release_do_not_change_the_design(
     study: Callable[..., StudyFolder], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = study("mismatch")
@@ -119,7 +119,7 @@ def test_copies_that_a_newer_release_makes_anew_are_no_other_design(
     assert ServedStudy.read(folder.root).design == before
 
 
-def test_a_misspelt_original_is_told_with_the_file_that_may_be_meant(
+def test_a_misspelt_original_is_reported_with_a_suggestion(
     study: Callable[..., StudyFolder],
 ) -> None:
     folder = study()
@@ -130,10 +130,10 @@ def test_a_misspelt_original_is_told_with_the_file_that_may_be_meant(
         "videos/theirs/two.mp4 is missing (is it videos/theirs/Two.mp4?)",
     )
     sheet = write_contact_sheet(folder, threads=1).read_text("utf-8")
-    assert "there is no video: bring it" in sheet
+    assert "there is no video: add it" in sheet
 
 
-def test_copies_that_nothing_shows_any_more_are_removed(study: Callable[..., StudyFolder]) -> None:
+def test_unused_copies_are_removed(study: Callable[..., StudyFolder]) -> None:
     folder = study("ranking")
     gone = shown(folder, "theirs", "two")
     text = folder.definition.read_text().replace('"theirs"]', '"real"]')
@@ -157,7 +157,7 @@ def test_without_sound_a_video_has_no_sound_in_its_file(study: Callable[..., Stu
 
 
 @pytest.mark.parametrize(
-    ("ours", "said"),
+    ("ours", "words"),
     [
         (Told(rate=25, frames=50), "the number of frames per second differs"),
         (Told(size=80), "the size of the picture differs"),
@@ -166,8 +166,8 @@ def test_without_sound_a_video_has_no_sound_in_its_file(study: Callable[..., Stu
         (Told(frames=80), "videos/ours/one.mp4 lasts 2.67 s, its segment 2.00 s"),
     ],
 )
-def test_what_a_copy_cannot_make_alike_is_an_error(
-    study: Callable[..., StudyFolder], ours: Told, said: str
+def test_differences_that_copies_keep_are_errors(
+    study: Callable[..., StudyFolder], ours: Told, words: str
 ) -> None:
     # Without speech, a segment is as long as the first condition's video of it.
     folder = study()
@@ -178,11 +178,11 @@ def test_what_a_copy_cannot_make_alike_is_an_error(
     write_video(folder.videos / "ours" / "one.mp4", ours)
     render(folder, processes=1)
 
-    assert any(said in error for error in errors(folder))
+    assert any(words in error for error in errors(folder))
 
 
 @pytest.mark.parametrize(
-    ("ours", "said"),
+    ("ours", "words"),
     [
         (Told(frames=62), "how many pictures there are"),
         (Told(encoder={"g": "10"}), "which pictures are encoded from which others"),
@@ -190,12 +190,12 @@ def test_what_a_copy_cannot_make_alike_is_an_error(
         (Told(sound=LONGER), "how long the sound lasts"),
     ],
 )
-def test_what_only_tools_would_see_is_warned_of(
-    study: Callable[..., StudyFolder], ours: Told, said: str
+def test_differences_that_only_tools_see_are_warned_of(
+    study: Callable[..., StudyFolder], ours: Told, words: str
 ) -> None:
     folder = study(ours=ours)
     render(folder, processes=1)
 
     warnings = [w for w in errors(folder, "warning") if w.startswith("whoever inspects")]
 
-    assert [said in warning for warning in warnings] == [True]
+    assert [words in warning for warning in warnings] == [True]

@@ -36,8 +36,8 @@ def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def somebody() -> Detection:
-    """Return what is found of a person who is away from the third to the fourth second."""
+def detect_person() -> Detection:
+    """Return the detection of a person who is absent from the third to the fourth second."""
     frames = SECONDS * RATE
     pose = np.zeros((frames, 33, 3))
     for part, first in zip(("shoulder", "elbow", "wrist", "hip"), (11, 13, 15, 23), strict=True):
@@ -55,10 +55,10 @@ def somebody() -> Detection:
 
 
 @pytest.fixture
-def found(monkeypatch: pytest.MonkeyPatch) -> Detection:
-    """Let a detector find somebody in any video."""
-    result = somebody()
-    monkeypatch.setattr(video_takes, "detect", lambda video, told: result)
+def detection(monkeypatch: pytest.MonkeyPatch) -> Detection:
+    """Detect the person in any video."""
+    result = detect_person()
+    monkeypatch.setattr(video_takes, "detect", lambda video, on_frame: result)
     return result
 
 
@@ -70,9 +70,9 @@ def files(folder: Path) -> list[str]:
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*.*"))
 
 
-@pytest.mark.usefixtures("found")
+@pytest.mark.usefixtures("detection")
 def test_a_video_becomes_takes_that_training_reads(video: Path, tmp_path: Path) -> None:
-    made = import_video(video, tmp_path / "takes", speaker="anna", told=quietly)
+    made = import_video(video, tmp_path / "takes", speaker="anna", on_frame=quietly)
     assert made.takes == ("talk_01", "talk_02")
     assert made.seconds == pytest.approx(7)
     assert "left out 3.0 to 4.0 s: nobody was found" in made.notes
@@ -92,16 +92,16 @@ def test_a_video_becomes_takes_that_training_reads(video: Path, tmp_path: Path) 
     ]
 
 
-@pytest.mark.usefixtures("found")
+@pytest.mark.usefixtures("detection")
 def test_another_video_is_added_and_the_same_one_refused(video: Path, tmp_path: Path) -> None:
-    import_video(video, tmp_path / "takes", speaker=None, told=quietly)
+    import_video(video, tmp_path / "takes", speaker=None, on_frame=quietly)
     other = tmp_path / "other.mp4"
     other.write_bytes(video.read_bytes())
-    import_video(other, tmp_path / "takes", speaker=None, told=quietly)
+    import_video(other, tmp_path / "takes", speaker=None, on_frame=quietly)
     assert len((tmp_path / "takes" / LEFT_OUT).read_text().splitlines()) == 3
     before = files(tmp_path / "takes")
-    with pytest.raises(InputError, match="is there already"):
-        import_video(other, tmp_path / "takes", speaker=None, told=quietly)
+    with pytest.raises(InputError, match="of this name exists"):
+        import_video(other, tmp_path / "takes", speaker=None, on_frame=quietly)
     assert files(tmp_path / "takes") == before
 
 
@@ -114,18 +114,18 @@ def test_another_video_is_added_and_the_same_one_refused(video: Path, tmp_path: 
         (lambda path, video: path.write_bytes(video.read_bytes()), "no face was found in 8"),
     ],
 )
-def test_a_broken_video_or_one_of_nobody_gets_one_sentence_and_nothing_is_written(
+def test_an_unusable_video_is_refused_and_nothing_is_written(
     write: Callable[[Path, Path], object],
     sentence: str,
     video: Path,
     tmp_path: Path,
-    found: Detection,
+    detection: Detection,
 ) -> None:
-    found.face[:] = np.nan
+    detection.face[:] = np.nan
     path = tmp_path / "broken.mp4"
     write(path, video)
     with pytest.raises(InputError) as caught:
-        import_video(path, tmp_path / "takes", speaker="anna", told=quietly)
+        import_video(path, tmp_path / "takes", speaker="anna", on_frame=quietly)
     assert sentence in str(caught.value) and "video" in caught.value.remedy.lower()
     assert not (tmp_path / "takes").exists()
 
@@ -134,8 +134,8 @@ def invoke(*arguments: object) -> Result:
     return CliRunner().invoke(group, [str(argument) for argument in arguments])
 
 
-@pytest.mark.usefixtures("found")
-def test_the_command_says_what_it_made_and_what_comes_next(video: Path, tmp_path: Path) -> None:
+@pytest.mark.usefixtures("detection")
+def test_the_command_prints_its_takes_and_the_next_step(video: Path, tmp_path: Path) -> None:
     done = invoke("import", "--from-video", video, "--speaker", "anna", tmp_path / "takes")
     assert done.exit_code == 0, done.output
     assert "note: left out 3.0 to 4.0 s: nobody was found" in done.output
@@ -143,26 +143,26 @@ def test_the_command_says_what_it_made_and_what_comes_next(video: Path, tmp_path
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code", "said"),
+    ("arguments", "code", "error"),
     [
         (("--from-video", "{video}", "."), 1, "this is a study folder"),
-        (("--from-video", "{video}", "--fps", 15, "takes"), 2, "--from-video goes with"),
+        (("--from-video", "{video}", "--fps", 15, "takes"), 2, "--from-video can only"),
         (("takes",), 2, "or --from-video"),
     ],
 )
-@pytest.mark.usefixtures("found")
-def test_takes_go_elsewhere_than_into_a_study_and_without_flags_of_other_imports(
+@pytest.mark.usefixtures("detection")
+def test_takes_need_a_folder_of_their_own_and_no_other_options(
     video: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     arguments: tuple[object, ...],
     code: int,
-    said: str,
+    error: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     invoke("init", ".")
     done = invoke("import", *(str(each).replace("{video}", str(video)) for each in arguments))
-    assert done.exit_code == code and said in done.output
+    assert done.exit_code == code and error in done.output
 
 
 @pytest.mark.slow
@@ -186,5 +186,5 @@ def test_the_detector_finds_an_avatar_of_ours(tmp_path: Path) -> None:
         "--out", tmp_path,
     )  # fmt: skip
     assert shown.exit_code == 0, shown.output
-    made = import_video(tmp_path / "clip.mp4", tmp_path / "takes", speaker=None, told=quietly)
+    made = import_video(tmp_path / "clip.mp4", tmp_path / "takes", speaker=None, on_frame=quietly)
     assert made.seconds == pytest.approx(3, abs=0.1)

@@ -12,7 +12,7 @@ from typing import Any
 
 import tomlkit
 
-from studyapp.stimuli.rendering import hide_sizes
+from studyapp.stimuli.rendering import equalise_sizes
 from studyapp.stimuli.video_copies import copy_videos
 from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
@@ -103,7 +103,7 @@ def write_finished_study(folder: Path, protocol: str, video: Path, **changes: An
     for shown, *_ in study.contents(tuple(files.segments_of(study))):
         _copy(video, finished_video_path(files.videos, shown))
     copy_videos(files)
-    hide_sizes(files)
+    equalise_sizes(files)
 
 
 def write_short_video(path: Path, *, seconds: float = 2.0) -> None:

@@ -68,7 +68,7 @@ def test_the_sheet_shows_each_segment_in_each_condition(study: StudyFolder) -> N
         assert picture.width > 3 * 448
 
 
-def test_what_has_not_changed_is_kept(study: StudyFolder) -> None:
+def test_unchanged_cells_are_kept(study: StudyFolder) -> None:
     page = write_contact_sheet(study, threads=2)
     before, text = kept_cells(study), page.read_text(encoding="utf-8")
     write_contact_sheet(study, threads=1)
@@ -76,7 +76,7 @@ def test_what_has_not_changed_is_kept(study: StudyFolder) -> None:
     assert page.read_text(encoding="utf-8") == text
 
 
-def test_a_changed_clip_is_looked_at_again_and_its_old_cell_removed(study: StudyFolder) -> None:
+def test_the_cell_of_a_changed_clip_is_replaced(study: StudyFolder) -> None:
     write_contact_sheet(study, threads=1)
     before = kept_cells(study)
     stimuli = read_stimuli(study.stimuli)
@@ -94,7 +94,7 @@ def test_a_changed_clip_is_looked_at_again_and_its_old_cell_removed(study: Study
     assert len(set(after) - set(before)) == 1
 
 
-def test_missing_and_broken_videos_have_an_empty_cell_that_says_so(study: StudyFolder) -> None:
+def test_missing_and_broken_videos_have_an_empty_cell(study: StudyFolder) -> None:
     first, second = read_stimuli(study.stimuli).clips[:2]
     (study.root / first.file).unlink()
     (study.root / second.file).write_bytes(b"no video" * 30)
@@ -116,7 +116,7 @@ def motion_links(page: Path) -> dict[str, str]:
     }
 
 
-def test_motion_is_turned_around_beside_the_sheet_and_packed_again_where_it_changed(
+def test_pages_of_motion_are_written_again_when_it_changes(
     study: StudyFolder,
 ) -> None:
     for segment, condition in (

@@ -16,7 +16,7 @@ from motion.formats import read_clip, write_clip
 from renderer.figures.strip import Moment
 from renderer.look import BACKGROUND
 from studyapp.cli.main import group
-from studyapp.stimuli.figures.grids import write_grid_of
+from studyapp.stimuli.figures.grids import write_condition_grid
 from studyapp.stimuli.figures.material import FigureMaterial
 from studyapp.stimuli.figures.stills import Choice, Print, write_overlay, write_still
 from studyapp.stimuli.recordings import Take, import_take
@@ -54,9 +54,7 @@ def figures_in(path: Path) -> NDArray[np.bool_]:
     return np.asarray(np.abs(pixels - BACKGROUND).max(axis=-1) > 20)
 
 
-def test_a_still_has_the_size_asked_for_whatever_the_videos_have(
-    study: StudyFolder, tmp_path: Path
-) -> None:
+def test_a_still_has_the_requested_size(study: StudyFolder, tmp_path: Path) -> None:
     path = tmp_path / "still.png"
     common = {
         "segment": SEGMENT,
@@ -74,7 +72,7 @@ def test_a_still_has_the_size_asked_for_whatever_the_videos_have(
         assert image.getpixel((0, 0))[3] == 0  # type: ignore[index]
 
 
-def test_a_strip_of_what_participants_compare_is_the_same_whenever_it_is_drawn(
+def test_a_strip_of_the_compared_conditions_is_reproducible(
     study: StudyFolder,
 ) -> None:
     command = ["figure", "strip", str(study.root), "--segment", SEGMENT, "--inches", "1.5",
@@ -88,16 +86,16 @@ def test_a_strip_of_what_participants_compare_is_the_same_whenever_it_is_drawn(
         drawn.append([path.read_bytes() for path in paths])
     assert drawn[0] == drawn[1]
     compared = [name for name in study.study().conditions if name != "broken"]
-    assert list(FigureMaterial.of(study).conditions([])) == compared
+    assert list(FigureMaterial.read(study).labels([])) == compared
 
 
-def test_a_figure_may_call_conditions_otherwise(study: StudyFolder) -> None:
-    material = FigureMaterial.of(study)
-    called = material.conditions(["ground_truth=Recording", "mismatched"])
-    assert called == {"ground_truth": "Recording", "mismatched": "mismatched"}
-    for twice in (["rule_based=Ours", "mismatched=Ours"], ["rule_based", "rule_based=Ours"]):
-        with pytest.raises(InputError, match="Call each something else"):
-            material.conditions(twice)
+def test_conditions_can_have_other_labels(study: StudyFolder) -> None:
+    material = FigureMaterial.read(study)
+    labels = material.labels(["ground_truth=Recording", "mismatched"])
+    assert labels == {"ground_truth": "Recording", "mismatched": "mismatched"}
+    for repeated in (["rule_based=Ours", "mismatched=Ours"], ["rule_based", "rule_based=Ours"]):
+        with pytest.raises(InputError, match="Use different labels"):
+            material.labels(repeated)
 
 
 def test_an_overlay_shows_where_variations_differ(study: StudyFolder, tmp_path: Path) -> None:
@@ -110,7 +108,7 @@ def test_an_overlay_shows_where_variations_differ(study: StudyFolder, tmp_path: 
     assert seen[1].sum() > 1.03 * seen[0].sum()
 
 
-def test_variations_of_one_file_name_are_told_apart(study: StudyFolder) -> None:
+def test_variations_need_different_labels(study: StudyFolder) -> None:
     seed = str(study.clip("rule_based", SEGMENT))
     command = ["--debug", "figure", "overlay", str(study.root), "--segment", SEGMENT, "--at", "0.5",
                "--inches", "1", "--motion", f"{seed}=seed 1"]  # fmt: skip
@@ -124,11 +122,9 @@ def test_variations_of_one_file_name_are_told_apart(study: StudyFolder) -> None:
         )
 
 
-def test_a_slow_grid_lasts_as_much_longer_as_it_is_slower(
-    study: StudyFolder, tmp_path: Path
-) -> None:
+def test_a_slow_grid_lasts_longer(study: StudyFolder, tmp_path: Path) -> None:
     path = tmp_path / "grid.mp4"
-    write_grid_of(
+    write_condition_grid(
         study, segment=SEGMENT, conditions=("rule_based", "ground_truth"), speed=0.5,
         skeleton="over", size=64, closeup=False, output=path,
     )  # fmt: skip
@@ -140,7 +136,7 @@ def test_a_slow_grid_lasts_as_much_longer_as_it_is_slower(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "error"),
     [
         (["still", "--segment", "no", "--condition", "static", "--at", "0"], "take_01, take_02"),
         (["still", "--segment", SEGMENT, "--condition", "no", "--at", "0"], "ground_truth, "),
@@ -154,8 +150,8 @@ def test_a_slow_grid_lasts_as_much_longer_as_it_is_slower(
         (["grid", "--segment", SEGMENT, "--output", "grid.avi"], ".mp4"),
     ],
 )
-def test_what_a_study_does_not_have_is_refused_with_what_it_has(
-    study: StudyFolder, arguments: list[str], said: str
+def test_unknown_names_and_formats_are_refused_with_alternatives(
+    study: StudyFolder, arguments: list[str], error: str
 ) -> None:
     with pytest.raises(InputError) as refused:
         CliRunner().invoke(
@@ -163,5 +159,5 @@ def test_what_a_study_does_not_have_is_refused_with_what_it_has(
             ["--debug", "figure", arguments[0], str(study.root), *arguments[1:]],
             catch_exceptions=False,
         )
-    assert said in str(refused.value)
+    assert error in str(refused.value)
     assert not study.figures.exists()

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from motion.errors import InputError
-from studyapp.cli.report_command import read_exclusion
+from studyapp.cli.report_command import parse_exclusion
 from studyapp.study.settings.exclusions import EXCLUSION_SECTIONS
 from studyapp.study.settings.reading import parse_study, read_study
 from studyapp.study.settings.study import Study
@@ -102,12 +102,12 @@ def test_what_cannot_be_is_refused_with_its_place(
     ],
 )
 def test_what_is_written_in_one_word_is_read_back(text: str, meant: str) -> None:
-    assert read_exclusion(text, where="--exclude").shorthand() == meant
+    assert parse_exclusion(text, where="--exclude").shorthand() == meant
 
 
 def test_every_rule_can_be_written_in_one_word() -> None:
     with pytest.raises(InputError) as caught:
-        read_exclusion("nothing", where="--exclude")
+        parse_exclusion("nothing", where="--exclude")
     assert all(
         section.model_fields["rule"].default in str(caught.value) for section in EXCLUSION_SECTIONS
     )
@@ -132,7 +132,7 @@ def test_every_rule_can_be_written_in_one_word() -> None:
 )
 def test_a_word_that_is_no_rule_is_refused_with_the_right_one(text: str, said: str) -> None:
     with pytest.raises(InputError, match=re.escape(said)):
-        read_exclusion(text, where="--exclude")
+        parse_exclusion(text, where="--exclude")
 
 
 @pytest.mark.parametrize("template", TEMPLATES)

@@ -30,7 +30,7 @@ class _MomentType(click.ParamType[Moment]):
 
 
 class _MotionType(click.ParamType[tuple[Path, str]]):
-    """A motion file and what the figure calls it."""
+    """A motion file and its label in the figure."""
 
     name = "motion"
 
@@ -39,39 +39,40 @@ class _MotionType(click.ParamType[tuple[Path, str]]):
     ) -> tuple[Path, str]:
         if isinstance(value, tuple):
             return value
-        path, called = Path(str(value)), ""
+        path, label = Path(str(value)), ""
         if not path.is_file():
-            name, _, called = str(value).rpartition("=")
+            name, _, label = str(value).rpartition("=")
             path = Path(name)
         if not path.is_file():
             self.fail(f"there is no file {str(value)!r}", param, ctx)
-        return path, called.strip() or path.stem
+        return path, label.strip() or path.stem
 
 
-segment = click.option("--segment", required=True, help="The segment that is shown.")
+segment = click.option("--segment", required=True, help="The segment to show.")
 conditions = click.option(
     "--condition",
     "conditions",
     multiple=True,
-    metavar="NAME[=CALLED]",
-    help="A condition, as often as wanted, and what the figure calls it; without any, all but "
-    "the catch motion.",
+    metavar="NAME[=LABEL]",
+    help="A condition and its label; can be repeated.  [default: all but the catch condition]",
 )
-clear = click.option("--clear", is_flag=True, help="Leave the background transparent.")
-whole = click.option("--whole", is_flag=True, help="Show whole frames, not what figures fill.")
-closeup = click.option("--closeup", is_flag=True, help="Show the faces alone.")
+clear = click.option("--clear", is_flag=True, help="Make the background transparent.")
+whole = click.option(
+    "--whole", is_flag=True, help="Show whole frames instead of cropping them to the body."
+)
+closeup = click.option("--closeup", is_flag=True, help="Show only the faces.")
 skeleton = click.option(
-    "--skeleton", type=click.Choice(["over", "beside"]), help="Draw the skeleton too."
+    "--skeleton", type=click.Choice(["over", "beside"]), help="Also draw the skeleton."
 )
 output = click.option(
     "--output",
     type=_OUTPUT,
-    help="Where to write it, instead of into FOLDER/figures.",
+    help="The output file, instead of one in FOLDER/figures.",
 )
 
 
 def moments(*, required: bool) -> Callable[..., Any]:
-    """Return the option for the moments that a figure shows."""
+    """Return the option of a figure's moments."""
     return click.option(
         "--at",
         "moments",
@@ -79,12 +80,12 @@ def moments(*, required: bool) -> Callable[..., Any]:
         multiple=True,
         required=required,
         metavar="[WORD=]SECONDS",
-        help="A moment of the segment, as often as wanted, and the key word spoken there.",
+        help="A moment of the segment and the key word spoken there; can be repeated.",
     )
 
 
 def inches(default: float) -> Callable[..., Any]:
-    """Return the option for the width of a printed figure."""
+    """Return the option of a figure's printed width."""
     return click.option(
         "--inches",
         type=click.FloatRange(1, 14),
@@ -96,24 +97,24 @@ def inches(default: float) -> Callable[..., Any]:
 
 @click.group("figure")
 def command() -> None:
-    """Make a figure or video for the paper from a study.
+    """Make a figure or a video of a study for a paper.
 
-    They name the conditions: what is written into FOLDER/figures is never served to participants.
+    Figures name the conditions; files in FOLDER/figures are never served to participants.
     """
 
 
 @command.command("still")
 @study_folder
 @segment
-@click.option("--condition", required=True, help="The condition that is shown.")
-@click.option("--at", "seconds", type=click.FloatRange(0), required=True, help="Seconds.")
+@click.option("--condition", required=True, help="The condition to show.")
+@click.option("--at", "seconds", type=click.FloatRange(0), required=True, help="The moment.")
 @click.option("--size", type=click.IntRange(64, 2160), default=1440, show_default=True)
 @skeleton
 @clear
 @closeup
 @output
 def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
-    """Write one frame of one condition as PNG."""
+    """Write one frame of a condition as PNG."""
     from studyapp.stimuli.figures.stills import write_still
 
     name = f"still-{choice['segment']}-{choice['condition']}-{choice['seconds']:g}s.png"
@@ -133,10 +134,10 @@ def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
     type=click.IntRange(1, MAX_MOMENTS),
     default=6,
     show_default=True,
-    help="Without --at: how many moments, the loudest syllable of each part of the speech.",
+    help="Without --at: number of moments, each at the loudest syllable of a part of the speech.",
 )
 @inches(6.9)
-@click.option("--wave/--no-wave", default=True, help="Draw the speech's wave under it.")
+@click.option("--wave/--no-wave", default=True, help="Draw the waveform of the speech below.")
 @clear
 @whole
 @closeup
@@ -150,7 +151,7 @@ def strip(
     skeleton: bool,
     **options: Any,
 ) -> None:
-    """Write a strip: a row for each condition, a column for each key word."""
+    """Write a strip with a row per condition and a column per key word."""
     from studyapp.stimuli.figures.stills import write_strip
 
     choice, printed = _split(folder, "strip", output, options)
@@ -167,9 +168,9 @@ def strip(
     "motions",
     type=_MotionType(),
     multiple=True,
-    metavar="FILE[=CALLED]",
-    help="A motion file for the segment's speech, such as another seed, as often as wanted, and "
-    "what the figure calls it; without --condition, these alone.",
+    metavar="FILE[=LABEL]",
+    help="A motion file for the segment, such as another seed, and its label; can be repeated. "
+    "Without --condition, only these are shown.",
 )
 @moments(required=True)
 @inches(3.3)
@@ -180,10 +181,10 @@ def strip(
 def overlay(
     folder: StudyFolder, output: Path | None, motions: tuple[tuple[Path, str], ...], **options: Any
 ) -> None:
-    """Write several moments or variations over each other in one picture.
+    """Write a picture of several moments or variations on top of each other.
 
-    Several moments make a trail, older ones fainter; several conditions or motion files are
-    tinted, each in a colour of its own.
+    Several moments make a trail that fades with age; several conditions or motion files are tinted
+    in different colours.
     """
     from studyapp.stimuli.figures.stills import write_overlay
 
@@ -202,27 +203,27 @@ def overlay(
     type=click.FloatRange(0.1, 1),
     default=1.0,
     metavar="SPEED",
-    help="Slow motion without sound, such as 0.25 for quarter speed.",
+    help="Slow motion without sound, such as 0.25 for a quarter of the speed.",
 )
 @skeleton
 @click.option("--size", type=click.IntRange(64, 2160), help="Pixels along each side of a panel.")
 @closeup
 @output
 def grid(folder: StudyFolder, output: Path | None, **options: Any) -> None:
-    """Write a video of several conditions side by side, each with its name."""
-    from studyapp.stimuli.figures.grids import write_grid_of
+    """Write a video of several conditions side by side, with their names."""
+    from studyapp.stimuli.figures.grids import write_condition_grid
 
     slow = "" if options["speed"] == 1 else f"-slow{options['speed']:g}"
     path = output or folder.figures / f"grid-{options['segment']}{slow}.mp4"
     with progress("grid", "frame") as show:
-        write_grid_of(folder, **options, output=path, on_frame=show)
+        write_condition_grid(folder, **options, output=path, on_frame=show)
     click.echo(f"The video is {path}")
 
 
 def _split(
     folder: StudyFolder, kind: str, output: Path | None, options: dict[str, Any]
 ) -> tuple[Choice, Print]:
-    """Return what a figure shows and how it is printed."""
+    """Split the options of a figure into its content and its print."""
     from studyapp.stimuli.figures.stills import Choice, Print
 
     outputs = (

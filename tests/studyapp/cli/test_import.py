@@ -17,7 +17,7 @@ from tests.support.command_line import run
         ["--emotion", "boredom"],
     ],
 )
-def test_import_says_which_flags_belong_together(tmp_path: Path, flags: list[str]) -> None:
+def test_import_names_options_that_belong_together(tmp_path: Path, flags: list[str]) -> None:
     run("init", tmp_path / "s")
     (tmp_path / "take.wav").touch()
     (tmp_path / "take.bvh").touch()
@@ -41,21 +41,21 @@ def test_import_of_a_broken_file_names_it(tmp_path: Path) -> None:
     assert not (tmp_path / "s" / "speech").exists()
 
 
-def test_import_says_that_it_moved_hands_unless_told_to_leave_them(
+def test_import_reports_moved_hands_unless_they_are_left_as_recorded(
     tmp_path: Path, shared_data: Path
 ) -> None:
     motion, speech = (shared_data / f"2_scott_0_1_1.{ending}" for ending in ("bvh", "wav"))
-    said = []
+    reported = []
     for name, flags in (("moved", []), ("left", ["--as-recorded"])):
         run("init", tmp_path / name)
         result = run(
             "import", motion, "--speech", speech, "--fps", 15, "--condition", "recording",
             "--speaker", "scott", "--emotion", "neutral", *flags, tmp_path / name,
         )  # fmt: skip
-        said.append("hands were moved out" in result)
+        reported.append("hands were moved out" in result)
         copied = tmp_path / "2_scott_0_1_1.bvh"
         copied.write_bytes(motion.read_bytes())
         more = ("--fps", 15, "--condition", "again", *flags)
         again = run("import", copied, *more, tmp_path / name)
-        said.append("hands were moved out" in again)
-    assert said == [True, True, False, False]
+        reported.append("hands were moved out" in again)
+    assert reported == [True, True, False, False]

@@ -23,33 +23,39 @@ _FILE_OR_FOLDER = click.Path(exists=True, path_type=Path)
 @click.command("import")
 @click.argument("motion", nargs=-1, type=_FILE_OR_FOLDER)
 @click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
-@click.option("--condition", help="The condition this motion belongs to.")
+@click.option("--condition", help="The condition of the motion.")
 @click.option(
     "--from-video",
     "video",
     type=_FILE,
-    help="Make takes for training in FOLDER, from a video of somebody who talks.",
+    help="Make takes for training in FOLDER from a video of a speaker.",
 )
-@click.option("--speech", type=_FILE, help="The take's speech; its segments are new to the study.")
-@click.option("--fps", type=click.FloatRange(0, 1000, min_open=True), help="True frame rate.")
+@click.option(
+    "--speech", type=_FILE, help="The speech of a new take, which adds its segments to the study."
+)
+@click.option(
+    "--fps",
+    type=click.FloatRange(0, 1000, min_open=True),
+    help="Frame rate, overriding the files' own.",
+)
 @click.option(
     "--segment",
     "segment_seconds",
     type=click.FloatRange(0, 600, min_open=True),
-    help="Cut the take into segments of so many seconds.",
+    help="Cut the take into segments of this many seconds.",
 )
-@click.option("--speaker", help="Who speaks.")
+@click.option("--speaker", help="The speaker of the take.")
 @click.option("--emotion", type=click.Choice(EMOTIONS), help="The emotion of the take.")
 @joints_option
 @click.option(
     "--move",
     is_flag=True,
-    help="With a folder: remove each file once it is in the study; what is refused stays.",
+    help="With a folder: remove each file once it is imported; refused files stay.",
 )
 @click.option(
     "--as-recorded",
     is_flag=True,
-    help="Leave a BVH's hands where they are, even if they are inside this body.",
+    help="Leave the hands of a BVH where they are, even inside the body.",
 )
 def command(
     motion: tuple[Path, ...],
@@ -65,17 +71,17 @@ def command(
     move: bool,
     as_recorded: bool,
 ) -> None:
-    """Bring MOTION into the study FOLDER.
+    """Import MOTION into the study FOLDER.
 
-    With --speech, one motion file and its recording become new segments. Without it, each
-    motion file must be named after a segment that the study has. MOTION may also be a folder of
-    speech, motion and finished videos. With --from-video, FOLDER is not a study but a folder of
-    takes, which 'motionjury train' reads.
+    With --speech, a motion file and its speech become new segments. Without it, each motion file
+    must be named after an existing segment. MOTION can also be a folder of speech, motion and
+    finished videos. With --from-video, FOLDER is not a study but a folder of takes for 'motionjury
+    train'.
     """
     if video is not None:
         others = (condition, speech, fps, segment_seconds, emotion, joint_map)
         if motion or move or as_recorded or any(option is not None for option in others):
-            raise click.UsageError("--from-video goes with FOLDER and --speaker alone.")
+            raise click.UsageError("--from-video can only be combined with FOLDER and --speaker.")
         _import_video(video, folder, speaker)
         return
     facts = RecordingFacts(
@@ -89,7 +95,7 @@ def command(
     )
     if len(motion) == 1 and motion[0].is_dir():
         if speech is not None:
-            raise click.UsageError("The speech of a folder lies in it: leave --speech out.")
+            raise click.UsageError("The speech of a folder must be in the folder: omit --speech.")
         _import_folder(existing_study(folder), motion[0], facts, move=move)
         return
     if move or any(path.is_dir() for path in motion):
@@ -99,27 +105,29 @@ def command(
     study = existing_study(folder)
     if speech is None:
         if segment_seconds is not None or speaker is not None or emotion is not None:
-            raise click.UsageError("--segment, --speaker and --emotion describe --speech: give it.")
+            raise click.UsageError(
+                "--segment, --speaker and --emotion describe --speech: give it too."
+            )
         notes = import_clips(study, motion, condition, facts)
-        done = f"{counted(len(motion), 'clip')} of condition {condition!r}"
+        imported = f"{counted(len(motion), 'clip')} of condition {condition!r}"
     else:
         if len(motion) != 1 or speaker is None or emotion is None:
-            raise click.UsageError("--speech goes with one motion file, --speaker and --emotion.")
+            raise click.UsageError("--speech needs one motion file, --speaker and --emotion.")
         take = Take(**vars(facts), motion=motion[0], speech=speech)
         segments, notes = import_take(study, take)
-        done = f"{counted(len(segments), 'segment')} with condition {condition!r}"
+        imported = f"{counted(len(segments), 'segment')} with condition {condition!r}"
     for note in notes:
         click.echo(f"note: {note}")
-    click.echo(f"Imported {done} into {folder}.")
+    click.echo(f"Imported {imported} into {folder}.")
 
 
-def _import_folder(study: StudyFolder, brought: Path, facts: RecordingFacts, *, move: bool) -> None:
-    """Bring in one item after another; what is refused keeps nothing else out."""
-    items, refused = folder_items(study, brought, facts), 0
-    with progress("bringing in", "item") as told:
+def _import_folder(study: StudyFolder, source: Path, facts: RecordingFacts, *, move: bool) -> None:
+    """Import one item after another; a refused item does not stop the others."""
+    items, refused = folder_items(study, source, facts), 0
+    with progress("import", "item") as show:
         for number, item in enumerate(items, start=1):
             try:
-                notes = item.bring_in()
+                notes = item.store()
             except InputError as error:
                 refused += 1
                 click.echo(f"refused: {error}")
@@ -129,22 +137,21 @@ def _import_folder(study: StudyFolder, brought: Path, facts: RecordingFacts, *, 
                 if move:
                     for file in item.files:
                         file.unlink(missing_ok=True)
-            told(number, len(items), item.files[0].name)
-    click.echo(
-        f"Brought in {len(items) - refused} of {len(items)} into {study.root.resolve().name}."
-    )
+            show(number, len(items), item.files[0].name)
+    imported = len(items) - refused
+    click.echo(f"Imported {imported} of {len(items)} items into {study.root.resolve().name}.")
     if refused:
         raise InputError(
-            f"{refused} of {len(items)} could not be brought in, and stay where they are",
-            where=brought,
+            f"{refused} of {len(items)} items could not be imported, and stay where they are",
+            where=source,
             remedy="Correct or remove them, and run the command again",
         )
 
 
 def _import_video(video: Path, folder: Path, speaker: str | None) -> None:
-    with progress("looking for somebody", "frame") as told:
-        made = import_video(video, folder, speaker=speaker, told=told)
-    for note in made.notes:
+    with progress("detect", "frame") as show:
+        takes = import_video(video, folder, speaker=speaker, on_frame=show)
+    for note in takes.notes:
         click.echo(f"note: {note}")
-    takes = "1 take" if len(made.takes) == 1 else f"{len(made.takes)} takes"
-    click.echo(f"{takes} of {made.seconds:.1f} s in {folder}. Next: 'motionjury train'.")
+    count = counted(len(takes.takes), "take")
+    click.echo(f"{count} of {takes.seconds:.1f} s in {folder}. Next: 'motionjury train'.")

@@ -1,7 +1,11 @@
+"""`motionjury render` and `motionjury preview`."""
+
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
+from typing import Any
 
 import av
 import numpy as np
@@ -11,14 +15,48 @@ from bs4 import BeautifulSoup
 
 from motion.audio import read_audio
 from motion.formats import read_motion
+from studyapp.stimuli import rendering
+from studyapp.stimuli.render_record import RenderCount
 from tests.motion.formats.bvh_text import bvh_text, columns_of, save_bvh_text, smplx_skeleton
 from tests.support.command_line import refused, run
 from tests.support.studies.takes import write_motion, write_speech
 
 
 @pytest.fixture
+def requests(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Return the arguments of a rendering, which pretends that one clip failed."""
+    arguments: dict[str, Any] = {}
+
+    def render(folder: object, **given: Any) -> RenderCount:
+        arguments.update(given)
+        return RenderCount(made=3, kept=2, failures=("a.mp4: torn",), left_out=2, notes=("soft",))
+
+    monkeypatch.setattr(rendering, "render", render)
+    return arguments
+
+
+@pytest.mark.parametrize(("available", "used"), [(3, 3), (384, 256)])
+def test_by_default_all_processors_are_used_up_to_a_limit_and_failures_are_printed(
+    tiny_study: Path,
+    requests: dict[str, Any],
+    monkeypatch: pytest.MonkeyPatch,
+    available: int,
+    used: int,
+) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(available)), raising=False)
+    output = run("render", tiny_study, status=1)
+
+    assert requests["processes"] == used
+    assert "soft" in output
+    assert "failed: a.mp4: torn" in output
+    assert "skipped 2 videos made from these clips" in output
+    assert "Rendered 3 videos, kept 2 up-to-date ones." in output
+    assert "3 videos could not be made" in output
+
+
+@pytest.fixture
 def unknown_skeleton(tmp_path: Path) -> Path:
-    """Return a BVH whose joints have names that nobody knows."""
+    """Return a BVH with unknown names of joints."""
     skeleton = [
         ("x" + name, None if parent is None else "x" + parent, offset)
         for name, parent, offset in smplx_skeleton()
@@ -32,9 +70,9 @@ def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
 ) -> None:
     out = ("--as", "video", "--size", 64, "--out", tmp_path / "out")
     arguments = ("preview", unknown_skeleton, *out)
-    said = refused(*arguments)
-    assert "skeleton is unknown" in said
-    assert "--joints FILE" in said
+    error = refused(*arguments)
+    assert "skeleton is unknown" in error
+    assert "--joints FILE" in error
     joints = tmp_path / "joints.toml"
     joints.write_text("".join(f'{name} = "x{name}"\n' for name, *_ in smplx_skeleton()))
     run(*arguments, "--joints", joints)
@@ -42,7 +80,7 @@ def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
         assert {stream.type for stream in video.streams} == {"video", "audio"}
 
 
-def test_a_motion_is_shown_with_as_much_speech_as_there_is(tmp_path: Path) -> None:
+def test_a_motion_is_cut_to_its_speech(tmp_path: Path) -> None:
     motion = write_motion(tmp_path / "a.npz", 1.0)
     speech = write_speech(tmp_path / "a.wav", 0.5)
     given = ("--speech", speech, "--as", "video", "--size", 64)
@@ -54,18 +92,17 @@ def test_a_motion_is_shown_with_as_much_speech_as_there_is(tmp_path: Path) -> No
 def test_motions_stand_side_by_side_on_one_page_six_in_a_row(tmp_path: Path) -> None:
     motions = [write_motion(tmp_path / f"take-{k}.npz", 0.2 + k / 10) for k in range(7)]
     speech = write_speech(tmp_path / "a.wav", 0.5)
-    said = run("preview", *motions, "--speech", speech, "--out", tmp_path / "out")
-    assert f"{tmp_path / 'out' / 'motions.html'}, " in said
+    output = run("preview", *motions, "--speech", speech, "--out", tmp_path / "out")
+    assert f"{tmp_path / 'out' / 'motions.html'}, " in output
     page = BeautifulSoup((tmp_path / "out" / "motions.html").read_text(), "html.parser")
     scenes = [json.loads(str(figure["data-scene"])) for figure in page.find_all("figure")]
     assert [len(scene["clips"]) for scene in scenes] == [6, 1]
-    wanted = {clip["source"] for scene in scenes for clip in scene["clips"]}
-    wanted |= {scene[key] for scene in scenes for key in ("avatar", "speech")}
-    held = {f"#{script['id']}" for script in page.find_all("script", id=True)}
-    assert wanted == held
+    sources = {clip["source"] for scene in scenes for clip in scene["clips"]}
+    sources |= {scene[key] for scene in scenes for key in ("avatar", "speech")}
+    assert sources == {f"#{script['id']}" for script in page.find_all("script", id=True)}
 
 
-def test_a_motion_is_taken_along_as_glb_and_bvh_with_its_speech(tmp_path: Path) -> None:
+def test_a_motion_is_converted_to_glb_and_bvh_with_its_speech(tmp_path: Path) -> None:
     motion = write_motion(tmp_path / "a.npz", 1.0)
     speech = write_speech(tmp_path / "a.wav", 0.5)
     given = ("--speech", speech, "--as", "glb", "--as", "bvh")
@@ -78,17 +115,17 @@ def test_a_motion_is_taken_along_as_glb_and_bvh_with_its_speech(tmp_path: Path) 
     assert read_motion(tmp_path / "out" / "a.bvh").duration == pytest.approx(0.5)
 
 
-def test_files_of_one_name_are_kept_apart_by_their_folders(tmp_path: Path) -> None:
+def test_files_of_the_same_name_are_distinguished_by_their_folders(tmp_path: Path) -> None:
     motions = [write_motion(tmp_path / name / "a.npz", 0.2) for name in ("ours", "theirs")]
     run("preview", *motions, "--as", "bvh", "--out", tmp_path / "out")
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written == {"ours-a.bvh", "theirs-a.bvh"}
 
 
-def test_a_motion_is_never_replaced_by_what_is_made_of_it(tmp_path: Path) -> None:
+def test_a_motion_is_never_overwritten_by_its_conversion(tmp_path: Path) -> None:
     motion = write_motion(tmp_path / "a.npz", 0.2)
     arguments = ("preview", "--as", "bvh", "--out", tmp_path)
     run(*arguments, motion)
     before = (tmp_path / "a.bvh").read_bytes()
-    assert "Name another folder with --out" in refused(*arguments, tmp_path / "a.bvh")
+    assert "Choose another folder (--out)" in refused(*arguments, tmp_path / "a.bvh")
     assert (tmp_path / "a.bvh").read_bytes() == before

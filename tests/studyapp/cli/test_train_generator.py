@@ -36,11 +36,11 @@ def test_a_generator_that_does_not_learn_cannot_be_trained() -> None:
         find_trainable("static")
 
 
-def test_a_file_that_no_run_would_go_on_with_is_not_written_over(tmp_path: Path) -> None:
+def test_a_file_without_its_run_is_not_overwritten(tmp_path: Path) -> None:
     out = tmp_path / "precious.safetensors"
     out.write_bytes(b"mine")
     shown = run("train", "diffsheg", "--data", tmp_path, "--out", out, status=1)
-    assert "there is a file already" in shown
+    assert "this file exists, but not the run" in shown
     assert out.read_bytes() == b"mine"
 
 
@@ -59,7 +59,7 @@ def test_a_corpus_becomes_a_network_and_the_network_moves_as_one_of_its_speakers
     assert "1 take skipped." in trained
     assert "by 2 speakers" in trained
     assert "untrained" in trained
-    assert f"Wrote {out}" in trained
+    assert f"Wrote {out}." in trained
     more = run(*given, "--steps", 4)
     assert " of 4, where noise and reconstruction of held-out" in more
     other = run(*given, "--steps", 5, "--ablation", "reverse", status=1)

@@ -1,0 +1,249 @@
+"""`motionjury generate`, with an option for each setting of a generator, and `corpus`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final, Literal, get_args, get_origin
+
+import click
+
+from generators.registry import Device, generator_names, settings_type
+from generators.settings import File, Folder, Setting, settings_of
+from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
+from motion.errors import InputError
+from motion.segment import EMOTIONS
+from studyapp.cli.arguments import optional_study_folder
+from studyapp.cli.arguments import processes as processes_option
+from studyapp.cli.output import counted, progress
+from studyapp.study.condition_options import make_condition
+from studyapp.study.folder import StudyFolder
+
+_TYPES: Final = {
+    File: click.Path(dir_okay=False, path_type=Path),
+    Folder: click.Path(file_okay=False, path_type=Path),
+    int: click.INT,
+    float: click.FLOAT,
+    bool: click.BOOL,
+}
+
+
+class SettingsCommand(click.Command):
+    """A command with an option for each setting of any generator, unless it has that itself."""
+
+    def get_params(self, ctx: click.Context) -> list[click.Parameter]:
+        """Return the command's own options, those of generators, and --help."""
+        *params, help_option = super().get_params(ctx)
+        names = {param.name for param in params}
+        settings = [option for option in _setting_options() if option.name not in names]
+        return [*params, *settings, help_option]
+
+
+def _setting_options() -> Iterator[click.Option]:
+    """Yield an option for each setting; generators may share one."""
+    by_name: dict[str, dict[str, Setting]] = {}
+    for generator in generator_names():
+        for setting in settings_of(settings_type(generator)):
+            by_name.setdefault(setting.key, {})[generator] = setting
+    for name, settings in by_name.items():
+        types = {setting.type for setting in settings.values()}
+        descriptions = {generator: setting.description for generator, setting in settings.items()}
+        same = len(set(descriptions.values())) == 1
+        yield click.Option(
+            [f"--{name.replace('_', '-')}"],
+            type=_param_type(types.pop()) if len(types) == 1 else click.STRING,
+            help=" ".join(
+                dict.fromkeys(
+                    description if same else f"For {generator}: {description}"
+                    for generator, description in descriptions.items()
+                )
+            ),
+        )
+
+
+def _param_type(annotation: Any) -> click.ParamType[Any]:
+    if get_origin(annotation) is Literal:
+        return click.Choice(get_args(annotation))
+    return _TYPES.get(annotation, click.STRING)
+
+
+_file = click.Path(exists=True, dir_okay=False, path_type=Path)
+_folder = click.Path(file_okay=False, path_type=Path)
+
+
+@click.command("generate", cls=SettingsCommand)
+@optional_study_folder
+@click.option("--generator", metavar=f"[{'|'.join(generator_names())}]", help="The generator.")
+@click.option("--speech", type=_file, multiple=True, help="A recording; can be repeated.")
+@click.option("--out", type=_folder, help="The folder for the clips of --speech.")
+@click.option(
+    "--emotion",
+    metavar=f"[{'|'.join(EMOTIONS)}]",
+    help="The emotion of the speech, by default neutral. For amuse, also a recording that has it.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=1,
+    show_default=True,
+    help="Seed of the random numbers.",
+)
+@click.option(
+    "--fps",
+    type=click.FloatRange(MIN_FRAME_RATE, MAX_FRAME_RATE),
+    default=30.0,
+    show_default=True,
+    help="Frame rate of the clips of --speech.",
+)
+@click.option(
+    "--device",
+    type=click.Choice(get_args(Device)),
+    default="cpu",
+    show_default=True,
+    help="Where networks run.",
+)
+def command(
+    folder: StudyFolder | None,
+    generator: str | None,
+    speech: tuple[Path, ...],
+    out: Path | None,
+    emotion: str | None,
+    seed: int,
+    fps: float,
+    device: str,
+    **settings: Any,
+) -> None:
+    """Generate the motion of all generated conditions of the study FOLDER.
+
+    With --generator, --speech and --out, generate motion for recordings without a study.
+    """
+    # Imported here: generators take a second to load, which --help should not wait for.
+    from studyapp.stimuli.generation import generate, generate_files
+
+    if folder is not None:
+        if generator or speech or out or any(value is not None for value in settings.values()):
+            raise InputError(
+                "the generators of a study are set in its study.toml",
+                where=folder.definition,
+                remedy="Set generator, checkpoint and the like there, or omit the folder",
+            )
+        with progress("generate", "clip") as show:
+            count = generate(folder, device=device, on_clip=show)
+    else:
+        if generator is None or not speech or out is None:
+            raise InputError(
+                "give a study folder, or all of --generator, --speech and --out",
+                remedy="Add what is missing",
+            )
+        if "emotion" in settings_type(generator).model_fields:
+            settings["emotion"] = emotion
+        elif emotion not in (None, *EMOTIONS):
+            raise InputError(
+                f"unknown emotion {emotion!r}", remedy=f"Use one of {', '.join(EMOTIONS)}"
+            )
+        condition = make_condition(generator, settings)
+        with progress("generate", "clip") as show:
+            count = generate_files(
+                speech,
+                out,
+                generator=generator,
+                settings=condition.settings.resolved_in(Path()),
+                device=device,
+                seed=seed,
+                frame_rate=fps,
+                emotion=emotion if emotion in EMOTIONS else "neutral",
+                on_clip=show,
+            )
+    for remark in count.remarks:
+        click.echo(remark, err=True)
+    click.echo(f"Generated {counted(count.made, 'clip')}, kept {count.kept} up-to-date ones.")
+
+
+@click.command("corpus")
+@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
+@click.option(
+    "--speakers",
+    type=click.IntRange(1),
+    default=8,
+    show_default=True,
+    help="Number of speakers, held-out ones included.",
+)
+@click.option(
+    "--sentences",
+    type=click.IntRange(8),
+    default=16,
+    show_default=True,
+    help="Passages of each speaker, a multiple of eight: the same number in each emotion.",
+)
+@click.option(
+    "--takes",
+    type=click.IntRange(1),
+    default=2,
+    show_default=True,
+    help="Takes of each passage.",
+)
+@click.option(
+    "--held-out-speakers",
+    type=click.IntRange(0),
+    default=2,
+    show_default=True,
+    help="Speakers, the last ones, that are kept out of training.",
+)
+@click.option(
+    "--shared-passages",
+    is_flag=True,
+    help="Let all speakers speak the same passages, as a speech model such as AMUSE's needs.",
+)
+@click.option(
+    "--fps",
+    type=click.FloatRange(MIN_FRAME_RATE, MAX_FRAME_RATE),
+    default=30.0,
+    show_default=True,
+    help="Frames per second of the body; the face has 60, as in BEAT.",
+)
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True)
+@processes_option
+def corpus_command(
+    folder: Path,
+    speakers: int,
+    sentences: int,
+    takes: int,
+    held_out_speakers: int,
+    shared_passages: bool,
+    fps: float,
+    seed: int,
+    processes: int,
+) -> None:
+    """Make a synthetic corpus of speech and motion in FOLDER, laid out as BEAT.
+
+    espeak-ng speaks passages in eight emotions; the motion follows speech, emotion and speaker by
+    a process that docs/corpus.md states. Use it to train and evaluate networks without recordings;
+    it says nothing about people.
+
+    Run the same command again to continue an interrupted run. The same options give the same
+    bytes.
+    """
+    # Imported here: signal processing takes a second to load, which --help should not wait for.
+    from training.corpus.making import make_corpus
+    from training.corpus.request import CorpusRequest
+
+    request = CorpusRequest(
+        speakers=speakers,
+        sentences=sentences,
+        takes=takes,
+        held_out_speakers=held_out_speakers,
+        shared_passages=shared_passages,
+        frame_rate=fps,
+        seed=seed,
+    )
+    with progress("corpus", "take") as show:
+        corpus = make_corpus(folder, request, processes=processes, show=show)
+    kept = len(corpus.takes) - corpus.new_takes
+    click.echo(
+        f"Made {counted(corpus.new_takes, 'take')} in {folder}" + (f"; kept {kept}" if kept else "")
+    )
+    counts = {
+        split: sum(take.split == split for take in corpus.takes)
+        for split in ("train", "validation", "test")
+    }
+    click.echo(", ".join(f"{count} for {split}" for split, count in counts.items()))

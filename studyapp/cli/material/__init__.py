@@ -1,1 +1,0 @@
-"""The subcommands that make speech, motion and videos, and that train networks."""

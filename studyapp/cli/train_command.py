@@ -1,0 +1,384 @@
+"""`motionjury train`, for feature networks and for every generator that learns."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, cast, get_args
+
+import click
+
+from generators.registry import (
+    Device,
+    Trainable,
+    TrainingChoice,
+    TrainingRequest,
+    find_trainable,
+    run_folder,
+    trainable_names,
+)
+from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
+from motion.errors import InputError
+from studyapp.cli.output import echo_skipped, progress
+from studyapp.study.settings.study import GROUND_TRUTH
+from training.data.take import KINDS
+from training.run.launching import is_leader
+
+if TYPE_CHECKING:
+    from analysis.evaluators.clip_views import Channels
+    from analysis.evaluators.design import Kind, Size
+    from analysis.evaluators.training import TrainedEvaluator
+
+
+class _Networks(click.Group):
+    """The evaluator, and every generator that learns, which is looked up when asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return [*super().list_commands(ctx), *trainable_names()]
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name in trainable_names():
+            return generator_command(cmd_name)
+        return super().get_command(ctx, cmd_name)
+
+
+@click.group("train", cls=_Networks)
+def command() -> None:
+    """Train networks on your own recordings."""
+
+
+@command.command("evaluator")
+@click.argument("kind", type=click.Choice(["emotion", "motion", "face"]))
+@click.option(
+    "--data",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="A study folder, or a folder of motion files; for the kind emotion, with a segments.csv "
+    "that has the columns name and emotion.",
+)
+@click.option(
+    "--condition",
+    default=GROUND_TRUTH,
+    show_default=True,
+    help="With a study: the condition with recorded motion.",
+)
+@click.option(
+    "--channels",
+    type=click.Choice(["gesture", "expression", "both"]),
+    help="For the kind motion: its input (for FGD, FED or FMD).  [default: gesture]",
+)
+@click.option(
+    "--config",
+    "size",
+    type=click.Choice(["full", "tiny"]),
+    default="full",
+    show_default=True,
+    help="The papers' sizes, which need a GPU and hours of recordings, or small ones that a CPU "
+    "trains in minutes.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="The network's file. By default KIND.safetensors in the study's folder evaluators, where "
+    "'motionjury metrics' finds it, or in the working directory.",
+)
+@click.option("--steps", type=click.IntRange(1), help="Number of updates.")
+@click.option("--batch-size", type=click.IntRange(2), help="Windows per update.")
+@click.option("--learning-rate", type=click.FloatRange(0, 1, min_open=True))
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", show_default=True)
+@click.option(
+    "--fps",
+    type=click.FloatRange(MIN_FRAME_RATE, MAX_FRAME_RATE),
+    help="With a folder: frame rate of all motion files, overriding their own.",
+)
+@click.option(
+    "--body",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="With a folder: the SMPL-X body (.npz) whose expression coefficients the clips have.",
+)
+def evaluator(
+    kind: str,
+    data: Path,
+    condition: str,
+    channels: str | None,
+    size: str,
+    out: Path | None,
+    steps: int | None,
+    batch_size: int | None,
+    learning_rate: float | None,
+    seed: int,
+    device: str,
+    fps: float | None,
+    body: Path | None,
+) -> None:
+    """Train a feature network for automatic metrics on recorded motion.
+
+    KIND is emotion (AMUSE's evaluator: FGD and gesture emotion accuracy), motion (an autoencoder
+    as in BEAT and DiffSHEG: FGD, FED, FMD) or face (an autoencoder of face landmarks as in
+    Speech2UnifiedExpressions: FLD). Run the same command again to continue an interrupted run.
+    """
+    # Imported here: torch takes seconds to load, which --help should not wait for.
+    from analysis.evaluators.design import CHANNELS_OF_KIND, TRAINING, EvaluatorRequest
+    from analysis.evaluators.training import train_evaluator
+    from motion.body.face_landmarks import FaceLandmarks
+    from studyapp.stimuli.training_recordings import recordings_of
+    from training.run.records import RunFolder
+
+    if channels is not None and kind != "motion":
+        raise InputError(
+            f"--channels is for the kind motion, not {kind}",
+            remedy=f"Omit it: the input of a network of kind {kind} is that of its paper",
+        )
+    defaults = TRAINING[cast("Kind", kind), cast("Size", size)]
+    training = replace(
+        defaults,
+        steps=steps or defaults.steps,
+        batch_size=batch_size or defaults.batch_size,
+        learning_rate=learning_rate or defaults.learning_rate,
+        seed=seed,
+    )
+    recordings = recordings_of(data, condition=condition, file_rate=fps, body=body)
+    request = EvaluatorRequest(
+        kind=cast("Kind", kind),
+        size=cast("Size", size),
+        channels=cast("Channels", channels or CHANNELS_OF_KIND[cast("Kind", kind)][0]),
+        training=training,
+        frozen=recordings.frozen,
+        landmarks=FaceLandmarks.of(recordings.read_body()) if kind == "face" else None,
+        device=device,
+    )
+    name = f"{kind}-{channels}" if channels else kind
+    target = out or recordings.networks / f"{name}.safetensors"
+    folder = RunFolder(run_folder(target))
+    with (
+        training_run(target),
+        progress("read", "clip") as show_reading,
+        progress("train", "step") as show_training,
+    ):
+        trained = train_evaluator(
+            request,
+            recordings.sources,
+            target,
+            folder,
+            show_reading=show_reading,
+            show_training=show_training,
+        )
+    if is_leader():
+        _print_result(trained, target)
+
+
+def _print_result(trained: TrainedEvaluator, target: Path) -> None:
+    facts = trained.facts
+    echo_skipped(trained.skipped, "clip")
+    click.echo(
+        f"Learned from {facts.data.windows} windows of {facts.data.clips} clips; held out "
+        f"{facts.data.held_out} ({facts.data.held_out_windows} windows)."
+    )
+    held_out = facts.held_out
+    if facts.kind == "emotion":
+        click.echo(
+            f"Accuracy on held-out data with {len(facts.labels)} emotions: "
+            f"{held_out['accuracy']:.3f}; of always choosing the most frequent: "
+            f"{held_out['largest_share']:.3f}."
+        )
+        learned = held_out["accuracy"] > held_out["largest_share"]
+    else:
+        click.echo(
+            f"Reconstruction error on held-out data: {held_out['error']:.3f} standard deviations; "
+            f"of the mean pose: {held_out['error_of_mean']:.3f}."
+        )
+        learned = held_out["error"] < held_out["error_of_mean"]
+    if not learned:
+        click.echo(
+            "The network is no better than that baseline on held-out recordings, so its scores "
+            "mean little: use more recordings or more steps.",
+            err=True,
+        )
+    click.echo(f"Wrote {target}, with the weights of step {facts.training.best_step}")
+
+
+@contextmanager
+def training_run(out: Path) -> Iterator[None]:
+    """Guard a training that writes `out`; an interruption says where it was saved.
+
+    Raises
+    ------
+    InputError
+        If `out` exists without the run that made it.
+    """
+    # Imported here: torch takes seconds to load, which --help should not wait for.
+    from training.run.loop import TrainingStopped
+
+    run = run_folder(out)
+    if out.exists() and not (run / "checkpoint.safetensors").exists():
+        raise InputError(
+            "this file exists, but not the run that made it",
+            where=out,
+            remedy="Choose another --out, or move the file away",
+        )
+    try:
+        yield
+    except TrainingStopped as stop:
+        if is_leader():
+            steps = f"step {stop.step} of {stop.steps}"
+            click.echo(f"\nStopped after {steps}; saved in {run}", err=True)
+        raise
+
+
+_CONFIG_OPTIONS: Final = ("steps", "batch_size", "learning_rate", "precision", "accumulate")
+"""Options that override a field of the training's config."""
+
+_folder = click.Path(file_okay=False, path_type=Path)
+_file = click.Path(dir_okay=False, path_type=Path)
+
+
+def generator_command(name: str) -> click.Command:
+    """Return the command that trains generator `name`."""
+    trainable = find_trainable(name)
+    configs = "; ".join(f"{config}: {words}" for config, words in trainable.configs.items())
+    explanation = " ".join(trainable.explanation.split())
+    options: list[click.Parameter] = [
+        click.Option(
+            ["--data"],
+            required=True,
+            type=_folder,
+            help="Recordings laid out as BEAT, BEAT2, SHOW or by 'motionjury corpus'.",
+        ),
+        click.Option(
+            ["--kind"],
+            type=click.Choice(KINDS),
+            help="Layout of --data, if it cannot be recognised.",
+        ),
+        click.Option(
+            ["--split"], type=_file, help="A list of the split that each take belongs to."
+        ),
+        click.Option(
+            ["--config"],
+            type=click.Choice(list(trainable.configs)),
+            default=next(iter(trainable.configs)),
+            show_default=True,
+            help=f"{configs}.",
+        ),
+        click.Option(
+            ["--out"],
+            type=_file,
+            default=Path(f"{name}.safetensors"),
+            show_default=True,
+            help="The network's file; the training run is stored beside it.",
+        ),
+        click.Option(
+            ["--cache"],
+            type=_folder,
+            help="Folder for the recordings' features; by default features, beside --out.",
+        ),
+        *(
+            click.Option(
+                [f"--{choice.name.replace('_', '-')}"],
+                type=_type_of(choice),
+                help=choice.help,
+            )
+            for choice in trainable.choices
+        ),
+        click.Option(["--steps"], type=click.IntRange(1), help="Number of updates."),
+        click.Option(["--batch-size"], type=click.IntRange(1), help="Windows per update."),
+        click.Option(["--learning-rate"], type=click.FloatRange(0, 1, min_open=True)),
+        click.Option(
+            ["--accumulate"],
+            type=click.IntRange(1),
+            help="Split each update into this many parts, to save memory.",
+        ),
+        click.Option(
+            ["--precision"],
+            type=click.Choice(["float32", "bfloat16", "float16"]),
+            help="Precision of the layers that need less than float32.",
+        ),
+        click.Option(["--seed"], type=click.IntRange(0), default=0, show_default=True),
+        click.Option(
+            ["--device"],
+            type=click.Choice(get_args(Device)),
+            default="cpu",
+            show_default=True,
+        ),
+        click.Option(
+            ["--processes"],
+            type=click.IntRange(1),
+            default=1,
+            show_default=True,
+            help="Processes that train together on this machine, one per GPU.",
+        ),
+    ]
+    return click.Command(
+        name,
+        params=options,
+        callback=partial(_train_generator, name, trainable),
+        short_help=trainable.summary,
+        help=f"{trainable.summary}\n\n{explanation}\n\n"
+        "Run the same command again to continue an interrupted run.",
+    )
+
+
+def _type_of(choice: TrainingChoice) -> click.ParamType[Any]:
+    if choice.values:
+        return click.Choice(choice.values)
+    return _file if choice.file else _folder
+
+
+def _train_generator(
+    name: str,
+    trainable: Trainable,
+    *,
+    data: Path,
+    kind: str | None,
+    split: Path | None,
+    config: str,
+    out: Path,
+    cache: Path | None,
+    seed: int,
+    device: Device,
+    processes: int,
+    **options: Any,
+) -> None:
+    # Imported here: torch takes seconds to load, which --help should not wait for.
+    from training.data.folders import read_takes
+    from training.run.launching import group_size, run_in_processes
+
+    if processes > 1 and group_size() == 1:
+        sys.exit(run_in_processes(processes, [sys.executable, *sys.orig_argv[1:]]))
+    given = {key: value for key, value in options.items() if value is not None}
+    with training_run(out):
+        takes = read_takes(data, kind=kind, split_list=split)
+        if is_leader():
+            for note in takes.notes:
+                click.echo(note)
+        with progress("prepare", "take") as take, progress("train", "step") as step:
+            request = TrainingRequest(
+                takes=takes,
+                out=out,
+                cache=cache or out.parent / "features",
+                config=config,
+                changes={
+                    "seed": seed,
+                    **{key: given[key] for key in _CONFIG_OPTIONS if key in given},
+                },
+                choices={
+                    choice.name: str(given[choice.name])
+                    for choice in trainable.choices
+                    if choice.name in given
+                },
+                device=device,
+                show_preparing=take,
+                show_training=step,
+            )
+            trained = trainable.load()(request)
+    if is_leader():
+        echo_skipped(trained.skipped, "take")
+        for sentence in trained.sentences:
+            click.echo(sentence)
+        for warning in trained.warnings:
+            click.echo(warning, err=True)
+        click.echo(f"Wrote {out}. Use it with '{trainable.taken_by.format(out=out)}'.")
