@@ -9,7 +9,7 @@ import click
 
 from studyapp.cli.arguments import processes, study_folder
 from studyapp.cli.output import progress
-from studyapp.rehearsal.run import SPEED, rehearse
+from studyapp.rehearsal import SPEED
 from studyapp.study.folder import StudyFolder
 
 
@@ -117,6 +117,7 @@ def rehearse_command(
     from studyapp.rehearsal.recovered import recover
     from studyapp.rehearsal.recovery_page import write_recovery
     from studyapp.rehearsal.recovery_words import recovery_lines
+    from studyapp.rehearsal.run import rehearse
 
     with progress("rehearse", "participant") as show:
         result = rehearse(

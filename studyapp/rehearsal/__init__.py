@@ -1,1 +1,6 @@
 """Rehearsing a study: simulated participants with a known taste walk its real pages."""
+
+from typing import Final
+
+SPEED: Final = 100.0
+"""Speed of a rehearsal's clock, relative to real time."""

@@ -1,4 +1,4 @@
-"""Simulated participants as they and as the database know them, and whether the two agree."""
+"""What simulated participants experienced, compared with what the database stored."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ AnswerPlace = tuple[str, str, int]
 
 @dataclass(frozen=True, kw_only=True)
 class Acknowledged:
-    """All that participants were told is stored.
+    """Everything that was acknowledged to participants.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Acknowledged:
     codes : dict of str to str
         The completion code of each participant who has one.
     left, returned : Counter of str
-        How often each participant left to come back, and came back.
+        How often each participant left temporarily, and came back.
     """
 
     answers: dict[AnswerPlace, int] = field(default_factory=dict)
@@ -47,71 +47,71 @@ class Acknowledged:
 
     @property
     def away(self) -> frozenset[str]:
-        """Who has left to come back, and may have come back since."""
+        """Participants who have left temporarily, and may have come back."""
         return frozenset(self.left)
 
 
 @dataclass(frozen=True)
 class Ledger:
-    """A file with a line for each thing that a participant was told, as soon as it was told.
+    """A file with a line for each acknowledgement, written as soon as it was received.
 
-    It outlives a rehearsal that is stopped anywhere; of what the server did, it holds nothing that
-    no participant was told.
+    It survives a rehearsal that is stopped at any time, and contains only what participants were
+    told.
     """
 
     path: Path
     lock: Lock = field(default_factory=Lock, repr=False)
 
     def answered(self, name: str, trial: str, values: Answers) -> None:
-        """Note that the answers to the trial with the token `trial` were taken."""
-        said = [[question, stimulus or 0, v] for (question, stimulus), v in values.items()]
-        self._add({"participant": name, "trial": trial, "answers": said})
+        """Record that the answers to the trial with the token `trial` were accepted."""
+        answers = [[question, stimulus or 0, v] for (question, stimulus), v in values.items()]
+        self._add({"participant": name, "trial": trial, "answers": answers})
 
     def completed(self, name: str, code: str) -> None:
-        """Note that a participant was shown the completion code."""
+        """Record that a participant was shown the completion code."""
         self._add({"participant": name, "code": code})
 
     def left(self, name: str) -> None:
-        """Note that a participant left to come back."""
+        """Record that a participant left temporarily."""
         self._add({"participant": name, "left": True})
 
     def returned(self, name: str) -> None:
-        """Note that a participant came back."""
+        """Record that a participant came back."""
         self._add({"participant": name, "returned": True})
 
     def read(self) -> Acknowledged:
-        """Return all that was noted."""
-        found = Acknowledged()
+        """Return everything that was recorded."""
+        acknowledged = Acknowledged()
         for line in self._lines():
             name = line["participant"]
             for question, stimulus, value in line.get("answers", ()):
-                found.answers[line["trial"], question, stimulus] = value
+                acknowledged.answers[line["trial"], question, stimulus] = value
             if "code" in line:
-                found.codes[name] = line["code"]
-            found.left.update([name] * ("left" in line))
-            found.returned.update([name] * ("returned" in line))
-        return found
+                acknowledged.codes[name] = line["code"]
+            acknowledged.left.update([name] * ("left" in line))
+            acknowledged.returned.update([name] * ("returned" in line))
+        return acknowledged
 
     def remove(self) -> None:
-        """Forget everything."""
+        """Remove the file."""
         self.path.unlink(missing_ok=True)
 
     def _add(self, line: dict[str, Any]) -> None:
         with self.lock:
             self.path.parent.mkdir(exist_ok=True)
             with self.path.open("a+b") as file:
-                # What a run that was killed has left unfinished stays a line of its own.
-                if file.tell() and not self._ends_whole():
+                # An unfinished line of a killed run stays a line of its own.
+                if file.tell() and not self._ends_with_newline():
                     file.write(b"\n")
                 file.write(json.dumps(line).encode() + b"\n")
 
-    def _ends_whole(self) -> bool:
+    def _ends_with_newline(self) -> bool:
         with self.path.open("rb") as file:
             file.seek(-1, 2)
             return file.read(1) == b"\n"
 
     def _lines(self) -> Iterator[dict[str, Any]]:
-        """Yield all lines but those that were never finished."""
+        """Yield all complete lines."""
         if not self.path.exists():
             return
         for text in self.path.read_text("utf-8", errors="replace").splitlines():
@@ -125,22 +125,22 @@ class Ledger:
 
 @dataclass(frozen=True, kw_only=True)
 class Person:
-    """One simulated participant.
+    """A simulated participant.
 
     Attributes
     ----------
     study_session : str
-        Its number, by which answers are told apart.
+        The number of its study session.
     name : str
-        What its recruiter calls it.
+        Its id at the recruiter.
     rater : Rater
-        Who answers.
+        The rater that answers.
     completed, has_place : bool
-        Whether it has its completion code, and holds a place.
+        Whether it has a completion code, and a place.
     code : str
-        That code, as stored; empty before.
+        The stored completion code; may be empty.
     trials, settled : int
-        How many trials it has, and is done with.
+        The number of its trials, and of the finished ones.
     """
 
     study_session: str
@@ -154,50 +154,50 @@ class Person:
 
     @property
     def has_left(self) -> bool:
-        """Whether it has left for good: it does so once it sees a certain trial."""
+        """Whether it has dropped out, which happens at a certain trial."""
         conduct = Conduct(rater=self.rater, trials=self.trials, coverage=0.0)
         leaves_at = None if conduct.returns else conduct.leaves_at
         return not self.completed and leaves_at is not None and self.settled >= leaves_at - 1
 
 
 def people(session: Session, truth: Truth) -> tuple[Person, ...]:
-    """Return all who began, in the order of their arrival."""
-    begun = session.scalars(
+    """Return all participants in the order of their arrival."""
+    study_sessions = session.scalars(
         select(StudySession)
         .order_by(StudySession.id)
         .options(selectinload(StudySession.place), selectinload(StudySession.trials))
     )
     return tuple(
         Person(
-            study_session=str(each.id),
-            name=each.recruiter_participant or "",
+            study_session=str(row.id),
+            name=row.recruiter_participant or "",
             rater=Rater(
-                population=truth.population, seed=truth.seed, name=rater_name(session, each)
+                population=truth.population, seed=truth.seed, name=rater_name(session, row)
             ),
-            completed=each.completed_at is not None,
-            has_place=each.place is not None,
-            code=each.completion_code or "",
-            trials=max(1, len(each.trials)),
-            settled=sum(trial.settled for trial in each.trials),
+            completed=row.completed_at is not None,
+            has_place=row.place is not None,
+            code=row.completion_code or "",
+            trials=max(1, len(row.trials)),
+            settled=sum(trial.settled for trial in row.trials),
         )
-        for each in begun
+        for row in study_sessions
     )
 
 
 @dataclass(frozen=True)
 class Check:
-    """One thing that was counted.
+    """A count by the participants, compared with the study's.
 
     Attributes
     ----------
     what : str
-        In words that follow a number.
+        What is counted, in words that follow a number.
     happened, counted : int
-        As the simulated participants know it, and as the study says.
+        The count by the simulated participants, and by the study.
     remark : str
-        What a difference would mean, or where it can come from; empty where it says itself.
+        The meaning or the cause of a difference; may be empty.
     allowed : bool
-        Whether a difference is not a fault.
+        Whether a difference is acceptable.
     """
 
     what: str
@@ -208,61 +208,65 @@ class Check:
 
     @property
     def agrees(self) -> bool:
-        """Whether the study counted right."""
+        """Whether the study's count is right."""
         return self.happened == self.counted or self.allowed
 
 
 def checks(
     session: Session,
-    told: Acknowledged,
-    everybody: Sequence[Person],
+    acknowledged: Acknowledged,
+    participants: Sequence[Person],
     study_sessions: Sequence[SessionProgress],
     *,
     completed_in_report: int,
 ) -> Iterator[Check]:
-    """Yield everything that was counted twice: by those who took part, and by the study.
+    """Yield the counts by the participants, each with the study's count.
 
     Parameters
     ----------
-    told : Acknowledged
-        What the participants were told.
-    everybody : sequence of Person
-        All who began.
+    acknowledged : Acknowledged
+        What participants were told.
+    participants : sequence of Person
+        All participants.
     study_sessions : sequence of SessionProgress
-        What the live view counts.
+        The study sessions in the live view.
     completed_in_report : int
-        How many the report counts as having reached the end.
+        Completed participants in the report.
     """
-    codes = {person.name: person.code for person in everybody if person.completed}
-    came_back = [name for name, times in told.returned.items() if times]
+    codes = {person.name: person.code for person in participants if person.completed}
+    came_back = [name for name, times in acknowledged.returned.items() if times]
     places = select(Place.study_session_id).where(Place.study_session_id.is_not(None))
     held = session.scalars(places).all()
     ended = sum(study_session.standing in ("done", "replaced") for study_session in study_sessions)
-    gone = sum(who.rater.kind == "dropping_out" for who in everybody if not who.completed)
-    right_codes = {code for name, code in told.codes.items() if codes.get(name) == code}
-    names = {person.name for person in everybody}
+    dropped_out = sum(
+        person.rater.kind == "dropping_out" for person in participants if not person.completed
+    )
+    right_codes = {code for name, code in acknowledged.codes.items() if codes.get(name) == code}
+    names = {person.name for person in participants}
     back_and_done = sum(name in codes for name in came_back)
     yield Check("participants began", len(names), len(study_sessions), "one study session each")
-    yield Check("completed, says the live view", len(told.codes), ended)
-    yield Check("completed, says the report", len(told.codes), completed_in_report)
-    yield Check("left for good", gone, dropouts(study_sessions).left)
+    yield Check("completed, says the live view", len(acknowledged.codes), ended)
+    yield Check("completed, says the report", len(acknowledged.codes), completed_in_report)
+    yield Check("left for good", dropped_out, dropouts(study_sessions).left)
     yield Check("came back after leaving and finished", len(came_back), back_and_done)
     yield Check(
-        "were shown the code that is stored, each another one", len(told.codes), len(right_codes)
+        "were shown the code that is stored, each another one",
+        len(acknowledged.codes),
+        len(right_codes),
     )
     yield Check("places held, each by a study session of its own", len(held), len(set(held)))
-    yield from answer_checks(session, told.answers)
+    yield from answer_checks(session, acknowledged.answers)
 
 
-def answer_checks(session: Session, told: Mapping[AnswerPlace, int]) -> Iterator[Check]:
-    """Yield whether the answers that participants were `told` of are stored once, as given."""
+def answer_checks(session: Session, acknowledged: Mapping[AnswerPlace, int]) -> Iterator[Check]:
+    """Yield whether `acknowledged` answers are stored once and unchanged."""
     query = select(Trial.token, Response.question, Response.stimulus, Response.value)
     stored: dict[AnswerPlace, list[int]] = {}
     for trial, question, stimulus, value in session.execute(query.join(Response.trial)):
         stored.setdefault((trial, question, stimulus or 0), []).append(value)
-    kept = sum(stored.get(place) == [value] for place, value in told.items())
-    yield Check("acknowledged answers, stored once and as they were given", len(told), kept)
-    unknown = len(stored.keys() - told.keys())
+    kept = sum(stored.get(place) == [value] for place, value in acknowledged.items())
+    yield Check("acknowledged answers, stored once and as they were given", len(acknowledged), kept)
+    unknown = len(stored.keys() - acknowledged.keys())
     yield Check(
         "answers stored without having been acknowledged",
         0,

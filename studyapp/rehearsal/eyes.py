@@ -1,4 +1,4 @@
-"""The eyes and ears of simulated raters: pages are blinded, so what they show is looked up."""
+"""The eyes and ears of simulated raters: pages are blinded, so their content is looked up."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from studyapp.study.design.trial import Stimulus
 
 @dataclass(frozen=True)
 class Eyes:
-    """Looks up what a page shows in the rehearsal's own database; it never writes."""
+    """Looks up the content of a page in the rehearsal's database, without writing."""
 
     database: Database
 
     def look(self, page: Page) -> Sight:
-        """Return what the trial on `page` shows.
+        """Return the trial on `page`.
 
         Raises
         ------
@@ -44,28 +44,30 @@ class Eyes:
         with self.database.reading() as session:
             trials = session.scalars(query).all()
             if not trials:
-                raise BrokenPageError(page, "shows a video that is no trial of this rehearsal")
+                raise BrokenPageError(page, "shows a video that is not of this rehearsal")
             if len(trials) > 1:
                 raise BrokenPageError(page, "shows videos of several trials")
             (trial,) = trials
-            there, wanted = len(page.players), len(trial.videos)
-            if there != wanted or not {video.token for video in trial.videos} <= tokens:
-                raise BrokenPageError(page, f"shows {there} videos, not the {wanted} of its trial")
+            shown, expected = len(page.players), len(trial.videos)
+            if shown != expected or not {video.token for video in trial.videos} <= tokens:
+                raise BrokenPageError(
+                    page, f"shows {shown} videos, not the {expected} of its trial"
+                )
             study_session = trial.study_session
             planned = select(func.count()).where(Trial.study_session_id == study_session.id)
             return Sight(
                 rater=rater_name(session, study_session),
-                trial=seen(trial),
+                trial=read_trial(trial),
                 trials=session.scalars(planned).one(),
             )
 
     def hear(self, page: Page) -> str:
-        """Return the digits that are spoken to the participant whose page `page` is.
+        """Return the digits that are spoken to the participant of `page`.
 
         Raises
         ------
         BrokenPageError
-            If nothing is spoken to them.
+            If no digits are spoken.
         """
         query = select(StudySession.sound_digits).where(
             StudySession.token.in_(token_candidates(page.address))
@@ -73,12 +75,12 @@ class Eyes:
         with self.database.reading() as session:
             digits = session.scalar(query)
         if not digits:
-            raise BrokenPageError(page, "plays sound to a participant for whom there is none")
+            raise BrokenPageError(page, "plays sound to a participant without digits")
         return digits
 
 
-def seen(trial: Trial) -> SeenTrial:
-    """Return what eyes that see through the blinding see of `trial`."""
+def read_trial(trial: Trial) -> SeenTrial:
+    """Return the content of `trial`."""
     return SeenTrial(
         position=trial.position,
         kind=trial.kind,
@@ -95,7 +97,7 @@ def seen(trial: Trial) -> SeenTrial:
 
 
 def rater_name(session: Session, study_session: StudySession) -> str:
-    """Return the name of the rater that holds a place, as the first one or as a later one."""
+    """Return the name of the rater at a place, the first one or a replacement."""
     earlier = session.scalar(
         select(func.count())
         .select_from(StudySession)

@@ -1,4 +1,4 @@
-"""Reading a form as it was really served: its fields, what each offers, and its buttons."""
+"""Parsing a served form: its fields, their choices, and its buttons."""
 
 from __future__ import annotations
 
@@ -11,36 +11,36 @@ from bs4 import BeautifulSoup, Tag
 Fields = tuple[tuple[str, str], ...]
 
 FormFields = Mapping[str, Sequence[str]]
-"""What is answered: the values of each field."""
+"""The answered values of each field."""
 
 FormData = dict[str, list[str]]
-"""What a browser would send: every value of every name."""
+"""The values of every name, as a browser sends them."""
 
 
 class IncompleteFormError(Exception):
-    """A form lacks something that a person would need; says what."""
+    """A form lacks something that a participant needs."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Form:
-    """A form that is sent by POST, with exactly what its page offers.
+    """A form that is sent by POST.
 
     Attributes
     ----------
     action : str
-        Address it is sent to, as the page names it; empty for the page itself.
+        Its address, as in the page; empty for the page itself.
     hidden : tuple of (name, value)
-        What is sent along unseen.
+        Hidden fields.
     required_ticks : tuple of (name, value)
-        Tick boxes without which a browser would not send it.
+        Required tick boxes.
     choices : mapping of name to tuple of str
-        Values that each radio group or menu offers.
+        Values of each radio group or menu.
     lines : mapping of name to (low, high)
-        Fields that take a line of text, or a number between the two.
+        Fields for a line of text, or a number in this range.
     boxes : mapping of name to tuple of str
-        Values of boxes that may be ticked.
+        Values of optional tick boxes.
     buttons : tuple of (name, value)
-        Submit buttons; the name is empty where a button sends nothing itself.
+        Submit buttons; the name is empty if a button sends no value.
     """
 
     action: str
@@ -53,31 +53,31 @@ class Form:
 
     @property
     def trial(self) -> str:
-        """Token of the presentation it is for; empty outside a trial."""
+        """Token of its presentation; empty outside a trial."""
         return dict(self.hidden).get("trial", "")
 
     @property
-    def asked(self) -> frozenset[str]:
-        """Names of the fields that wait for an answer."""
+    def questions(self) -> frozenset[str]:
+        """Names of the fields that need an answer."""
         return frozenset((*self.choices, *self.lines))
 
-    def filled(self, answers: FormFields) -> FormData:
-        """Return the data a browser would send with `answers` chosen.
+    def fill(self, answers: FormFields) -> FormData:
+        """Return the data that a browser would send with `answers`.
 
         Raises
         ------
         IncompleteFormError
-            If a question or a value is not offered, a question is left over, or there is no
-            button to send the form with.
+            If a question or a value is not offered, a question has no answer, or there is no submit
+            button.
         """
         if not self.buttons:
-            raise IncompleteFormError("has no button to send its form with")
+            raise IncompleteFormError("has no submit button")
         for name, values in answers.items():
             for value in values:
                 self._require_offered(name, value)
-        unknown = sorted(self.asked - set(answers))
+        unknown = sorted(self.questions - set(answers))
         if unknown:
-            raise IncompleteFormError(f"asks {', '.join(unknown)}, which the study does not know")
+            raise IncompleteFormError(f"asks {', '.join(unknown)}, which the study does not define")
         data: FormData = {}
         button = tuple((name, value) for name, value in self.buttons[:1] if name)
         for name, value in (*self.hidden, *self.required_ticks, *button):
@@ -89,7 +89,7 @@ class Form:
             low, high = self.lines[name]
             if math.isfinite(low + high) and value and not low <= float(value) <= high:
                 raise IncompleteFormError(
-                    f"takes no {value!r} for {name!r} (only {low:g} to {high:g})"
+                    f"does not accept {value!r} for {name!r} (only {low:g} to {high:g})"
                 )
             return
         offered = self.choices.get(name) or self.boxes.get(name)
@@ -97,12 +97,12 @@ class Form:
             raise IncompleteFormError(f"does not ask the question {name!r}")
         if value not in offered:
             raise IncompleteFormError(
-                f"offers no {value!r} for {name!r} (only {', '.join(offered)})"
+                f"does not offer {value!r} for {name!r} (only {', '.join(offered)})"
             )
 
 
 def read_form(soup: BeautifulSoup, form: Tag) -> Form:
-    """Return what `form`, a part of the page `soup`, offers."""
+    """Return `form`, which is part of the page `soup`."""
     hidden: list[tuple[str, str]] = []
     ticks: list[tuple[str, str]] = []
     choices: dict[str, tuple[str, ...]] = {}
@@ -143,7 +143,7 @@ def read_form(soup: BeautifulSoup, form: Tag) -> Form:
 
 
 def _controls(soup: BeautifulSoup, form: Tag) -> Iterator[Tag]:
-    """Yield the form's usable controls; one may name its form and lie elsewhere."""
+    """Yield the form's enabled controls, which may be outside the form and refer to it."""
     for control in soup.find_all(["input", "button", "select", "textarea"]):
         belongs = (
             control["form"] == form.get("id")
@@ -155,7 +155,7 @@ def _controls(soup: BeautifulSoup, form: Tag) -> Iterator[Tag]:
 
 
 def _options(menu: Tag) -> tuple[str, ...]:
-    """Return what a menu offers; its empty entry stands for no answer."""
+    """Return the values of a menu; its empty entry means no answer."""
     values = [
         str(option.get("value", option.get_text(strip=True))) for option in menu.find_all("option")
     ]
@@ -163,7 +163,7 @@ def _options(menu: Tag) -> tuple[str, ...]:
 
 
 def _kind(control: Tag) -> str:
-    """Return the type of a control; a button without one sends its form."""
+    """Return the type of a control; the default of a button is submit."""
     if control.name in ("select", "textarea"):
         return str(control.name)
     default = "submit" if control.name == "button" else "text"

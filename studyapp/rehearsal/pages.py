@@ -1,4 +1,4 @@
-"""Reading a page as it was really served: its next step, its videos, its code."""
+"""Parsing a served page: its next form, its videos, its completion code."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from studyapp.rehearsal.forms import Form, FormData, FormFields, IncompleteFormE
 
 
 class BrokenPageError(InputError):
-    """A page was served without something that a person would need to go on."""
+    """A served page lacks something that a participant needs."""
 
-    def __init__(self, page: Page, what: str) -> None:
+    def __init__(self, page: Page, problem: str) -> None:
         heading = page.heading
         super().__init__(
-            f"the page {heading!r} {what}" if heading else f"the page {what}",
+            f"the page {heading!r} {problem}" if heading else f"the page {problem}",
             where=urlsplit(page.address).path,
             remedy="Open the study in a browser and look at that page",
         )
@@ -26,14 +26,14 @@ class BrokenPageError(InputError):
 
 @dataclass(frozen=True)
 class Player:
-    """One video as the page plays it.
+    """A video on a page.
 
     Attributes
     ----------
     source : str
         Absolute address of the file.
     watched_address : str
-        Absolute address that is told which parts were played.
+        Absolute address for reports of the played parts.
     duration : float
         Seconds.
     """
@@ -44,7 +44,7 @@ class Player:
 
     @property
     def token_candidates(self) -> tuple[str, ...]:
-        """Parts of the address that can be the media token; nothing else tells what is shown."""
+        """Parts of the address that can be the media token."""
         return token_candidates(self.source)
 
 
@@ -56,12 +56,12 @@ def token_candidates(address: str) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Page:
-    """One page as served.
+    """A served page.
 
     Attributes
     ----------
     address : str
-        Where it came from, after redirects.
+        Its address after redirects.
     html : str
         Its source.
     """
@@ -91,28 +91,28 @@ class Page:
         return code
 
     @property
-    def asks(self) -> bool:
-        """Whether it is the page of a trial, as its form or its videos tell."""
+    def is_trial(self) -> bool:
+        """Whether it is the page of a trial."""
         return bool(self._soup.find("form", id="answers") or self._soup.find("video"))
 
     @property
     def next_form(self) -> Form:
-        """The form of the page's next step: its first that is sent by POST."""
+        """The first form that is sent by POST."""
         for form in self._soup.find_all("form"):
             if str(form.get("method", "get")).lower() == "post":
                 return read_form(self._soup, form)
-        raise BrokenPageError(self, "has no form that leads on")
+        raise BrokenPageError(self, "has no form for the next step")
 
     @property
     def answer_form(self) -> Form:
-        """The form of a trial; it holds the token of the presentation it is for."""
+        """The form of a trial, with the token of its presentation."""
         form = self._soup.find("form", id="answers")
         if not isinstance(form, Tag):
             raise BrokenPageError(self, "has no form with the id 'answers'")
-        read = read_form(self._soup, form)
-        if not read.trial:
-            raise BrokenPageError(self, "does not say in a hidden field 'trial' what it asks about")
-        return read
+        answer_form = read_form(self._soup, form)
+        if not answer_form.trial:
+            raise BrokenPageError(self, "has no hidden field 'trial'")
+        return answer_form
 
     @property
     def players(self) -> tuple[Player, ...]:
@@ -123,43 +123,43 @@ class Page:
         return tuple(self._player(video) for video in videos)
 
     def _player(self, video: Tag) -> Player:
-        inner = video.find("source")
-        found = {
-            "src": video.get("src") or (inner.get("src") if inner else None),
+        source = video.find("source")
+        attributes = {
+            "src": video.get("src") or (source.get("src") if source else None),
             "data-duration": video.get("data-duration"),
             "data-watched-url": video.get("data-watched-url"),
         }
-        for name, value in found.items():
+        for name, value in attributes.items():
             if not value:
                 raise BrokenPageError(self, f"has a video without {name}")
         return Player(
-            source=urljoin(self.address, str(found["src"])),
-            watched_address=urljoin(self.address, str(found["data-watched-url"])),
-            duration=float(str(found["data-duration"])),
+            source=urljoin(self.address, str(attributes["src"])),
+            watched_address=urljoin(self.address, str(attributes["data-watched-url"])),
+            duration=float(str(attributes["data-duration"])),
         )
 
     @property
     def sounds(self) -> tuple[str, ...]:
-        """Absolute addresses of what can be listened to apart from the videos."""
+        """Absolute addresses of sounds outside the videos."""
         return tuple(
             urljoin(self.address, str(sound["src"]))
             for sound in self._soup.find_all(["audio", "source"])
             if sound.has_attr("src") and sound.find_parent("video") is None
         )
 
-    def filled(self, form: Form, answers: FormFields) -> FormData:
-        """Return what a browser would send of `form` with `answers` chosen.
+    def fill(self, form: Form, answers: FormFields) -> FormData:
+        """Return the data that a browser would send for `form` with `answers`.
 
         Raises
         ------
         BrokenPageError
-            If the form does not offer that.
+            If the form does not offer these answers.
         """
         try:
-            return form.filled(answers)
+            return form.fill(answers)
         except IncompleteFormError as error:
             raise BrokenPageError(self, str(error)) from None
 
     def target(self, form: Form) -> str:
-        """Return the absolute address that `form` is sent to."""
+        """Return the absolute address of `form`."""
         return urljoin(self.address, form.action) if form.action else self.address

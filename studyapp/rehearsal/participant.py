@@ -1,4 +1,4 @@
-"""A simulated participant: takes the study as served, page by page, without a browser."""
+"""A simulated participant, who takes the served study page by page."""
 
 from __future__ import annotations
 
@@ -20,30 +20,30 @@ from studyapp.rehearsal.visit import Departure, Visit
 from studyapp.study.settings.study import Study
 from studyapp.web.participants.participant import FORM_FIELD
 
-SAME_PAGE_AT_MOST: Final = 3
-"""A page that comes back this often, though it was answered, leads nowhere."""
+MAX_REPEATS: Final = 3
+"""How often an answered page may come back."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Participant:
-    """One simulated participant.
+    """A simulated participant.
 
     Attributes
     ----------
     name : str
-        What the recruiter calls it.
+        Its id at the recruiter.
     study : Study
-        What it takes part in.
+        The study.
     population, seed
-        Whom it is drawn from; the place it gets decides which rater it is.
+        Determine the raters; its place decides which one it is.
     eyes : Eyes
-        How it sees through the blinding.
+        Look up what its pages show.
     speed : float
-        How fast the rehearsal's clock runs; it watches in that time.
+        Speed of the rehearsal's clock.
     stop : Event
-        Set when the rehearsal is to stop.
+        Set when the rehearsal stops.
     ledger : Ledger or None
-        Where it notes what it was told is stored.
+        The record of acknowledged answers.
     """
 
     name: str
@@ -57,12 +57,12 @@ class Participant:
 
     @property
     def entrance(self) -> str:
-        """The link it was given."""
+        """Its link to the study."""
         return f"/?PROLIFIC_PID={self.name}&STUDY_ID=rehearsal&SESSION_ID={self.name}"
 
     @cached_property
     def about(self) -> FormFields:
-        """What it says of itself wherever a page asks for it."""
+        """Its answers to all forms."""
         return {
             f"{FORM_FIELD}{question.name}": (question.example,)
             for stage in self.study.form.stages()
@@ -70,21 +70,21 @@ class Participant:
         }
 
     def take_part(self, client: httpx.Client, *, is_back: bool = False) -> str:
-        """Go from the link to the end and return the completion code.
+        """Take part from the link to the end, and return the completion code.
 
-        A study session that was begun earlier is gone on with, if the server knows the link.
+        An earlier study session is continued if the server knows the link.
 
         Parameters
         ----------
         is_back : bool
-            Whether it has been away already, so that it stays now.
+            Whether it has come back, and does not leave again.
 
         Raises
         ------
         Departure
-            If it leaves on the way.
+            If it leaves.
         BrokenPageError
-            If a page lacks what a person would need, or leads nowhere.
+            If a page lacks something that a participant needs, or comes back repeatedly.
         InterruptedRehearsal
             If the rehearsal was stopped.
         """
@@ -92,24 +92,24 @@ class Participant:
         page = visit.open(self.entrance)
         before: tuple[str, str] | None = None
         same = 0
-        came_once_more = False
+        reopened = False
         while (code := page.completion_code) is None:
-            trial = page.answer_form.trial if page.asks else ""
+            trial = page.answer_form.trial if page.is_trial else ""
             step = (page.address, trial or page.next_form.action)
             same = same + 1 if step == before else 1
-            if same > SAME_PAGE_AT_MOST:
-                raise BrokenPageError(page, "comes back though it was filled in as it asks")
+            if same > MAX_REPEATS:
+                raise BrokenPageError(page, "comes back although it was answered")
             before = step
-            if not page.asks:
-                page = self.fill(visit, page, self.say(visit, page))
+            if not page.is_trial:
+                page = self.fill(visit, page, self.form_answers(visit, page))
                 continue
             sight = self.eyes.look(page)
             position = sight.trial.position
             conduct = self.conduct(sight)
             if conduct.leaves_at == position and not is_back:
                 raise Departure(returns=conduct.returns)
-            if conduct.clicks_twice and not came_once_more:
-                page, came_once_more = visit.open(self.entrance), True
+            if conduct.clicks_twice and not reopened:
+                page, reopened = visit.open(self.entrance), True
                 continue
             visit = replace(
                 visit,
@@ -117,7 +117,7 @@ class Participant:
                 thinks=conduct.thinks(position),
                 clicks_twice=conduct.clicks_twice,
             )
-            judgement = self.judged(sight)
+            judgement = self.judgement(sight)
             page = self.answer(visit, page, judgement)
             if self.ledger is not None:
                 self.ledger.answered(self.name, trial, judgement.values)
@@ -134,21 +134,21 @@ class Participant:
         """Send the form of `page` and return the page that follows."""
         return visit.send(page, page.next_form, answers)
 
-    def say(self, visit: Visit, page: Page) -> FormFields:
-        """Return what this participant answers of what the form of `page` asks, having listened."""
+    def form_answers(self, visit: Visit, page: Page) -> FormFields:
+        """Listen to the sounds of `page`, and return this participant's answers to its form."""
         visit.listen(page)
-        asked = page.next_form.asked
-        known = {name: said for name, said in self.about.items() if name in asked}
+        questions = page.next_form.questions
+        known = {name: answer for name, answer in self.about.items() if name in questions}
         if not page.sounds:
             return known
-        return known | dict.fromkeys(sorted(asked - set(known)), (self.eyes.hear(page),))
+        return known | dict.fromkeys(sorted(questions - set(known)), (self.eyes.hear(page),))
 
-    def judged(self, sight: Sight) -> Judgement:
-        """Return this participant's answers to a trial that it has seen."""
+    def judgement(self, sight: Sight) -> Judgement:
+        """Return this participant's answers to a trial."""
         return judge(self.study, self._rater(sight), sight.trial)
 
     def conduct(self, sight: Sight) -> Conduct:
-        """Return how this participant takes part, as far as it is known once it sees a trial."""
+        """Return how this participant takes part, given a trial."""
         return Conduct(
             rater=self._rater(sight), trials=sight.trials, coverage=self.study.watching.coverage
         )

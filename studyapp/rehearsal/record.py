@@ -1,4 +1,4 @@
-"""`rehearsal.json`: whom a rehearsal simulated, and the true values that follow."""
+"""`rehearsal.json`: the simulated population of a rehearsal, and its true values."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from studyapp.study.settings.sections import explain_errors
 
 
 class Truth(BaseModel):
-    """`rehearsal.json`: whom a rehearsal simulated, and the true values that follow.
+    """The contents of `rehearsal.json`.
 
     Attributes
     ----------
@@ -24,9 +24,9 @@ class Truth(BaseModel):
     study : str
         Digest of the study that was rehearsed: its definition, segments and videos.
     population : Population
-        Whom the participants were drawn from.
+        The population of the participants.
     expected : tuple of KnownValue
-        The true values: one for everything that each question measures.
+        The true value of everything that is estimated.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -55,6 +55,6 @@ def read_truth(path: Path) -> Truth:
     try:
         return Truth.model_validate_json(path.read_bytes())
     except FileNotFoundError:
-        raise InputError("there was no rehearsal yet", where=path, remedy=remedy) from None
+        raise InputError("the study has not been rehearsed", where=path, remedy=remedy) from None
     except ValidationError as error:
         raise InputError(explain_errors(error), where=path, remedy=remedy) from None

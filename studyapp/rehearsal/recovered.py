@@ -1,4 +1,4 @@
-"""What the analysis of a rehearsal finds, beside the true values, and of each kind of people."""
+"""What the analysis of a rehearsal recovers of true values, and of each kind of rater."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ from studyapp.study.folder import StudyFolder
 
 @dataclass(frozen=True, kw_only=True)
 class KindRecovered:
-    """What the analysis makes of one kind of rater.
+    """The exclusions of one kind of rater.
 
     Attributes
     ----------
     kind : Kind
-        Which.
+        The kind.
     came, completed, analysed : int
-        How many began, reached the end, and are analysed.
+        How many took part, completed the study, and are analysed.
     silent : int
-        How many gave no answer, so that there is nothing of theirs to leave out.
+        How many gave no answer, and cannot be excluded.
     excluded_by : mapping of rule to int
-        How many each rule leaves out.
+        How many each rule excludes.
     """
 
     kind: Kind
@@ -52,64 +52,64 @@ class KindRecovered:
 
     @property
     def excluded(self) -> int:
-        """How many are left out by any rule."""
+        """How many are excluded."""
         return sum(self.excluded_by.values())
 
     @property
-    def should_be_left_out(self) -> bool:
-        """Whether an analysis is better off without them."""
+    def should_be_excluded(self) -> bool:
+        """Whether the analysis is better without them."""
         return self.kind in UNSOUND or self.kind == "dropping_out"
 
     @property
     def missed(self) -> int:
-        """How many are analysed that should not be."""
-        return self.analysed if self.should_be_left_out else 0
+        """How many should be excluded but are analysed."""
+        return self.analysed if self.should_be_excluded else 0
 
     @property
     def wrongly_excluded(self) -> int:
-        """How many are left out that judged as the attentive do, and finished."""
-        return 0 if self.should_be_left_out else self.excluded
+        """How many are excluded although they judge like attentive raters."""
+        return 0 if self.should_be_excluded else self.excluded
 
 
 def kinds_recovered(
-    everybody: Sequence[Person], analysed: Iterable[str], removed_by: Mapping[str, str]
+    participants: Sequence[Person], analysed: Iterable[str], removed_by: Mapping[str, str]
 ) -> tuple[KindRecovered, ...]:
-    """Return what became of each kind that came.
+    """Return the exclusions of each kind of rater that took part.
 
     Parameters
     ----------
-    everybody : sequence of Person
-        All who began.
+    participants : sequence of Person
+        All participants.
     analysed : iterable of str
-        Study sessions that are analysed.
+        Analysed study sessions.
     removed_by : mapping of study session to rule
-        Those who are left out, and the first rule that did it.
+        The first rule that excludes each excluded study session.
     """
     kept = set(analysed)
-    found = []
+    kinds = []
     for kind in reversed(KINDS):
-        own = [person for person in everybody if person.rater.kind == kind]
-        if not own:
+        members = [person for person in participants if person.rater.kind == kind]
+        if not members:
             continue
-        numbers = [person.study_session for person in own]
+        numbers = [person.study_session for person in members]
         rules = Counter(removed_by[number] for number in numbers if number in removed_by)
-        among = sum(number in kept for number in numbers)
-        found.append(
+        analysed_count = sum(number in kept for number in numbers)
+        kinds.append(
             KindRecovered(
                 kind=kind,
-                came=len(own),
-                completed=sum(person.completed for person in own),
-                analysed=among,
-                silent=len(own) - among - rules.total(),
+                came=len(members),
+                completed=sum(person.completed for person in members),
+                analysed=analysed_count,
+                silent=len(members) - analysed_count - rules.total(),
                 excluded_by=dict(sorted(rules.items())),
             )
         )
-    return tuple(found)
+    return tuple(kinds)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recovery:
-    """What came of a rehearsal.
+    """What the analysis of a rehearsal recovers.
 
     Attributes
     ----------
@@ -139,27 +139,27 @@ class Recovery:
 
     @property
     def intervals(self) -> int:
-        """How many intervals there are."""
-        return sum(found.has_interval for _, found in self.values)
+        """The number of intervals."""
+        return sum(estimate.has_interval for _, estimate in self.values)
 
     @property
     def missed(self) -> int:
-        """How many of them miss the true value."""
-        return self.intervals - sum(found.covers(known.value) for known, found in self.values)
+        """The number of intervals that miss the true value."""
+        return self.intervals - sum(estimate.covers(known.value) for known, estimate in self.values)
 
     @property
     def miscounted(self) -> tuple[Check, ...]:
-        """Everything that the study counted wrong."""
+        """The counts that the study got wrong."""
         return tuple(check for check in self.checks if not check.agrees)
 
 
 def recover(folder: StudyFolder) -> Recovery:
-    """Analyse the rehearsal of `folder` as a report does, and return what it finds again.
+    """Analyse the rehearsal of `folder` as a report does.
 
     Raises
     ------
     InputError
-        If the study was not rehearsed yet, or its answers contradict it.
+        If the study was not rehearsed, or its answers contradict it.
     """
     study = folder.study()
     truth = read_truth(folder.rehearsal_truth)
@@ -168,21 +168,21 @@ def recover(folder: StudyFolder) -> Recovery:
     with snapshot(folder, "rehearsal") as session:
         if session is None:
             raise InputError(
-                "there was no rehearsal yet",
+                "the study has not been rehearsed",
                 where=folder.rehearsal,
                 remedy="Run 'motionjury rehearse'",
             )
         answers = answers_in(session, "rehearsal")
         tasks = analysed_tasks(study, answers)
-        # Without margins of equivalence or metrics.
+        # No equivalence margins and no metrics are needed here.
         settings = Settings(max_catch_failures=None, margin=None)
         reports = [task_report(study, task, answers, settings=settings) for task in tasks]
-        everybody = people(session, truth)
+        participants = people(session, truth)
         counted = tuple(
             checks(
                 session,
                 Ledger(folder.acknowledged).read(),
-                everybody,
+                participants,
                 progress_of_sessions(session, served, Clock().now()),
                 completed_in_report=sum(flow.completed or 0 for flow in reports[0].flow),
             )
@@ -192,20 +192,20 @@ def recover(folder: StudyFolder) -> Recovery:
         labels=study.display_names,
         values=found_values(reports, known),
         differences=found_differences(reports, known),
-        kinds=kinds_recovered(everybody, _analysed(tasks), _removed_by(tasks)),
+        kinds=kinds_recovered(participants, _analysed(tasks), _removed_by(tasks)),
         checks=counted,
         rules=tuple(rule.description for rule in tasks[0].left_out.rules),
     )
 
 
 def _analysed(tasks: Sequence[AnalysedTask]) -> set[str]:
-    return {str(who) for task in tasks for who in task.left_out.kept["participant"].unique()}
+    return {str(name) for task in tasks for name in task.left_out.kept["participant"].unique()}
 
 
 def _removed_by(tasks: Sequence[AnalysedTask]) -> dict[str, str]:
-    """Return the rule that leaves out each participant, in any task."""
+    """Return the rule that excludes each participant, in any task."""
     return {
-        who: task.left_out.rules[place].rule
+        name: task.left_out.rules[index].rule
         for task in reversed(tasks)
-        for who, place in task.left_out.removed_by.items()
+        for name, index in task.left_out.removed_by.items()
     }

@@ -111,7 +111,7 @@ def difference_in_words(difference: KnownDifference) -> str:
 
 def exclusions_in_words(kinds: tuple[KindRecovered, ...]) -> Iterator[str]:
     """Say whom the rules of exclusion caught, missed and wrongly left out."""
-    bad = [kind for kind in kinds if kind.should_be_left_out]
+    bad = [kind for kind in kinds if kind.should_be_excluded]
     caught, came = sum(kind.excluded for kind in bad), sum(kind.came for kind in bad)
     silent, missed = sum(kind.silent for kind in bad), sum(kind.missed for kind in bad)
     wrongly = sum(kind.wrongly_excluded for kind in kinds)

@@ -1,4 +1,4 @@
-"""What of an earlier rehearsal can be gone on with."""
+"""Continuing an earlier rehearsal."""
 
 from __future__ import annotations
 
@@ -26,52 +26,52 @@ from studyapp.study.settings.study import Study
 
 _SQLITE_ENDINGS: Final = ("", "-wal", "-shm")
 
-MOST_GONE: Final = 3
-"""Times as many may leave for good, and be replaced, as are asked for."""
+MAX_DROPOUT_FACTOR: Final = 3
+"""Dropouts that are replaced, relative to the requested participants."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Roster:
-    """Where the simulated participants of a rehearsal stand, by name.
+    """The names of a rehearsal's simulated participants, by their state.
 
     Attributes
     ----------
-    wanted : int
-        How many are asked for.
+    total : int
+        Number of requested participants, replacements included.
     finished : tuple of str
-        Those who have their completion code, also if they are more than are asked for now.
-    gone : tuple of str
-        Those who have left for good.
-    halfway : tuple of str
-        Those asked for who are in the middle of their study session. They are to come back
-        before anybody new comes, so that their places are not thought abandoned.
+        Participants with a completion code, even if they are more than requested now.
+    dropouts : tuple of str
+        Participants who left for good.
+    started : tuple of str
+        Participants in the middle of their study session, who come back before new ones arrive, so
+        that their places do not expire.
     awaited : tuple of str
-        Those asked for who have not come yet.
+        Participants who have not arrived yet.
     """
 
-    wanted: int
+    total: int
     finished: tuple[str, ...]
-    gone: tuple[str, ...]
-    halfway: tuple[str, ...]
+    dropouts: tuple[str, ...]
+    started: tuple[str, ...]
     awaited: tuple[str, ...]
 
     @property
     def remaining(self) -> tuple[str, ...]:
-        """Those who still have to come, in the order they should."""
-        return (*self.halfway, *self.awaited)
+        """Participants still to come, in order."""
+        return (*self.started, *self.awaited)
 
 
 def prepare(
     folder: StudyFolder, *, seed: int, population: Population | None = None
 ) -> tuple[Truth, str]:
-    """Make the study folder ready for a rehearsal with `seed`, keeping one that fits.
+    """Prepare the study folder for a rehearsal with `seed`, which may continue an earlier one.
 
     Returns
     -------
     truth : Truth
-        What this rehearsal's participants prefer, as written to ``rehearsal.json``.
+        The preferences in ``rehearsal.json``.
     note : str
-        What became of an earlier rehearsal, for people; empty where there was none.
+        What became of an earlier rehearsal; may be empty.
     """
     study = folder.study()
     segments = tuple(folder.segments_of(study))
@@ -87,7 +87,7 @@ def prepare(
     if folder.rehearsal.exists():
         difference = _difference(folder, truth)
         if not difference:
-            return truth, "An earlier rehearsal of this study is gone on with."
+            return truth, "An earlier rehearsal of this study is continued."
         note = f"The answers of an earlier rehearsal were removed: {difference}."
     for ending in _SQLITE_ENDINGS:
         folder.rehearsal.with_name(folder.rehearsal.name + ending).unlink(missing_ok=True)
@@ -97,75 +97,74 @@ def prepare(
 
 
 def _digest(study: Study, segments: Sequence[Segment], stimuli: Stimuli) -> str:
-    """Return what changes with anything that decides trials, pages or videos of the study."""
-    videos = sorted(made.key for made in (*stimuli.clips, *stimuli.pairs, *stimuli.copies))
-    # Whom it simulates, the rehearsal itself compares.
-    told = study.model_dump(exclude={"rehearsal"})
-    state = json.dumps([told, [asdict(segment) for segment in segments], videos])
+    """Return a digest of everything that determines trials, pages or videos of the study."""
+    videos = sorted(video.key for video in (*stimuli.clips, *stimuli.pairs, *stimuli.copies))
+    # The simulated population is compared separately.
+    settings = study.model_dump(exclude={"rehearsal"})
+    state = json.dumps([settings, [asdict(segment) for segment in segments], videos])
     return hashlib.sha256(state.encode()).hexdigest()
 
 
 def _difference(folder: StudyFolder, truth: Truth) -> str:
-    """Say why the rehearsal in `folder` cannot be gone on with; empty if it can."""
+    """Return why the rehearsal in `folder` cannot be continued; empty if it can."""
     try:
         earlier = read_truth(folder.rehearsal_truth)
     except InputError:
-        return f"{folder.rehearsal_truth.name} does not tell what they were"
+        return f"{folder.rehearsal_truth.name} is missing or damaged"
     if earlier.study != truth.study:
-        return "the study has changed since"
+        return "the study has changed"
     if earlier.seed != truth.seed:
         return f"its seed was {earlier.seed}, not {truth.seed}"
     return "" if earlier == truth else "its participants were drawn from another population"
 
 
-def call_roster(database: Database, count: int, truth: Truth) -> Roster:
-    """Return where the simulated participants stand, of whom `count` are asked for.
+def read_roster(database: Database, count: int, truth: Truth) -> Roster:
+    """Return the state of the simulated participants, of whom `count` are requested.
 
-    For everybody who finished and was excluded, so that the place is open again, one more is
-    asked for, at most as many as there are in the first place; and one for everybody who left for
-    good, at most `MOST_GONE` times as many.
+    Participants who finished but lost their place by an exclusion are replaced, up to `count`;
+    so are dropouts, up to `MAX_DROPOUT_FACTOR` times `count`.
     """
     with database.reading() as session:
-        begun = people(session, truth)
-    finished = [each.name for each in begun if each.completed]
-    excluded = sum(each.completed and not each.has_place for each in begun)
-    gone = [each.name for each in begun if each.has_left]
-    wanted = count + min(excluded, count) + min(len(gone), MOST_GONE * count)
-    names = [f"rehearsal-{number:05d}" for number in range(wanted)]
-    known = {each.name for each in begun}
-    over = {*finished, *gone}
+        arrived = people(session, truth)
+    finished = [person.name for person in arrived if person.completed]
+    excluded = sum(person.completed and not person.has_place for person in arrived)
+    dropouts = [person.name for person in arrived if person.has_left]
+    total = count + min(excluded, count) + min(len(dropouts), MAX_DROPOUT_FACTOR * count)
+    names = [f"rehearsal-{number:05d}" for number in range(total)]
+    known = {person.name for person in arrived}
+    ended = {*finished, *dropouts}
     return Roster(
-        wanted=wanted,
+        total=total,
         finished=tuple(finished),
-        gone=tuple(gone),
-        halfway=tuple(name for name in names if name in known and name not in over),
+        dropouts=tuple(dropouts),
+        started=tuple(name for name in names if name in known and name not in ended),
         awaited=tuple(name for name in names if name not in known),
     )
 
 
-def let_time_pass(database: Database, roster: Roster, lease_minutes: int) -> None:
-    """Let the leases end of those who left for good, and of nobody else.
+def expire_leases(database: Database, roster: Roster, lease_minutes: int) -> None:
+    """Let the leases of dropouts expire, but not those of other participants.
 
-    All that they did is set back, since nobody waits that long in a rehearsal; their places are
-    then given to others as they are in the study itself. Those in the middle of their study session
-    are on their way back, however long ago the rehearsal was stopped.
+    Since nobody waits that long in a rehearsal, all times of dropouts are shifted back; the study
+    then gives their places to others. Started participants stay active, however long ago the
+    rehearsal was stopped.
     """
     now = Clock().now()
     ended = now - timedelta(minutes=lease_minutes + 1)
     with database.writing() as session:
-        over = StudySession.recruiter_participant.in_(roster.gone)
-        for gone in session.scalars(
-            select(StudySession).where(over, StudySession.last_active_at > ended)
+        dropped_out = StudySession.recruiter_participant.in_(roster.dropouts)
+        for study_session in session.scalars(
+            select(StudySession).where(dropped_out, StudySession.last_active_at > ended)
         ):
-            _set_back(gone, gone.last_active_at - ended)
+            _shift_back(study_session, study_session.last_active_at - ended)
         session.execute(
             update(StudySession)
-            .where(StudySession.recruiter_participant.in_(roster.halfway))
+            .where(StudySession.recruiter_participant.in_(roster.started))
             .values(last_active_at=now)
         )
 
 
-def _set_back(study_session: StudySession, span: timedelta) -> None:
+def _shift_back(study_session: StudySession, span: timedelta) -> None:
     for row in (study_session, *study_session.form_answers, *study_session.trials):
         for column in row.__table__.columns:
             value = getattr(row, column.key)

@@ -1,4 +1,4 @@
-"""A whole rehearsal: the real server, and simulated participants who take its study at once."""
+"""A rehearsal: the real server, and simulated participants who take its study in parallel."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ import httpx
 
 from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
+from studyapp.rehearsal import SPEED
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant
-from studyapp.rehearsal.resumption import Roster, call_roster, let_time_pass, prepare
+from studyapp.rehearsal.resumption import Roster, expire_leases, prepare, read_roster
 from studyapp.rehearsal.server import rehearsal_server
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.visit import Departure, study_client
@@ -24,27 +25,24 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder, lock_folder
 from studyapp.study.settings.study import Study
 
-SPEED: Final = 100.0
-"""How much faster than real a rehearsal's clock runs."""
-
 WORKERS: Final = 8
-"""How many simulated participants take part at the same time."""
+"""Number of simulated participants at the same time."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RehearsalResult:
-    """What came of a rehearsal.
+    """The result of a rehearsal.
 
     Attributes
     ----------
     completed : int
-        Participants who have their completion code, all runs of this rehearsal together.
+        Participants with a completion code, in all runs of this rehearsal.
     kept : int
-        How many of them had it before this run.
+        Those of them from earlier runs.
     left : int
-        Participants who left on the way, for good.
+        Participants who dropped out.
     note : str
-        What became of an earlier rehearsal in the same folder; empty where there was none.
+        What became of an earlier rehearsal in the same folder; may be empty.
     """
 
     completed: int
@@ -61,56 +59,55 @@ def rehearse(
     population: Population | None = None,
     speed: float = SPEED,
     workers: int = WORKERS,
-    on_done: Callable[[int, int], None] = lambda _done, _wanted: None,
+    on_done: Callable[[int, int], None] = lambda _done, _total: None,
 ) -> RehearsalResult:
     """Let simulated participants take the study over real HTTP.
 
-    Their answers are kept in ``rehearsal.db``, their true preferences in ``rehearsal.json``.
-    Interrupted and called again with the same study and seed, it goes on where it was.
+    Answers are stored in ``rehearsal.db``, true preferences in ``rehearsal.json``. An interrupted
+    rehearsal continues when it is called again with the same study and seed.
 
     Parameters
     ----------
     folder : StudyFolder
-        A study whose videos are rendered.
+        A study with rendered videos.
     participants : int, optional
-        Of each arm: of each comparison with the reference, or of the study where everybody is
-        asked about all conditions. As many as the study asks for by default, and no more.
+        Participants of each arm, at most and by default its places.
     seed : int
-        Decides the participants, what they prefer and every answer.
+        Determines the participants, their preferences and all answers.
     population : Population, optional
-        Whom to draw them from; `default_population` of the study by default.
+        The population; by default the `default_population` of the study.
     speed : float
-        How much faster than real the rehearsal's clock runs; at least 1.
+        Speed of the rehearsal's clock, relative to real time; at least 1.
     workers : int
-        How many take part at the same time; it changes no answer.
+        Number of participants at the same time, which does not affect answers.
     on_done : callable
         Called with (finished participants, all participants).
 
     Raises
     ------
     InputError
-        If the study is not ready or being rehearsed already, more participants are asked for
-        than it has places, or a page lacks what a participant needs.
+        If the study is not ready or already being rehearsed, there are more participants than
+        places, or a page lacks something that a participant needs.
     """
     study = ServedStudy.read(folder.root).study
-    count = _checked_count(folder, study, participants)
+    count = _count_participants(folder, study, participants)
     busy = InputError(
-        "this study is being rehearsed already",
+        "this study is already being rehearsed",
         where=folder.root,
-        remedy="Wait until the other 'motionjury rehearse' is done, or stop it",
+        remedy="Wait until the other 'motionjury rehearse' ends, or stop it",
     )
     with lock_folder(folder.root, busy=busy), ExitStack() as opened:
         truth, note = prepare(folder, seed=seed, population=population)
         database = opened.enter_context(closing(Database.open(sqlite_url(folder.rehearsal))))
-        roster = call_roster(database, count, truth)
+        roster = read_roster(database, count, truth)
         kept = len(roster.finished)
-        on_done(roster.wanted - len(roster.remaining), roster.wanted)
+        on_done(roster.total - len(roster.remaining), roster.total)
         if roster.remaining:
             server = opened.enter_context(rehearsal_server(folder, speed=speed))
-        # Who is excluded or leaves may open the place again, so that somebody else is awaited.
+        # An exclusion or a dropout may release a place for another participant.
         while roster.remaining:
-            let_time_pass(database, roster, study.lease_minutes)
-            somebody = Participant(
+            expire_leases(database, roster, study.lease_minutes)
+            template = Participant(
                 name="",
                 study=study,
                 population=truth.population,
@@ -119,88 +116,89 @@ def rehearse(
                 speed=speed,
                 stop=Event(),
             )
-            crowd = Crowd(like=somebody, ledger=Ledger(folder.acknowledged), server=server)
+            crowd = Crowd(template=template, ledger=Ledger(folder.acknowledged), server=server)
             crowd.take_part(roster, workers=workers, on_done=on_done)
-            roster = call_roster(database, count, truth)
-        let_time_pass(database, roster, study.lease_minutes)
+            roster = read_roster(database, count, truth)
+        expire_leases(database, roster, study.lease_minutes)
     return RehearsalResult(
         completed=len(roster.finished),
         kept=kept,
-        left=len(roster.gone),
+        left=len(roster.dropouts),
         note=note,
     )
 
 
-def _checked_count(folder: StudyFolder, study: Study, participants: int | None) -> int:
-    """Return how many participants come in all, `participants` of them to each arm."""
+def _count_participants(folder: StudyFolder, study: Study, participants: int | None) -> int:
+    """Return the total number of participants, with `participants` in each arm."""
     arms = study.arms
     if participants is None:
         return sum(arm.places for arm in arms)
     places = min(arm.places for arm in arms)
     if not 1 <= participants <= places:
-        each = " of each comparison" if len(arms) > 1 else ""
+        unit = " of each comparison" if len(arms) > 1 else ""
         raise InputError(
-            f"{participants} participants do not fit into the {places} places{each}",
+            f"{participants} participants do not fit into the {places} places{unit}",
             where=folder.definition,
-            remedy="Ask for fewer, or raise the number of participants there",
+            remedy="Reduce --participants, or increase the number of participants there",
         )
     return participants * len(arms)
 
 
-STAGGER: Final = 0.05
-"""Seconds between the first arrivals."""
+STAGGER_SECONDS: Final = 0.05
+"""Between the first arrivals."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Crowd:
-    """The participants of one run, and what they have in common.
+    """The participants of one run.
 
     Attributes
     ----------
-    like : Participant
-        What each of them is but for the name.
+    template : Participant
+        A participant without a name.
     ledger : Ledger
-        Where they note what they are told.
+        The record of acknowledged answers.
     server : str
         Address of the study's server.
     """
 
-    like: Participant
+    template: Participant
     ledger: Ledger
     server: str
 
     def take_part(
         self, roster: Roster, *, workers: int, on_done: Callable[[int, int], None]
     ) -> None:
-        """Let the rest of `roster` come, `workers` at a time; the first error stops everybody.
+        """Let the remaining participants of `roster` take part; the first error stops all.
 
-        Who leaves to come back comes back after everybody else has come.
+        Participants who leave and come back do so after all others have arrived.
 
         Parameters
         ----------
         roster : Roster
-            Who is still to come.
+            The state of the participants.
         workers : int
-            How many take part at the same time.
+            Number of participants at the same time.
         on_done : callable
-            Called with the number of those who have finished, or left for good, after each, and
-            how many are wanted.
+            Called with (finished or dropped out, total) after each.
 
         Raises
         ------
         InputError
-            If a page lacks something, or the server is gone.
+            If a page lacks something, or the server does not answer.
         """
         away = self.ledger.read().away
-        done = roster.wanted - len(roster.remaining)
+        done = roster.total - len(roster.remaining)
         with ThreadPoolExecutor(workers, thread_name_prefix="participant") as pool:
 
-            def comes(name: str, *, delay: float, is_back: bool) -> Future[bool]:
-                return pool.submit(self._one, name, delay=delay, is_back=is_back)
+            def submit(name: str, *, delay: float, is_back: bool) -> Future[bool]:
+                return pool.submit(self._take_part, name, delay=delay, is_back=is_back)
 
             try:
                 visits = {
-                    comes(name, delay=min(index, workers) * STAGGER, is_back=name in away): name
+                    submit(
+                        name, delay=min(index, workers) * STAGGER_SECONDS, is_back=name in away
+                    ): name
                     for index, name in enumerate(roster.remaining)
                 }
                 while visits:
@@ -208,17 +206,17 @@ class Crowd:
                         name = visits.pop(visit)
                         if visit.result():
                             done += 1
-                            on_done(done, roster.wanted)
+                            on_done(done, roster.total)
                         else:
-                            visits[comes(name, delay=0.0, is_back=True)] = name
+                            visits[submit(name, delay=0.0, is_back=True)] = name
             finally:
-                self.like.stop.set()
+                self.template.stop.set()
                 pool.shutdown(cancel_futures=True)
 
-    def _one(self, name: str, *, delay: float, is_back: bool) -> bool:
-        """Let one participant come; return whether that was for the last time."""
-        self.like.stop.wait(delay)
-        participant = replace(self.like, name=name, ledger=self.ledger)
+    def _take_part(self, name: str, *, delay: float, is_back: bool) -> bool:
+        """Let one participant take part; return whether they are finished or gone."""
+        self.template.stop.wait(delay)
+        participant = replace(self.template, name=name, ledger=self.ledger)
         if is_back:
             self.ledger.returned(name)
         try:
@@ -230,8 +228,8 @@ class Crowd:
             return not departure.returns
         except httpx.TransportError as error:
             raise InputError(
-                f"the study's server does not answer any more ({error})",
+                f"the study's server no longer answers ({error})",
                 where=self.server,
-                remedy="Run the command again: it goes on where it was",
+                remedy="Run the command again to continue",
             ) from error
         return True

@@ -1,4 +1,4 @@
-"""The study's real server, run for a rehearsal on a port of this machine alone."""
+"""The study's real server, run for a rehearsal on a local port."""
 
 from __future__ import annotations
 
@@ -30,21 +30,21 @@ PROCESSES: Final = 2
 START_SECONDS: Final = 120.0
 STOP_SECONDS: Final = 60.0
 PORTS: Final = range(20_000, 30_000)
-"""No system gives these to what only asks others, which might take one before a server does."""
+"""Systems do not assign these to clients, which could take one before the server does."""
 
 
 @contextmanager
 def rehearsal_server(folder: StudyFolder, *, speed: float) -> Iterator[str]:
-    """Serve `folder` as it is served to people, but for the clock and the database.
+    """Serve `folder` as for participants, except for the clock and the database.
 
-    However the block ends, the server is stopped.
+    The server is stopped however the block ends.
 
     Parameters
     ----------
     folder : StudyFolder
-        The study; answers go to its ``rehearsal.db``.
+        The study; answers are stored in its ``rehearsal.db``.
     speed : float
-        How much faster than real the server's clock runs.
+        Speed of the server's clock, relative to real time.
 
     Yields
     ------
@@ -54,45 +54,45 @@ def rehearsal_server(folder: StudyFolder, *, speed: float) -> Iterator[str]:
     Raises
     ------
     InputError
-        If it does not start; the message holds its last words.
+        If it does not start; the message contains its last output.
     """
     port = free_port()
-    with tempfile.TemporaryFile() as words, _ended_by_sigterm():
+    with tempfile.TemporaryFile() as output, _exit_on_sigterm():
         process = subprocess.Popen(  # noqa: S603 - its own interpreter and module
             [sys.executable, "-m", __name__, str(folder.root), str(port), repr(speed)],
-            # Held open by this process alone: its end tells the server that nobody is left.
+            # Held open by this process; its end tells the server to stop.
             stdin=subprocess.PIPE,
-            stdout=words,
+            stdout=output,
             stderr=subprocess.STDOUT,
-            # Ctrl-C in the terminal is for the rehearsal, which then stops the server itself.
+            # Ctrl-C reaches only the rehearsal, which then stops the server.
             start_new_session=True,
         )
         try:
             address = f"http://{HOST}:{port}"
             if not _is_up(process, address):
-                last = _said(words).splitlines()[-1:]
+                last = _read_output(output).splitlines()[-1:]
                 raise InputError(
-                    f"the study's server did not start: {' '.join(last) or 'it said nothing'}",
+                    f"the study's server did not start: {' '.join(last) or 'no output'}",
                     where=folder.root,
-                    remedy="Try 'motionjury serve' to see all it says",
+                    remedy="Run 'motionjury serve' to see all its output",
                 )
             yield address
         except InputError as error:
-            # Shown with the traceback: what failed in the server is in its words alone.
-            error.add_note(f"The study's server said: {_said(words) or 'nothing'}")
+            # Shown with the traceback: only the output explains what failed in the server.
+            error.add_note(f"Output of the study's server: {_read_output(output) or 'none'}")
             raise
         finally:
             _stop(process)
 
 
-def _said(words: IO[bytes]) -> str:
-    """Return all that the server has written so far."""
-    words.seek(0)
-    return words.read().decode(errors="replace").strip()
+def _read_output(output: IO[bytes]) -> str:
+    """Return the server's output so far."""
+    output.seek(0)
+    return output.read().decode(errors="replace").strip()
 
 
 def free_port() -> int:
-    """Return a port of the loopback that nobody listens on."""
+    """Return an unused port of the loopback."""
     while True:
         port = secrets.choice(PORTS)
         with suppress(OSError), socket.socket() as listener:
@@ -101,7 +101,7 @@ def free_port() -> int:
 
 
 def _is_up(process: subprocess.Popen[bytes], address: str) -> bool:
-    """Wait until the server answers; False when it ended or takes too long."""
+    """Wait until the server answers; return False if it ended or takes too long."""
     deadline = time.monotonic() + START_SECONDS
     with study_client(address) as client:
         while time.monotonic() < deadline and process.poll() is None:
@@ -113,27 +113,27 @@ def _is_up(process: subprocess.Popen[bytes], address: str) -> bool:
 
 
 def _stop(process: subprocess.Popen[bytes]) -> None:
-    """End the server with all its processes, gently at first."""
+    """Stop the server with all its processes, by force if needed."""
     with process:
         process.terminate()
         try:
             process.wait(STOP_SECONDS)
         except subprocess.TimeoutExpired:
-            # With its worker processes, which have the session that it was started in.
+            # This includes its worker processes, which share its session.
             os.killpg(process.pid, signal.SIGKILL)
 
 
 @contextmanager
-def _ended_by_sigterm() -> Iterator[None]:
-    """Let a SIGTERM leave the block as Ctrl-C does, so that the server is not left behind."""
+def _exit_on_sigterm() -> Iterator[None]:
+    """Let SIGTERM leave the block like Ctrl-C, so that the server is stopped."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
 
-    def leave(number: int, _frame: FrameType | None) -> None:
+    def exit_(number: int, _frame: FrameType | None) -> None:
         raise SystemExit(128 + number)
 
-    before = signal.signal(signal.SIGTERM, leave)
+    before = signal.signal(signal.SIGTERM, exit_)
     try:
         yield
     finally:
@@ -141,17 +141,17 @@ def _ended_by_sigterm() -> Iterator[None]:
 
 
 def _serve(arguments: list[str]) -> None:
-    """Be the server: study folder, port and speed are the command's arguments."""
+    """Run the server; the arguments are study folder, port and speed."""
     folder, port, speed = arguments
-    threading.Thread(target=_end_with_the_rehearsal, daemon=True).start()
+    threading.Thread(target=_stop_with_rehearsal, daemon=True).start()
     try:
         run_server(Path(folder), HOST, int(port), PROCESSES, rehearsal_speed=float(speed))
     except InputError as error:
         sys.exit(str(error))
 
 
-def _end_with_the_rehearsal() -> None:
-    """Wait until the rehearsal is gone, however it went, and end this server then."""
+def _stop_with_rehearsal() -> None:
+    """Wait until the rehearsal has ended, and stop this server."""
     os.read(sys.stdin.fileno(), 1)
     os.kill(os.getpid(), signal.SIGTERM)
 

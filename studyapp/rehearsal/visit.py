@@ -1,4 +1,4 @@
-"""What a browser does for a simulated participant: open pages, play videos, send forms."""
+"""A simulated participant's browser: opening pages, playing videos, sending forms."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ REQUEST_SECONDS: Final = 60.0
 def study_client(server: str) -> httpx.Client:
     """Return a client for one participant of the server at address `server`.
 
-    Every request opens a connection of its own. A server closes those that nobody has used for
-    some seconds, as long as a participant may watch; a request on its way at that very moment
-    would be lost, and only browsers send it again by themselves.
+    Every request opens a new connection. A server closes idle connections after some seconds, as
+    long as a participant may watch. A request sent at that moment would be lost, and only browsers
+    retry it.
     """
     return httpx.Client(
         base_url=server,
@@ -29,19 +29,19 @@ def study_client(server: str) -> httpx.Client:
         timeout=REQUEST_SECONDS,
         limits=httpx.Limits(max_keepalive_connections=0),
         trust_env=False,
-        # Certificates are not needed on the loopback, and loading them takes longer than a visit.
+        # The loopback needs no certificates, and loading them takes longer than a visit.
         verify=ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT),
         headers={"Accept": "text/html"},
     )
 
 
-class Departure(Exception):  # noqa: N818 - it is no error
+class Departure(Exception):  # noqa: N818 - not an error
     """A participant has left.
 
     Attributes
     ----------
     returns : bool
-        Whether to come back later.
+        Whether the participant comes back later.
     """
 
     def __init__(self, *, returns: bool) -> None:
@@ -49,28 +49,28 @@ class Departure(Exception):  # noqa: N818 - it is no error
         self.returns = returns
 
 
-class InterruptedRehearsal(Exception):  # noqa: N818 - it is no error
-    """The rehearsal is to stop; what was answered is kept."""
+class InterruptedRehearsal(Exception):  # noqa: N818 - not an error
+    """The rehearsal stops; stored answers are kept."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Visit:
-    """What stands for one browser window: its requests.
+    """A browser window of a participant.
 
     Attributes
     ----------
     client : httpx.Client
         Follows redirects.
     stop : Event
-        Set when the rehearsal is to stop.
+        Set when the rehearsal stops.
     speed : float
-        How fast the rehearsal's clock runs.
+        Speed of the rehearsal's clock.
     watches : float
-        Share of each video that is watched, in [0, 1].
+        Watched share of each video, in [0, 1].
     thinks : float
         Seconds on that clock between the last video and the answers.
     clicks_twice : bool
-        Whether every button is pressed twice, as fast as that goes.
+        Whether every button is pressed twice at once.
     """
 
     client: httpx.Client
@@ -80,8 +80,8 @@ class Visit:
     thinks: float = 0.0
     clicks_twice: bool = False
 
-    def rest(self, seconds: float) -> None:
-        """Let so much time pass on the rehearsal's clock."""
+    def wait(self, seconds: float) -> None:
+        """Wait for `seconds` on the rehearsal's clock."""
         if self.stop.wait(seconds / self.speed):
             raise InterruptedRehearsal
 
@@ -95,50 +95,48 @@ class Visit:
         Raises
         ------
         BrokenPageError
-            If it is not taken; from who clicks twice, both must be.
+            If it is not accepted; of two clicks, both must be.
         """
-        data = page.filled(form, answers)
+        data = page.fill(form, answers)
         if self.stop.is_set():
             raise InterruptedRehearsal
         target = page.target(form)
         if not self.clicks_twice:
             return _page(self.client.post(target, data=data))
-        with ThreadPoolExecutor(2) as clicks:
-            sent = [clicks.submit(self.client.post, target, data=data) for _ in range(2)]
-            return [_page(each.result()) for each in sent][-1]
+        with ThreadPoolExecutor(2) as pool:
+            clicks = [pool.submit(self.client.post, target, data=data) for _ in range(2)]
+            return [_page(click.result()) for click in clicks][-1]
 
     def watch(self, page: Page) -> None:
-        """Play the videos on `page` on the rehearsal's clock, one after the other, and think.
-
-        The reports say no more than the truth: the intervals that the clock let pass.
-        """
+        """Play the videos on `page` one after the other on the rehearsal's clock, and think."""
         for player in page.players:
             self._stream(page, player.source, "video")
-            self.rest(player.duration * self.watches)
+            self.wait(player.duration * self.watches)
             self._report(page, player)
-        self.rest(self.thinks)
+        self.wait(self.thinks)
 
     def listen(self, page: Page) -> None:
-        """Fetch what can be listened to on `page`."""
+        """Fetch the sounds on `page`."""
         for source in page.sounds:
             self._stream(page, source, "audio")
 
     def _stream(self, page: Page, source: str, kind: str) -> None:
-        opening = self.client.get(source, headers={"Range": "bytes=0-1023"})
-        found = opening.headers.get("content-type", "")
-        if opening.status_code != httpx.codes.PARTIAL_CONTENT or not found.startswith(f"{kind}/"):
+        partial = self.client.get(source, headers={"Range": "bytes=0-1023"})
+        content_type = partial.headers.get("content-type", "")
+        is_kind = content_type.startswith(f"{kind}/")
+        if partial.status_code != httpx.codes.PARTIAL_CONTENT or not is_kind:
             raise BrokenPageError(
                 page,
                 f"has {'a video' if kind == 'video' else 'a sound'} that cannot be streamed "
-                f"(status {opening.status_code}, {found or 'no'} content type)",
+                f"(status {partial.status_code}, {content_type or 'no'} content type)",
             )
 
     def _report(self, page: Page, player: Player) -> None:
         played = {"batch": 0, "intervals": [[0.0, player.duration * self.watches]]}
-        told = self.client.post(player.watched_address, json=played)
-        if told.is_error:
+        response = self.client.post(player.watched_address, json=played)
+        if response.is_error:
             raise BrokenPageError(
-                page, f"does not accept what was watched (status {told.status_code})"
+                page, f"does not accept a report of watching (status {response.status_code})"
             )
 
 

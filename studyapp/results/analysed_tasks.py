@@ -1,4 +1,4 @@
-"""The tasks of a study with their answers, and whom its rules leave out of each."""
+"""The tasks of a study with their answers and exclusions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from analysis.answers.participants import LeftOut, leave_out
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import LAYOUTS, AnswerTable
 from studyapp.results.answer_table import empty_answers, study_answers
-from studyapp.results.answers import of_present_design
+from studyapp.results.answers import has_current_design
 from studyapp.results.stated_beforehand import StudyExclusions, decided_by_hand, study_exclusions
 from studyapp.results.stored_answers import Answers
 from studyapp.study.protocols.ranking import RankingStudy
@@ -32,13 +32,13 @@ class AnalysedTask:
     Attributes
     ----------
     protocol : str
-        How it is analysed.
+        The protocol of its analysis.
     rows : DataFrame
-        What was answered, in the columns of ``docs/report-contract.md``, as text.
+        Its answers as text, in the columns of ``docs/report-contract.md``.
     table : AnswerTable
-        The same, checked.
+        The same, validated.
     left_out : LeftOut
-        Whom the rules leave out.
+        The excluded participants.
     """
 
     protocol: str
@@ -47,11 +47,10 @@ class AnalysedTask:
     left_out: LeftOut
 
 
-def rules_of(study: Study, answers: Answers) -> StudyExclusions:
-    """Return the rules of `study`, and what researchers decided by hand.
+def exclusions_of(study: Study, answers: Answers) -> StudyExclusions:
+    """Return the exclusion rules of `study`, and the exclusions by hand.
 
-    Exploratory are the latter, and rules that the study file did not state when the first
-    participant came.
+    The latter, and rules that were added after the first participant arrived, are exploratory.
     """
     before = answers.stated if answers.origin == "participants" else None
     return study_exclusions(
@@ -62,52 +61,54 @@ def rules_of(study: Study, answers: Answers) -> StudyExclusions:
 
 
 def analysed_tasks(study: Study, answers: Answers) -> list[AnalysedTask]:
-    """Return the tasks of `study`, the one that it is named after first.
+    """Return the tasks of `study`, the task of its protocol first.
 
     Raises
     ------
     InputError
         If the answers contradict the study.
     """
-    rules, stored = rules_of(study, answers), answers.stored
-    given = (
+    rules, stored = exclusions_of(study, answers), answers.stored
+    answered = (
         empty_answers(study)
         if stored is None
-        else study_answers(study, stored.part(of_present_design(stored.study_sessions)))
+        else study_answers(study, stored.part(has_current_design(stored.study_sessions)))
     )
     tasks = []
-    for protocol, rows in given.tables.items():
+    for protocol, rows in answered.tables.items():
         table = answers_in(
             Cells(path=Path(ANSWERS), rows=rows, numbers=pd.RangeIndex(len(rows)) + 2, ignored=()),
             LAYOUTS[protocol],
             Order(
-                conditions=compared(study),
+                conditions=compared_conditions(study),
                 questions=tuple(question.name for question in study.questions),
                 sets=study.parts,
                 scales=_scales(study),
             ),
         )
-        left_out = leave_out(table, rules.rules, planned=rules.planned, known=given.known)
+        left_out = leave_out(table, rules.rules, planned=rules.planned, known=answered.known)
         tasks.append(AnalysedTask(protocol=protocol, rows=rows, table=table, left_out=left_out))
     return tasks
 
 
 def _scales(study: Study) -> dict[str, tuple[int, int]]:
-    """Return between which ratings each question's scale lies; empty where nothing is rated."""
+    """Return the lowest and highest rating of each question; empty without ratings."""
     if not isinstance(study, RatingStudy):
         return {}
-    return {one.name: (min(one.values), max(one.values)) for one in study.questions}
+    return {
+        question.name: (min(question.values), max(question.values)) for question in study.questions
+    }
 
 
-def compared(study: Study) -> tuple[str, ...]:
-    """Return the conditions that are compared, in the order of the study file."""
+def compared_conditions(study: Study) -> tuple[str, ...]:
+    """Return the compared conditions in the order of the study file."""
     if isinstance(study, RankingStudy):
         return tuple(name for name in study.conditions if name != study.reference)
     return tuple(study.conditions)
 
 
 def study_notes(study: Study) -> tuple[str, ...]:
-    """Return it, as sentences."""
+    """Return what a report and a check note about the study's design."""
     if study.has_recording or not study.catch.trials:
         return ()
     names = study.display_names

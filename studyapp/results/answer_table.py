@@ -1,7 +1,7 @@
-"""A study's stored answers in the columns that every report is made from.
+"""A study's stored answers in the columns of ``docs/report-contract.md``.
 
-The columns are those of ``docs/report-contract.md``: a study is analysed like any platform's table,
-and the table that its report writes gives the same results again.
+A study is analysed like a table from any platform, and the table in its report reproduces the
+results.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SHARED: Final = (
     *("participant", "segment", "question", "trial", "kind", "set", "emotion", "speaker"),
     *("response_seconds", "watched", "instructed"),
 )
-"""Columns of every protocol's table."""
+"""Columns of all protocols."""
 
 OWN: Final[Mapping[str, tuple[str, ...]]] = {
     "pairwise": ("left", "right", "response", "correct_side"),
@@ -35,10 +35,10 @@ OWN: Final[Mapping[str, tuple[str, ...]]] = {
     "ranking": ("condition", "rank"),
     "mismatch": ("condition", "left_speech", "right_speech", "response", "correct_side"),
 }
-"""Columns of one protocol's."""
+"""Further columns of each protocol."""
 
 PARTS_OF: Final[Mapping[str, str]] = {"mismatch": FIT, "pairwise": REALISM}
-"""Of a mismatch study, the part that each of its two tasks is."""
+"""The part of a mismatch study that each of its two tasks analyses."""
 
 KNOWN_COLUMNS: Final = (
     *("study_session", "trials", "settled", "left_out_catch", "left_out_attention"),
@@ -46,23 +46,22 @@ KNOWN_COLUMNS: Final = (
 )
 
 AFTER_LOOK: Final = " (decided after results had been looked at)"
-"""Behind a researcher's reason to exclude somebody."""
+"""Appended to a researcher's reason for an exclusion."""
 
 MIDDLE: Final = 3
-"""What stands in a table for 'no difference', which is stored as 0."""
+"""The value of 'no difference' in a table; it is stored as 0."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StudyAnswers:
-    """What a study's participants answered, for the report.
+    """A study's answers for its report.
 
     Attributes
     ----------
     tables : mapping of str to DataFrame
-        By protocol: a study that asks for mismatch and for realism gives two tables. All cells
-        are text.
+        By protocol; a mismatch study can have two. All cells are text.
     known : mapping of participant to KnownFacts
-        What a table cannot tell of each.
+        Facts that the tables do not contain.
     """
 
     tables: Mapping[str, pd.DataFrame]
@@ -70,20 +69,12 @@ class StudyAnswers:
 
 
 def study_answers(study: Study, stored: StoredAnswers) -> StudyAnswers:
-    """Return what is stored in the report's columns.
-
-    Parameters
-    ----------
-    study : Study
-        What was asked, and how catch trials are judged.
-    stored : StoredAnswers
-        Of the study sessions that are reported.
-    """
-    return StudyAnswers(tables=_tables(study, stored), known=_known(study, stored))
+    """Return stored answers, of the reported study sessions, in the report's columns."""
+    return StudyAnswers(tables=_tables(study, stored), known=_known_facts(study, stored))
 
 
 def empty_answers(study: Study) -> StudyAnswers:
-    """Return what there is to report before anybody has come: tables without a row."""
+    """Return tables without rows, for a report before there are answers."""
     protocols = [study.protocol]
     if study.protocol == "mismatch":
         protocols = [protocol for protocol, part in PARTS_OF.items() if part in study.parts]
@@ -117,7 +108,7 @@ def _tables(study: Study, stored: StoredAnswers) -> dict[str, pd.DataFrame]:
 
 
 def _table(protocol: str, rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the columns of a protocol's table, every cell as text."""
+    """Return the columns of a protocol's table, with all cells as text."""
     named = rows.drop(columns="trial").rename(
         columns={"study_session": "participant", "position": "trial", "seconds": "response_seconds"}
     )
@@ -131,7 +122,7 @@ def _table(protocol: str, rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _text(column: pd.Series[Any]) -> pd.Series[str]:
-    """Return cells as text, empty where there is no value; whole numbers without a point."""
+    """Return cells as text; missing values are empty, whole numbers have no point."""
     codes, values = pd.factorize(column)
     words = np.array([*(_word(value) for value in values), ""], dtype=object)
     return pd.Series(words[codes], dtype=str)
@@ -144,7 +135,7 @@ def _word(value: object) -> str:
 
 
 def sides(stimuli: pd.DataFrame) -> pd.DataFrame:
-    """Return what each trial showed on the left and on the right; trials with a pair only."""
+    """Return the left and right stimulus of each trial with a pair."""
     columns = ["trial", "condition", "segment", "speech"]
     stimuli = stimuli[stimuli.groupby("trial")["number"].transform("size") == 2]
     left, right = (stimuli.loc[stimuli["number"] == number, columns] for number in (1, 2))
@@ -174,20 +165,20 @@ def _speeches(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _each_stimulus(study: Study, rows: pd.DataFrame) -> pd.DataFrame:
-    """Return ratings and ranks; catch trials have no side to be right and are judged apart."""
+    """Return ratings and ranks, without catch trials, which have no correct side here."""
     rows = rows[rows["kind"] != "catch"]
     if isinstance(study, RankingStudy):
         first = rows["instructed"] == rows["stimulus"]
         return rows.assign(rank=rows["value"], instructed=np.where(first, 1.0, np.nan))
     if isinstance(study, RatingStudy):
-        # An attention check asks for one of the labels; a slider has more values than that.
+        # An attention check asks for a label; a slider has more values.
         labels = [q.name for q in study.questions if len(q.values) == SCALE_STEPS]
-        asked = rows["instructed"].where(rows["question"].isin(labels))
-        return rows.assign(response=rows["value"], instructed=asked)
+        instructed = rows["instructed"].where(rows["question"].isin(labels))
+        return rows.assign(response=rows["value"], instructed=instructed)
     raise TypeError(f"answers of a {study.protocol} study are not about single stimuli")
 
 
-def _known(study: Study, stored: StoredAnswers) -> dict[str, KnownFacts]:
+def _known_facts(study: Study, stored: StoredAnswers) -> dict[str, KnownFacts]:
     failed = _failures(study, stored)
     sessions = stored.study_sessions
     return {
@@ -202,9 +193,9 @@ def _known(study: Study, stored: StoredAnswers) -> dict[str, KnownFacts]:
                 if study.attention.trials
                 else None
             ),
-            decided=f"{decided}{AFTER_LOOK}" if decided and after_look else str(decided),
+            decided=f"{reason}{AFTER_LOOK}" if reason and after_look else str(reason),
         )
-        for session, trials, settled, no_catch, no_attention, decided, after_look in zip(
+        for session, trials, settled, no_catch, no_attention, reason, after_look in zip(
             *(sessions[name].tolist() for name in KNOWN_COLUMNS),
             strict=True,
         )
@@ -214,19 +205,19 @@ def _known(study: Study, stored: StoredAnswers) -> dict[str, KnownFacts]:
 def _failures(study: Study, stored: StoredAnswers) -> dict[tuple[int, str], int]:
     """Return how many catch trials and attention checks each study session failed."""
     judged = stored.trials[stored.trials["kind"].isin(["catch", "attention"])]
-    wanted = judged["trial"]
+    trials = judged["trial"]
     answers: dict[Any, dict[AnswerKey, int]] = {
         trial: {
             (question, number or None): value
             for question, number, value in zip(
-                given["question"], given["stimulus"].tolist(), given["value"].tolist(), strict=True
+                group["question"], group["stimulus"].tolist(), group["value"].tolist(), strict=True
             )
         }
-        for trial, given in stored.answers[stored.answers["trial"].isin(wanted)].groupby("trial")
+        for trial, group in stored.answers[stored.answers["trial"].isin(trials)].groupby("trial")
     }
     conditions: dict[Any, tuple[str, ...]] = {
         trial: tuple(shown)
-        for trial, shown in stored.stimuli[stored.stimuli["trial"].isin(wanted)].groupby("trial")[
+        for trial, shown in stored.stimuli[stored.stimuli["trial"].isin(trials)].groupby("trial")[
             "condition"
         ]
     }

@@ -1,4 +1,4 @@
-"""What has been answered so far, by participants or in a rehearsal, and by which arms."""
+"""The answers so far, of participants or a rehearsal, and the state of each arm."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from studyapp.study.settings.study import Study
 
 
 def answers_to_report(folder: StudyFolder) -> Answers:
-    """Return the real answers where there are any, else the rehearsal's, else none."""
+    """Return the real answers if there are any, else the rehearsal's, else none."""
     real = read_answers(folder, "participants")
     if real.origin != "none":
         return real
@@ -48,15 +48,15 @@ def read_rehearsal(folder: StudyFolder) -> Answers:
         raise InputError(
             "nothing has been rehearsed",
             where=folder.root,
-            remedy="Run 'motionjury rehearse' first, or leave out --rehearsal",
+            remedy="Run 'motionjury rehearse' first, or omit --rehearsal",
         )
     return rehearsed
 
 
 def read_answers(folder: StudyFolder, origin: Source) -> Answers:
-    """Return the answers of participants or of a rehearsal; the database is left as it is.
+    """Return the answers of participants or of a rehearsal, without changing the database.
 
-    Where another lab has passed the study on, its files take the place of a database.
+    A study from another lab has files instead of a database.
     """
     if folder.shared_answers.is_dir():
         return _shared(folder, origin)
@@ -65,15 +65,12 @@ def read_answers(folder: StudyFolder, origin: Source) -> Answers:
 
 
 def answers_in(session: Session | None, origin: Source, *, in_full: bool = False) -> Answers:
-    """Return the answers in a `snapshot`, for whoever reads more of the same state.
-
-    For `in_full` see `stored_answers`.
-    """
+    """Return the answers in a `snapshot`; for `in_full` see `stored_answers`."""
     if session is None:
         return NO_ANSWERS
     stored = stored_answers(session, in_full=in_full)
     sessions = stored.study_sessions
-    versions = sessions.loc[of_present_design(sessions), "version"]
+    versions = sessions.loc[has_current_design(sessions), "version"]
     stated = None if versions.empty else stated_study(session, int(versions.min()))
     return Answers(origin="none" if stored.answers.empty else origin, stored=stored, stated=stated)
 
@@ -82,29 +79,27 @@ def _shared(folder: StudyFolder, origin: Source) -> Answers:
     for database in (folder.responses, folder.rehearsal):
         if database.exists():
             raise InputError(
-                "there is a database beside the answers that another lab has passed on",
+                "this study has both a database and answers from another lab",
                 where=database,
-                remedy=f"Move one of them elsewhere: the database, or {folder.shared_answers}",
+                remedy=f"Move either the database or {folder.shared_answers} elsewhere",
             )
     return read_shared_answers(folder.shared_answers, origin)
 
 
 @contextmanager
 def snapshot(folder: StudyFolder, origin: Source) -> Iterator[Session | None]:
-    """Give one state of the database that holds the answers; None where there is none yet.
-
-    Whatever is read in it belongs together, whoever withdraws meanwhile.
+    """Yield a consistent state of the database with the answers; None if there is none.
 
     Raises
     ------
     InputError
-        If another lab has passed the study on, so that its tables are there already.
+        If the study comes from another lab, with tables instead of a database.
     """
     if folder.shared_answers.is_dir():
         raise InputError(
-            "this study has been passed on, with tables in place of a database",
+            "this study comes from another lab, with tables instead of a database",
             where=folder.shared_answers,
-            remedy="Use the tables of the folder that it lies in, or report it",
+            remedy="Use the tables in the shared folder, or report the study",
         )
     url = database_url_of(folder.root, rehearsal=origin == "rehearsal")
     database = Database.open_for_reading(url)
@@ -115,11 +110,11 @@ def snapshot(folder: StudyFolder, origin: Source) -> Iterator[Session | None]:
         yield session
 
 
-def of_present_design(study_sessions: pd.DataFrame) -> NDArray[np.bool_]:
-    """Tell which study sessions were asked what the latest of their arm were asked.
+def has_current_design(study_sessions: pd.DataFrame) -> NDArray[np.bool_]:
+    """Return which study sessions have the current design of their arm.
 
-    A new version of a study may change what the participants of an arm see; answers from before
-    are then answers to something else. An arm that it leaves alone keeps its participants.
+    A new version of a study may change what participants of an arm see; earlier answers then
+    belong to another design. Arms that do not change keep their participants.
     """
     latest = (
         study_sessions.sort_values(["version", "study_session"])
@@ -134,45 +129,45 @@ def of_present_design(study_sessions: pd.DataFrame) -> NDArray[np.bool_]:
 
 
 def arm_states(study: Study, stored: StoredAnswers) -> tuple[ArmState, ...]:
-    """Return what is known of each arm's participants, in the order of the study.
+    """Return the state of each arm, in the order of the study.
 
     Parameters
     ----------
     study : Study
-        With its places.
+        The study with its places.
     stored : StoredAnswers
-        All study sessions, and how many places there are beyond those of the study.
+        All study sessions, and the number of additional places.
     """
     study_sessions = stored.study_sessions
     places = {arm.name: arm.places + stored.more_places for arm in study.arms}
     names = dict.fromkeys((*places, *map(str, study_sessions["arm"])))
-    present = of_present_design(study_sessions)
+    present = has_current_design(study_sessions)
     withdrawn = study_sessions["withdrawn"].to_numpy(bool)
     completed = study_sessions["completed"].to_numpy(bool)
     unwatched = study_sessions["unwatched"].to_numpy(bool) & ~withdrawn
     states = []
     for name in names:
-        own = (study_sessions["arm"] == name).to_numpy(bool)
+        in_arm = (study_sessions["arm"] == name).to_numpy(bool)
         states.append(
             ArmState(
                 arm=name if len(names) > 1 else EVERYBODY,
                 places=places.get(name),
-                opened=int(own.sum()),
-                withdrawn=int((own & withdrawn).sum()),
-                earlier=int((own & ~present & ~withdrawn).sum()),
-                unwatched=int((own & present & unwatched).sum()),
-                completed=int((own & present & ~withdrawn & completed).sum()),
+                opened=int(in_arm.sum()),
+                withdrawn=int((in_arm & withdrawn).sum()),
+                earlier=int((in_arm & ~present & ~withdrawn).sum()),
+                unwatched=int((in_arm & present & unwatched).sum()),
+                completed=int((in_arm & present & ~withdrawn & completed).sum()),
             )
         )
     return tuple(states)
 
 
-def arm_of_each(study: Study, study_sessions: pd.DataFrame) -> dict[str, str]:
-    """Return the arm of each study session under the name that `arm_states` gives it."""
+def arm_by_session(study: Study, study_sessions: pd.DataFrame) -> dict[str, str]:
+    """Return the name in `arm_states` of each study session's arm."""
     arms = study_sessions["arm"].astype(str)
     names = {arm.name for arm in study.arms} | set(arms)
-    one = len(names) == 1
+    single = len(names) == 1
     return {
-        str(session): EVERYBODY if one else arm
+        str(session): EVERYBODY if single else arm
         for session, arm in zip(study_sessions["study_session"].tolist(), arms, strict=True)
     }

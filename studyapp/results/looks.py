@@ -1,4 +1,4 @@
-"""Looks at results: which there were and are logged, and the results so far, as pages show them."""
+"""Looks at results: the log of looks, and interim results for researchers' pages."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from studyapp.desk.jobs import RESEARCHER
 from studyapp.researchers.audit import StudyState, log_look
 from studyapp.researchers.interim_figures import Basis, Document
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
-from studyapp.results.answers import of_present_design, read_answers
+from studyapp.results.answers import has_current_design, read_answers
 from studyapp.results.stored_answers import Answers, StoredAnswers
 from studyapp.side_process import give_way
 from studyapp.study.folder import StudyFolder
@@ -31,10 +31,10 @@ from studyapp.study.settings.study import Study
 
 
 def earlier_looks(study: Study, answers: Answers) -> LooksBefore:
-    """Return the looks at results before the answers that are reported.
+    """Return the looks at results before the reported answers.
 
-    Those at these very answers are left out: a report is no look before itself, so that it is the
-    same however often it is written, and by whom.
+    Looks at exactly these answers do not count, so that a report stays the same however often it
+    is written.
     """
     if answers.origin != "participants" or answers.stored is None:
         return NOT_LOGGED
@@ -44,17 +44,17 @@ def earlier_looks(study: Study, answers: Answers) -> LooksBefore:
     return looks_before(logged, finished=state.finished, answers=state.answers)
 
 
-def with_looks_before(study: Study, stored: StoredAnswers) -> StoredAnswers:
-    """Return `stored` without the looks at these very answers, which change no report of them.
+def drop_current_looks(study: Study, stored: StoredAnswers) -> StoredAnswers:
+    """Return `stored` without looks at exactly these answers, which change no report of them.
 
-    So a folder for another lab is the same bytes however often the answers were looked at.
+    This keeps a folder for another lab the same, however often the answers were looked at.
     """
     state, looks = study_state(study, stored), stored.looks
-    present = (looks["finished"] == state.finished) & (looks["answers"] == state.answers)
-    return replace(stored, looks=looks[~present].reset_index(drop=True))
+    current = (looks["finished"] == state.finished) & (looks["answers"] == state.answers)
+    return replace(stored, looks=looks[~current].reset_index(drop=True))
 
 
-def note_way_out(
+def record_look(
     folder: StudyFolder,
     study: Study,
     answers: Answers,
@@ -62,17 +62,17 @@ def note_way_out(
     way: Literal["report", "export"],
     reason: str,
 ) -> str:
-    """Log that answers of participants are reported or exported, before they are.
+    """Log that participants' answers are about to be reported or exported.
 
     Parameters
     ----------
     reason : str
-        Why, where it was said.
+        The researcher's reason; may be empty.
 
     Returns
     -------
     str
-        What whoever does it must know, in sentences; empty where everybody has finished.
+        A warning about interim looks; empty once all have finished.
     """
     shared = folder.shared_answers.is_dir()
     if shared or answers.origin != "participants" or answers.stored is None:
@@ -89,32 +89,32 @@ def note_way_out(
     if not state.is_interim:
         return ""
     logged = (
-        f"It could not be logged that you looked: {problem} Say so where you publish."
+        f"This look could not be logged: {problem} Mention it when you publish."
         if problem
-        else "That you looked is logged, and later reports say so."
+        else "This look is logged, and later reports mention it."
     )
-    seen = "the report shows" if way == "report" else "the answers show"
+    source = "the report" if way == "report" else "the answers"
     have = "has" if state.finished == 1 else "have"
     return (
-        f"{state.finished} of {state.planned} planned participants {have} finished. To stop, "
-        f"extend or change the study because of what {seen} makes false findings likelier. "
+        f"{state.finished} of {state.planned} planned participants {have} finished. Stopping, "
+        f"extending or changing the study because of {source} makes false findings more likely. "
         f"{logged}"
     )
 
 
 def study_state(study: Study, stored: StoredAnswers) -> StudyState:
-    """Return how far the study is."""
+    """Return the state of the study."""
     sessions = stored.study_sessions
-    done = sessions["completed"].to_numpy(bool) & sessions["placed"].to_numpy(bool)
+    completed = sessions["completed"].to_numpy(bool) & sessions["placed"].to_numpy(bool)
     return StudyState(
-        finished=int((done & of_present_design(sessions)).sum()),
+        finished=int((completed & has_current_design(sessions)).sum()),
         planned=sum(arm.places + stored.more_places for arm in study.arms),
         answers=len(stored.answers),
     )
 
 
 def agreement_so_far(folder: StudyFolder) -> Document:
-    """Return how far participants agree; it does not tell what they prefer.
+    """Return how much participants agree, which does not reveal what they prefer.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def agreement_so_far(folder: StudyFolder) -> Document:
 
 
 def results_so_far(folder: StudyFolder) -> Document:
-    """Return the headline numbers of the report, as far as there are answers.
+    """Return the report's headline numbers for the answers so far.
 
     Raises
     ------
@@ -137,10 +137,10 @@ def results_so_far(folder: StudyFolder) -> Document:
 
 def _document(
     folder: StudyFolder,
-    found_in: Callable[[AnalysedTask], Iterable[AgreedSoFar] | Iterable[HeadlineNumber]],
+    summarise: Callable[[AnalysedTask], Iterable[AgreedSoFar] | Iterable[HeadlineNumber]],
 ) -> Document:
     basis, tasks = _analysed(folder)
-    rows = tuple(_row(task.protocol, one) for task in tasks for one in found_in(task))
+    rows = tuple(_row(task.protocol, number) for task in tasks for number in summarise(task))
     return Document(basis=basis, rows=rows)
 
 
@@ -162,11 +162,11 @@ def _analysed(folder: StudyFolder) -> tuple[Basis, Sequence[AnalysedTask]]:
     return basis, tasks
 
 
-def _row(task: str, found: AgreedSoFar | HeadlineNumber) -> dict[str, Any]:
-    """Return what is shown of a number; no p, which would assume that nobody looks before."""
-    names = [each.name for each in fields(found) if each.name != "p_value"]
-    row = {name: plain(getattr(found, name)) for name in names}
-    return row | {"task": task, "set": found.set or ""}
+def _row(task: str, number: AgreedSoFar | HeadlineNumber) -> dict[str, Any]:
+    """Return a number for pages, without its p value, which assumes that there is no early look."""
+    names = [field.name for field in fields(number) if field.name != "p_value"]
+    row = {name: plain(getattr(number, name)) for name in names}
+    return row | {"task": task, "set": number.set or ""}
 
 
 DOCUMENTS: Final[dict[str, Callable[[StudyFolder], Document]]] = {
@@ -177,10 +177,10 @@ PROCESSOR_SECONDS: Final = 120
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Print the document that ``FOLDER agreement|results`` asks for; return the exit status."""
-    folder, what = arguments
+    """Print the document of ``FOLDER agreement|results``; return the exit status."""
+    folder, name = arguments
     try:
-        document = DOCUMENTS[what](StudyFolder(Path(folder)))
+        document = DOCUMENTS[name](StudyFolder(Path(folder)))
     except InputError as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         return 1

@@ -1,4 +1,4 @@
-"""Automatic metrics of a study, or of folders of motion files without any study."""
+"""Automatic metrics of a study, or of folders of motion files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MOTION: Final = (".npz", ".npy", ".bvh", ".csv")
 _SEMANTICS: Final = (".txt",)
 _NETWORK: Final = ".safetensors"
 MEASURED_BODY: Final = "mannequin"
-"""The avatar whose arms are looked for inside its body; it has no loose clothes."""
+"""The avatar for penetration of the arms into the body; it has no loose clothes."""
 
 _SPEECH: Final = (".wav", ".flac", ".mp3", ".ogg", ".m4a")
 
@@ -40,21 +40,21 @@ def measure_study(
     penetration: bool = False,
     on_progress: Show | None = None,
 ) -> StudyMetrics:
-    """Measure every condition of a study that has motion files.
+    """Measure all conditions of a study that have motion files.
 
-    The recordings are those of the condition ``ground_truth``, where the study has it. Joint
-    positions and features are kept in the study folder, so that the next run reads them.
+    The recordings are the condition ``ground_truth``, if there is one. Joint positions and features
+    are cached in the study folder.
 
     Parameters
     ----------
     folder : StudyFolder
         The study.
     presets, processes, on_progress
-        As for `analysis.measurement.measuring.study_metrics`.
+        As in `analysis.measurement.measuring.study_metrics`.
     evaluators : sequence of Path or PublishedFile
-        Feature networks, besides those of the study (`study_evaluators`).
+        Feature networks besides the study's own (`study_evaluators`).
     penetration : bool
-        Whether arms are looked for inside the body.
+        Also measure how far arms enter the body.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def measure_study(
         raise InputError(
             "the study has no motion file",
             where=folder.root / "motion",
-            remedy="Make motion with 'motionjury generate' or bring it with 'motionjury import'",
+            remedy="Make motion with 'motionjury generate', or import it with 'motionjury import'",
         )
     return study_metrics(
         clips,
@@ -94,7 +94,7 @@ def measure_study(
         },
         emotions={segment.name: segment.emotion for segment in segments},
         evaluators=(*study_evaluators(folder, study), *evaluators),
-        face=_face_of(folder, presets) if GROUND_TRUTH in clips else None,
+        face=_landmark_body(folder, presets) if GROUND_TRUTH in clips else None,
         penetrable=default_body(MEASURED_BODY) if penetration else None,
         presets=presets,
         skip_unusable=True,
@@ -105,7 +105,7 @@ def measure_study(
 
 
 def study_evaluators(folder: StudyFolder, study: Study) -> tuple[Source, ...]:
-    """Return the networks in the study's folder ``evaluators``, then those that it names."""
+    """Return the networks in the study's folder ``evaluators``, and those that it names."""
     return (
         *sorted(folder.evaluators.glob(f"*{_NETWORK}")),
         *(
@@ -135,33 +135,33 @@ def measure_folders(
     file_rate: float | None = None,
     on_progress: Show | None = None,
 ) -> StudyMetrics:
-    """Measure the motion files of a folder, or of each folder in it, as one condition each.
+    """Measure the motion files of a folder as one condition, or of each sub-folder.
 
     Parameters
     ----------
     generated : Path
         ``<segment>.npz`` (or .npy, .bvh), or ``<condition>/<segment>.npz``.
     reference : Path or None
-        ``<segment>.npz`` with the recorded motion of the same speech; measured too.
+        ``<segment>.npz`` with recorded motion of the same speech, which is measured too.
     speech : Path or None
-        ``<segment>.wav``, or a table ``segments.csv`` with the recordings it names.
+        ``<segment>.wav``, or a table ``segments.csv`` with its recordings.
     presets, processes, on_progress
-        As for `analysis.measurement.measuring.study_metrics`.
+        As in `analysis.measurement.measuring.study_metrics`.
     evaluators : sequence of Path or PublishedFile
         Feature networks.
     penetration : bool
-        Whether arms are looked for inside the body.
+        Also measure how far arms enter the body.
     semantics : Path or None
         ``<segment>.txt`` with BEAT's semantic scores of the reference.
     cache : Path or None
-        Where joint positions and features are kept between runs.
+        Cache of joint positions and features.
     file_rate : float or None
-        Frames per second of all motion files, in place of what they state.
+        Frame rate of all motion files, overriding their own.
 
     Raises
     ------
     InputError
-        If a folder is missing or holds no such file, or two files are of one segment.
+        If a folder is missing or empty, or two files have the same segment.
     """
     clips = _conditions(generated)
     recorded = _files(reference, _MOTION, "motion") if reference else None
@@ -169,7 +169,7 @@ def measure_folders(
         name = reference.resolve().name
         if name in clips:
             raise InputError(
-                f"a generated condition is called {name!r} as the reference is",
+                f"a generated condition has the name of the reference, {name!r}",
                 where=reference,
                 remedy="Rename one of the folders",
             )
@@ -177,7 +177,7 @@ def measure_folders(
             raise InputError(
                 "no reference has the name of a generated motion",
                 where=reference,
-                remedy="Give files of one speech one name in both folders",
+                remedy="Use the same names for files of the same speech in both folders",
             )
         clips = {name: recorded, **clips}
     return study_metrics(
@@ -203,37 +203,39 @@ def measure_folders(
 
 def _conditions(folder: Path) -> dict[str, dict[str, Path]]:
     """Return the motion files of `folder`, or of each folder in it, by condition."""
-    _check_folder(folder)
-    inner = sorted(path for path in folder.iterdir() if path.is_dir() and path.name[0] != ".")
-    if not _listed(folder, _MOTION) and any(_listed(path, _MOTION) for path in inner):
+    _require_folder(folder)
+    sub_folders = sorted(path for path in folder.iterdir() if path.is_dir() and path.name[0] != ".")
+    if not _list_files(folder, _MOTION) and any(_list_files(path, _MOTION) for path in sub_folders):
         return {
-            path.name: _files(path, _MOTION, "motion") for path in inner if _listed(path, _MOTION)
+            path.name: _files(path, _MOTION, "motion")
+            for path in sub_folders
+            if _list_files(path, _MOTION)
         }
     return {folder.resolve().name: _files(folder, _MOTION, "motion")}
 
 
-def _files(folder: Path, endings: Sequence[str], what: str) -> dict[str, Path]:
-    """Return the files of `folder` by the name of their segment."""
-    _check_folder(folder)
-    found: dict[str, Path] = {}
-    for path in _listed(folder, endings):
-        if path.stem in found:
+def _files(folder: Path, endings: Sequence[str], kind: str) -> dict[str, Path]:
+    """Return the files of `folder` by segment."""
+    _require_folder(folder)
+    files: dict[str, Path] = {}
+    for path in _list_files(folder, endings):
+        if path.stem in files:
             raise InputError(
-                f"{found[path.stem].name} and {path.name} are of one segment",
+                f"{files[path.stem].name} and {path.name} have the same segment",
                 where=folder,
                 remedy="Keep one of them",
             )
-        found[path.stem] = path
-    if not found:
+        files[path.stem] = path
+    if not files:
         raise InputError(
-            f"there is no {what} file in the folder",
+            f"there is no {kind} file in the folder",
             where=folder,
-            remedy=f"Give a folder of files that end in {', '.join(endings)}",
+            remedy=f"Give a folder of {', '.join(endings)} files",
         )
-    return found
+    return files
 
 
-def _listed(folder: Path, endings: Sequence[str]) -> list[Path]:
+def _list_files(folder: Path, endings: Sequence[str]) -> list[Path]:
     return sorted(
         path
         for path in folder.iterdir()
@@ -245,7 +247,7 @@ def _listed(folder: Path, endings: Sequence[str]) -> list[Path]:
 
 
 def _speech(folder: Path) -> dict[str, Excerpt]:
-    _check_folder(folder)
+    _require_folder(folder)
     if (folder / SEGMENTS_FILE).is_file():
         return {
             segment.name: (folder / segment.wav, segment.start, segment.end)
@@ -256,14 +258,14 @@ def _speech(folder: Path) -> dict[str, Excerpt]:
 
 
 def _emotions(folder: Path) -> dict[str, str]:
-    """Return which emotion each segment is spoken with, where a table says so."""
+    """Return the emotion of each segment; empty without a table."""
     if not (folder / SEGMENTS_FILE).is_file():
         return {}
     return {segment.name: segment.emotion for segment in read_segments(folder)}
 
 
-def _face_of(folder: StudyFolder, presets: Sequence[str]) -> LandmarkBody | None:
-    """Return whose face landmarks are on, where a preset asks for them: the study's own body."""
+def _landmark_body(folder: StudyFolder, presets: Sequence[str]) -> LandmarkBody | None:
+    """Return the study's body if a preset needs face landmarks."""
     if not combined(presets).needs_landmarks:
         return None
     study = folder.study()
@@ -272,6 +274,6 @@ def _face_of(folder: StudyFolder, presets: Sequence[str]) -> LandmarkBody | None
     )
 
 
-def _check_folder(folder: Path) -> None:
+def _require_folder(folder: Path) -> None:
     if not folder.is_dir():
         raise InputError("there is no such folder", where=folder, remedy="Check the path")

@@ -23,17 +23,17 @@ from analysis.results.report import Settings, Source, TableReport, analyse_answe
 from motion.files import harmless_frame, replacing
 from motion.segment import Segment
 from renderer.viewer.page import MotionFigures, scripts, style
-from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, exclusions_of
 from studyapp.results.answers import (
     answers_to_report,
-    arm_of_each,
+    arm_by_session,
     arm_states,
-    of_present_design,
+    has_current_design,
     read_rehearsal,
 )
-from studyapp.results.looks import earlier_looks, note_way_out
+from studyapp.results.looks import earlier_looks, record_look
 from studyapp.results.report_subject import study_subject
-from studyapp.results.stated_beforehand import notes_on
+from studyapp.results.stated_beforehand import change_notes
 from studyapp.results.stored_answers import Answers
 from studyapp.stimuli.shown_motion import segment_scene, study_look
 from studyapp.study.folder import StudyFolder
@@ -47,27 +47,27 @@ def report(
     rehearsal: bool = False,
     with_motion: bool = False,
     warn: Callable[[str], None] | None = None,
-    on_step: Callable[[str], None] = lambda _what: None,
+    on_step: Callable[[str], None] = lambda _step: None,
 ) -> Path:
     """Write the report of `folder` and return its page.
 
-    Real answers are used where there are any, else those of the rehearsal; they are never
-    mixed, and the report says which it shows.
+    Real answers are reported if there are any, else those of the rehearsal. They are never mixed,
+    and the report says which it shows.
 
     Parameters
     ----------
     folder : StudyFolder
         The study.
     reason : str
-        Why results are looked at, for the log of looks.
+        The reason in the log of looks.
     rehearsal : bool
-        Whether the rehearsal's answers are reported, though there are real ones.
+        Report the rehearsal, even if there are real answers.
     with_motion : bool
-        Whether the most and least preferred pairs can be played on the page.
+        Let readers play the most and least preferred pairs on the page.
     warn : callable, optional
-        Told, in sentences, what looking before the end means; nothing where it is the end.
+        Called with sentences about an interim look.
     on_step : callable
-        Called with what is done next.
+        Called with the name of the next step.
 
     Raises
     ------
@@ -85,9 +85,9 @@ def report(
         segments,
         origin=answers.origin,
         notes=(
-            *rules_of(study, answers).notes,
-            *notes_on("margin", study, before),
-            *notes_on("family", study, before),
+            *exclusions_of(study, answers).notes,
+            *change_notes("margin", study, before),
+            *change_notes("family", study, before),
         ),
     )
     on_step("comparing conditions")
@@ -114,7 +114,7 @@ def report(
                 looks=looks,
             )
         )
-    remark = note_way_out(folder, study, answers, way="report", reason=reason)
+    remark = record_look(folder, study, answers, way="report", reason=reason)
     if remark and warn is not None:
         warn(remark)
     on_step("drawing figures and tables")
@@ -122,12 +122,13 @@ def report(
         reports[0],
         subject,
         folder.report,
-        extra_keys={"study": _of_study(study, subject, answers)} | _metrics(subject, folder),
+        extra_keys={"study": _study_document(study, subject, answers)}
+        | _metrics_document(subject, folder),
         further_tasks=tuple(reports[1:]),
     )
-    for number, (each, table) in enumerate(zip(reports, tables, strict=True)):
-        own = f"{TASKS[each.protocol]}_" if number else ""
-        with replacing(folder.report / "tables" / f"{own}{ANSWERS}") as draft:
+    for number, (task_results, table) in enumerate(zip(reports, tables, strict=True)):
+        prefix = f"{TASKS[task_results.protocol]}_" if number else ""
+        with replacing(folder.report / "tables" / f"{prefix}{ANSWERS}") as draft:
             draft.write_bytes(table)
     return page
 
@@ -135,24 +136,13 @@ def report(
 def _playable_pairs(
     folder: StudyFolder, study: Study, segments: Sequence[Segment], tasks: Sequence[AnalysedTask]
 ) -> PlayableMotion:
-    """Return the most and least preferred pairs of a study, as its report plays them.
+    """Return the motion of the most and least preferred pairs, for the page.
 
-    A pair of which a motion cannot be read is left out, with the reason: it may be a video that
-    was brought finished, or a file that is gone since.
-
-    Parameters
-    ----------
-    folder : StudyFolder
-        The study.
-    study : Study
-        Its definition.
-    segments : sequence of Segment
-        Its speech.
-    tasks : sequence of AnalysedTask
-        Its answers; the pairs are those of the first task that compares conditions.
+    The pairs are those of the first task that compares conditions. A pair whose motion cannot be
+    read is left out, with the reason: its video may be a finished one, or a file may be missing.
     """
-    found = (preferred_pairs(task.table, task.left_out.analysed) for task in tasks)
-    pairs = next((one for one in found if one), ())
+    by_task = (preferred_pairs(task.table, task.left_out.analysed) for task in tasks)
+    pairs = next(filter(None, by_task), ())
     if not pairs:
         return PlayableMotion(left_out=("Nobody has compared two conditions yet.",))
     by_name = {segment.name: segment for segment in segments}
@@ -163,13 +153,13 @@ def _playable_pairs(
         for pair in pairs:
             segment = by_name.get(pair.segment)
             if segment is None:
-                left_out[f"Segment {pair.segment} is not in the study any more."] = None
+                left_out[f"Segment {pair.segment} is no longer in the study."] = None
                 continue
             scene, missing = segment_scene(
                 folder, study, segment, (pair.first, pair.second), speech=segment
             )
-            for condition, why in missing.items():
-                sentence = f"{wording.condition(condition)}, segment {segment.name}: {why}."
+            for condition, reason in missing.items():
+                sentence = f"{wording.condition(condition)}, segment {segment.name}: {reason}."
                 left_out[f"Not playable: {sentence}"] = None
             if not missing:
                 labels = {wording.condition(name): clip for name, clip in scene.clips.items()}
@@ -183,15 +173,15 @@ def _playable_pairs(
     )
 
 
-def _metrics(subject: Subject, folder: StudyFolder) -> dict[str, object]:
-    """Return what `results.json` says of automatic metrics; nothing where there are none."""
+def _metrics_document(subject: Subject, folder: StudyFolder) -> dict[str, object]:
+    """Return the part of `results.json` about automatic metrics; empty without them."""
     if subject.metrics is None:
         return {}
     return {"metrics": metrics_document(subject.metrics, folder.root)}
 
 
 def _segments(folder: StudyFolder, study: Study) -> tuple[Segment, ...]:
-    """Return the study's segments; none of a shared copy without its videos and speech."""
+    """Return the study's segments; empty for a shared copy without videos and speech."""
     is_finished = all(condition.videos for condition in study.conditions.values())
     has_speech = (folder.speech / "segments.csv").exists()
     if is_finished and not has_speech and not any(folder.videos.glob("*/*.mp4")):
@@ -210,11 +200,8 @@ def report_table(
     scale: tuple[int, int] | None = None,
     exclude: Sequence[ExclusionRule] = (),
 ) -> Path:
-    """Write the report of a platform's table of answers into `out` and return its page.
-
-    See `analyse_table`; it needs no study folder.
-    """
-    found = analyse_table(
+    """Write the report of a table into `out` and return its page; see `analyse_table`."""
+    results = analyse_table(
         responses,
         protocol,
         max_catch_failures=max_catch_failures,
@@ -227,25 +214,25 @@ def report_table(
         title=f"Answers in {responses.name}",
         origin="table",
         protocol=protocol,
-        conditions=found.conditions_shown,
-        questions=dict.fromkeys(found.questions, ""),
+        conditions=results.conditions_shown,
+        questions=dict.fromkeys(results.questions, ""),
     )
-    return write_report(found, subject, out)
+    return write_report(results, subject, out)
 
 
 def _with_exclusions(rows: pd.DataFrame, left_out: LeftOut) -> bytes:
-    """Return a table as a CSV file that says who is left out and why."""
-    excluded = [left_out.exclusions.get(who, "") for who in rows["participant"].tolist()]
+    """Return a table as CSV, with a column for the reason of exclusion."""
+    excluded = [left_out.exclusions.get(name, "") for name in rows["participant"].tolist()]
     table = harmless_frame(rows.assign(excluded=excluded))
     return table.to_csv(index=False, lineterminator="\n").encode()
 
 
-def _of_study(study: Study, subject: Subject, answers: Answers) -> dict[str, object]:
-    """Return what `results.json` says of the study, and which versions of it are reported."""
+def _study_document(study: Study, subject: Subject, answers: Answers) -> dict[str, object]:
+    """Return the part of `results.json` about the study and its reported versions."""
     versions: list[int] = []
     if answers.stored is not None:
         sessions = answers.stored.study_sessions
-        present = sessions[of_present_design(sessions)]
+        present = sessions[has_current_design(sessions)]
         versions = sorted({int(version) for version in present["version"]})
     return {
         "name": study.name,
@@ -254,7 +241,9 @@ def _of_study(study: Study, subject: Subject, answers: Answers) -> dict[str, obj
         "sha256": subject.study_sha256,
         "seed": study.seed,
         "origin": subject.origin,
-        "labels": {name: made.label for name, made in study.conditions.items() if made.label},
+        "labels": {
+            name: condition.label for name, condition in study.conditions.items() if condition.label
+        },
         "versions": versions,
     }
 
@@ -273,9 +262,9 @@ def task_report(
     Parameters
     ----------
     sha256 : str
-        Of the table of its answers, where that is written.
+        Of the written table of answers.
     **more
-        As for `analysis.results.report.analyse_answers`.
+        Passed on to `analysis.results.report.analyse_answers`.
     """
     stored = answers.stored
     return analyse_answers(
@@ -284,7 +273,7 @@ def task_report(
         source=Source(file=ANSWERS, sha256=sha256, motionjury=metadata.version("motionjury")),
         settings=settings,
         arms=() if stored is None else arm_states(study, stored),
-        arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
+        arm_of={} if stored is None else arm_by_session(study, stored.study_sessions),
         screened_out={} if stored is None else stored.screened_out,
         **more,
     )

@@ -1,4 +1,4 @@
-"""What the report of a study is about, beside its answers: texts, metrics and stills."""
+"""The subject of a study's report: texts, metrics and stills."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from motion.files import sha256_of
 from motion.segment import Segment
 from renderer.figures.strip import even_moments, loud_moments
 from studyapp.rehearsal.record import read_truth
-from studyapp.results.analysed_tasks import compared, study_notes
+from studyapp.results.analysed_tasks import compared_conditions, study_notes
 from studyapp.results.metrics import measure_study
 from studyapp.study.finished_videos import video_duration
 from studyapp.study.folder import StudyFolder
@@ -43,13 +43,13 @@ def study_subject(
     origin: Origin,
     notes: Sequence[str] = (),
 ) -> Subject:
-    """Return what is known of a study beside its answers, metrics and stills included."""
-    shown = study_stills(folder, study, segments)
+    """Return the subject of a study's report, with metrics and stills."""
+    stills = study_stills(folder, study, segments)
     return Subject(
         title=study.title,
         origin=origin,
         protocol=study.protocol,
-        conditions=compared(study),
+        conditions=compared_conditions(study),
         labels=study.display_names,
         questions={question.name: question.text for question in study.questions},
         reference=_reference(study),
@@ -76,8 +76,8 @@ def study_subject(
         seed=study.seed,
         truth=read_truth(folder.rehearsal_truth).expected if origin == "rehearsal" else (),
         metrics=_metrics(folder, study, segments),
-        stills=shown.stills,
-        no_stills=shown.reason,
+        stills=stills.stills,
+        no_stills=stills.reason,
     )
 
 
@@ -88,7 +88,7 @@ def _reference(study: Study) -> str | None:
 
 
 def _scale_labels(study: Study) -> Mapping[str, tuple[str, ...]]:
-    """Return the labels of scales that have one for each answer."""
+    """Return the labels of scales with a label for each answer."""
     if not isinstance(study, RatingStudy):
         return {}
     return {
@@ -111,20 +111,20 @@ def _metrics(folder: StudyFolder, study: Study, segments: Sequence[Segment]) -> 
 
 
 def report_presets(study: Study) -> tuple[str, ...]:
-    """Return what a report measures: the usual, and what the papers report that the study follows.
+    """Return the metrics of a report: the usual ones, and those of the papers that it follows.
 
-    These are the protocol's paper and those whose systems move in it.
+    These are the protocol's paper and the papers of the study's generators.
     """
     systems = (condition.generator for condition in study.conditions.values())
     papers = (PAPER_OF[study.protocol], *(name for name in systems if name in PRESETS))
     return tuple(dict.fromkeys((REPORT, *(name for name in papers if name is not None))))
 
 
-COUNT: Final = 6
-"""Moments: as many as stand beside each other on a page."""
+STILL_COUNT: Final = 6
+"""Moments that fit side by side on a page."""
 
-SIDE: Final = 240
-"""Pixels that the longer side of a still has."""
+STILL_PIXELS: Final = 240
+"""Of the longer side of a still."""
 
 _QUALITY: Final = 80
 
@@ -140,7 +140,7 @@ class Stills:
     stills : tuple of Still
         By condition, then moment.
     reason : str
-        Why there are none, as a sentence; empty where there are some.
+        Why there are none, as a sentence; else empty.
     """
 
     stills: tuple[Still, ...] = ()
@@ -150,67 +150,59 @@ class Stills:
 def study_stills(folder: StudyFolder, study: Study, segments: Sequence[Segment]) -> Stills:
     """Take stills from the videos that participants see.
 
-    They are of the first segment that has a video of every condition, or else of the one that has
-    the most, at the loudest syllable in each of `COUNT` equal parts of its speech.
-
-    Parameters
-    ----------
-    folder : StudyFolder
-        The study; its videos may be missing or damaged, which gives no still of a condition.
-    study : Study
-        Its definition.
-    segments : sequence of Segment
-        In the study's order.
+    They show the first segment with videos of all conditions, or else of most, at the loudest
+    syllable in each of `STILL_COUNT` equal parts of its speech. Conditions whose videos are missing
+    or damaged have no stills.
     """
-    wanted = [(segment.name, name) for segment in segments for name in study.conditions]
+    keys = [(segment.name, name) for segment in segments for name in study.conditions]
     try:
-        videos = {key: shown.file for key, shown in stimulus_videos(folder, study, wanted).items()}
+        videos = {key: video.file for key, video in stimulus_videos(folder, study, keys).items()}
     except InputError as error:
         return Stills(reason=f"There are no stills of the conditions: {error.what}.")
     if not videos:
         return Stills(reason=NO_VIDEOS)
     chosen = max(segments, key=lambda segment: sum(name == segment.name for name, _ in videos))
-    own = {
+    chosen_videos = {
         condition: videos[chosen.name, condition]
         for condition in study.conditions
         if (chosen.name, condition) in videos
     }
-    if not own:
+    if not chosen_videos:
         return Stills(reason=NO_VIDEOS)
     try:
-        moments = _moments(folder, chosen, own)
+        moments = _moments(folder, chosen, chosen_videos)
     except InputError as error:
         return Stills(reason=f"There are no stills of the conditions: {error.what}.")
-    found: list[Still] = []
-    for condition, video in own.items():
+    stills: list[Still] = []
+    for condition, video in chosen_videos.items():
         try:
-            frames = frames_at(video, moments, SIDE)
+            frames = frames_at(video, moments, STILL_PIXELS)
         except InputError:
             continue
-        found += [
+        stills += [
             Still(
                 condition=condition,
                 segment=chosen.name,
                 seconds=seconds,
                 word="",
-                image=_data_address(frame),
+                image=_data_url(frame),
             )
             for seconds, frame in zip(moments, frames, strict=True)
         ]
     return Stills(
-        stills=tuple(found), reason="" if found else "No video of a condition can be read."
+        stills=tuple(stills), reason="" if stills else "No video of a condition can be read."
     )
 
 
 def _moments(
     folder: StudyFolder, segment: Segment, videos: Mapping[str, Path]
 ) -> tuple[float, ...]:
-    """Return when the speech is loudest; evenly spread moments where it cannot be heard."""
+    """Return the loudest moments of the speech, or even moments if it cannot be read."""
     first = next(iter(videos.values()))
     speech = _speech(folder, segment, first)
     if speech is None:
-        return tuple(one.seconds for one in even_moments(video_duration(first), COUNT))
-    return tuple(one.seconds for one in loud_moments(speech, COUNT))
+        return tuple(moment.seconds for moment in even_moments(video_duration(first), STILL_COUNT))
+    return tuple(moment.seconds for moment in loud_moments(speech, STILL_COUNT))
 
 
 def _speech(folder: StudyFolder, segment: Segment, video: Path) -> Audio | None:
@@ -223,31 +215,31 @@ def _speech(folder: StudyFolder, segment: Segment, video: Path) -> Audio | None:
         return None
 
 
-def _data_address(frame: Image.Image) -> str:
-    """Return a picture as the address of itself."""
+def _data_url(frame: Image.Image) -> str:
+    """Return a picture as a data URL."""
     data = io.BytesIO()
     frame.save(data, "WEBP", quality=_QUALITY, method=4)
     return "data:image/webp;base64," + base64.b64encode(data.getvalue()).decode()
 
 
 def frames_at(video: Path, moments: Sequence[float], side: int) -> tuple[Image.Image, ...]:
-    """Return the frames that a video shows at some moments, made smaller.
+    """Return downscaled frames of a video at some moments.
 
     Parameters
     ----------
     video : Path
         Any video that FFmpeg reads.
     moments : sequence of float
-        Seconds from the beginning, in ascending order; one past the end gives the last frame.
+        Seconds from the start, ascending; after the end, the last frame is used.
     side : int
-        Pixels that the longer side has.
+        Pixels of the longer side.
 
     Raises
     ------
     InputError
         If it cannot be read as a video.
     """
-    found: list[Image.Image] = []
+    frames: list[Image.Image] = []
     try:
         with av.open(str(video)) as container:
             stream = container.streams.video[0]
@@ -256,18 +248,20 @@ def frames_at(video: Path, moments: Sequence[float], side: int) -> tuple[Image.I
             last = None
             for frame in container.decode(stream):
                 last = frame
-                while len(found) < len(moments) and (frame.time or 0) + half > moments[len(found)]:
-                    found.append(_small(reformatter, frame, side))
-                if len(found) == len(moments):
+                while (
+                    len(frames) < len(moments) and (frame.time or 0) + half > moments[len(frames)]
+                ):
+                    frames.append(_small(reformatter, frame, side))
+                if len(frames) == len(moments):
                     break
             if last is None:
                 raise ValueError("no frame")
-            found += [_small(reformatter, last, side)] * (len(moments) - len(found))
+            frames += [_small(reformatter, last, side)] * (len(moments) - len(frames))
     except (av.FFmpegError, OSError, IndexError, ValueError) as error:
         raise InputError(
             "the video cannot be read", where=video, remedy="Delete it and render again"
         ) from error
-    return tuple(found)
+    return tuple(frames)
 
 
 def _small(reformatter: VideoReformatter, frame: VideoFrame, side: int) -> Image.Image:

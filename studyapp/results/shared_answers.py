@@ -1,4 +1,4 @@
-"""A study's answers as plain files, which say what its database says to the report."""
+"""A study's answers as plain files, which replace the database for a report."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from motion.errors import InputError
 from motion.files import cell_as_given, harmless_frame, sha256_of, write_text
-from studyapp.results.stated_beforehand import study_of
+from studyapp.results.stated_beforehand import parse_version
 from studyapp.results.stored_answers import NO_ANSWERS, Answers, Source, StoredAnswers
 from studyapp.study.settings.sections import explain_errors
 from studyapp.study.settings.study import Study
@@ -28,7 +28,7 @@ Kind = Literal["int64", "float64", "bool", "str"]
 
 
 class Manifest(BaseModel):
-    """What ``answers.json`` says.
+    """The contents of ``answers.json``.
 
     Attributes
     ----------
@@ -37,16 +37,16 @@ class Manifest(BaseModel):
     motionjury : str
         The version that wrote the files.
     stated_version : int or None
-        Of which version ``stated.toml`` is the study file, as it was when the first participant
-        came who is reported; None where that is not known.
+        The version of ``stated.toml``, which is the study file that the first reported participant
+        saw, if known.
     more_places : int
         Places of each arm beyond those of the study file.
     screened_out : dict
-        How many were screened out, by stage.
+        Number of participants screened out, by stage.
     columns : dict
-        By table, the type of each column.
+        The type of each column, by table.
     sha256 : dict
-        By file.
+        The digest of each file.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -69,12 +69,12 @@ def write_shared_answers(
     stated: str | None,
     stated_version: int | None,
 ) -> None:
-    """Write what is stored into `folder`; it holds no token, no code and no recruiter's name.
+    """Write stored answers into `folder`, without tokens, codes and recruiters' ids.
 
     Parameters
     ----------
     stated : str or None
-        Text of the study file when the first participant came who is reported.
+        Text of the study file that the first reported participant saw.
     """
     columns: dict[str, dict[str, Kind]] = {}
     for name in TABLES:
@@ -101,22 +101,22 @@ def write_shared_answers(
 
 
 def read_shared_answers(folder: Path, origin: Source) -> Answers:
-    """Read what `write_shared_answers` wrote; nothing where others than `origin` have answered.
+    """Read the files of `write_shared_answers`; no answers if they are not of `origin`.
 
     Raises
     ------
     InputError
-        If a file is missing, damaged or changed since.
+        If a file is missing, damaged or changed.
     """
-    manifest = _manifest(folder / MANIFEST)
+    manifest = _read_manifest(folder / MANIFEST)
     for name, sha256 in manifest.sha256.items():
         if not (folder / name).is_file() or sha256_of(folder / name) != sha256:
-            raise _not_as_written(folder / name)
-    tables = {name: _table(folder / f"{name}.csv", manifest.columns[name]) for name in TABLES}
+            raise _changed_file(folder / name)
+    tables = {name: _read_table(folder / f"{name}.csv", manifest.columns[name]) for name in TABLES}
     stated: Study | None = None
     if manifest.stated_version is not None and STATED in manifest.sha256:
         text = (folder / STATED).read_text("utf-8")
-        stated = study_of(text, manifest.stated_version)
+        stated = parse_version(text, manifest.stated_version)
     if manifest.origin != origin:
         return NO_ANSWERS
     stored = StoredAnswers(
@@ -125,26 +125,26 @@ def read_shared_answers(folder: Path, origin: Source) -> Answers:
     return Answers(origin="none" if stored.answers.empty else origin, stored=stored, stated=stated)
 
 
-def _manifest(path: Path) -> Manifest:
+def _read_manifest(path: Path) -> Manifest:
     try:
-        found = Manifest.model_validate_json(path.read_bytes())
+        manifest = Manifest.model_validate_json(path.read_bytes())
     except FileNotFoundError:
-        raise _not_as_written(path) from None
+        raise _changed_file(path) from None
     except ValidationError as error:
         raise InputError(
-            explain_errors(error), where=path, remedy="Get the folder again from whom you have it"
+            explain_errors(error), where=path, remedy="Get the folder again from its source"
         ) from None
     for name in TABLES:
-        if name not in found.columns or f"{name}.csv" not in found.sha256:
-            raise _not_as_written(path.with_name(f"{name}.csv"))
-    return found
+        if name not in manifest.columns or f"{name}.csv" not in manifest.sha256:
+            raise _changed_file(path.with_name(f"{name}.csv"))
+    return manifest
 
 
-def _not_as_written(path: Path) -> InputError:
+def _changed_file(path: Path) -> InputError:
     return InputError(
-        "the file is missing, or not as it was written",
+        "the file is missing or was changed",
         where=path,
-        remedy="Get the folder again from whom you have it",
+        remedy="Get the folder again from its source",
     )
 
 
@@ -156,7 +156,7 @@ def _kind(column: pd.Series[Any]) -> Kind:
     return "float64" if pd.api.types.is_float_dtype(column.dtype) else TEXT
 
 
-def _table(path: Path, columns: Mapping[str, Kind]) -> pd.DataFrame:
+def _read_table(path: Path, columns: Mapping[str, Kind]) -> pd.DataFrame:
     cells = pd.read_csv(path, dtype=str, keep_default_na=False, na_filter=False)
     return pd.DataFrame({name: _column(cells[name], kind) for name, kind in columns.items()})
 

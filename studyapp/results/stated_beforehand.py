@@ -1,4 +1,4 @@
-"""What a study stated before its first participant came: whom it leaves out, how it decides."""
+"""What a study stated before its first participant arrived, and what changed since."""
 
 from __future__ import annotations
 
@@ -18,19 +18,13 @@ from studyapp.study.settings.study import Study
 
 
 def stated_study(session: Session, version: int) -> Study | None:
-    """Return `version` of the study as it was when its first participant came.
-
-    Returns
-    -------
-    Study or None
-        None where there is no such version, or its study file cannot be read any more.
-    """
-    wanted = select(StudyVersion.definition).where(StudyVersion.number == version)
-    return study_of(session.scalars(wanted).first(), version)
+    """Return `version` of the study as its first participant saw it; None if unreadable."""
+    definition = select(StudyVersion.definition).where(StudyVersion.number == version)
+    return parse_version(session.scalars(definition).first(), version)
 
 
-def study_of(definition: str | None, version: int) -> Study | None:
-    """Return the study that a text of `version` defines; None where it cannot be read any more."""
+def parse_version(definition: str | None, version: int) -> Study | None:
+    """Return the study of `definition`; None if it is missing or no longer readable."""
     if definition is None:
         return None
     try:
@@ -46,12 +40,12 @@ class StudyExclusions:
     Attributes
     ----------
     rules : tuple of ExclusionRule
-        In order: of the study file, then of researchers who exclude by hand. Exploratory are the
-        latter, and those that the study file did not state before the first participant came.
+        The rules of the study file, then exclusions by hand. The latter, and rules that were added
+        after the first participant arrived, are exploratory.
     planned : tuple of ExclusionRule
-        Those that it did state then.
+        The rules before the first participant arrived.
     notes : tuple of str
-        How the rules have changed since, in sentences.
+        Sentences about changes since then.
     """
 
     rules: tuple[ExclusionRule, ...]
@@ -61,14 +55,14 @@ class StudyExclusions:
 
 @dataclass(frozen=True, kw_only=True)
 class ByHand:
-    """Whom researchers exclude one by one.
+    """Exclusions by researchers.
 
     Attributes
     ----------
     count : int
-        How many participants.
+        Number of participants.
     after_look : int
-        How many of them were excluded after somebody had looked at results.
+        Number of those excluded after somebody had looked at results.
     """
 
     count: int
@@ -85,24 +79,26 @@ def study_exclusions(
     Parameters
     ----------
     stated : sequence of ExclusionSection
-        What the study file says, settled.
+        The rules in the study file.
     before : sequence of ExclusionSection, optional
-        What it said before the first participant came (see `stated_study`); without it, as in a
-        rehearsal, everything stated counts as settled then.
+        The rules before the first participant arrived (see `stated_study`); by default, as in a
+        rehearsal, those in the study file.
     by_hand : ByHand, optional
-        Whom researchers have excluded one by one.
+        Exclusions by researchers.
     """
     planned = stated if before is None else before
-    then = {each.shorthand() for each in planned}
+    planned_names = {rule.shorthand() for rule in planned}
     return StudyExclusions(
         rules=(
             *(
-                each.to_rule() if each.shorthand() in then else each.to_rule().as_exploratory()
-                for each in stated
+                rule.to_rule()
+                if rule.shorthand() in planned_names
+                else rule.to_rule().as_exploratory()
+                for rule in stated
             ),
             *((excluded_by_hand(),) if by_hand else ()),
         ),
-        planned=tuple(each.to_rule() for each in planned),
+        planned=tuple(rule.to_rule() for rule in planned),
         notes=(*_changes(planned, stated), *_decisions(by_hand)),
     )
 
@@ -135,38 +131,35 @@ def _decisions(by_hand: ByHand | None) -> tuple[str, ...]:
 def _changes(
     before: Sequence[ExclusionSection], stated: Sequence[ExclusionSection]
 ) -> tuple[str, ...]:
-    then, today = ([each.shorthand() for each in rules] for rules in (before, stated))
-    came = [rule for rule in today if rule not in then]
-    went = [rule for rule in then if rule not in today]
+    old, new = ([rule.shorthand() for rule in rules] for rules in (before, stated))
+    added = [rule for rule in new if rule not in old]
+    removed = [rule for rule in old if rule not in new]
     notes = []
-    if came:
+    if added:
         notes.append(
-            f"Exclusion by {listed(came)} was not in the study file when the first participant "
-            "came: it is exploratory."
+            f"Exclusion by {listed(added)} was added to the study file after the first participant "
+            "arrived: it is exploratory."
         )
-    if went:
+    if removed:
         notes.append(
-            f"Exclusion by {listed(went)} was in the study file when the first participant came, "
-            "and has been taken out of it since."
+            f"Exclusion by {listed(removed)} was removed from the study file after the first "
+            "participant arrived."
         )
     return tuple(notes)
 
 
-def notes_on(key: str, study: Study, before: Study | None) -> tuple[str, ...]:
-    """Say where a setting of the report was not stated beforehand, in sentences.
+def change_notes(key: str, study: Study, before: Study | None) -> tuple[str, ...]:
+    """Return a note if a setting of the report changed after the first participant arrived.
 
     Parameters
     ----------
     key : str
-        Its name in the study file: ``margin`` or ``family``.
+        ``margin`` or ``family`` in the study file.
     before : Study or None
-        The study as it was when its first participant came; None where that is not known.
+        The study as its first participant saw it, if known.
     """
     value = getattr(study, key)
     if value is None or before is None or getattr(before, key) == value:
         return ()
     name = f"The margin of {value:g}" if key == "margin" else f"The {key} “{value}”"
-    return (
-        f"{name} was not in the study file when the first participant came: its tests are "
-        "exploratory.",
-    )
+    return (f"{name} was set after the first participant arrived: its tests are exploratory.",)

@@ -1,4 +1,4 @@
-"""Everything that was answered, in columns: fast to read however many answers there are."""
+"""All stored answers as data frames, which are fast to read however many there are."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ from studyapp.session.state import state_of
 from studyapp.session.watch_evidence import watched_share
 from studyapp.study.settings.study import Study
 
-ROWS: Final = 20_000
-"""Rows that are fetched at once."""
+BATCH_ROWS: Final = 20_000
+"""Rows fetched at once."""
 
 _IN_FULL: Final = (
     StudySession.conditions,
@@ -56,7 +56,7 @@ Source = Literal["participants", "rehearsal"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StoredAnswers:
-    """What a study's database knows of answers; who withdrew is among the study sessions alone.
+    """The answers in a study's database; participants who withdrew have only a study session.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class StoredAnswers:
     screened_out: Mapping[str, int]
 
     def part(self, study_sessions: NDArray[np.bool_]) -> StoredAnswers:
-        """Return what belongs to some of the study sessions."""
+        """Return the answers of some study sessions."""
         chosen = self.study_sessions[study_sessions]
         trials = self.trials[self.trials["study_session"].isin(chosen["study_session"])]
         return StoredAnswers(
@@ -112,17 +112,16 @@ class StoredAnswers:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Answers:
-    """What has been answered, and by whom.
+    """The answers of a study, and their origin.
 
     Attributes
     ----------
     origin : {'participants', 'rehearsal', 'none'}
-        Who answered; 'none' where nobody has.
+        Who answered; 'none' without answers.
     stored : StoredAnswers or None
-        What the database holds; None where there is none.
+        The answers in the database; None without a database.
     stated : Study or None
-        The study as it was when the first participant came who is reported; None where that is
-        not known.
+        The study as the first reported participant saw it, if known.
     """
 
     origin: Source | Literal["none"]
@@ -136,38 +135,38 @@ NO_ANSWERS: Final = Answers(origin="none", stored=None, stated=None)
 def stored_answers(
     session: Session, *, withdrawn: bool = False, in_full: bool = False
 ) -> StoredAnswers:
-    """Read what was answered, whole study sessions or not, from one state of the database.
+    """Read all answers, also of unfinished study sessions, from one state of the database.
 
     Parameters
     ----------
     withdrawn : bool
-        Whether trials and answers are those that were kept of who withdrew, and no others.
+        Read the remaining data of participants who withdrew instead.
     in_full : bool
-        Whether columns are there which exports alone have. Some of them lead to people, so that
-        no other lab is given them.
+        Add the columns that only exports have. Some of them can identify people, so other labs
+        do not get them.
     """
-    with _garbage_left():
+    with _garbage_collection_paused():
         return _read(session, withdrawn, in_full)
 
 
 @contextmanager
-def _garbage_left() -> Iterator[None]:
-    """Keep the garbage collector from looking at all rows again and again; none holds itself."""
-    collects = gc.isenabled()
+def _garbage_collection_paused() -> Iterator[None]:
+    """Keep the garbage collector from visiting all rows repeatedly; they have no cycles."""
+    was_enabled = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
-        if collects:
+        if was_enabled:
             gc.enable()
 
 
 def _read(session: Session, withdrawn: bool, in_full: bool) -> StoredAnswers:
-    whose = whose_answers(withdrawn)
+    chosen = select_sessions(withdrawn)
     return StoredAnswers(
         study_sessions=_study_sessions(session, in_full),
-        trials=_trials(session, whose, in_full).merge(
-            _watched(session, whose), on="trial", how="left"
+        trials=_trials(session, chosen, in_full).merge(
+            _watched(session, chosen), on="trial", how="left"
         ),
         answers=_frame(
             session,
@@ -180,12 +179,12 @@ def _read(session: Session, withdrawn: bool, in_full: bool) -> StoredAnswers:
             )
             .join(Trial, Trial.id == Response.trial_id)
             .join(StudySession, StudySession.id == Trial.study_session_id)
-            .where(whose)
+            .where(chosen)
             .order_by(StudySession.id, Trial.position, Response.id),
         ),
         stimuli=_frame(
             session,
-            _of_answered(
+            _in_answered_trials(
                 select(
                     TrialStimulus.trial_id.label("trial"),
                     TrialStimulus.number,
@@ -195,7 +194,7 @@ def _read(session: Session, withdrawn: bool, in_full: bool) -> StoredAnswers:
                 )
                 .join(Trial, Trial.id == TrialStimulus.trial_id)
                 .where(TrialStimulus.number > 0),
-                whose,
+                chosen,
             ).order_by(TrialStimulus.trial_id, TrialStimulus.number),
         ),
         looks=_looks(session),
@@ -204,22 +203,22 @@ def _read(session: Session, withdrawn: bool, in_full: bool) -> StoredAnswers:
     )
 
 
-def whose_answers(withdrawn: bool) -> ColumnElement[bool]:
-    """Choose the study sessions of who withdrew, or all others."""
-    gone = StudySession.withdrawn_at
-    return gone.is_not(None) if withdrawn else gone.is_(None)
+def select_sessions(withdrawn: bool) -> ColumnElement[bool]:
+    """Return the condition for study sessions that were withdrawn, or all others."""
+    withdrawn_at = StudySession.withdrawn_at
+    return withdrawn_at.is_not(None) if withdrawn else withdrawn_at.is_(None)
 
 
 def _looks(session: Session) -> pd.DataFrame:
-    """Return the log of looks; who looked is told apart, not named."""
+    """Return the log of looks, with numbers instead of researchers' names."""
     rows = list(session.scalars(select(Look).order_by(Look.id)))
     names = dict.fromkeys(row.researcher for row in rows if row.researcher)
-    called = {name: f"researcher {number}" for number, name in enumerate(names, start=1)}
-    found = pd.DataFrame(
+    labels = {name: f"researcher {number}" for number, name in enumerate(names, start=1)}
+    looks = pd.DataFrame(
         [
             (
                 row.at.date().isoformat(),
-                called.get(row.researcher, COMMAND_LINE),
+                labels.get(row.researcher, COMMAND_LINE),
                 row.way,
                 row.reason,
                 row.finished,
@@ -230,7 +229,7 @@ def _looks(session: Session) -> pd.DataFrame:
         ],
         columns=["day", "by", "way", "reason", "finished", "planned", "answers"],
     )
-    return found.astype(dict.fromkeys(("finished", "planned", "answers"), "int64"))
+    return looks.astype(dict.fromkeys(("finished", "planned", "answers"), "int64"))
 
 
 def _study_sessions(session: Session, in_full: bool) -> pd.DataFrame:
@@ -277,17 +276,17 @@ def _study_sessions(session: Session, in_full: bool) -> pd.DataFrame:
         .order_by(StudySession.id)
     )
     rows: Sequence[Any] = session.execute(query).all()
-    found = pd.DataFrame(rows, columns=[column.key for column in query.selected_columns])
+    frame = pd.DataFrame(rows, columns=[column.key for column in query.selected_columns])
     if in_full:
-        found["state"] = [state_of(row) for row in rows]
-    truths = ("withdrawn", "completed", "unwatched", "placed", "excluded_after_look")
-    return found.astype(dict.fromkeys(truths, bool))
+        frame["state"] = [state_of(row) for row in rows]
+    booleans = ("withdrawn", "completed", "unwatched", "placed", "excluded_after_look")
+    return frame.astype(dict.fromkeys(booleans, bool))
 
 
-def _trials(session: Session, whose: ColumnElement[bool], in_full: bool) -> pd.DataFrame:
-    found = _frame(
+def _trials(session: Session, chosen: ColumnElement[bool], in_full: bool) -> pd.DataFrame:
+    frame = _frame(
         session,
-        _of_answered(
+        _in_answered_trials(
             select(
                 Trial.id.label("trial"),
                 Trial.study_session_id.label("study_session"),
@@ -302,18 +301,18 @@ def _trials(session: Session, whose: ColumnElement[bool], in_full: bool) -> pd.D
                 Trial.seconds,
                 *((Trial.shown_at,) if in_full else ()),
             ),
-            whose,
+            chosen,
         ).order_by(Trial.study_session_id, Trial.position),
     )
-    return found.astype(dict.fromkeys(("expected", "instructed", "seconds"), "float64"))
+    return frame.astype(dict.fromkeys(("expected", "instructed", "seconds"), "float64"))
 
 
-def _of_answered(
-    query: Select[*tuple[object, ...]], whose: ColumnElement[bool]
+def _in_answered_trials(
+    query: Select[*tuple[object, ...]], chosen: ColumnElement[bool]
 ) -> Select[*tuple[object, ...]]:
-    """Keep what belongs to answered trials."""
+    """Restrict a query to answered trials."""
     return query.join(StudySession, StudySession.id == Trial.study_session_id).where(
-        whose, Trial.answered_at.is_not(None)
+        chosen, Trial.answered_at.is_not(None)
     )
 
 
@@ -321,44 +320,43 @@ def _frame(session: Session, query: Select[*tuple[object, ...]]) -> pd.DataFrame
     names = [column.key for column in query.selected_columns]
     blocks = []
     result = session.execute(query)
-    while rows := result.fetchmany(ROWS):
+    while rows := result.fetchmany(BATCH_ROWS):
         blocks.append(pd.DataFrame(rows, columns=names))
     return pd.concat(blocks, ignore_index=True) if blocks else pd.DataFrame(columns=names)
 
 
 class _Record(NamedTuple):
-    """As much of a watch record as must be known to judge it."""
+    """The part of a watch record that `watched_share` needs."""
 
     intervals: list[list[float]]
     latest: list[list[int]]
 
 
 class _Video(NamedTuple):
-    """A video of a trial, with what was reported of it."""
+    """A video of a trial with its watch record."""
 
     duration: float
     sent_at: datetime | None
     watch_record: _Record | None
 
 
-def _watched(session: Session, whose: ColumnElement[bool]) -> pd.DataFrame:
-    """Return which share of the videos of each answered trial was watched."""
-    rows = list(_shares(session, whose))
-    found = pd.DataFrame(rows, columns=["trial", "watched"])
-    return found.astype({"trial": "int64", "watched": "float64"})
+def _watched(session: Session, chosen: ColumnElement[bool]) -> pd.DataFrame:
+    """Return the watched share of the videos of each answered trial."""
+    frame = pd.DataFrame(list(_shares(session, chosen)), columns=["trial", "watched"])
+    return frame.astype({"trial": "int64", "watched": "float64"})
 
 
-def _shares(session: Session, whose: ColumnElement[bool]) -> Iterator[tuple[int, float]]:
-    query = _of_answered(
+def _shares(session: Session, chosen: ColumnElement[bool]) -> Iterator[tuple[int, float]]:
+    query = _in_answered_trials(
         select(Trial.id, Video.duration, Video.sent_at, WatchRecord.intervals)
         .join(Video, Video.trial_id == Trial.id)
         .outerjoin(WatchRecord, WatchRecord.video_id == Video.id),
-        whose,
+        chosen,
     ).order_by(Trial.id)
-    found = session.execute(query.execution_options(yield_per=ROWS)).partitions()
-    rows: Iterator[tuple[Any, ...]] = (tuple(row) for block in found for row in block)
-    for trial, of_trial in groupby(rows, key=itemgetter(0)):
-        yield trial, round(watched_share([_video(*row[1:]) for row in of_trial]), 4)
+    blocks = session.execute(query.execution_options(yield_per=BATCH_ROWS)).partitions()
+    rows: Iterator[tuple[Any, ...]] = (tuple(row) for block in blocks for row in block)
+    for trial, videos in groupby(rows, key=itemgetter(0)):
+        yield trial, round(watched_share([_video(*row[1:]) for row in videos]), 4)
 
 
 def _video(

@@ -52,7 +52,7 @@ class Attacker(Participant):
             return super().answer(visit, page, judgement)
         self.attacked.add(trial.part)
         client, target = visit.client, page.target(page.answer_form)
-        good = page.filled(page.answer_form, judgement.fields())
+        good = page.fill(page.answer_form, judgement.fields())
         self._report_nonsense(client, page)
         self.refused("answers before the videos were watched", client, target, good)
         for token in self._later_trials(good["trial"][0])[:1]:
@@ -69,7 +69,7 @@ class Attacker(Participant):
 
     def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
         """Fill in the form of `page`; before it, try improper answers, and afterwards it again."""
-        good, target = page.filled(page.next_form, answers), page.target(page.next_form)
+        good, target = page.fill(page.next_form, answers), page.target(page.next_form)
         for attempt, spoilt in self._spoilt_forms(page, good):
             self.refused(attempt, visit.client, target, spoilt)
         following = visit.send(page, page.next_form, answers)
@@ -81,7 +81,7 @@ class Attacker(Participant):
         page, judgement = self.trials[-1]
         answers = page.target(page.answer_form)
         session = answers.rpartition("/")[0]
-        good = page.filled(page.answer_form, judgement.fields())
+        good = page.fill(page.answer_form, judgement.fields())
         trouble = {"trial": good["trial"], "video": [_videos_that_may_not_play(page)[0]]}
         other = {**good, **_data(other_answers(judgement))}
         nobodys = session.rpartition("/")[0] + "/" + "0" * 32 + "/answers"
@@ -102,7 +102,7 @@ class Attacker(Participant):
         """Mix what belongs to oneself with what belongs to `other`."""
         (page, judgement), (their_page, _) = self.trials[-1], other.trials[-1]
         own_address, theirs = (each.target(each.answer_form) for each in (page, their_page))
-        good = page.filled(page.answer_form, judgement.fields())
+        good = page.fill(page.answer_form, judgement.fields())
         foreign = {**good, "trial": [their_page.answer_form.trial]}
         trouble = {"trial": good["trial"], "video": [_videos_that_may_not_play(their_page)[0]]}
         watched = their_page.players[0].watched_address.rpartition("/")[2]
@@ -172,7 +172,7 @@ class Attacker(Participant):
                 for attempt, value in _wrong(question) if name in good else ():
                     yield f"{attempt} to the question {question.name!r}", {**good, name: [value]}
         if page.sounds:
-            (name,) = page.next_form.asked
+            (name,) = page.next_form.questions
             others = "".join(str((int(digit) + 1) % 10) for digit in good[name][0])
             yield "digits that were not spoken", {**good, name: [others]}
             yield "no digits", {**good, name: [""]}

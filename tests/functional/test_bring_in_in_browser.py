@@ -60,7 +60,7 @@ def test_files_are_uploaded_through_an_interruption_and_fill_the_table(
         expect(page.get_by_role("status")).to_contain_text("Failed")
         examine(page, "job")
         page.goto(f"{address}/research/studies/tiny/bring-in")
-        expect(page.get_by_text("no segment is called 'take-9'")).to_be_visible()
+        expect(page.get_by_text("there is no segment 'take-9'")).to_be_visible()
         examine(page, "refused")
         press(page, "Remove take-9.npz")
         expect(page.get_by_text("Nothing is waiting.")).to_be_visible()

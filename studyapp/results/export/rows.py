@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session, selectinload
 from studyapp.database.tables import FormAnswer, RefusalLine, StudySession, Trial, Video
 from studyapp.results.answer_table import sides
 from studyapp.results.export.columns import REFUSALS, WATCHING
-from studyapp.results.stored_answers import StoredAnswers, whose_answers
+from studyapp.results.stored_answers import StoredAnswers, select_sessions
 from studyapp.session.watch_evidence import NOTHING_PLAYED, measure_watched, total_seconds
 
 
@@ -110,7 +110,7 @@ def form_answers_table(session: Session, *, withdrawn: bool = False) -> pd.DataF
     Who withdrew is left out. With `withdrawn`, nobody else is in it.
     """
     columns = (FormAnswer.study_session_id, FormAnswer.stage, FormAnswer.question, FormAnswer.value)
-    query = select(*columns).join(FormAnswer.study_session).where(whose_answers(withdrawn))
+    query = select(*columns).join(FormAnswer.study_session).where(select_sessions(withdrawn))
     rows = session.execute(query.order_by(FormAnswer.study_session_id, FormAnswer.id)).all()
     return pd.DataFrame(rows, columns=["study_session", "stage", "question", "value"])
 

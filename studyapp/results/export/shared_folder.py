@@ -1,4 +1,4 @@
-"""A folder for another lab, after BIDS: its tables, a copy of the study, and its page."""
+"""The parts of a folder for another lab: tables in BIDS, a copy of the study, its page."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ BIDS_VERSION: Final = "1.11.0"
 MISSING: Final = "n/a"
 
 LEFT_OUT: Final = ("answered_at", "consented_at")
-"""Moments that say nothing more than the others do."""
+"""Times that add nothing to the others."""
 
 PARTICIPANT_ID: Final = replace(
     PARTICIPANT,
@@ -37,21 +37,21 @@ PARTICIPANT_ID: Final = replace(
 
 
 def folder_name(pseudonym: str) -> str:
-    """Return the name of a participant's folder, which is their name in all tables."""
+    """Return a participant's name in BIDS, which also names the folder."""
     return f"{FOLDER}{pseudonym}"
 
 
 def bids_table(
     frame: pd.DataFrame, about: TableColumns, consents: Mapping[str, pd.Timestamp]
 ) -> tuple[pd.DataFrame, TableColumns]:
-    """Return a typed table under BIDS' headings, without a moment.
+    """Return a typed table with BIDS headings, and seconds instead of times.
 
     Parameters
     ----------
     frame, about
         A table with the column ``participant``.
     consents : mapping of pseudonym to Timestamp
-        When each participant agreed.
+        Time of each participant's consent.
     """
     began = pd.to_datetime(frame["participant"].map(dict(consents)), utc=True)
     columns: list[Column] = [PARTICIPANT_ID]
@@ -70,9 +70,9 @@ def bids_table(
 
 
 def write_tsv(path: Path, frame: pd.DataFrame, about: TableColumns) -> None:
-    """Write a typed table as BIDS wants it."""
+    """Write a typed table in the format of BIDS."""
     cells = harmless_frame(as_text(frame, about, missing=MISSING))
-    # Line ends within a cell would end its row for many readers.
+    # Many readers would take a line break within a cell as the end of its row.
     cells = cells.map(lambda cell: " ".join(cell.split()) if isinstance(cell, str) else cell)
     write_text(path, cells.to_csv(index=False, sep="\t", lineterminator="\n"))
 
@@ -85,14 +85,14 @@ def write_descriptions(
     more: Mapping[str, Any] | None = None,
     labels: Mapping[str, Mapping[str, str]] | None = None,
 ) -> None:
-    """Write what the columns of a table mean.
+    """Write the descriptions of a table's columns.
 
     Parameters
     ----------
     more : mapping, optional
-        What is said about the table as a whole.
+        Descriptions of the whole table.
     labels : mapping of column name to mapping, optional
-        Values and what they mean, of columns that the study has no labels for.
+        Meanings of values, for columns without labels in the study.
     """
     write_text(
         path,
@@ -118,19 +118,19 @@ def _described(
 
 
 def environment() -> dict[str, Any]:
-    """Return versions of the program, of Python, and of all packages beside it."""
-    found = {each.metadata["Name"]: each.version for each in metadata.distributions()}
+    """Return the versions of the program, of Python, and of all installed packages."""
+    packages = {package.metadata["Name"]: package.version for package in metadata.distributions()}
     return {
         "motionjury": metadata.version("motionjury"),
         "python": platform.python_version(),
         "system": platform.system(),
         "machine": platform.machine(),
-        "packages": dict(sorted(found.items())),
+        "packages": dict(sorted(packages.items())),
     }
 
 
 def read_me(study: Study, *, people: int, study_folder: str) -> str:
-    """Return what the folder holds, and how its results are repeated."""
+    """Return the page that explains the folder and how to reproduce its results."""
     return written_page(
         "read_me.md",
         title=" ".join(study.title.split()),
@@ -147,10 +147,10 @@ STIMULI: Final = (
 
 
 def copy_study(folder: StudyFolder, study: Study, to: StudyFolder, *, videos: bool) -> list[str]:
-    """Copy what a report of the study is made of, and return what could not be, in sentences.
+    """Copy what a report of the study needs, and return sentences about what is missing.
 
-    That is the study file as it is, byte for byte; speech, motion and feature networks, which
-    metrics are measured from; and with `videos` the videos.
+    This is the study file, unchanged; the speech, motion and feature networks of the metrics; and
+    with `videos`, the videos.
     """
     to.root.mkdir(parents=True)
     shutil.copyfile(folder.definition, to.definition)
@@ -171,7 +171,7 @@ def copy_study(folder: StudyFolder, study: Study, to: StudyFolder, *, videos: bo
 
 
 def _material(folder: StudyFolder, study: Study) -> Iterator[Path]:
-    """Yield the files that metrics read, where the study has any."""
+    """Yield the files that metrics read."""
     table = folder.speech / "segments.csv"
     segments: Sequence[Segment] = ()
     if table.exists():
@@ -194,28 +194,28 @@ def _material(folder: StudyFolder, study: Study) -> Iterator[Path]:
 
 
 def _outside(folder: StudyFolder, study: Study) -> Iterator[str]:
-    """Say which files a report needs that may not, or cannot, be passed on."""
+    """Yield sentences about files that a report needs but that cannot be shared."""
     if study.video.body:
         yield (
-            f"The body {Path(study.video.body).name} is licensed and was not copied: whoever "
-            "repeats the metrics needs a copy of their own at the path that study.toml names."
+            f"The body {Path(study.video.body).name} is licensed and was not copied: to "
+            "reproduce the metrics, one needs a copy of one's own at its path in study.toml."
         )
-    for one in study.evaluator:
+    for evaluator in study.evaluator:
         yield (
-            f"The published evaluator {Path(one.file).name} is its authors' and was not copied: "
-            "whoever repeats the metrics needs it at the path that study.toml names, or removes "
-            "'evaluator' there."
+            f"The published evaluator {Path(evaluator.file).name} belongs to its authors and was "
+            "not copied: to reproduce the metrics, one needs it at its path in study.toml, or "
+            "removes 'evaluator' there."
         )
     matrix = study.video.expression_matrix
     if matrix and not _is_within(folder, matrix):
         yield (
-            f"The expression matrix {Path(matrix).name} lies outside the study and was not "
-            "copied: whoever repeats the metrics needs it at the path that study.toml names."
+            f"The expression matrix {Path(matrix).name} is outside the study and was not "
+            "copied: to reproduce the metrics, one needs it at its path in study.toml."
         )
 
 
-def _is_within(folder: StudyFolder, given: str) -> bool:
-    path = (folder.root / Path(given).expanduser()).resolve()
+def _is_within(folder: StudyFolder, name: str) -> bool:
+    path = (folder.root / Path(name).expanduser()).resolve()
     return path.is_relative_to(folder.root.resolve()) and path.is_file()
 
 
@@ -228,9 +228,9 @@ def _copy(folder: StudyFolder, to: StudyFolder, file: Path) -> None:
 def write_stimuli_list(
     path: Path, folder: StudyFolder, study: Study, segments: tuple[Segment, ...]
 ) -> None:
-    """Write which videos participants were shown, with their SHA-256."""
+    """Write the list of participants' videos with their SHA-256."""
     media = Media.of(folder, study)
-    found = {content: media.find(content) for content in study.contents(segments)}
+    videos = {content: media.find(content) for content in study.contents(segments)}
     rows = [
         (
             video.file.relative_to(folder.root).as_posix(),
@@ -242,7 +242,7 @@ def write_stimuli_list(
             video.file.stat().st_size,
             sha256_of(video.file),
         )
-        for content, video in found.items()
+        for content, video in videos.items()
         if video is not None and video.file.is_file()
     ]
     table = pd.DataFrame(rows, columns=STIMULI)

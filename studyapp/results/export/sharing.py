@@ -1,4 +1,4 @@
-"""A study as a folder for another lab: behavioural data after BIDS, and what repeats the report."""
+"""A study as a folder for another lab: behavioural data in BIDS, and what reproduces the report."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from motion.errors import InputError
 from motion.files import sha256_of, write_text
 from studyapp.database.tables import StudyVersion
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.answers import answers_in, of_present_design, snapshot
+from studyapp.results.answers import answers_in, has_current_design, snapshot
 from studyapp.results.export.codebook import as_json, codebook, codebook_page, form_labels
 from studyapp.results.export.columns import Column, TableColumns
 from studyapp.results.export.shared_folder import (
@@ -32,7 +32,7 @@ from studyapp.results.export.shared_folder import (
     write_tsv,
 )
 from studyapp.results.export.tables import ExportedTable, Judged, exported_tables, judge
-from studyapp.results.looks import note_way_out, with_looks_before
+from studyapp.results.looks import drop_current_looks, record_look
 from studyapp.results.shared_answers import write_shared_answers
 from studyapp.results.stored_answers import Answers, Source, stored_answers
 from studyapp.study.folder import StudyFolder
@@ -40,21 +40,21 @@ from studyapp.study.settings.study import Study
 
 CHECKSUMS: Final = "SHA256SUMS"
 STUDY: Final = Path("sourcedata") / "study"
-"""What `motionjury report` is given."""
+"""The study folder for `motionjury report`."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Shared:
-    """What was put into a folder for another lab.
+    """The contents of a folder for another lab.
 
     Attributes
     ----------
     study : Path
-        What `motionjury report` is given there.
+        Its study folder, for `motionjury report`.
     participants : int
-        Who are in it.
+        Number of participants.
     remarks : tuple of str
-        What could not be put in, or must be looked at before it is passed on, in sentences.
+        What is missing, or must be checked before sharing.
     """
 
     study: Path
@@ -76,39 +76,39 @@ def share(
     Parameters
     ----------
     out : Path
-        A folder that does not exist yet, or an empty one.
+        A new or empty folder.
     videos : bool
-        Whether the videos are copied too, not only listed.
+        Copy the videos, instead of only listing them.
     free_text : bool
-        Whether what participants wrote in their own words is in it.
+        Include free text by participants.
     reason : str
-        Why answers are exported, for the log of looks.
+        The reason in the log of looks.
 
     Raises
     ------
     InputError
-        If there is something in `out`, nobody has answered, or the study cannot be read.
+        If `out` is not empty, nobody has answered, or the study cannot be read.
     """
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise InputError(
-            "there is something at this place already",
+            "this folder is not empty",
             where=out,
-            remedy="Give a folder that does not exist yet",
+            remedy="Choose a new folder",
         )
-    within = out.resolve().is_relative_to
-    if within(folder.root.resolve()) and not within(folder.jobs.resolve()):
+    is_within = out.resolve().is_relative_to
+    if is_within(folder.root.resolve()) and not is_within(folder.jobs.resolve()):
         raise InputError(
             "the folder for another lab would lie within the study",
             where=out,
-            remedy="Give one that lies elsewhere",
+            remedy="Choose a folder elsewhere",
         )
     origin: Source = "rehearsal" if rehearsal else "participants"
     draft = out.with_name(f".{out.name}-draft")
     shutil.rmtree(draft, ignore_errors=True)
-    stored = _stored(folder, origin)
-    look = note_way_out(folder, folder.study(), stored.answers, way="export", reason=reason)
+    source = _read_source(folder, origin)
+    look = record_look(folder, folder.study(), source.answers, way="export", reason=reason)
     try:
-        shared = _written(folder, draft, stored, origin, videos, free_text)
+        shared = _write_folder(folder, draft, source, origin, videos, free_text)
         if out.exists():
             out.rmdir()
         draft.replace(out)
@@ -119,8 +119,8 @@ def share(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Stored:
-    """What is passed on of one state of the database."""
+class _Source:
+    """One state of the database."""
 
     answers: Answers
     judged: Judged
@@ -128,23 +128,23 @@ class _Stored:
     versions: Sequence[StudyVersion]
 
 
-def _stored(folder: StudyFolder, origin: Source) -> _Stored:
+def _read_source(folder: StudyFolder, origin: Source) -> _Source:
     with snapshot(folder, origin) as session:
         if session is None:
             raise InputError(
-                "nobody has taken part yet, so there is nothing to pass on",
+                "nobody has taken part yet, so there is nothing to share",
                 where=folder.root,
-                remedy="Give the study folder itself to whom you want to show the design",
+                remedy="Share the study folder itself to show the design",
             )
         answers = answers_in(session, origin)
         judged = judge(folder.study(), answers)
         key = PseudonymKey.read_or_make(folder.pseudonym_key)
-        return _Stored(
+        return _Source(
             answers=answers,
             judged=judged,
             tables={
-                each.about.name: each
-                for each in exported_tables(
+                table.about.name: table
+                for table in exported_tables(
                     session, stored_answers(session, in_full=True), key, judged
                 )
             },
@@ -152,26 +152,26 @@ def _stored(folder: StudyFolder, origin: Source) -> _Stored:
         )
 
 
-def _written(
+def _write_folder(
     folder: StudyFolder,
     root: Path,
-    given: _Stored,
+    source: _Source,
     origin: Source,
     videos: bool,
     free_text: bool,
 ) -> Shared:
-    study, tables = folder.study(), given.tables
+    study, tables = folder.study(), source.tables
     remarks = copy_study(folder, study, StudyFolder(root / STUDY), videos=videos)
-    _write_answers(StudyFolder(root / STUDY), study, given, origin)
+    _write_answers(StudyFolder(root / STUDY), study, source, origin)
     if origin == "rehearsal" and folder.rehearsal_truth.exists():
         shutil.copyfile(folder.rehearsal_truth, root / STUDY / folder.rehearsal_truth.name)
     if folder.stimuli.exists():
         segments = tuple(folder.segments_of(study))
         write_stimuli_list(root / "sourcedata" / "stimuli.tsv", folder, study, segments)
-    _write_versions(root / "sourcedata", given.versions)
+    _write_versions(root / "sourcedata", source.versions)
     write_text(root / "sourcedata" / "environment.json", as_json(environment()))
     people = tables["participants"].frame
-    # Of who withdrew, nothing is passed on but that somebody did, which the report counts.
+    # Participants who withdrew are only counted, by the report.
     staying = people[people["state"] != "withdrawn"].reset_index(drop=True)
     described = _write_bids(root, study, tables, staying)
     _write_form(root / "phenotype", study, tables["form"].frame, staying, free_text=free_text)
@@ -182,28 +182,28 @@ def _written(
         results = root / "sourcedata" / "results.json"
         shutil.copyfile(folder.report / "results.json", results)
     _write_checksums(root)
-    if given.judged.remark:
-        remarks.append(given.judged.remark)
+    if source.judged.remark:
+        remarks.append(source.judged.remark)
     return Shared(study=root / STUDY, participants=len(staying), remarks=tuple(remarks))
 
 
-def _write_answers(copy: StudyFolder, study: Study, given: _Stored, origin: Source) -> None:
-    stored = given.answers.stored
+def _write_answers(copy: StudyFolder, study: Study, source: _Source, origin: Source) -> None:
+    stored = source.answers.stored
     if stored is None:
         return
-    present = stored.study_sessions[of_present_design(stored.study_sessions)]
+    present = stored.study_sessions[has_current_design(stored.study_sessions)]
     first = None if present.empty else int(present["version"].min())
     write_shared_answers(
         copy.shared_answers,
-        with_looks_before(study, stored),
+        drop_current_looks(study, stored),
         origin=origin,
-        stated=next((each.definition for each in given.versions if each.number == first), None),
+        stated=next((each.definition for each in source.versions if each.number == first), None),
         stated_version=first,
     )
 
 
 def _write_versions(folder: Path, versions: Sequence[StudyVersion]) -> None:
-    """Write the study file of every version, and the digests of their designs."""
+    """Write the study files of all versions, and the digests of their designs."""
     for version in versions:
         write_text(folder / "versions" / f"version-{version.number}.toml", version.definition)
     designs = {str(version.number): version.design for version in versions}
@@ -213,14 +213,14 @@ def _write_versions(folder: Path, versions: Sequence[StudyVersion]) -> None:
 def _write_bids(
     root: Path, study: Study, tables: Mapping[str, ExportedTable], staying: pd.DataFrame
 ) -> list[tuple[TableColumns, Sequence[str]]]:
-    """Write the participants and their answers, and return which columns each file has."""
+    """Write participants and answers; return the columns of each file."""
     consents = dict(zip(staying["participant"], staying["consented_at"], strict=True))
     people, of_people = bids_table(staying, tables["participants"].about, consents)
     write_tsv(root / "participants.tsv", people, of_people)
     write_descriptions(root / "participants.json", of_people, study)
     task = _label(study.name)
     answers, of_answers = bids_table(tables[""].frame, tables[""].about, consents)
-    # Whose answers they are, the file's name says.
+    # The file's name identifies the participant.
     own = replace(of_answers, columns=of_answers.columns[1:])
     for name in people["participant_id"]:
         rows = answers[answers["participant_id"] == name].reset_index(drop=True)
@@ -253,7 +253,7 @@ def _write_form(
     *,
     free_text: bool,
 ) -> None:
-    """Write what participants said about themselves, a column for each question."""
+    """Write the answers to the form, with a column per question."""
     asked = [
         question
         for stage in study.form.stages()
@@ -304,12 +304,12 @@ def _write_about(root: Path, study: Study, *, people: int) -> None:
 
 
 def _write_checksums(root: Path) -> None:
-    """Write what ``sha256sum --check`` reads; the list itself is not in it."""
+    """Write the checksums of all files for ``sha256sum --check``."""
     files = sorted(path for path in root.rglob("*") if path.is_file())
     lines = [f"{sha256_of(path)}  {path.relative_to(root).as_posix()}\n" for path in files]
     write_text(root / CHECKSUMS, "".join(lines))
 
 
 def _label(name: str) -> str:
-    """Return a study's name as a label of BIDS: letters and digits alone."""
+    """Return a study's name as a BIDS label of letters and digits."""
     return "".join(letter for letter in name if letter.isascii() and letter.isalnum()) or "study"

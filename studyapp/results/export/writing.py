@@ -33,13 +33,13 @@ from studyapp.results.export.tables import (
     recruiter_ids,
     withdrawn_tables,
 )
-from studyapp.results.looks import note_way_out
+from studyapp.results.looks import record_look
 from studyapp.results.stored_answers import NO_ANSWERS, Source
 from studyapp.study.folder import StudyFolder
 
 
-def nothing_to_export() -> tuple[ExportedTable, ...]:
-    """Return every table without a row."""
+def empty_tables() -> tuple[ExportedTable, ...]:
+    """Return all tables without rows."""
     return tuple(
         ExportedTable(about=about, frame=typed(pd.DataFrame(), about))
         for about in (ANSWERS, PARTICIPANTS, FORM, WATCHING, REFUSALS, LOG)
@@ -48,18 +48,18 @@ def nothing_to_export() -> tuple[ExportedTable, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class Exported:
-    """What an export wrote.
+    """The result of an export.
 
     Attributes
     ----------
     answers : int
         Rows of the main table.
     files : tuple of Path
-        Everything that was written, the main table first.
+        All written files, the main table first.
     remark : str
-        What could not be done, as a sentence; empty where all was.
+        What could not be done, as a sentence; may be empty.
     look : str
-        What exporting before the end means, in sentences; empty where it is the end.
+        A warning about interim looks; empty once all have finished.
     """
 
     answers: int
@@ -79,41 +79,40 @@ def export(
 ) -> Exported:
     """Write the real answers, or the rehearsal's, as tidy tables with a codebook.
 
-    Beside the main table go ``<name>_participants``, ``<name>_form``, ``<name>_watching``,
-    ``<name>_refusals`` and ``<name>_log``, and ``<name>_codebook.md`` and ``.json``. The key of the
-    pseudonyms is made where there is none yet.
+    Beside the main table are ``<name>_participants``, ``<name>_form``, ``<name>_watching``,
+    ``<name>_refusals``, ``<name>_log``, and ``<name>_codebook.md`` and ``.json``. A pseudonym key
+    is created if there is none.
 
     Parameters
     ----------
     folder : StudyFolder
         The study.
     path : Path
-        The main table, ``.csv`` or ``.parquet`` as all of them.
+        The main table; its ending, ``.csv`` or ``.parquet``, is that of all tables.
     withdrawn : bool
-        Whether what was kept of participants who withdrew is written instead: their answers, and
-        what they said about themselves.
+        Export the remaining data of participants who withdrew instead.
     with_recruiter_ids : bool
-        Whether ``recruiter_ids.csv`` is written too, which names people; for its owner alone.
+        Also write ``recruiter_ids.csv``, which identifies people and is private to its owner.
     reason : str
-        Why answers are exported, for the log of looks.
+        The reason in the log of looks.
 
     Raises
     ------
     InputError
-        If the study or its database cannot be read, the key is damaged, or `path` ends otherwise.
+        If the study or its database cannot be read, the key is damaged, or the ending is unknown.
     """
     if path.suffix not in ENDINGS:
         raise InputError(
             f"{path.name} ends neither in .csv nor in .parquet",
             where="--out",
-            remedy="Give it one of these endings",
+            remedy="Use one of these endings",
         )
     study = folder.study()
     origin: Source = "rehearsal" if rehearsal else "participants"
     answers = NO_ANSWERS
     judged = Judged()
     names: ExportedTable | None = None
-    tables = nothing_to_export()
+    tables = empty_tables()
     with snapshot(folder, origin) as session:
         if not withdrawn:
             answers = answers_in(session, origin, in_full=True)
@@ -126,7 +125,7 @@ def export(
                 else exported_tables(session, answers.stored, key, judged)
             )
             names = recruiter_ids(session, key) if with_recruiter_ids else None
-    look = note_way_out(folder, study, answers, way="export", reason=reason)
+    look = record_look(folder, study, answers, way="export", reason=reason)
     written: list[Path] = []
     described = []
     for table in tables:

@@ -133,7 +133,7 @@ def test_the_report_applies_exclusions_by_hand_after_the_rules_and_marks_them(
     assert "excluded by a researcher (exploratory)" in page
     (folder.shared_answers).mkdir(parents=True)
     passed_on = run("exclude", folder.root, "1", "--reason", "asleep", status=1)
-    assert "has been passed on" in passed_on
+    assert "comes from another lab" in passed_on
 
 
 def test_the_export_marks_answers_that_were_excluded_by_hand(

@@ -247,5 +247,5 @@ def test_the_import_brings_in_what_it_can_and_leaves_the_rest_with_the_reason(
     assert (study / "motion" / "ours" / "take-0.npz").is_file()
     assert [path.name for path in (study / "inbox" / "ours").iterdir()] == ["take-9.npz"]
     page = ada.get(PAGE)
-    assert "no segment is called" in page.text
+    assert "there is no segment" in page.text
     assert "take-9.npz" in page.text

@@ -108,6 +108,6 @@ def at_first_trial(client: httpx.Client, participant: Participant) -> tuple[Visi
     """Lead `participant` to the first trial."""
     visit = Visit(client=client, stop=Event(), speed=SPEED)
     page = visit.open(participant.entrance)
-    while not page.asks:
-        page = participant.fill(visit, page, participant.say(visit, page))
+    while not page.is_trial:
+        page = participant.fill(visit, page, participant.form_answers(visit, page))
     return visit, page

@@ -13,7 +13,7 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession
-from studyapp.rehearsal.eyes import Eyes, seen
+from studyapp.rehearsal.eyes import Eyes, read_trial
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.run import rehearse
@@ -84,7 +84,7 @@ def require_stored_as_said(database: Database, participant: Participant) -> None
                 name=f"{study_session.arm} {study_session.number}",
             )
             for trial in study_session.trials:
-                said = judge(participant.study, rater, seen(trial)).values
+                said = judge(participant.study, rater, read_trial(trial)).values
                 assert {(r.question, r.stimulus): r.value for r in trial.responses} == said
 
 

@@ -39,7 +39,7 @@ def trial(html: str = TRIAL) -> Page:
 
 
 def fill(page: Page, answers: Mapping[str, tuple[str, ...]]) -> dict[str, list[str]]:
-    return page.filled(page.answer_form, answers)
+    return page.fill(page.answer_form, answers)
 
 
 def test_a_form_is_filled_with_answers_and_all_that_a_browser_sends_along() -> None:
@@ -56,7 +56,7 @@ def test_a_form_is_filled_with_answers_and_all_that_a_browser_sends_along() -> N
 
 
 def test_boxes_may_stay_empty_and_everything_else_waits_for_an_answer() -> None:
-    assert trial().answer_form.asked == set(ANSWERS)
+    assert trial().answer_form.questions == set(ANSWERS)
     assert "fit:reasons" not in fill(trial(), ANSWERS)
     with pytest.raises(BrokenPageError, match="asks age, comment, rhythm, which"):
         fill(trial(), {"realism:1": ("1",)})
@@ -65,11 +65,11 @@ def test_boxes_may_stay_empty_and_everything_else_waits_for_an_answer() -> None:
 @pytest.mark.parametrize(
     ("field", "value", "named"),
     [
-        ("realism:1", "3", "offers no '3' for 'realism:1'"),
-        ("realism:1", "", "offers no ''"),
-        ("rhythm", "2", "offers no '2' for 'rhythm'"),
-        ("age", "17", "takes no '17' for 'age'"),
-        ("fit:reasons", "voice", "offers no 'voice'"),
+        ("realism:1", "3", "does not offer '3' for 'realism:1'"),
+        ("realism:1", "", "does not offer ''"),
+        ("rhythm", "2", "does not offer '2' for 'rhythm'"),
+        ("age", "17", "does not accept '17' for 'age'"),
+        ("fit:reasons", "voice", "does not offer 'voice'"),
         ("fit", "1", "does not ask the question 'fit'"),
     ],
 )
@@ -81,7 +81,7 @@ def test_what_a_person_could_not_answer_is_named(field: str, value: str, named: 
 @pytest.mark.parametrize(
     ("lost", "named"),
     [
-        ('<button form="answers" name="go" value="next">Next</button>', "no button"),
+        ('<button form="answers" name="go" value="next">Next</button>', "no submit button"),
         ('id="answers"', "no form with the id 'answers'"),
         ('name="trial"', "hidden field 'trial'"),
     ],

@@ -37,6 +37,6 @@ def test_a_video_of_somebody_else_is_not_judged(app: Flask, participant: Partici
 
     with (
         browser(app, swapped) as client,
-        pytest.raises(BrokenPageError, match="no trial of this rehearsal"),
+        pytest.raises(BrokenPageError, match="a video that is not of this rehearsal"),
     ):
         participant.take_part(client)

@@ -16,7 +16,7 @@ from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.record import Truth, write_truth
 from studyapp.rehearsal.recovered import Recovery, recover
 from studyapp.rehearsal.recovery_page import write_recovery
-from studyapp.rehearsal.resumption import call_roster, let_time_pass
+from studyapp.rehearsal.resumption import expire_leases, read_roster
 from studyapp.rehearsal.simulation.population import Kind
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.rehearsal.visit import Departure
@@ -49,7 +49,7 @@ def rehearsed(
                 person.take_part(client)
             except Departure:
                 continue
-    let_time_pass(eyes.database, call_roster(eyes.database, 4, truth), 45)
+    expire_leases(eyes.database, read_roster(eyes.database, 4, truth), 45)
     return truth
 
 
@@ -88,5 +88,5 @@ def test_everything_is_counted_right_and_what_is_lost_or_changed_is_found_out(
 
 
 def test_without_a_rehearsal_there_is_nothing_to_find(folder: StudyFolder) -> None:
-    with pytest.raises(InputError, match="no rehearsal yet"):
+    with pytest.raises(InputError, match="has not been rehearsed"):
         recover(folder)

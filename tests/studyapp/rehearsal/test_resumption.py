@@ -9,7 +9,7 @@ import pytest
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Place, StudySession, StudyVersion
 from studyapp.rehearsal.record import Truth, read_truth
-from studyapp.rehearsal.resumption import call_roster, prepare
+from studyapp.rehearsal.resumption import prepare, read_roster
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.stored import filled, opened
@@ -43,7 +43,7 @@ def lose_the_truth(folder: StudyFolder) -> None:
 @pytest.mark.parametrize(
     ("seed", "change", "said"),
     [
-        (1, None, "gone on with"),
+        (1, None, "is continued"),
         (2, None, "seed was 1, not 2"),
         (1, change_the_study, "the study has changed"),
         (1, lose_the_truth, "rehearsal.json"),
@@ -56,7 +56,7 @@ def test_the_same_rehearsal_is_gone_on_with_and_any_other_starts_anew_and_says_s
         change(begun)
     truth, note = prepare(begun, seed=seed)
     assert said in note
-    assert bool(list(begun.root.glob("rehearsal.db*"))) == (said == "gone on with")
+    assert bool(list(begun.root.glob("rehearsal.db*"))) == (said == "is continued")
     assert read_truth(begun.rehearsal_truth) == truth and truth.seed == seed
 
 
@@ -84,13 +84,13 @@ def store(database: Database, *study_sessions: tuple[str, bool, int | None]) -> 
 
 def test_the_roster_tells_who_is_where(database: Database) -> None:
     store(database, ("rehearsal-00002", True, 0), ("rehearsal-00001", False, 1))
-    roster = call_roster(database, 4, TRUTH)
+    roster = read_roster(database, 4, TRUTH)
     assert roster.finished == ("rehearsal-00002",)
-    assert roster.halfway == ("rehearsal-00001",)
+    assert roster.started == ("rehearsal-00001",)
     assert roster.awaited == ("rehearsal-00000", "rehearsal-00003")
 
 
 def test_no_more_are_awaited_than_twice_as_many_as_there_are_places(database: Database) -> None:
     store(database, *((f"rehearsal-{number:05d}", True, None) for number in range(4)))
-    roster = call_roster(database, 2, TRUTH)
-    assert (roster.wanted, roster.remaining) == (4, ())
+    roster = read_roster(database, 2, TRUTH)
+    assert (roster.total, roster.remaining) == (4, ())

@@ -165,7 +165,7 @@ def interrupt(folder: StudyFolder) -> None:
 
     def press(done: int, _total: int) -> None:
         if done > known:
-            with pytest.raises(InputError, match="being rehearsed already"):
+            with pytest.raises(InputError, match="already being rehearsed"):
                 rehearse(folder, seed=4)
             raise KeyboardInterrupt
 
@@ -225,7 +225,7 @@ def test_a_rehearsal_that_was_stopped_in_any_way_leaves_no_server_and_is_finishe
     kept = completed(folder)
     result = rehearse(folder, seed=3)
     assert (result.completed, result.kept) == (6, kept)
-    assert "gone on with" in result.note
+    assert "is continued" in result.note
     assert what_was_answered(folder) == said
 
 

@@ -20,7 +20,7 @@ def test_the_study_is_served_until_the_block_ends_and_an_error_comes_with_what_i
         assert page.status_code == httpx.codes.CONFLICT
         assert "takes no new participants" in page.text
         raise InputError("nothing to see")
-    assert "server said: nothing" in caught.value.__notes__[0]
+    assert "server: none" in caught.value.__notes__[0]
     with pytest.raises(httpx.ConnectError):
         httpx.get(address, trust_env=False)
 

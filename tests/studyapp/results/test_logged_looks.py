@@ -17,7 +17,7 @@ from studyapp.researchers.audit import StudyState, latest_looks, log_look
 from studyapp.results.answers import read_answers
 from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
-from studyapp.results.looks import earlier_looks, note_way_out
+from studyapp.results.looks import earlier_looks, record_look
 from studyapp.results.report import report
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.conftest import Answered
@@ -54,7 +54,7 @@ def complete(folder: StudyFolder) -> None:
 
 
 def noted(folder: StudyFolder, reason: str = "") -> str:
-    return note_way_out(
+    return record_look(
         folder, folder.study(), read_answers(folder, "participants"), way="report", reason=reason
     )
 
@@ -97,7 +97,7 @@ def test_a_report_is_logged_and_no_look_before_itself(folder: StudyFolder) -> No
     said = noted(folder, "a video broke"), noted(folder)
 
     assert stored_looks(folder) == [("report", "", "", 2), ("report", "", "a video broke", 2)]
-    assert "That you looked is logged" in said[0] and said[0] == said[1]
+    assert "This look is logged" in said[0] and said[0] == said[1]
     assert (before(folder).count, before(folder).reason) == (0, "no look is logged")
 
 
@@ -122,7 +122,7 @@ def test_a_look_that_cannot_be_logged_is_said_to_be_so(
 
     monkeypatch.setattr("studyapp.results.looks.log_look", refuse)
 
-    assert "could not be logged that you looked: the disk is full" in noted(folder)
+    assert "This look could not be logged: the disk is full" in noted(folder)
 
 
 def test_a_study_that_nobody_has_answered_has_no_looks(
@@ -146,7 +146,10 @@ def test_an_export_is_a_look_that_later_reports_tell_of(
     unsaid = ("export", "", "", 2)
     assert stored_looks(folder) == [unsaid, unsaid, ("export", "", "for the talk", 2)]
     assert tables.look.startswith("2 of 3 planned participants have finished")
-    assert "what the answers show" in tables.look and other_lab.remarks[-1] == tables.look
+    assert (
+        "because of the answers makes false findings" in tables.look
+        and other_lab.remarks[-1] == tables.look
+    )
     passed_on = "sourcedata/study/shared_answers/looks.csv"
     assert (tmp_path / "second" / passed_on).read_text("utf-8").count("\n") == 1
     complete(folder)

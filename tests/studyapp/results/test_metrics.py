@@ -126,9 +126,9 @@ def test_motion_and_speech_of_any_format_are_taken_by_their_names(
     [
         ((), None, "no such folder"),
         (("notes.txt",), None, "no motion file"),
-        (("a.npz", "a.bvh"), None, "a.bvh and a.npz are of one segment"),
+        (("a.npz", "a.bvh"), None, "a.bvh and a.npz have the same segment"),
         (("a.npz",), ("b.npz",), "no reference has the name"),
-        (("recorded/a.npz",), ("a.npz",), "called 'recorded'"),
+        (("recorded/a.npz",), ("a.npz",), "name of the reference, 'recorded'"),
     ],
 )
 def test_folders_that_do_not_fit_are_refused(

@@ -163,11 +163,11 @@ def test_who_did_not_finish_is_left_out_and_what_was_not_stated_beforehand_is_ex
     assert found["rules"][2]["remark"] == (
         "cannot be applied: no question has 500 answers that could be alike"
     )
-    said = page.read_text("utf-8")
-    assert "not finished, and the numbers will change: 2 of 3 places are filled." in said
-    for what in (
-        "attention&gt;2 and straight_lining&gt;=1,trials=500 was not in",
-        "attention&gt;1 was in",
-        "margin of 0.5 was not in",
+    html = page.read_text("utf-8")
+    assert "not finished, and the numbers will change: 2 of 3 places are filled." in html
+    for change in (
+        "attention&gt;2 and straight_lining&gt;=1,trials=500 was added to the study file after",
+        "attention&gt;1 was removed from the study file after",
+        "margin of 0.5 was set after",
     ):
-        assert f"{what} the study file when the first participant came" in said
+        assert f"{change} the first participant arrived" in html

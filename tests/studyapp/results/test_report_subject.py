@@ -9,7 +9,14 @@ import pytest
 from PIL import Image
 
 from motion.errors import InputError
-from studyapp.results.report_subject import COUNT, NO_VIDEOS, SIDE, Stills, frames_at, study_stills
+from studyapp.results.report_subject import (
+    NO_VIDEOS,
+    STILL_COUNT,
+    STILL_PIXELS,
+    Stills,
+    frames_at,
+    study_stills,
+)
 from studyapp.study.folder import StudyFolder
 from tests.renderer.figures.small_videos import write_block_video
 from tests.support.studies.finished_study import SEGMENTS, write_finished_study, write_short_video
@@ -41,12 +48,12 @@ def test_every_condition_is_shown_at_the_same_moments_of_the_first_segment(
         for condition in ("ours", "theirs", "real")
     }
     assert len(set(times.values())) == 1
-    assert len(times["ours"]) == COUNT
+    assert len(times["ours"]) == STILL_COUNT
     assert list(times["ours"]) == sorted(times["ours"])
     start, image = "data:image/webp;base64,", found.stills[0].image
     assert image.startswith(start) and len(image) < 20_000
     with Image.open(io.BytesIO(base64.b64decode(image.removeprefix(start)))) as picture:
-        assert max(picture.size) == SIDE
+        assert max(picture.size) == STILL_PIXELS
 
 
 def test_a_segment_with_all_videos_is_preferred_to_an_earlier_one(folder: StudyFolder) -> None:
@@ -56,7 +63,7 @@ def test_a_segment_with_all_videos_is_preferred_to_an_earlier_one(folder: StudyF
     (folder.videos / "ours" / f"{first}.mp4").unlink()
     found = study_stills(folder, study, segments)
     assert {still.segment for still in found.stills} == {second}
-    assert len(found.stills) == 3 * COUNT
+    assert len(found.stills) == 3 * STILL_COUNT
 
 
 def test_a_damaged_video_leaves_the_other_conditions(folder: StudyFolder) -> None:
