@@ -107,6 +107,7 @@ rehearsal-tables: develop  ## Simulate rehearsals of the pairwise template, and 
 
 bench-serve: develop setup-database  ## Measure the study's server under simulated participants.
 	$(BIN)/python -m benchmarks.server
+	$(BIN)/python -m benchmarks.server.job_beside
 
 soak: develop setup-database  ## Kill the study's server at random, and send it 100,000 malformed requests.
 	$(BIN)/python -m benchmarks.server.soak

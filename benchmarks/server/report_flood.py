@@ -66,7 +66,7 @@ class Waits:
         What else the machine does for a moment falls into few pairs.
         """
         pairs = zip(self.without, self.beside, strict=True)
-        return float(np.median([_p99_ms(beside) / _p99_ms(without) for without, beside in pairs]))
+        return float(np.median([p99_ms(beside) / p99_ms(without) for without, beside in pairs]))
 
 
 def report_flood_waits(folder: Path, database: FreshDatabase, seconds: float) -> Waits:
@@ -157,7 +157,8 @@ def _largest_report(video: SeenVideo, batch: int) -> bytes:
     return json.dumps({"batch": batch, "intervals": intervals}).encode()
 
 
-def _p99_ms(seconds: list[float]) -> float:
+def p99_ms(seconds: list[float]) -> float:
+    """Return the 99th percentile in milliseconds; NaN without any request."""
     return 1000 * float(np.quantile(seconds, 0.99)) if seconds else float("nan")
 
 
@@ -174,7 +175,7 @@ def main() -> None:
             with fresh_database(backend, folder) as database:
                 waits = report_flood_waits(folder, database, options.seconds)
         for name, turns in (("without", waits.without), ("beside", waits.beside)):
-            p99 = np.median([_p99_ms(turn) for turn in turns])
+            p99 = np.median([p99_ms(turn) for turn in turns])
             print(f"{backend}_{name}_flood_p99_ms: {p99:.1f}")
         print(f"{backend}_report_flood_p99_ratio: {waits.ratio:.2f}")
         print(f"{backend}_report_flood_errors: {len(waits.errors)}", flush=True)

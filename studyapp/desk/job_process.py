@@ -27,7 +27,7 @@ from studyapp.desk.jobs import (
     Job,
     command_line,
 )
-from studyapp.side_process import LESS_URGENT
+from studyapp.side_process import use_idle_time
 
 POLL_SECONDS: Final = 0.3
 
@@ -42,7 +42,7 @@ STOPPING: Final = (
 def main(arguments: Sequence[str]) -> int:
     """Run the job in a folder to its end."""
     folder, lock = Path(arguments[0]), int(arguments[1])
-    os.nice(LESS_URGENT)
+    use_idle_time()
     # A server that a script started in the background ignores it, and so would its children.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     job = Job.model_validate_json((folder / DESCRIPTION).read_bytes())

@@ -1,0 +1,169 @@
+"""How long participants wait while a job of the desk renders.
+
+``python -m benchmarks.server.job_beside`` serves one study and renders another as the desk does. In
+turns of equal length the job stands still or runs. The ratio is that of the participants' slowest
+requests (p99), turn by turn.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import os
+import signal
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from benchmarks.rendering.sample_motion import gesturing_clip
+from benchmarks.server.load import arrive, judge
+from benchmarks.server.report_flood import Waits, p99_ms
+from motion.audio import SPEECH_RATE, Audio, write_wav
+from motion.formats import write_clip
+from motion.segment import Segment, write_segments
+from studyapp.desk.jobs import Job, job_log, job_standings, run_job
+from studyapp.study.folder import StudyFolder
+from tests.support.servers.databases import BACKENDS, Backend, fresh_database
+from tests.support.servers.processes import children
+from tests.support.servers.study_server import study_server
+from tests.support.servers.visitor import Ledger
+from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
+from tests.support.studies.tiny_study import EMOTIONS, STUDY_FILE
+
+CONCURRENCIES: Final = (1, 8, 32, 128)
+PAIRS: Final = 6
+"""Turns without the job, each followed by one with it."""
+
+KIND: Final = "render"
+CLIP_SECONDS: Final = 120.0
+FRAME_RATE: Final = 30.0
+STARTING_SECONDS: Final = 60.0
+
+
+def job_waits(backend: Backend, seconds: float) -> dict[int, Waits]:
+    """Return how long participants waited, by how many took part at once.
+
+    Parameters
+    ----------
+    backend : Backend
+        The database of the study that is served.
+    seconds : float
+        How long each turn takes.
+    """
+    with tempfile.TemporaryDirectory(prefix="bench-") as name:
+        served, rendered = Path(name, "served"), Path(name, "rendered")
+        served.mkdir()
+        write_fabricated_study(served, StudyShape(places=5000))
+        write_unrendered_study(rendered)
+        with (
+            fresh_database(backend, served) as database,
+            study_server(served, served / "output", database_url=database.url) as server,
+            rendering(rendered / "jobs") as processes,
+        ):
+            return {
+                count: _waits(server.port, count, seconds, processes) for count in CONCURRENCIES
+            }
+
+
+def _waits(port: int, count: int, seconds: float, processes: Sequence[int]) -> Waits:
+    waits = Waits()
+    _send(processes, signal.SIGSTOP)
+    for turn in range(2 * PAIRS):
+        ledger = Ledger()
+        if turn % 2:
+            _send(processes, signal.SIGCONT)
+        asyncio.run(_take_part(port, count, seconds, ledger))
+        _send(processes, signal.SIGSTOP)
+        taken = [second for kind in ledger.seconds.values() for second in kind]
+        (waits.beside if turn % 2 else waits.without).append(taken)
+        waits.errors += ledger.errors
+    return waits
+
+
+async def _take_part(port: int, count: int, seconds: float, ledger: Ledger) -> None:
+    arrived = await arrive(port, count=count, seed=count, ledger=Ledger())
+    await judge(arrived, ledger=ledger, seconds=seconds)
+
+
+def write_unrendered_study(folder: Path) -> None:
+    """Write a study whose motion is made and whose videos are not."""
+    study = StudyFolder(folder)
+    speech = folder / "speech"
+    speech.mkdir(parents=True)
+    (folder / "study.toml").write_text(STUDY_FILE, encoding="utf-8")
+    silence = np.zeros(round(CLIP_SECONDS * SPEECH_RATE), np.float32)
+    write_wav(speech / "take.wav", Audio(silence, SPEECH_RATE))
+    segments = [
+        Segment(
+            name=emotion,
+            wav="take.wav",
+            start=0,
+            end=CLIP_SECONDS,
+            speaker="robin",
+            emotion=emotion,
+        )
+        for emotion in EMOTIONS
+    ]
+    write_segments(speech, segments)
+    clip = gesturing_clip(CLIP_SECONDS, FRAME_RATE)
+    for condition in ("rule_based", "mismatched", "broken"):
+        for segment in segments:
+            path = study.clip(condition, segment.name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_clip(path, clip)
+
+
+@contextmanager
+def rendering(jobs: Path) -> Iterator[Sequence[int]]:
+    """Render a study as the desk does, and give the processes that do it."""
+    before = children(os.getpid())
+    run_job(jobs, Job(kind=KIND, command=(KIND,), by="bench", began_at=datetime.now(UTC)))
+    (job,) = set(children(os.getpid())).difference(before)
+    end = time.monotonic() + STARTING_SECONDS
+    while (standing := job_standings(jobs)[KIND]).progress is None:
+        if not standing.is_running or time.monotonic() > end:
+            raise RuntimeError(job_log(jobs, KIND, most=2000))
+        time.sleep(0.1)
+    processes = (job, *descendants(job))
+    try:
+        yield processes
+        if not job_standings(jobs)[KIND].is_running:
+            raise RuntimeError("the job has ended too early: " + job_log(jobs, KIND, most=2000))
+    finally:
+        _send(processes, signal.SIGKILL)
+
+
+def descendants(pid: int) -> tuple[int, ...]:
+    """Return the processes that process `pid`, and those that it started, have started."""
+    return tuple(process for child in children(pid) for process in (child, *descendants(child)))
+
+
+def _send(processes: Sequence[int], number: signal.Signals) -> None:
+    for process in processes:
+        with suppress(ProcessLookupError):
+            os.kill(process, number)
+
+
+def main() -> None:
+    """Measure on both databases, and print the waits without the job, with it, and their ratio."""
+    parser = argparse.ArgumentParser(description="Measure what a rendering job costs participants.")
+    parser.add_argument("--seconds", type=float, default=3.0, help="of each turn")
+    parser.add_argument("--database", choices=BACKENDS, action="append", help="of both, only this")
+    options = parser.parse_args()
+    for backend in options.database or BACKENDS:
+        for count, waits in job_waits(backend, options.seconds).items():
+            for name, turns in (("without", waits.without), ("beside", waits.beside)):
+                p99 = np.median([p99_ms(turn) for turn in turns])
+                print(f"{backend}_{count}_{name}_job_p99_ms: {p99:.1f}")
+            print(f"{backend}_{count}_job_p99_ratio: {waits.ratio:.2f}")
+            print(f"{backend}_{count}_job_errors: {len(waits.errors)}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
