@@ -73,17 +73,6 @@ def output_of(
     return done.stdout
 
 
-def use_idle_time() -> None:
-    """Let this process and all that it starts run only while no processor has other work.
-
-    A lower priority alone still takes a turn now and then, for which a participant's request waits.
-    """
-    if hasattr(os, "SCHED_IDLE"):
-        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
-    else:
-        os.nice(19)
-
-
 def give_way(processor_seconds: int) -> None:
     """Let this process come after the server's, and end once it has used the processor so long."""
     os.nice(LESS_URGENT)

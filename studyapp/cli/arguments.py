@@ -12,6 +12,7 @@ import click
 
 from motion.errors import InputError
 from motion.formats.joint_maps import JointMap, read_joint_map
+from studyapp.desk.jobs import PROCESSES
 from studyapp.study.folder import StudyFolder
 
 
@@ -92,6 +93,7 @@ optional_study_folder: Callable[[Callable[..., None]], Callable[..., None]] = cl
 processes: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     "--processes",
     type=click.IntRange(1, _MOST_PROCESSES),
+    envvar=PROCESSES,
     default=_default_processes,
     show_default="one per processor",
     help="Number of parallel processes.",

@@ -20,6 +20,7 @@ from typing import Final
 
 from studyapp.desk.jobs import (
     DESCRIPTION,
+    PROCESSES,
     PROGRESS,
     PROGRESS_FILE,
     RESEARCHER,
@@ -27,7 +28,7 @@ from studyapp.desk.jobs import (
     Job,
     command_line,
 )
-from studyapp.side_process import use_idle_time
+from studyapp.side_process import LESS_URGENT
 
 POLL_SECONDS: Final = 0.3
 
@@ -42,7 +43,7 @@ STOPPING: Final = (
 def main(arguments: Sequence[str]) -> int:
     """Run the job in a folder to its end."""
     folder, lock = Path(arguments[0]), int(arguments[1])
-    use_idle_time()
+    os.nice(LESS_URGENT)
     # A server that a script started in the background ignores it, and so would its children.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     job = Job.model_validate_json((folder / DESCRIPTION).read_bytes())
@@ -51,6 +52,8 @@ def main(arguments: Sequence[str]) -> int:
         **os.environ,
         PROGRESS_FILE: str(folder / PROGRESS),
         RESEARCHER: job.by,
+        # One processor stays free for participants' requests.
+        PROCESSES: str(max(1, (os.cpu_count() or 1) - 1)),
         "PYTHONUNBUFFERED": "1",
     }
     process = subprocess.Popen(  # noqa: S603 - our own program

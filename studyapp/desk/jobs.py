@@ -35,6 +35,9 @@ STOP: Final = "stop.txt"
 PROGRESS_FILE: Final = "MOTIONJURY_PROGRESS"
 """The environment variable that names the file in which a command reports its progress."""
 
+PROCESSES: Final = "MOTIONJURY_PROCESSES"
+"""The environment variable with the number of processes that a command starts by default."""
+
 RESEARCHER: Final = "MOTIONJURY_RESEARCHER"
 """The environment variable that names who runs a command, for the log of looks."""
 

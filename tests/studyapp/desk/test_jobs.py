@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from studyapp.desk.jobs import job_log, job_standings, stop_job
+from studyapp.desk.jobs import PROCESSES, job_log, job_standings, stop_job
 from tests.studyapp.desk.job_watching import (
     PATIENCE,
     SLOW,
@@ -89,7 +89,7 @@ def test_one_job_of_a_study_runs_at_a_time_and_stops_when_asked(
     assert job_standings(jobs)["try"].state in ("stopping", "stopped")
     standing = wait_until_ended(jobs)
     assert (standing.state, standing.job.stopped_by) == ("stopped", "Grace")
-    assert "goes on where it stopped" in job_log(jobs, "try", most=10_000)
+    assert "Run the same command again to continue" in job_log(jobs, "try", most=10_000)
     with pytest.raises(InputError, match="not running"):
         stop_job(jobs, "try", by="Grace")
     begin(jobs, "nothing", kind="other")
@@ -112,10 +112,12 @@ def test_a_job_outlives_the_server_that_began_it(jobs: Path, tiny_study: Path) -
         assert time.monotonic() < deadline
         time.sleep(0.05)
     assert all(os.getpriority(os.PRIO_PROCESS, each) >= 10 for each in running)
+    left = f"{PROCESSES}={max(1, (os.cpu_count() or 1) - 1)}\0".encode()
+    assert all(left in Path(f"/proc/{each}/environ").read_bytes() for each in running)
     wait_until_under_way(jobs)
     stop_job(jobs, "try", by="Ada")
     assert wait_until_ended(jobs).state == "stopped"
-    assert "goes on where it stopped" in job_log(jobs, "try", most=10_000)
+    assert "Run the same command again to continue" in job_log(jobs, "try", most=10_000)
     wait_for_nobody(tiny_study)
 
 
