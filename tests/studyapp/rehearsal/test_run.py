@@ -184,7 +184,7 @@ def kill_the_server(folder: StudyFolder) -> None:
                 os.kill(process, signal.SIGKILL)
 
     known = completed(folder)
-    with pytest.raises(InputError, match=r"does not answer.*goes on where it was"):
+    with pytest.raises(InputError, match=r"no longer answers.*Run the command again to continue"):
         rehearse(folder, seed=3, workers=2, on_done=kill)
 
 

@@ -14,23 +14,25 @@ from sqlalchemy.orm import Session
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Base, RefusalLine
+from studyapp.session.screening import COUNTS
 
-UNTOLD: Final = frozenset({"last_active_at", "sound_tries"})
-"""Columns that may change where something is refused: who sends it is there, and has tried."""
+MAY_CHANGE: Final = frozenset(
+    {"last_active_at", "sound_tries", *(column.key for column in COUNTS.values())}
+)
+"""Columns that a refusal may change: activity, sound checks tried, and counts of screen-outs."""
 
 
 def everything_stored(database: Database) -> dict[str, str]:
     """Return a digest of every table's rows.
 
-    Left out are `UNTOLD`, and notes of what was refused, which must be made and are bounded by the
-    services.
+    Left out are `MAY_CHANGE`, and notes of refusals, whose number the services limit.
     """
     digests = {}
     with database.reading() as session:
         for table in Base.metadata.sorted_tables:
             if table is RefusalLine.__table__:
                 continue
-            columns = [column for column in table.columns if column.name not in UNTOLD]
+            columns = [column for column in table.columns if column.name not in MAY_CHANGE]
             rows = sorted(map(repr, session.execute(select(*columns))))
             digests[table.name] = hashlib.sha256("\n".join(rows).encode()).hexdigest()
     return digests
