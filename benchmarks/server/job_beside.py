@@ -7,15 +7,12 @@ requests (p99), turn by turn.
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import os
 import signal
 import tempfile
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
@@ -23,13 +20,14 @@ import numpy as np
 
 from benchmarks.rendering.sample_motion import gesturing_clip
 from benchmarks.server.load import arrive, judge
-from benchmarks.server.report_flood import Waits, p99_ms
+from benchmarks.server.turns import Waits, read_options
 from motion.audio import SPEECH_RATE, Audio, write_wav
 from motion.formats import write_clip
 from motion.segment import Segment, write_segments
-from studyapp.desk.jobs import Job, job_log, job_standings, run_job
+from studyapp.desk.jobs import job_log, job_standings
 from studyapp.study.folder import StudyFolder
-from tests.support.servers.databases import BACKENDS, Backend, fresh_database
+from tests.studyapp.desk.job_watching import begin, wait_until_under_way
+from tests.support.servers.databases import Backend, fresh_database
 from tests.support.servers.processes import children
 from tests.support.servers.study_server import study_server
 from tests.support.servers.visitor import Ledger
@@ -43,7 +41,6 @@ PAIRS: Final = 6
 KIND: Final = "render"
 CLIP_SECONDS: Final = 120.0
 FRAME_RATE: Final = 30.0
-STARTING_SECONDS: Final = 60.0
 
 
 def job_waits(backend: Backend, seconds: float) -> dict[int, Waits]:
@@ -123,13 +120,9 @@ def write_unrendered_study(folder: Path) -> None:
 def rendering(jobs: Path) -> Iterator[Sequence[int]]:
     """Render a study as the desk does, and give the processes that do it."""
     before = children(os.getpid())
-    run_job(jobs, Job(kind=KIND, command=(KIND,), by="bench", began_at=datetime.now(UTC)))
+    begin(jobs, KIND, kind=KIND)
     (job,) = set(children(os.getpid())).difference(before)
-    end = time.monotonic() + STARTING_SECONDS
-    while (standing := job_standings(jobs)[KIND]).progress is None:
-        if not standing.is_running or time.monotonic() > end:
-            raise RuntimeError(job_log(jobs, KIND, most=2000))
-        time.sleep(0.1)
+    wait_until_under_way(jobs, KIND)
     processes = (job, *descendants(job))
     try:
         yield processes
@@ -152,17 +145,10 @@ def _send(processes: Sequence[int], number: signal.Signals) -> None:
 
 def main() -> None:
     """Measure on both databases, and print the waits without the job, with it, and their ratio."""
-    parser = argparse.ArgumentParser(description="Measure what a rendering job costs participants.")
-    parser.add_argument("--seconds", type=float, default=3.0, help="of each turn")
-    parser.add_argument("--database", choices=BACKENDS, action="append", help="of both, only this")
-    options = parser.parse_args()
-    for backend in options.database or BACKENDS:
+    options = read_options("Measure what a rendering job costs participants.", seconds=3.0)
+    for backend in options.database:
         for count, waits in job_waits(backend, options.seconds).items():
-            for name, turns in (("without", waits.without), ("beside", waits.beside)):
-                p99 = np.median([p99_ms(turn) for turn in turns])
-                print(f"{backend}_{count}_{name}_job_p99_ms: {p99:.1f}")
-            print(f"{backend}_{count}_job_p99_ratio: {waits.ratio:.2f}")
-            print(f"{backend}_{count}_job_errors: {len(waits.errors)}", flush=True)
+            waits.print(f"{backend}_{count}", "job", total="job")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ of the others' slowest answers (p99), turn by turn. To measure it alone:
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import json
 import multiprocessing
@@ -16,16 +15,15 @@ import random
 import tempfile
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from multiprocessing.synchronize import Event
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-
 from benchmarks.server.load import Arrived, arrive, beside
+from benchmarks.server.turns import Waits, read_options
 from studyapp.session.watch_evidence import MAX_INTERVALS, MAX_REPORTS
-from tests.support.servers.databases import BACKENDS, FreshDatabase, fresh_database
+from tests.support.servers.databases import FreshDatabase, fresh_database
 from tests.support.servers.page_scan import SeenVideo, seen_videos
 from tests.support.servers.study_server import HOST, study_server
 from tests.support.servers.visitor import Kind, Ledger, StrandedError, Visitor
@@ -43,30 +41,6 @@ BEFORE: Final = 20.0
 
 STORED: Final[tuple[Kind, ...]] = ("answers", "watched")
 """Requests that are acknowledged when what they bring is stored: answers, and what was played."""
-
-
-@dataclass
-class Waits:
-    """How long the others' requests took, in seconds, turn by turn.
-
-    Attributes
-    ----------
-    without, beside : list of list of float
-        Of each turn without the flood, and of the one with it that followed.
-    """
-
-    without: list[list[float]] = field(default_factory=list)
-    beside: list[list[float]] = field(default_factory=list)
-    errors: list[str] = field(default_factory=list)
-
-    @property
-    def ratio(self) -> float:
-        """How many times as long the p99 is with the flood: the median over all pairs of turns.
-
-        What else the machine does for a moment falls into few pairs.
-        """
-        pairs = zip(self.without, self.beside, strict=True)
-        return float(np.median([p99_ms(beside) / p99_ms(without) for without, beside in pairs]))
 
 
 def report_flood_waits(folder: Path, database: FreshDatabase, seconds: float) -> Waits:
@@ -157,28 +131,16 @@ def _largest_report(video: SeenVideo, batch: int) -> bytes:
     return json.dumps({"batch": batch, "intervals": intervals}).encode()
 
 
-def p99_ms(seconds: list[float]) -> float:
-    """Return the 99th percentile in milliseconds; NaN without any request."""
-    return 1000 * float(np.quantile(seconds, 0.99)) if seconds else float("nan")
-
-
 def main() -> None:
     """Measure on both databases, and print what others wait for without the flood and with it."""
-    parser = argparse.ArgumentParser(description="Measure what a flood of reports costs others.")
-    parser.add_argument("--seconds", type=float, default=4.0, help="of each turn")
-    parser.add_argument("--database", choices=BACKENDS, action="append", help="of both, only this")
-    options = parser.parse_args()
-    for backend in options.database or BACKENDS:
+    options = read_options("Measure what a flood of reports costs others.", seconds=4.0)
+    for backend in options.database:
         with tempfile.TemporaryDirectory(prefix="bench-") as name:
             folder = Path(name)
             write_fabricated_study(folder, StudyShape(places=5000))
             with fresh_database(backend, folder) as database:
                 waits = report_flood_waits(folder, database, options.seconds)
-        for name, turns in (("without", waits.without), ("beside", waits.beside)):
-            p99 = np.median([p99_ms(turn) for turn in turns])
-            print(f"{backend}_{name}_flood_p99_ms: {p99:.1f}")
-        print(f"{backend}_report_flood_p99_ratio: {waits.ratio:.2f}")
-        print(f"{backend}_report_flood_errors: {len(waits.errors)}", flush=True)
+        waits.print(backend, "flood", total="report_flood")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,56 @@
+"""How much longer requests take beside something, in pairs of turns without it and with it."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from tests.support.servers.databases import BACKENDS
+
+
+@dataclass
+class Waits:
+    """How long requests took, in seconds, turn by turn.
+
+    Attributes
+    ----------
+    without, beside : list of list of float
+        Of each turn without what is measured, and of the one with it that followed.
+    """
+
+    without: list[list[float]] = field(default_factory=list)
+    beside: list[list[float]] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+
+    @property
+    def ratio(self) -> float:
+        """How many times as long the p99 is beside it: the median over all pairs of turns.
+
+        What else the machine does for a moment falls into few pairs.
+        """
+        pairs = zip(self.without, self.beside, strict=True)
+        return float(np.median([_p99_ms(beside) / _p99_ms(without) for without, beside in pairs]))
+
+    def print(self, where: str, what: str, *, total: str) -> None:
+        """Print the p99 without `what` and beside it, and under the name `total` their ratio."""
+        for name, turns in (("without", self.without), ("beside", self.beside)):
+            p99 = np.median([_p99_ms(turn) for turn in turns])
+            print(f"{where}_{name}_{what}_p99_ms: {p99:.1f}")
+        print(f"{where}_{total}_p99_ratio: {self.ratio:.2f}")
+        print(f"{where}_{total}_errors: {len(self.errors)}", flush=True)
+
+
+def read_options(description: str, *, seconds: float) -> argparse.Namespace:
+    """Read the length of a turn, and which databases are measured."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--seconds", type=float, default=seconds, help="of each turn")
+    parser.add_argument("--database", choices=BACKENDS, action="append", help="of both, only this")
+    options = parser.parse_args()
+    options.database = options.database or BACKENDS
+    return options
+
+
+def _p99_ms(seconds: list[float]) -> float:
+    return 1000 * float(np.quantile(seconds, 0.99)) if seconds else float("nan")
