@@ -7,21 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import read_clip, write_clip
 from studyapp.study.study_file import new_study
 from tests.generators.diffsheg.small_network import written_network
 from tests.studyapp.cli.conftest import CORPUS, RATE
 from tests.support.command_line import refused, run
+from tests.support.studies.takes import write_speech
 
 
 @pytest.fixture
 def speech(tmp_path: Path) -> Path:
-    path = tmp_path / "hello.wav"
-    times = np.arange(16_000) / 16_000
-    write_wav(path, Audio((0.3 * np.sin(2 * np.pi * 150 * times)).astype(np.float32), 16_000))
-    return path
+    return write_speech(tmp_path / "hello.wav", 1)
 
 
 @pytest.fixture

@@ -15,7 +15,6 @@ from generators.interface import OnPart, SpeechSegment, StudyClips, ignore_progr
 from generators.learned_settings import ModelSettings
 from generators.registry import GENERATORS, Entry
 from generators.settings import File
-from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import read_clip
 from studyapp.cli.main import group
@@ -24,6 +23,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import source_descriptions
 from studyapp.study.settings.reading import read_study
 from tests.support.studies.edited_study import edited
+from tests.support.studies.takes import write_speech
 
 
 class SwaySettings(ModelSettings):
@@ -86,10 +86,7 @@ def weights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def speech(tmp_path: Path) -> Path:
-    path = tmp_path / "hello.wav"
-    times = np.arange(16_000) / 16_000
-    write_wav(path, Audio((0.3 * np.sin(2 * np.pi * 150 * times)).astype(np.float32), 16_000))
-    return path
+    return write_speech(tmp_path / "hello.wav", 1)
 
 
 def run(*arguments: object) -> Result:
