@@ -13,6 +13,10 @@ LESS_URGENT: Final = 10
 """Than the server that participants wait for."""
 
 
+MOST_PROCESSES: Final = 256
+"""Processes that a command may start."""
+
+
 class SideProcessError(Exception):
     """The process has failed; the message is the last line that it wrote, or empty.
 
@@ -71,6 +75,13 @@ def output_of(
         lines = done.stderr.decode("utf-8", "replace").strip().splitlines()
         raise SideProcessError(lines[-1] if lines else "", done.returncode)
     return done.stdout
+
+
+def available_processors() -> int:
+    """Return the number of processors that this process may use, at most `MOST_PROCESSES`."""
+    if hasattr(os, "sched_getaffinity"):
+        return min(len(os.sched_getaffinity(0)), MOST_PROCESSES)
+    return min(os.cpu_count() or 1, MOST_PROCESSES)
 
 
 def give_way(processor_seconds: int) -> None:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Final
 from urllib.parse import urlsplit
 
 import click
@@ -13,6 +11,7 @@ import click
 from motion.errors import InputError
 from motion.formats.joint_maps import JointMap, read_joint_map
 from studyapp.desk.jobs import PROCESSES
+from studyapp.side_process import MOST_PROCESSES, available_processors
 from studyapp.study.folder import StudyFolder
 
 
@@ -69,16 +68,6 @@ joints_option = click.option(
     'as pelvis = "Hips".',
 )
 
-_MOST_PROCESSES: Final = 256
-
-
-def _default_processes() -> int:
-    """Return the number of available processors, at most `_MOST_PROCESSES`."""
-    if hasattr(os, "sched_getaffinity"):
-        return min(len(os.sched_getaffinity(0)), _MOST_PROCESSES)
-    return min(os.cpu_count() or 1, _MOST_PROCESSES)
-
-
 study_folder = click.argument("folder", type=_StudyFolderType(), default=".")
 """An existing study folder; by default the working directory."""
 
@@ -92,9 +81,9 @@ optional_study_folder: Callable[[Callable[..., None]], Callable[..., None]] = cl
 
 processes: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     "--processes",
-    type=click.IntRange(1, _MOST_PROCESSES),
+    type=click.IntRange(1, MOST_PROCESSES),
     envvar=PROCESSES,
-    default=_default_processes,
+    default=available_processors,
     show_default="one per processor",
     help="Number of parallel processes.",
 )

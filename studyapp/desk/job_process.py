@@ -28,7 +28,7 @@ from studyapp.desk.jobs import (
     Job,
     command_line,
 )
-from studyapp.side_process import LESS_URGENT
+from studyapp.side_process import LESS_URGENT, available_processors
 
 POLL_SECONDS: Final = 0.3
 
@@ -53,7 +53,7 @@ def main(arguments: Sequence[str]) -> int:
         PROGRESS_FILE: str(folder / PROGRESS),
         RESEARCHER: job.by,
         # One processor stays free for participants' requests.
-        PROCESSES: str(max(1, (os.cpu_count() or 1) - 1)),
+        PROCESSES: str(max(1, available_processors() - 1)),
         "PYTHONUNBUFFERED": "1",
     }
     process = subprocess.Popen(  # noqa: S603 - our own program
