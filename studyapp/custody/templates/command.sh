@@ -1,5 +1,5 @@
 #!/bin/sh
-# A command of Motion Jury on this study, as its server runs: by its user, with its environment.
+# Run a command of Motion Jury on this study as the server's user, with the server's environment.
 #
 #     {{ study.unit }} researchers list     is    motionjury researchers FOLDER list
 set -eu

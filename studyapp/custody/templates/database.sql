@@ -1,6 +1,6 @@
--- As PostgreSQL's own user, once or again:
+-- Run as PostgreSQL's own user. Running it again does no harm:
 --     sudo -u postgres psql --set ON_ERROR_STOP=1 < database.sql
--- Debian's PostgreSQL lets the system's user of that name in, and nobody by password.
+-- Debian's PostgreSQL accepts the system user of the same name, without a password.
 SELECT 'CREATE ROLE motionjury LOGIN'
 WHERE NOT EXISTS (SELECT FROM pg_roles WHERE rolname = 'motionjury') \gexec
 

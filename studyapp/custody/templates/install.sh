@@ -1,6 +1,6 @@
 #!/bin/sh
-# Put the files beside this script where they belong. As root, once or again: a file there that
-# says something else is kept beside the new one, with '.before' at its end.
+# Install the files beside this script. Run it as root, once or again: a file that differs is
+# kept beside the new one, with '.before' at the end of its name.
 set -eu
 cd "$(dirname "$0")"
 
@@ -20,12 +20,12 @@ install_file {{ file.name }} {{ file.place }} {{ "%03o" | format(file.mode) }}
 {% endif %}
 {% endfor %}
 
-# Answers and keys are for the study's server alone.
+# Only the study's server may read answers and keys.
 folder='{{ study.folder }}'
 chown --recursive motionjury:motionjury "$folder"
 chmod --recursive u=rwX,g=,o= "$folder"
 {% if study.proxy == "nginx" %}
-# nginx may pass through to the videos, and read those.
+# nginx may enter the folder and read the videos.
 chgrp www-data "$folder"
 chmod 710 "$folder"
 chgrp --recursive www-data "$folder/videos"
