@@ -63,7 +63,7 @@ def tables(takes: Sequence[MeasuredTake], size: int) -> Iterator[str]:
             f"| {curve.takes} |"
         )
     yield ""
-    yield "| told by the nearest mean | right | chance | test takes |"
+    yield "| identified by the nearest class mean | correct | chance | test takes |"
     yield "|---|---|---|---|"
     for line in told(takes):
         right = f"{line.share:.0%}" if line.takes else "– (there is no such take)"
