@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,25 +8,11 @@ import pytest
 
 from motion.errors import InputError
 from motion.segment import write_segments
-from studyapp.study.design.trial import Stimulus
-from studyapp.study.finished_videos import finished_video_path, video_duration
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import (
-    ClipVideo,
-    Media,
-    PairVideo,
-    Stimuli,
-    VideoCopy,
-    read_stimuli,
-    write_stimuli,
-)
+from studyapp.study.media import Media, PairVideo, Stimuli, read_stimuli, write_stimuli
 from tests.studyapp.conftest import OwnStudy
 from tests.support.studies.finished_study import PROTOCOLS, SEGMENTS
-from tests.support.studies.made_study import make_study
 from tests.support.studies.takes import write_speech
-
-OTHER = Stimulus(condition="ours", segment="one", speech="two")
-MUTED = Stimulus(condition="ours", segment="one", speech=None)
 
 
 @pytest.fixture
@@ -49,14 +36,6 @@ def test_of_finished_videos_copies_are_shown_and_no_speech_is_needed(
         assert found.file.is_file()
         assert found.file.parent == folder.videos / "copies"
         assert found.duration == pytest.approx(2.0, abs=0.05)
-
-
-def test_a_finished_video_with_another_speech_lies_beside_its_own() -> None:
-    own = Stimulus.own("ours", "one")
-
-    assert finished_video_path(Path("v"), own) == Path("v/ours/one.mp4")
-    assert finished_video_path(Path("v"), OTHER) == Path("v/ours/one@two.mp4")
-    assert finished_video_path(Path("v"), MUTED) == Path("v/ours/one.mp4")
 
 
 def segment_names(folder: StudyFolder) -> list[str]:
@@ -83,13 +62,6 @@ def test_a_segment_that_one_condition_lacks_vanishes_only_where_the_study_allows
     assert segment_names(finished) == ["one", "three"]
 
 
-def test_a_misspelt_video_makes_no_segment_of_its_own(finished: StudyFolder) -> None:
-    videos = finished.videos / "theirs"
-    (videos / "three.mp4").rename(videos / "Three.mp4")
-
-    assert segment_names(finished) == ["one", "three", "two"]
-
-
 def test_conditions_that_share_no_name_lack_each_video_that_another_one_has(
     finished: StudyFolder,
 ) -> None:
@@ -102,62 +74,36 @@ def test_conditions_that_share_no_name_lack_each_video_that_another_one_has(
         segment_names(finished)
 
 
-def test_a_video_whose_name_is_no_segments_is_named(finished: StudyFolder) -> None:
-    videos = finished.videos / "theirs"
-    (videos / "two.mp4").rename(videos / "two (1).mp4")
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda video: video.rename(video.with_name("one (1).mp4")), r"ours/one \(1\)\.mp4"),
+        (lambda video: video.write_bytes(b"no video"), "this is not a playable video"),
+    ],
+)
+def test_a_video_that_is_no_segments_is_named(
+    finished: StudyFolder, spoil: Callable[[Path], object], said: str
+) -> None:
+    spoil(finished.videos / "ours" / "one.mp4")
 
-    with pytest.raises(InputError, match=r"theirs/two \(1\)\.mp4"):
+    with pytest.raises(InputError, match=said):
         segment_names(finished)
-
-
-def test_a_finished_video_that_is_none_is_named(finished: StudyFolder) -> None:
-    path = finished.videos / "ours" / "one.mp4"
-    path.write_bytes(b"no video")
-
-    with pytest.raises(InputError, match=r"this is not a playable video"):
-        video_duration(path)
-
-
-def test_rendered_clips_are_found_by_what_is_seen_and_heard(tmp_path: Path) -> None:
-    clip = ClipVideo(segment="one", condition="ours", file="videos/a.mp4", duration=2.0, key="k")
-    other = clip.model_copy(update={"speech": "two", "file": "videos/b.mp4"})
-    silent = VideoCopy(
-        segment="one",
-        condition="ours",
-        heard=None,
-        file="videos/c.mp4",
-        duration=2.0,
-        key="k",
-        original="k",
-    )
-    write_stimuli(tmp_path / "stimuli.json", Stimuli(clips=(clip, other), copies=(silent,)))
-    conditions: dict[str, dict[str, str]] = {"ours": {}, "theirs": {}}
-    study = make_study(reference="ours", conditions=conditions)
-    media = Media.of(StudyFolder(tmp_path), study)
-
-    def name(stimulus: Stimulus) -> str | None:
-        found = media.find((stimulus,))
-        return None if found is None else found.file.name
-
-    assert name(Stimulus.own("ours", "one")) == "a.mp4"
-    assert name(OTHER) == "b.mp4"
-    assert name(MUTED) == "c.mp4"
-    assert name(Stimulus.own("theirs", "one")) is None
 
 
 PAIR = PairVideo(segment="s", left="a", right="b", file="videos/x.mp4", duration=2.0, key="k")
 
 
-def test_missing_videos_say_what_to_run(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="motionjury render"):
-        read_stimuli(tmp_path / "stimuli.json")
-
-
-@pytest.mark.parametrize("content", ["", "{", '{"pairs": [{}]}', '{"format": 9}'])
-def test_a_damaged_record_is_named_with_its_remedy(tmp_path: Path, content: str) -> None:
+@pytest.mark.parametrize(
+    ("content", "remedy"),
+    [(None, "Run 'motionjury render'"), ("{", "Delete it"), ('{"pairs": [{}]}', "Delete it")],
+)
+def test_a_missing_or_damaged_record_is_named_with_its_remedy(
+    tmp_path: Path, content: str | None, remedy: str
+) -> None:
     path = tmp_path / "stimuli.json"
-    path.write_text(content)
-    with pytest.raises(InputError, match=r"stimuli.json: .* Delete it"):
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(InputError, match=rf"stimuli.json: .*{remedy}"):
         read_stimuli(path)
 
 

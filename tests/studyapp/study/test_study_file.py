@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -20,6 +21,49 @@ def test_each_template_is_a_valid_study_with_comments(tmp_path: Path, template: 
     assert read_study(path) == made
     assert path.read_text().count("#") > 8
     assert all(c.trials == 0 or c.trials > c.max_failed for c in (made.catch, made.attention))
+
+
+@pytest.mark.parametrize(
+    ("template", "published"),
+    [
+        (
+            "pairwise",
+            {
+                "trials": 24,
+                "practice": 3,
+                "participants_per_comparison": 25,
+                "catch": {"trials": 3, "max_failed": 1},
+                "questions": [{"name": "synchronisation"}, {"name": "emotion"}],
+            },
+        ),
+        (
+            "rating",
+            {
+                "participants": 90,
+                "sets": [{"groups": 8}, {"groups": 8}],
+                "questions": [{"name": "naturalness"}, {"name": "synchrony"}],
+                "form": {"eligibility": [{"name": "adult"}, {"name": "senses"}]},
+            },
+        ),
+        ("ranking", {"participants": 22, "ties": False, "blocks": [{"trials": 8}, {"trials": 12}]}),
+        ("mismatch", {"questions": [{"name": "fit", "levels": 3}, {"name": "realism"}]}),
+    ],
+)
+def test_each_template_follows_its_published_design(
+    tmp_path: Path, template: str, published: dict[str, Any]
+) -> None:
+    made = new_study(tmp_path / "study.toml", template=template, name="study").model_dump()
+
+    assert restricted(made, published) == published
+
+
+def restricted(value: Any, like: Any) -> Any:
+    """Return those keys of `value` that `like` has, however nested."""
+    if isinstance(like, dict):
+        return {key: restricted(value[key], inner) for key, inner in like.items()}
+    if isinstance(like, list):
+        return [restricted(*pair) for pair in zip(value, like, strict=True)]
+    return value
 
 
 def test_what_is_wanted_ends_up_in_the_file(tmp_path: Path) -> None:

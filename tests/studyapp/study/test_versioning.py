@@ -53,12 +53,6 @@ def test_what_decides_nothing_that_participants_see_may_change_and_how_it_runs_i
     assert list(operation_changes(operation_part(before), operation_part(after))) == noted
 
 
-def test_what_was_promised_may_not_change() -> None:
-    kept = make_study(page={"consent": "You agree.", "withdrawn": "kept"})
-
-    assert design_digest(kept, SEGMENTS, {}) != design_digest(make_study(), SEGMENTS, {})
-
-
 def test_a_key_that_only_one_release_knows_is_no_change() -> None:
     present = operation_part(make_study())
     earlier = {key: value for key, value in present.items() if key != "exclusions"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Hashable, Iterable
+from itertools import combinations
 from typing import Any
 
 import pytest
@@ -40,6 +41,15 @@ def spread(counted: Iterable[Hashable], among: Iterable[Hashable]) -> int:
     return max(of_each) - min(of_each)
 
 
+def spread_of_speech(trials: Iterable[PlannedTrial]) -> int:
+    """Return by how much the most and the least heard segment of an emotion differ."""
+    heard = [trial.segment for trial in trials]
+    return max(
+        spread(heard, [segment for segment in SEGMENTS if segment.emotion == emotion])
+        for emotion in EMOTIONS
+    )
+
+
 def extras(protocol: str, **changes: Any) -> Study:
     catch = {**KEYS[protocol].get("catch", {}), "trials": 2}
     return make(protocol, catch=catch, attention={"trials": 2}, **changes)
@@ -50,13 +60,13 @@ def extras(protocol: str, **changes: Any) -> Study:
 def test_segments_of_an_emotion_are_judged_equally_often(
     places: int, seed: int, trials: int
 ) -> None:
-    study = make("pairwise", seed=seed, trials=trials, practice=1)
+    pairs = analysed(make("pairwise", seed=seed, trials=trials, practice=1), places)
+    ranked = analysed(make("ranking", seed=seed), places)
 
-    heard = [trial.segment for trial in analysed(study, places)]
-
-    for emotion in EMOTIONS:
-        own = [segment for segment in SEGMENTS if segment.emotion == emotion]
-        assert spread(heard, own) <= 1
+    assert spread_of_speech(pairs) <= 1
+    assert spread_of_speech(analysed(make("rating", seed=seed), places)) <= 1
+    for part in ("long", "short"):
+        assert spread_of_speech(trial for trial in ranked if trial.part == part) <= 1
 
 
 @settings(max_examples=15)
@@ -79,12 +89,11 @@ def test_all_pairs_are_compared_equally_often(places: int, seed: int, trials: in
 
     pairs = [frozenset(trial.conditions) for trial in analysed(study, places)]
 
-    assert spread(pairs, {frozenset(p) for p in study_pairs(study)}) <= 1
+    assert spread(pairs, study_pairs(study)) <= 1
 
 
-def study_pairs(study: Study) -> list[tuple[str, str]]:
-    names = list(study.conditions)
-    return [(a, b) for i, a in enumerate(names) for b in names[i + 1 :]]
+def study_pairs(study: Study) -> set[frozenset[str]]:
+    return {frozenset(pair) for pair in combinations(study.conditions, 2)}
 
 
 @settings(max_examples=15)
@@ -94,30 +103,13 @@ def test_a_mismatch_study_shows_every_motion_equally_often(
 ) -> None:
     study = make("mismatch", seed=seed, fit=fit, realism=realism)
     trials = analysed(study, places)
-    fits = [(t.conditions[0], t.segment) for t in trials if t.part == "fit"]
-    pairs = [(frozenset(t.conditions), t.segment) for t in trials if t.part == "realism"]
+    alone = {frozenset({condition}) for condition in study.conditions}
 
-    assert spread((condition for condition, _ in fits), study.conditions) <= 1
-    assert spread((pair for pair, _ in pairs), map(frozenset, study_pairs(study))) <= 1
-    for emotion in EMOTIONS:
-        own = [segment for segment in SEGMENTS if segment.emotion == emotion]
-        for condition in study.conditions:
-            assert spread((s for c, s in fits if c == condition), own) <= 1
-        for pair in map(frozenset, study_pairs(study)):
-            assert spread((s for p, s in pairs if p == pair), own) <= 1
-
-
-@settings(max_examples=15)
-@given(PLACES, SEEDS)
-def test_speech_is_rated_and_ranked_equally_often(places: int, seed: int) -> None:
-    rated = [trial.segment for trial in analysed(make("rating", seed=seed), places)]
-    ranked = analysed(make("ranking", seed=seed), places)
-
-    for emotion in EMOTIONS:
-        own = [segment for segment in SEGMENTS if segment.emotion == emotion]
-        assert spread(rated, own) <= 1
-        for part in ("long", "short"):
-            assert spread((t.segment for t in ranked if t.part == part), own) <= 1
+    for part, shown in (("fit", alone), ("realism", study_pairs(study))):
+        of_part = [trial for trial in trials if trial.part == part]
+        assert spread((frozenset(trial.conditions) for trial in of_part), shown) <= 1
+        for conditions in shown:
+            assert spread_of_speech(t for t in of_part if {*t.conditions} == conditions) <= 1
 
 
 @given(st.sampled_from(sorted(KEYS)), st.integers(0, 60), SEEDS)

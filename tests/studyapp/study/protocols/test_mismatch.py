@@ -1,39 +1,28 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import Any
 
 from hypothesis import given
 from hypothesis import strategies as st
 
 from motion.segment import EMOTIONS
-from studyapp.study.protocols.mismatch import MismatchStudy
-from studyapp.study.study_file import new_study
 from tests.studyapp.study.protocols.made_protocols import lasting, make, question
 from tests.support.studies.made_study import make_segments
 
 SEGMENTS = make_segments(EMOTIONS)
 
 
-def test_the_template_has_both_tasks_and_reasons(tmp_path: Any) -> None:
-    study = new_study(tmp_path / "study.toml", template="mismatch", name="s")
-
-    assert isinstance(study, MismatchStudy)
-    assert study.parts == ("fit", "realism")
-    plan = study.plan(study.arms[0], 0, SEGMENTS)
-    (ask,) = study.asks(next(trial for trial in plan if trial.part == "fit"))
-    assert (list(ask.values), ask.reasons) == ([-1, 0, 1], ("timing", "strength", "meaning"))
-
-
 @given(st.integers(0, 40), st.integers(0, 2**32 - 1))
-def test_a_motion_is_shown_with_its_own_and_with_another_speech(number: int, seed: int) -> None:
+def test_a_motion_fits_its_own_or_another_speech_and_looks_real_without_sound(
+    number: int, seed: int
+) -> None:
     study = make("mismatch", seed=seed)
 
-    fit = [t for t in study.plan(study.arms[0], number, SEGMENTS) if t.part == "fit"]
+    plan = study.plan(study.arms[0], number, SEGMENTS)
 
-    assert len(fit) == study.model_dump()["fit"]
+    fit, real = ([t for t in plan if t.part == part] for part in study.parts)
+    assert (len(fit), len(real)) == (7, 5)
     for trial in fit:
-        assert len(trial.videos) == 2
         assert len(set(trial.conditions)) == 1
         assert {shown.segment for shown in trial.stimuli} == {trial.segment.name}
         own, other = sorted(trial.stimuli, key=lambda s: s.speech != s.segment)
@@ -41,15 +30,6 @@ def test_a_motion_is_shown_with_its_own_and_with_another_speech(number: int, see
         assert other.speech not in (None, other.segment)
     left = sum(trial.stimuli[0].speech == trial.segment.name for trial in fit)
     assert abs(2 * left - len(fit)) <= 1
-
-
-@given(st.integers(0, 40))
-def test_realism_is_judged_between_two_conditions_without_sound(number: int) -> None:
-    study = make("mismatch")
-
-    real = [t for t in study.plan(study.arms[0], number, SEGMENTS) if t.part == "realism"]
-
-    assert len(real) == 5
     for trial in real:
         assert len(set(trial.conditions)) == 2
         assert {shown.speech for shown in trial.stimuli} == {None}

@@ -62,18 +62,40 @@ def test_what_does_not_fit_is_named(protocol: str, changes: dict[str, Any], said
 
 
 @pytest.mark.parametrize(
-    ("protocol", "changes", "segments", "said"),
+    ("protocol", "changes", "emotions", "said"),
     [
-        ("rating", {}, 7, []),
-        ("rating", {}, 6, ["7 groups, but there are only 6 segments"]),
-        ("ranking", {"blocks": [LASTING]}, 12, []),
-        ("ranking", {"blocks": [LASTING]}, 11, ["block short has 11 segments for its 12 trials"]),
-        ("ranking", {"reference": None}, 12, ["no reference is shown"]),
+        ("rating", {}, ["anger"] * 7, []),
+        ("rating", {}, ["anger"] * 6, ["7 groups, but there are only 6 segments"]),
+        ("ranking", {"blocks": [LASTING]}, ["anger"] * 12, []),
+        (
+            "ranking",
+            {"blocks": [LASTING]},
+            ["anger"] * 11,
+            ["block short has 11 segments for its 12 trials"],
+        ),
+        ("ranking", {"reference": None}, ["anger"] * 12, ["no reference is shown"]),
+        (
+            "pairwise",
+            {"trials": 24, "practice": 3},
+            ["anger"] * 2,
+            [
+                "2 segments of anger allow 2 pairs",
+                "2 pairs instead of 24, because the study has 2 segments",
+                "2 trials are practice instead of 3",
+            ],
+        ),
+        (
+            "pairwise",
+            {},
+            ["anger"] * 5 + ["fear"],
+            ["allow 6 pairs", "an even share is 3 segments each, but there are fewer of fear (1)"],
+        ),
+        ("all_pairs", {}, ["anger"] * 3, ["allow 9 pairs", "shows each of them 3 times"]),
     ],
 )
 def test_too_little_speech_and_no_yardstick_are_told(
-    protocol: str, changes: dict[str, Any], segments: int, said: list[str]
+    protocol: str, changes: dict[str, Any], emotions: list[str], said: list[str]
 ) -> None:
-    notes = make(protocol, **changes).notes(make_segments(["anger"] * segments))
+    notes = make(protocol, **changes).notes(make_segments(emotions))
 
     assert [words in note for words, note in zip(said, notes, strict=True)] == [True] * len(said)

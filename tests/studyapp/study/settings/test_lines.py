@@ -1,6 +1,8 @@
-"""In which line of a study file something is wrong."""
+"""Errors name the line of a study file in which something is wrong."""
 
 from __future__ import annotations
+
+import re
 
 import pytest
 
@@ -9,31 +11,34 @@ from studyapp.study.settings.reading import parse_text
 from studyapp.study.template_language import render_template
 
 STUDY = render_template("pairwise.toml", name="lines")
-
-
-def line_with(text: str, words: str) -> int:
-    """Return the number of the last line that holds `words`."""
-    return max(number for number, line in enumerate(text.split("\n"), 1) if words in line)
+EXTRA = '\n[[questions]]\nname = "extra"\n'
 
 
 @pytest.mark.parametrize(
-    ("before", "after"),
+    ("before", "after", "line", "said"),
     [
-        ("\ntrials = 24", "\ntrials = -24"),
-        ('devices = ["computer", "tablet"]', 'devices = ["watch"]'),
-        ('title = "Expression of the emotion"', "title = 3"),
-        ("sound_check = true", 'thanks = """\nbreak_every = 3\n[video]\n"""\nsound_check = 7'),
+        ("\ntrials = 24", "\ntrials = -24", "trials = -24", "(line {})"),
+        ('devices = ["computer", "tablet"]', 'devices = ["watch"]', "devices = ", "(line {})"),
+        ('title = "Expression of the emotion"', "title = 3", "title = 3", "(line {})"),
+        (
+            "sound_check = true",
+            'thanks = """\nbreak_every = 3\n[video]\n"""\nsound_check = 7',
+            "sound_check = 7",
+            "(line {})",
+        ),
+        # What is missing is named with the table that lacks it.
+        ("", EXTRA, "[[questions]]", "(line {})"),
+        (
+            "[catch]",
+            '[catch]\nagianst = "x"',
+            "agianst",
+            "agianst: unknown key in line {} (did you mean 'against'?)",
+        ),
     ],
 )
-def test_every_wrong_value_is_told_with_its_line(before: str, after: str) -> None:
-    text = STUDY.replace(before, after, 1)
+def test_what_is_wrong_is_told_with_its_line(before: str, after: str, line: str, said: str) -> None:
+    text = STUDY.replace(before, after, 1) if before else STUDY + after
     assert text != STUDY
-    line = line_with(text, after.split("\n")[-1])
-    with pytest.raises(InputError, match=rf"line {line}\)"):
-        parse_text(text, where="study.toml")
-
-
-def test_what_is_missing_is_told_with_the_table_that_lacks_it() -> None:
-    text = STUDY + '\n[[questions]]\nname = "extra"\n'
-    with pytest.raises(InputError, match=rf"line {line_with(text, '[[questions]]')}\)"):
+    number = max(number for number, words in enumerate(text.split("\n"), 1) if line in words)
+    with pytest.raises(InputError, match=re.escape(said.format(number))):
         parse_text(text, where="study.toml")

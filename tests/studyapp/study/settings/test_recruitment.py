@@ -45,12 +45,6 @@ def test_what_cannot_be_right_for_prolific_is_said(changes: dict[str, Any], said
     assert said in problems(channel="prolific", prolific=CODES | changes)
 
 
-def test_a_study_may_wait_for_its_codes() -> None:
-    study = make_study(recruitment={"channel": "prolific", "prolific": {"completed": "KX7QM2PWTR"}})
-
-    assert study.recruitment.missing_codes == ["screened_out", "failed_attention"]
-
-
 @pytest.mark.parametrize(
     "pay",
     [

@@ -34,29 +34,25 @@ def changed(path: Path, **changes: Any) -> Path:
     return path
 
 
-def test_the_template_follows_the_published_design(study_file: Path) -> None:
-    study = read_study(study_file)
-    assert isinstance(study, PairwiseStudy)
-    assert (study.trials, study.practice, study.catch.trials) == (24, 3, 3)
-    assert study.participants_per_comparison == 25
-    assert study.catch.max_failed == 1
-    assert [question.name for question in study.questions] == ["synchronisation", "emotion"]
-
-
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
+        ({"referenze": "x", "trials": -1}, "greater than or equal to 1"),
         ({"referenze": "x", "trials": -1}, "referenze: unknown key"),
-        ({"referenze": "x", "trials": -1}, "trials: Input should be greater"),
         ({"video__colour": "red"}, "video.colour: unknown key"),
+        *(
+            ({"video__background": colour}, "video.background")
+            for colour in ("white", "#fff", "#ececeg", "#ececee00")
+        ),
+        ({"family": "against=nobody"}, "names nobody"),
+        ({"family": "the main ones"}, "not a family"),
+        ({"evaluator": {"preset": "genea", "file": "x"}}, "preset"),
         ({"reference": "amuse"}, "reference 'amuse' is not a condition"),
-        ({"trials": 0}, "trials: Input should be greater"),
         ({"trials": "6"}, "trials: must be a whole number"),
         ({"practice": 20, "trials": 10}, "practice (20) is more than trials (10)"),
         ({"freeze": ["nose"]}, "freeze: unknown nose"),
         ({"conditions__rule_based__generator": "magic"}, "unknown generator 'magic'"),
         ({"conditions__mismatched__source": "nobody"}, "source 'nobody' is not another condition"),
-        ({"conditions__mismatched__source": "mismatched"}, "is not another condition"),
         ({"conditions__rule_based__source": "mismatched"}, "source has no effect here"),
         ({"conditions__a b__generator": "static"}, "conditions.a b"),
         ({"conditions__broken__generator": "static"}, "must not be one of the conditions"),
@@ -91,42 +87,23 @@ def test_a_wrong_key_is_named_with_its_file(
 
 
 @pytest.mark.parametrize(
-    ("misspelt", "meant"), [("referenze", "reference"), ("catch__agianst", "against")]
-)
-def test_an_unknown_key_is_told_with_its_line_and_the_nearest_one(
-    study_file: Path, misspelt: str, meant: str
-) -> None:
-    changed(study_file, **{misspelt: "x"})
-    key = misspelt.rpartition("__")[2]
-    lines = study_file.read_text("utf-8").splitlines()
-    line = next(number for number, text in enumerate(lines, 1) if text.startswith(key))
-    with pytest.raises(InputError) as caught:
-        read_study(study_file)
-    assert f"{key}: unknown key in line {line} (did you mean '{meant}'?)" in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("question", "said", "unsaid"),
+    ("question", "said"),
     [
-        # Of a wrong name no jargon is told, nor that questions are too few: they are wrong.
-        (
-            {"name": "two words"},
-            "questions.1.name: may contain only letters, digits",
-            ("pattern", "at least 1"),
-        ),
-        ({"name": "trial"}, "no question can be named 'trial'", ()),
-        ({"text": "How {condition}?"}, "may contain {emotion}", ()),
+        ({"name": "two words"}, "questions.1.name: may contain only letters, digits"),
+        ({"name": "trial"}, "no question can be named 'trial'"),
+        ({"text": "How {condition}?"}, "may contain {emotion}"),
     ],
 )
 def test_a_question_that_cannot_be_asked_is_explained(
-    study_file: Path, question: dict[str, str], said: str, unsaid: tuple[str, ...]
+    study_file: Path, question: dict[str, str], said: str
 ) -> None:
     with edited(study_file) as document:
         for each in document["questions"]:
             each.update(question)
     with pytest.raises(InputError, match=re.escape(said)) as caught:
         read_study(study_file)
-    assert not any(words in str(caught.value) for words in unsaid)
+    # Questions are not too few, but wrong.
+    assert "at least 1" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -166,40 +143,16 @@ def test_sources_are_made_before_what_starts_from_them(study_file: Path) -> None
     assert list(read_study(path).generated()) == ["rule_based", "mismatched", "broken"]
 
 
-@pytest.mark.parametrize(
-    ("family", "said"),
-    [("by question", ""), ("against=nobody", "names nobody"), ("the main ones", "not a family")],
-)
-def test_a_study_states_the_family_of_its_tests(family: str, said: str, study_file: Path) -> None:
-    changed(study_file, family=family)
-    if said:
-        with pytest.raises(InputError, match=said):
-            read_study(study_file)
-    else:
-        assert read_study(study_file).family == family
-
-
 def test_looks_to_choose_from_are_those_the_renderer_has() -> None:
     for key, known in (("avatar", AVATARS), ("framing", FRAMINGS), ("view", VIEWS)):
         assert get_args(Video.model_fields[key].annotation) == tuple(known)
 
 
-@pytest.mark.parametrize("colour", ["white", "#fff", "ececee", "#ececeg", "#ececee00"])
-def test_a_background_is_one_colour_in_hex(colour: str, study_file: Path) -> None:
-    changed(study_file, video__background=colour)
-    with pytest.raises(InputError, match=r"video\.background"):
-        read_study(study_file)
-
-
 def test_one_published_evaluator_is_named_as_a_table_and_several_as_a_list(
     study_file: Path,
 ) -> None:
-    plain = read_study(study_file)
     one = {"preset": "emage", "file": "AESKConv_240_100.bin"}
-    two = [one, {"preset": "beat", "file": "ae_300.bin", "statistics": "beat"}]
-    assert plain.evaluator == ()
-    for given, count in ((one, 1), (two, 2)):
-        study = read_study(changed(study_file, evaluator=given))
-        assert [each.preset for each in study.evaluator] == ["emage", "beat"][:count]
-    with pytest.raises(InputError, match="preset"):
-        read_study(changed(study_file, evaluator={"preset": "genea", "file": "x"}))
+    two = {"preset": "beat", "file": "ae_300.bin", "statistics": "beat"}
+    for stated, presets in ((one, ["emage"]), ([one, two], ["emage", "beat"])):
+        study = read_study(changed(study_file, evaluator=stated))
+        assert [each.preset for each in study.evaluator] == presets
