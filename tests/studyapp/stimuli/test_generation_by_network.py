@@ -33,43 +33,32 @@ def study(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
     return folder
 
 
-def set_key(folder: StudyFolder, key: str, value: object) -> None:
-    with edited(folder.definition) as document:
-        document["conditions"]["learned"][key] = value
-
-
-def test_a_moved_study_keeps_its_clips(study: StudyFolder, tmp_path: Path) -> None:
-    generate(study)
-    shutil.copytree(study.root, tmp_path / "elsewhere")
-    assert generate(StudyFolder(tmp_path / "elsewhere")).made == 0
-
-
-def test_a_missing_checkpoint_is_named_with_its_condition(study: StudyFolder) -> None:
-    set_key(study, "checkpoint", "models/absent.pt")
-    with pytest.raises(InputError, match=r"conditions\.learned: .*no such checkpoint") as refusal:
-        generate(study)
-    assert str(study.root / "models" / "absent.pt") in str(refusal.value)
-
-
-def test_progress_within_a_clip_is_shown(study: StudyFolder) -> None:
+def test_a_network_shows_its_progress_remarks_what_it_lacks_and_moves_with_the_study(
+    study: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 1.0)
     shown: list[tuple[int, int, str]] = []
 
     def show(done: int, total: int, detail: str = "") -> None:
         shown.append((done, total, detail))
 
-    generate(study, on_clip=show)
-    first = study.segments()[0].name
-    assert (0, 1, f"learned/{first}: 100%") in shown
+    remarks = generate(study, on_clip=show).remarks
+
+    names = [segment.name for segment in study.segments()]
+    assert (0, 1, f"learned/{names[0]}: 100%") in shown
     assert shown[-1] == (1, 1, "")
-
-
-def test_stand_ins_and_speech_processed_in_parts_are_remarked(
-    study: StudyFolder, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 1.0)
-    remarks = generate(study).remarks
-    names = ", ".join(segment.name for segment in study.segments())
-    assert remarks[0] == (f"Uses stand-ins: learned: {stand_in().description}")
-    assert remarks[1] == (
-        f"Long speech was processed 60 s at once with 4 s before and 4 s ahead: learned: {names}"
+    assert remarks == (
+        f"Uses stand-ins: learned: {stand_in().description}",
+        "Long speech was processed 60 s at once with 4 s before and 4 s ahead: learned: "
+        + ", ".join(names),
     )
+    shutil.copytree(study.root, tmp_path / "elsewhere")
+    assert generate(StudyFolder(tmp_path / "elsewhere")).made == 0
+
+
+def test_a_missing_checkpoint_is_named_with_its_condition(study: StudyFolder) -> None:
+    with edited(study.definition) as document:
+        document["conditions"]["learned"]["checkpoint"] = "models/absent.pt"
+    with pytest.raises(InputError, match=r"conditions\.learned: .*no such checkpoint") as refusal:
+        generate(study)
+    assert str(study.root / "models" / "absent.pt") in str(refusal.value)

@@ -8,7 +8,6 @@ from typing import Any, Literal
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from pydantic import Field
 
 from generators.interface import OnPart, SpeechSegment, StudyClips, ignore_progress
@@ -17,11 +16,11 @@ from generators.registry import GENERATORS, Entry
 from generators.settings import File
 from motion.clip import MotionClip
 from motion.formats import read_clip
-from studyapp.cli.main import group
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import source_descriptions
 from studyapp.study.settings.reading import read_study
+from tests.support.command_line import refused, run
 from tests.support.studies.edited_study import edited
 from tests.support.studies.takes import write_speech
 
@@ -89,10 +88,6 @@ def speech(tmp_path: Path) -> Path:
     return write_speech(tmp_path / "hello.wav", 1)
 
 
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(group, [str(argument) for argument in arguments])
-
-
 def set_condition(folder: StudyFolder, **keys: Any) -> None:
     with edited(folder.definition) as document:
         document["reference"] = "ground_truth"
@@ -109,9 +104,9 @@ def test_clips_are_generated_again_when_any_setting_changes(
     brisk = {"angle": 0.2, "pace": "brisk"}
     for keys in ({}, {}, {"angle": 0.2}, brisk, {**brisk, "turns": 2}):
         set_condition(folder, checkpoint="sway.txt", **keys)
-        made.append(run("generate", folder.root).output)
+        made.append(run("generate", folder.root))
     (folder.root / "sway.txt").write_text("3")
-    made.append(run("generate", folder.root).output)
+    made.append(run("generate", folder.root))
 
     assert [("kept 1" in output, "Generated 1" in output) for output in made] == [
         (False, True), (True, False), *[(False, True)] * 4,
@@ -127,17 +122,11 @@ def test_clips_are_generated_again_when_any_setting_changes(
         ({}, "checkpoint: generator 'sway' needs a checkpoint"),
         ({"chekpoint": "a"}, "chekpoint: unknown key (did you mean 'checkpoint'?)"),
         (
-            {"generatve": True},
-            "generatve: unknown key (did you mean 'generative'?)",
-        ),
-        (
             {"hubert": "a"},
             "hubert: unknown key (known are checkpoint, emotion, angle, melody, pace and turns)",
         ),
         ({"angle": 2}, "angle: Input should be less than or equal to 1"),
-        ({"angle": "wide"}, "angle: must be a number"),
         ({"melody": ""}, "melody: must be a path in quotes"),
-        ({"pace": "hasty"}, "pace: Input should be 'slow' or 'brisk'"),
     ],
 )
 def test_check_names_wrong_settings_of_a_condition(
@@ -145,19 +134,14 @@ def test_check_names_wrong_settings_of_a_condition(
 ) -> None:
     given = {"checkpoint": "sway.txt"} if keys and "chekpoint" not in keys else {}
     set_condition(folder, **given, **keys)
-    refusal = run("check", folder.root)
-    assert refusal.exit_code == 1
-    told = " ".join(refusal.output.split())
+    told = " ".join(refused("check", folder.root).split())
     assert f"study.toml: conditions.ours.{error} (line " in told
 
 
 def test_the_command_line_has_its_options(speech: Path, weights: Path, tmp_path: Path) -> None:
     options = ("--checkpoint", weights, "--angle", 0.3, "--pace", "brisk", "--turns", 3)
-    result = run(
-        "generate", "--generator", "sway", "--speech", speech, "--out", tmp_path / "out",
-        *options, "--melody", speech, "--emotion", "laughter.wav",
-    )  # fmt: skip
-    assert result.exit_code == 0, result.output
+    heard = ("--speech", speech, "--melody", speech, "--emotion", "laughter.wav")
+    run("generate", "--generator", "sway", *heard, *options, "--out", tmp_path / "out")
     told = read_clip(tmp_path / "out" / "hello.npz").provenance["told"]
     assert '"emotion":"laughter.wav","angle":0.3' in told
     assert f'"melody":"{speech}","pace":"brisk","turns":3' in told
@@ -168,7 +152,6 @@ def test_the_command_line_has_its_options(speech: Path, weights: Path, tmp_path:
     [
         (("diffsheg", "--angle", 0.1), "--angle belongs to a learned generator, not to diffsheg"),
         (("diffsheg", "--angle", 0.1), "give --generator sway"),
-        (("sway", "--hubert", "."), "--hubert belongs to a learned generator, not to sway"),
         (("sway", "--checkpoint", "absent.txt"), "there is no such checkpoint"),
         (("sway", "--checkpoint", "{weights}", "--melody", "a.wav"), "there is no such melody"),
         (("sway", "--checkpoint", "{weights}", "--angle", 2), "angle: Input should be less than"),
@@ -179,9 +162,8 @@ def test_the_command_line_names_options_that_do_not_fit(
     speech: Path, weights: Path, tmp_path: Path, options: tuple[object, ...], error: str
 ) -> None:
     given = [str(option).replace("{weights}", str(weights)) for option in options]
-    refusal = run("generate", "--speech", speech, "--out", tmp_path / "out", "--generator", *given)
-    assert refusal.exit_code == 1
-    assert error in refusal.output
+    said = refused("generate", "--speech", speech, "--out", tmp_path / "out", "--generator", *given)
+    assert error in said
 
 
 def test_a_condition_names_all_files_of_its_network(
@@ -191,14 +173,11 @@ def test_a_condition_names_all_files_of_its_network(
     monkeypatch.setitem(GENERATORS, "pair", entry)
     (tmp_path / "ear.txt").write_text("1")
 
-    made = run(
-        *("init", tmp_path / "a", "--condition", "real=files"),
-        *("--condition", f"ours=pair:{weights},{tmp_path / 'ear.txt'}"),
-    )
-    half = run("init", tmp_path / "b", "--condition", f"ours=pair:{weights}")
+    ours = f"ours=pair:{weights},{tmp_path / 'ear.txt'}"
+    run("init", tmp_path / "a", "--condition", "real=files", "--condition", ours)
+    half = refused("init", tmp_path / "b", "--condition", f"ours=pair:{weights}")
 
-    assert made.exit_code == 0, made.output
     settings = read_study(tmp_path / "a" / "study.toml").conditions["ours"].settings
     assert settings == PairSettings(checkpoint=weights, ear=tmp_path / "ear.txt")
-    assert "Give pair:FILE,FILE, its checkpoint and ear" in half.output
+    assert "Give pair:FILE,FILE, its checkpoint and ear" in half
     assert "type pair:FILE,FILE" in source_descriptions()["pair"]

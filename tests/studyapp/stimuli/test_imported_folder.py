@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import av
+import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 from motion.errors import InputError
 from motion.segment import Segment, write_segments
-from studyapp.cli.main import group
 from studyapp.stimuli.imported_folder import folder_items
 from studyapp.stimuli.recordings import RecordingFacts
 from studyapp.study.folder import StudyFolder
+from tests.support.command_line import refused, run
 from tests.support.encoded import Told, write_video
 from tests.support.studies.takes import write_motion, write_speech
 
-WHO = ("--speaker", "ada", "--emotion", "anger")
+FACTS = ("--speaker", "ada", "--emotion", "anger")
 
 
 @pytest.fixture
@@ -43,17 +44,8 @@ def folder(folder: StudyFolder) -> StudyFolder:
     return folder
 
 
-def import_folder(place: Path, folder: StudyFolder, *options: str) -> Result:
-    return CliRunner().invoke(group, ["import", str(place), str(folder.root), *WHO, *options])
-
-
-def left(place: Path) -> set[str]:
-    return {path.relative_to(place).as_posix() for path in place.rglob("*") if path.is_file()}
-
-
 def test_everything_is_imported_by_segment_and_condition(folder: StudyFolder, source: Path) -> None:
-    done = import_folder(source, folder)
-    assert done.exit_code == 0, done.output
+    run("import", source, folder.root, *FACTS)
     segments = {segment.name: segment for segment in folder.segments()}
     assert set(segments) == {"alone", "take"}
     assert segments["take"].transcript == "good morning"
@@ -64,8 +56,7 @@ def test_everything_is_imported_by_segment_and_condition(folder: StudyFolder, so
     stored = folder.videos / "filmed" / "take.mp4"
     assert stored.read_bytes() == (source / "filmed" / "take.mp4").read_bytes()
     assert folder.study().is_finished("filmed")
-    again = import_folder(source, folder)
-    assert again.exit_code == 0, again.output
+    run("import", source, folder.root, *FACTS)
 
 
 def test_nothing_is_stored_that_the_study_file_cannot_hold(
@@ -73,7 +64,8 @@ def test_nothing_is_stored_that_the_study_file_cannot_hold(
 ) -> None:
     text = folder.definition.read_text("utf-8")
     folder.definition.write_text(text.replace('layout = "players"\n', ""), "utf-8")
-    assert 'set layout = "players"' in import_folder(source, folder).output
+    said = refused("import", source, folder.root, *FACTS)
+    assert 'set layout = "players"' in said
     assert not folder.videos.exists()
 
 
@@ -87,8 +79,7 @@ def test_a_table_states_the_segments(folder: StudyFolder, tmp_path: Path) -> Non
         for n, emotion in enumerate(("fear", "anger"))
     ]  # fmt: skip
     write_segments(place, segments)
-    done = import_folder(place, folder)
-    assert done.exit_code == 0, done.output
+    run("import", place, folder.root, *FACTS)
     assert list(folder.segments()) == segments
 
 
@@ -96,13 +87,16 @@ def test_refused_items_stay_and_do_not_stop_others(folder: StudyFolder, source: 
     (source / "ours" / "nobody.npz").write_bytes((source / "ours" / "take.npz").read_bytes())
     (source / "ours" / "take.npz").write_bytes(b"PK no archive")
     (source / "notes.docx").write_bytes(b"PK")
-    done = import_folder(source, folder, "--move")
-    assert done.exit_code == 1
-    assert "there is no segment 'nobody'" in done.output
-    assert "take.npz: the file is not an .npz archive" in done.output
-    assert "this is neither speech, motion nor a finished video" in done.output
-    assert "3 of 7 items could not be imported" in done.output
-    assert left(source) == {"notes.docx", "ours/nobody.npz", "ours/take.npz"}
+    said = refused("import", source, folder.root, *FACTS, "--move")
+    for words in (
+        "there is no segment 'nobody'",
+        "take.npz: the file is not an .npz archive",
+        "this is neither speech, motion nor a finished video",
+        "3 of 7 items could not be imported",
+    ):
+        assert words in said
+    left = {path.name for path in source.rglob("*") if path.is_file()}
+    assert left == {"notes.docx", "nobody.npz", "take.npz"}
     assert folder.clip("ours", "alone").is_file()
 
 
@@ -113,9 +107,7 @@ NOT_PLAYED = "take.mp4: the video cannot be played"
     ("name", "content", "error"),
     [
         ("take.mp4", Told(frames=90), "lasts 3.00 s, its segment 2.00 s"),
-        ("nobody.mp4", Told(), "there is no segment 'nobody'"),
         ("take@nobody.mp4", Told(), "there is no segment 'nobody'"),
-        ("take.mp4", b"", NOT_PLAYED),
         ("take.mp4", b"#EXTM3U\n", NOT_PLAYED),
         ("take.mp4", b"ffconcat version 1.0\nfile ../alone.wav\n", NOT_PLAYED),
     ],
@@ -130,17 +122,36 @@ def test_an_invalid_video_or_one_without_segment_is_refused(
     else:
         write_video(video, content)
 
-    assert error in import_folder(source, folder).output
+    assert error in refused("import", source, folder.root, *FACTS)
     assert not folder.videos.exists()
     assert "filmed" not in folder.study().conditions
 
 
+def test_sound_alone_and_other_formats_are_no_video(
+    folder: StudyFolder, source: Path, tmp_path: Path
+) -> None:
+    run("import", source, folder.root, *FACTS)
+    sound, other = source / "filmed" / "take.mp4", source / "filmed" / "alone.mp4"
+    with av.open(str(sound), "w") as container:
+        stream = container.add_stream("aac", rate=48_000)
+        frame = av.AudioFrame.from_ndarray(np.zeros((1, 96_000), np.float32), "fltp", "mono")
+        frame.sample_rate = 48_000
+        container.mux([*stream.encode(frame), *stream.encode(None)])
+    write_video(tmp_path / "other.mkv", Told())
+    (tmp_path / "other.mkv").rename(other)
+
+    said = refused("import", source, folder.root, *FACTS)
+
+    assert "take.mp4: the video has no picture" in said
+    assert "alone.mp4: the video is not an MP4 file" in said
+
+
 def test_existing_videos_and_motion_are_never_replaced(folder: StudyFolder, source: Path) -> None:
-    import_folder(source, folder)
+    run("import", source, folder.root, *FACTS)
     write_video(source / "filmed" / "take.mp4", Told(size=96))
     (source / "ours" / "take.mp4").write_bytes((source / "filmed" / "take.mp4").read_bytes())
     (source / "filmed" / "alone.npz").write_bytes((source / "ours" / "alone.npz").read_bytes())
-    output = import_folder(source, folder).output
+    output = refused("import", source, folder.root, *FACTS)
     assert "already has another video for segment take" in output
     assert "condition 'ours' has motion instead of finished videos" in output
     assert "condition 'filmed' has finished videos instead of motion" in output

@@ -23,30 +23,35 @@ def write_companion(take: Take, ending: str, text: str) -> Path:
     return path
 
 
-def test_a_whole_take_gets_its_transcript(folder: StudyFolder, take: MakeTake) -> None:
-    whole = take(segment=None)
-    write_companion(whole, ".lab", "Good morning,\neverybody.\n")
-    (segment,), notes = import_take(folder, whole)
-    assert segment.transcript == "Good morning, everybody."
-    assert list(folder.segments()) == [segment]
-    assert "motion.npz: the transcript is from motion.lab" in notes
-
-
-def test_each_segment_gets_its_own_words(folder: StudyFolder, take: MakeTake) -> None:
-    cut = take()
-    write_companion(cut, ".csv", "word,start,end\nGood,0.5,0.9\nmorning,1.9,2.3\nall,4.1,4.5\n")
-    segments, _ = import_take(folder, cut)
-    assert [segment.transcript for segment in segments] == ["good", "morning", "all"]
-
-
-def test_a_transcript_of_other_speech_is_named_and_left_out(
-    folder: StudyFolder, take: MakeTake
+@pytest.mark.parametrize(
+    ("segment", "ending", "text", "transcripts", "note"),
+    [
+        (None, ".lab", "Good morning,\neverybody.\n", ["Good morning, everybody."], "is from"),
+        (
+            2.0,
+            ".csv",
+            "word,start,end\nGood,0.5,0.9\nmorning,1.9,2.3\nall,4.1,4.5\n",
+            ["good", "morning", "all"],
+            "is from",
+        ),
+        (2.0, ".csv", "word,start,end\nlate,50,51\n", [""] * 3, "transcript is of other speech"),
+    ],
+)
+def test_each_segment_gets_its_own_words_unless_they_are_of_other_speech(
+    folder: StudyFolder,
+    take: MakeTake,
+    segment: float | None,
+    ending: str,
+    text: str,
+    transcripts: list[str],
+    note: str,
 ) -> None:
-    cut = take()
-    write_companion(cut, ".csv", "word,start,end\nlate,50,51\n")
-    segments, notes = import_take(folder, cut)
-    assert {segment.transcript for segment in segments} == {""}
-    assert any("is left out: the transcript is of other speech" in note for note in notes)
+    recorded = take(segment=segment)
+    write_companion(recorded, ending, text)
+    segments, notes = import_take(folder, recorded)
+    assert [each.transcript for each in segments] == transcripts
+    assert list(folder.segments()) == segments
+    assert any(note in each and f"motion{ending}" in each for each in notes)
 
 
 def test_known_transcripts_stay(folder: StudyFolder, take: MakeTake) -> None:

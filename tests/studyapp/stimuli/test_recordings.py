@@ -122,26 +122,15 @@ def test_motion_is_placed_the_same_when_cut_before_the_import(
     np.testing.assert_allclose(here.trans, before.trans, atol=1e-5)
 
 
-def test_the_real_take_gives_six_segments(folder: StudyFolder, shared_data: Path) -> None:
-    take = Take(
-        motion=shared_data / "2_scott_0_1_1.bvh",
-        speech=shared_data / "2_scott_0_1_1.wav",
-        frame_rate=15,
-        segment_seconds=10,
-        condition="ground_truth",
-        speaker="scott",
-        emotion="neutral",
-    )
-    segments, notes = import_take(folder, take)
-    assert len(segments) == 6
-    assert any("cut to the common 63.80 s" in note for note in notes)
-    with pytest.raises(InputError, match="957"):
-        import_take(folder, replace(take, frame_rate=None))
-
-
-def test_the_face_in_a_companion_file_is_imported(folder: StudyFolder, take: MakeTake) -> None:
+def test_the_face_in_a_companion_file_is_imported_and_other_json_left_out(
+    folder: StudyFolder, take: MakeTake
+) -> None:
     recording = take()
     assert recording.motion is not None
+    recording.motion.with_suffix(".json").write_text('{"take": 3}')
+    segments, notes = import_take(folder, replace(recording, condition="still"))
+    assert any("motion.json, beside motion.npz, is left out" in note for note in notes)
+    assert read_clip(folder.clip("still", segments[0].name)).arkit is None
     weights = np.linspace(0, 1, 300)[:, None] * np.ones(51)
     write_arkit_json(recording.motion.with_suffix(".json"), weights, 60)
     segments, notes = import_take(folder, recording)
@@ -154,14 +143,3 @@ def test_the_face_in_a_companion_file_is_imported(folder: StudyFolder, take: Mak
     # The face lasts five of the six seconds, and its last frame is held.
     np.testing.assert_allclose(last[-30:, :51], 1, atol=5e-3)
     np.testing.assert_array_equal(last[:, 51], 0)
-
-
-def test_another_companion_json_is_left_out_with_a_note(
-    folder: StudyFolder, take: MakeTake
-) -> None:
-    recording = take()
-    assert recording.motion is not None
-    recording.motion.with_suffix(".json").write_text('{"take": 3}')
-    segments, notes = import_take(folder, recording)
-    assert any("motion.json, beside motion.npz, is left out" in note for note in notes)
-    assert read_clip(folder.clip("ground_truth", segments[0].name)).arkit is None

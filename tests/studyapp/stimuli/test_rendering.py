@@ -1,10 +1,10 @@
 from __future__ import annotations
 
 import shutil
-from collections import namedtuple
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import av
 import numpy as np
@@ -27,7 +27,6 @@ from tests.support.studies.takes import write_motion, write_speech
 
 pytestmark = pytest.mark.slow
 
-Disk = namedtuple("Disk", "total used free")
 FirstRun = tuple[StudyFolder, RenderCount, list[RenderProgress]]
 
 
@@ -236,8 +235,10 @@ def test_without_room_for_frames_the_same_pairs_are_made_and_no_frames_stay(
 def test_a_small_disk_is_refused_before_anything_is_rendered(
     study: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(shutil, "disk_usage", lambda folder: Disk(10**9, 10**9 - 1000, 1000))
-    with pytest.raises(InputError, match=r"may need .*B, but only 1.0 kB are free.*video.size"):
+    # Enough for the videos, but not for the frames that pairs are composed of.
+    free = SimpleNamespace(free=470_000)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _folder: free)
+    with pytest.raises(InputError, match=r"may need 499.* kB, but only 470.0 kB .*video.size"):
         render(study, processes=1)
     assert list(study.videos.iterdir()) == []
 

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import hashlib
-import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +11,7 @@ from motion.errors import InputError
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.training_recordings import recordings_of
 from studyapp.study.folder import StudyFolder
+from tests.support.studies.edited_study import edited
 
 
 @pytest.fixture
@@ -28,9 +28,8 @@ def test_a_studys_recordings_have_their_take_emotion_and_frozen_channels(
     folder: StudyFolder, take: Callable[..., Take]
 ) -> None:
     import_take(folder, take())
-    text = folder.definition.read_text(encoding="utf-8")
-    held_still = re.sub(r"^freeze = .*$", 'freeze = ["hands"]', text, flags=re.MULTILINE)
-    folder.definition.write_text(held_still, encoding="utf-8")
+    with edited(folder.definition) as document:
+        document["freeze"] = ["hands"]
     recordings = recordings_of(folder.root, condition="ground_truth")
     assert [source.name for source in recordings.sources] == ["take_01", "take_02", "take_03"]
     assert {(s.recording, s.emotion) for s in recordings.sources} == {("take.wav", "neutral")}
@@ -40,16 +39,6 @@ def test_a_studys_recordings_have_their_take_emotion_and_frozen_channels(
     assert recordings.sources[0].sha256 == hashlib.sha256(stored.read_bytes()).hexdigest()
     assert len(recordings.sources[0].read()) == 60
     assert recordings.read_body().has_arkit_slots
-
-
-def test_a_study_without_recordings_says_how_to_get_some(
-    folder: StudyFolder, take: Callable[..., Take]
-) -> None:
-    import_take(folder, take())
-    with pytest.raises(InputError, match=r"'ours' has no motion.*motionjury import"):
-        recordings_of(folder.root, condition="ours")
-    with pytest.raises(InputError, match="--fps and --body are for folders"):
-        recordings_of(folder.root, condition="ground_truth", file_rate=30)
 
 
 def test_nested_motion_files_are_separate_recordings(
@@ -79,7 +68,6 @@ def test_a_table_states_emotions_and_recordings(
 @pytest.mark.parametrize(
     ("content", "error"),
     [
-        (b"name,feeling\na,calm\n", "no column 'emotion'"),
         (b"", "no column 'emotion'"),
         (b"name,emotion\na,\xff\n", "not CSV in UTF-8"),
     ],
@@ -92,8 +80,15 @@ def test_a_table_that_cannot_be_used_is_named(
         recordings_of(folder_of_motion, condition="")
 
 
-def test_a_folder_without_motion_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no motion file"):
-        recordings_of(tmp_path, condition="")
+def test_a_folder_without_motion_is_refused(
+    folder: StudyFolder, take: Callable[..., Take], tmp_path: Path
+) -> None:
     with pytest.raises(InputError, match="no such folder"):
         recordings_of(tmp_path / "none", condition="")
+    with pytest.raises(InputError, match="no motion file"):
+        recordings_of(folder.root.parent, condition="")
+    import_take(folder, take())
+    with pytest.raises(InputError, match=r"'ours' has no motion.*motionjury import"):
+        recordings_of(folder.root, condition="ours")
+    with pytest.raises(InputError, match="--fps and --body are for folders"):
+        recordings_of(folder.root, condition="ground_truth", file_rate=30)

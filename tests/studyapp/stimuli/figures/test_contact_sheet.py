@@ -10,12 +10,8 @@ from studyapp.stimuli.figures.contact_sheet import write_contact_sheet
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, Stimuli, read_stimuli, write_stimuli
 from tests.renderer.figures.small_videos import write_block_video
-from tests.support.studies.finished_study import (
-    PROTOCOLS,
-    SEGMENTS,
-    write_finished_study,
-    write_short_video,
-)
+from tests.studyapp.conftest import OwnStudy
+from tests.support.studies.finished_study import PROTOCOLS, SEGMENTS
 from tests.support.studies.takes import write_motion
 from tests.support.studies.tiny_study import SECONDS
 
@@ -47,63 +43,45 @@ def kept_cells(study: StudyFolder) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in cells}
 
 
-def test_the_sheet_shows_each_segment_in_each_condition(study: StudyFolder) -> None:
+def with_key(study: StudyFolder, *changed: ClipVideo) -> None:
+    """Record that clips were rendered anew."""
+    stimuli = read_stimuli(study.stimuli)
+    clips = [
+        clip.model_copy(update={"key": f"{clip.key} anew"}) if clip in changed else clip
+        for clip in stimuli.clips
+    ]
+    write_stimuli(study.stimuli, stimuli.model_copy(update={"clips": tuple(clips)}))
+
+
+def test_the_sheet_shows_each_segment_in_each_condition_and_draws_only_what_changed(
+    study: StudyFolder,
+) -> None:
     steps: list[tuple[int, int]] = []
     page = write_contact_sheet(study, threads=2, on_done=lambda *step: steps.append(step))
     assert page == study.videos / "sheet" / "index.html"
-    text = page.read_text(encoding="utf-8")
+    text, before = page.read_text(encoding="utf-8"), kept_cells(study)
     assert text.count("<img") == 12
-    for name in (
-        "rule based",
-        "mismatched",
-        "broken",
-        *(segment.name for segment in study.segments()),
-    ):
-        assert name in text
+    segments = [segment.name for segment in study.segments()]
+    assert all(name in text for name in ("rule based", "mismatched", "broken", *segments))
     assert steps[-1] == (16, 16)
-    clip = read_stimuli(study.stimuli).clips[0]
-    assert f'href="../../{clip.file}"' in text
-    assert (page.parent / "../.." / clip.file).resolve() == (study.root / clip.file).resolve()
+    first, second, third = read_stimuli(study.stimuli).clips[:3]
+    assert f'href="../../{first.file}"' in text
     with Image.open(page.with_name("sheet-01.png")) as picture:
         assert picture.width > 3 * 448
 
-
-def test_unchanged_cells_are_kept(study: StudyFolder) -> None:
-    page = write_contact_sheet(study, threads=2)
-    before, text = kept_cells(study), page.read_text(encoding="utf-8")
     write_contact_sheet(study, threads=1)
     assert kept_cells(study) == before
     assert page.read_text(encoding="utf-8") == text
 
-
-def test_the_cell_of_a_changed_clip_is_replaced(study: StudyFolder) -> None:
-    write_contact_sheet(study, threads=1)
-    before = kept_cells(study)
-    stimuli = read_stimuli(study.stimuli)
-    changed = stimuli.clips[0].model_copy(update={"key": "new"})
-    write_block_video(study.root / changed.file, [40] * 60)
-    write_stimuli(
-        study.stimuli, stimuli.model_copy(update={"clips": (changed, *stimuli.clips[1:])})
-    )
-
-    page = write_contact_sheet(study, threads=1)
-
-    assert "never moves" in page.read_text(encoding="utf-8")
-    after = kept_cells(study)
-    assert len(after) == len(before)
-    assert len(set(after) - set(before)) == 1
-
-
-def test_missing_and_broken_videos_have_an_empty_cell(study: StudyFolder) -> None:
-    first, second = read_stimuli(study.stimuli).clips[:2]
-    (study.root / first.file).unlink()
-    (study.root / second.file).write_bytes(b"no video" * 30)
-
+    write_block_video(study.root / first.file, [40] * 60)
+    (study.root / second.file).unlink()
+    (study.root / third.file).write_bytes(b"no video" * 30)
+    with_key(study, first, third)
     text = write_contact_sheet(study, threads=1).read_text(encoding="utf-8")
-
     assert text.count("<img") == 10
-    assert "there is no video" in text
-    assert "the video cannot be read" in text
+    for remark in ("never moves", "there is no video", "the video cannot be read"):
+        assert remark in text
+    assert len(set(kept_cells(study)) - set(before)) == 1
 
 
 def motion_links(page: Path) -> dict[str, str]:
@@ -119,11 +97,8 @@ def motion_links(page: Path) -> dict[str, str]:
 def test_pages_of_motion_are_written_again_when_it_changes(
     study: StudyFolder,
 ) -> None:
-    for segment, condition in (
-        ("take-0", "rule_based"),
-        ("take-0", "broken"),
-        ("take-2", "broken"),
-    ):
+    motions = (("take-0", "rule_based"), ("take-0", "broken"), ("take-2", "broken"))
+    for segment, condition in motions:
         write_motion(study.clip(condition, segment), SECONDS)
     page = write_contact_sheet(study, threads=1)
     before = motion_links(page)
@@ -136,11 +111,7 @@ def test_pages_of_motion_are_written_again_when_it_changes(
     assert {path.name for path in place.iterdir() if path.suffix != ".html"} == beside
 
     stimuli = read_stimuli(study.stimuli)
-    clips = [
-        clip.model_copy(update={"key": "new"}) if clip.segment == "take-2" else clip
-        for clip in stimuli.clips
-    ]
-    write_stimuli(study.stimuli, stimuli.model_copy(update={"clips": tuple(clips)}))
+    with_key(study, *(clip for clip in stimuli.clips if clip.segment == "take-2"))
     after = motion_links(write_contact_sheet(study, threads=1))
 
     assert after["take-0"] == before["take-0"]
@@ -149,10 +120,8 @@ def test_pages_of_motion_are_written_again_when_it_changes(
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_finished_videos_are_shown_with_their_roles(tmp_path: Path, protocol: str) -> None:
-    write_short_video(tmp_path / "short.mp4")
-    write_finished_study(tmp_path, protocol, tmp_path / "short.mp4")
-    folder = StudyFolder(tmp_path)
+def test_finished_videos_are_shown_with_their_roles(own_study: OwnStudy, protocol: str) -> None:
+    folder = own_study(protocol)
     (folder.videos / "theirs" / "two.mp4").write_bytes(b"no video")
 
     text = write_contact_sheet(folder, threads=1).read_text(encoding="utf-8")

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from studyapp.study.design.trial import AnswerKey
 from studyapp.study.settings.questions import RatingQuestion
 from tests.studyapp.study.protocols.made_protocols import LABELS, lasting, make, question
 from tests.support.studies.made_study import make_segments
@@ -67,7 +68,7 @@ def test_ties_are_accepted_only_where_the_study_says_so(
 ) -> None:
     strict, tolerant = make("ranking"), make("ranking", ties=True)
     trial = strict.plan(strict.arms[0], 0, make_segments(["anger"] * 8))[0]
-    answers = {
+    answers: dict[AnswerKey, int] = {
         (question.name, number): rank
         for question in strict.questions
         for number, rank in enumerate(ranks, 1)
