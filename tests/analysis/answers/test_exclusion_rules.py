@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
 import pytest
 
 from analysis.answers.exclusion_rules import (
@@ -27,98 +26,59 @@ def someone(name: str = "a", **facts: Any) -> ParticipantFacts:
     return ParticipantFacts(participant=name, **facts)
 
 
-def reason(rule: ExclusionRule, **facts: Any) -> str | None:
-    return rule.judge(someone(**facts))
-
-
 def applied(participants: list[ParticipantFacts], *rules: ExclusionRule) -> Removed:
     return apply_rules(participants, rules)
 
 
-@pytest.mark.parametrize(
-    ("failed", "allowed", "why"),
-    [
-        (0, 0, ""),
-        (1, 0, "1 catch trial failed"),
-        (1, 1, ""),
-        (2, 1, "2 catch trials failed"),
-        (None, 1, None),
-    ],
-)
-def test_more_failed_catch_trials_than_allowed_remove(
-    failed: int | None, allowed: int, why: str | None
-) -> None:
-    assert reason(failed_catch_trials(allowed), failed_catch=failed) == why
-
-
-@pytest.mark.parametrize(
-    ("failed", "why"), [(1, ""), (3, "3 attention checks failed"), (None, None)]
-)
-def test_more_failed_attention_checks_than_allowed_remove(
-    failed: int | None, why: str | None
-) -> None:
-    assert reason(failed_attention_checks(1), failed_attention=failed) == why
-
-
-@pytest.mark.parametrize(
-    ("settled", "trials", "why"),
-    [(30, 30, ""), (12, 30, "12 of 30 trials answered"), (0, 0, "not begun"), (None, None, None)],
-)
-def test_who_did_not_reach_the_end_is_removed(
-    settled: int | None, trials: int | None, why: str | None
-) -> None:
-    assert reason(incomplete(), settled=settled, trials=trials) == why
-
-
-@pytest.mark.parametrize(
-    ("watched", "why"), [(0.9, ""), (0.8999, "89.99% of the videos watched"), (math.nan, None)]
-)
-def test_who_watched_less_than_the_share_is_removed(watched: float, why: str | None) -> None:
-    assert reason(watched_less(0.9), watched=watched) == why
-
-
-@pytest.mark.parametrize(
-    ("seconds", "share", "why"),
-    [
-        ([1.0, 2.0, 3.0, 4.0], 0.5, "2 of 4 answers given in less than 3 s"),
-        ([1.0, 3.0, 3.0, 4.0], 0.5, ""),
-        ([1.0, 1.0, 1.0, *[9.0] * 7], 0.3, "3 of 10 answers given in less than 3 s"),
-        ([], 0.5, None),
-    ],
-)
-def test_who_answers_too_often_too_fast_is_removed(
-    seconds: list[float], share: float, why: str | None
-) -> None:
-    assert reason(answered_too_fast(3, share), seconds=np.array(seconds)) == why
-
-
-@pytest.mark.parametrize(
-    ("lists", "why"),
-    [
-        ([("rhythm", 20, 0.95), ("emotion", 20, 0.4)], "the same answer 19 of 20 times to rhythm"),
-        ([("rhythm", 20, 0.85)], ""),
-        ([("rhythm", 9, 1.0), ("emotion", 20, 0.4)], ""),
-        ([("rhythm", 9, 1.0)], None),
-        (None, None),
-    ],
-)
-def test_who_gives_one_answer_to_a_question_is_removed(
-    lists: list[tuple[str, int, float]] | None, why: str | None
-) -> None:
-    same = (
-        None
-        if lists is None
-        else tuple(
-            SameAnswer(question=question, answers=answers, share=share)
-            for question, answers, share in lists
-        )
+def answers_alike(*questions: tuple[str, int, float]) -> tuple[SameAnswer, ...]:
+    return tuple(
+        SameAnswer(question=q, answers=count, share=share) for q, count, share in questions
     )
-    assert reason(straight_lined(0.9, 10), same_answers=same) == why
 
 
-def test_a_mark_in_the_table_removes_for_the_reason_written_there() -> None:
-    assert reason(marked(), marked="withdrew") == "withdrew"
-    assert reason(marked()) == ""
+CATCH, ATTENTION = failed_catch_trials, failed_attention_checks
+ALIKE = straight_lined(0.9, 10)
+FAST = answered_too_fast(3, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("rule", "facts", "why"),
+    [
+        (CATCH(0), {"failed_catch": 0}, ""),
+        (CATCH(0), {"failed_catch": 1}, "1 catch trial failed"),
+        (CATCH(1), {"failed_catch": 1}, ""),
+        (CATCH(1), {"failed_catch": 2}, "2 catch trials failed"),
+        (CATCH(1), {}, None),
+        (ATTENTION(1), {"failed_attention": 1}, ""),
+        (ATTENTION(1), {"failed_attention": 3}, "3 attention checks failed"),
+        (ATTENTION(1), {}, None),
+        (incomplete(), {"settled": 30, "trials": 30}, ""),
+        (incomplete(), {"settled": 12, "trials": 30}, "12 of 30 trials answered"),
+        (incomplete(), {"settled": 0, "trials": 0}, "not begun"),
+        (incomplete(), {}, None),
+        (watched_less(0.9), {"watched": 0.9}, ""),
+        (watched_less(0.9), {"watched": 0.8999}, "89.99% of the videos watched"),
+        (watched_less(0.9), {}, None),
+        (FAST, {"seconds": [1, 2, 3, 4]}, "2 of 4 answers given in less than 3 s"),
+        (FAST, {"seconds": [1, 3, 3, 4]}, ""),
+        (FAST, {"seconds": []}, None),
+        (
+            ALIKE,
+            {"same_answers": answers_alike(("rhythm", 20, 0.95), ("emotion", 20, 0.4))},
+            "the same answer 19 of 20 times to rhythm",
+        ),
+        (ALIKE, {"same_answers": answers_alike(("rhythm", 20, 0.85))}, ""),
+        (ALIKE, {"same_answers": answers_alike(("rhythm", 9, 1.0), ("emotion", 20, 0.4))}, ""),
+        (ALIKE, {"same_answers": answers_alike(("rhythm", 9, 1.0))}, None),
+        (ALIKE, {}, None),
+        (marked(), {"marked": "withdrew"}, "withdrew"),
+        (marked(), {}, ""),
+    ],
+)
+def test_a_rule_removes_whom_it_says_and_says_why(
+    rule: ExclusionRule, facts: dict[str, Any], why: str | None
+) -> None:
+    assert rule.judge(someone(**facts)) == why
 
 
 def test_a_participant_counts_under_the_first_rule_that_removes_them() -> None:
@@ -138,21 +98,20 @@ def test_a_participant_counts_under_the_first_rule_that_removes_them() -> None:
     assert result.reasons.keys() == other_way.reasons.keys()
 
 
-def test_a_rule_without_facts_removes_nobody_and_says_so() -> None:
-    result = applied([someone("a"), someone("b")], watched_less(0.9))
-    assert result.reasons == {}
-    assert result.outcomes[0].remark == (
-        "cannot be applied: how much of the videos was watched is not known"
-    )
-
-
-def test_who_cannot_be_judged_stays_and_is_counted() -> None:
-    participants = [someone("a", watched=0.1), someone("b"), someone("c", watched=1.0)]
+@pytest.mark.parametrize(
+    ("watched", "removed", "remark"),
+    [
+        ([math.nan, math.nan], [], "cannot be applied: how much of the videos was watched"),
+        ([0.1, math.nan, 1.0], ["p0"], "cannot be applied to 1 of 3 participants, who stay"),
+    ],
+)
+def test_who_cannot_be_judged_stays_and_is_counted(
+    watched: list[float], removed: list[str], remark: str
+) -> None:
+    participants = [someone(f"p{place}", watched=share) for place, share in enumerate(watched)]
     result = applied(participants, watched_less(0.9))
-    assert list(result.reasons) == ["a"]
-    assert result.outcomes[0].remark.startswith(
-        "cannot be applied to 1 of 3 participants, who stay"
-    )
+    assert list(result.reasons) == removed
+    assert result.outcomes[0].remark.startswith(remark)
 
 
 def test_a_rule_of_afterwards_is_marked_in_its_outcome() -> None:

@@ -21,12 +21,8 @@ def test_medians_are_those_of_participants_and_half_of_them_is_too_fast() -> Non
     assert (result.n, result.missing) == (11, 1)
     assert result.limit == 13
     assert result.too_fast == {"d": 3}
-
-
-def test_no_times_give_a_reason() -> None:
-    result = response_times(np.array([np.nan]), ["a"])
-    assert (result.reason, result.missing, result.too_fast) == ("no response times", 1, {})
-    assert math.isnan(result.median)
+    nothing = response_times(np.array([np.nan]), ["a"])
+    assert (nothing.reason, nothing.missing, nothing.too_fast) == ("no response times", 1, {})
 
 
 def answer_rows(**answers: dict[str, list[float]]) -> pd.DataFrame:
@@ -49,11 +45,6 @@ def test_everybody_is_looked_at_alone() -> None:
         "p": (8, 5 / 8),
         "q": (3, 1),
     }
-
-
-def test_categories_and_order_of_appearance_are_kept() -> None:
-    answers = answer_rows(z={"a": [0, 0]}, b={"a": [1, -1]}).astype({"participant": "category"})
-    assert list(straight_lining(answers)) == ["z", "b"]
 
 
 @pytest.fixture
@@ -109,20 +100,13 @@ def test_catch_trials_of_some_are_none_failed_for_the_others(
     }
 
 
-def test_an_attention_check_is_failed_by_any_other_answer_than_the_one_asked_for(
+def test_an_attention_check_is_failed_once_by_any_other_answer_than_those_asked_for(
     table: pd.DataFrame, tmp_path: Path
 ) -> None:
-    both = pd.concat([table, attention_rows("p01", "125", "224")])
-    assert facts(tmp_path, both)["p01"].failed_attention == 2
-
-
-def test_one_wrong_question_fails_an_attention_check_once(
-    table: pd.DataFrame, tmp_path: Path
-) -> None:
-    checks = attention_rows("p01", "12", "22")
-    again = attention_rows("p01", "12", "12").assign(question="rhythm")
+    checks = attention_rows("p01", "125", "224")
+    again = attention_rows("p01", "125", "125").assign(question="rhythm")
     result = facts(tmp_path, pd.concat([table, checks, again]))
-    assert result["p01"].failed_attention == 1
+    assert result["p01"].failed_attention == 2
 
 
 def test_attention_checks_are_never_analysed(table: pd.DataFrame, tmp_path: Path) -> None:
@@ -151,6 +135,8 @@ def test_a_ranking_may_be_asked_to_put_one_condition_first_several_times(tmp_pat
     obeyed = checks.assign(rank=[2, 3, 1])
     result = facts(tmp_path, pd.concat([ranking, checks.assign(rank=[1, 2, 3]), obeyed]), "ranking")
     assert (result["p00"].failed_attention, result["p01"].failed_attention) == (1, 0)
+    # Ranks exclude one another: they are never alike.
+    assert result["p01"].same_answers is None
 
 
 def test_watching_and_times_are_those_of_analysed_answers(
@@ -168,13 +154,6 @@ def test_watching_and_times_are_those_of_analysed_answers(
     assert len(result["p00"].seconds) == 0
 
 
-def test_a_share_watched_above_one_is_refused_with_its_row(
-    table: pd.DataFrame, tmp_path: Path
-) -> None:
-    with pytest.raises(Exception, match=r"row 2, column watched: '1.5' is not a share from 0 to 1"):
-        facts(tmp_path, table.assign(watched=1.5))
-
-
 def test_same_answers_are_counted_by_question_as_chosen_on_the_page(tmp_path: Path) -> None:
     table = pairwise_table(("ours", "other"), ("a", "b"), participants=1, effects=(0.5, 0))
     table["response"] = np.where(table["question"] == "a", 1, table["response"])
@@ -182,11 +161,6 @@ def test_same_answers_are_counted_by_question_as_chosen_on_the_page(tmp_path: Pa
     assert result.same_answers is not None
     assert result.same_answers[0] == SameAnswer(question="a", answers=6, share=1.0)
     assert result.same_answers[1].share < 1
-
-
-def test_ranks_are_never_alike(tmp_path: Path) -> None:
-    result = facts(tmp_path, TABLES["ranking"](participants=2), "ranking")
-    assert {one.same_answers for one in result.values()} == {None}
 
 
 def test_what_a_study_knows_replaces_the_tables_judgement(

@@ -81,6 +81,7 @@ def test_a_bad_cell_is_named_by_file_row_and_column(tmp_path: Path) -> None:
         ({"right": "ours"}, "right"),
         ({"kind": "warm-up"}, "kind"),
         ({"response_seconds": -1}, "response_seconds"),
+        ({"watched": 1.5}, "watched"),
         ({"kind": "catch"}, "correct_side"),
         ({"kind": "catch", "correct_side": "up"}, "correct_side"),
     ],
@@ -93,14 +94,18 @@ def test_what_a_column_cannot_hold_is_refused(
     assert f"row 3, column {column}:" in text
 
 
-def test_an_empty_answer_is_left_out_and_said(tmp_path: Path) -> None:
-    result = read(tmp_path, pairs({}, {"response": None}, {"response": "NA"}, {"response": 5}))
+def test_empty_answers_are_left_out_and_unknown_columns_not_read_with_a_note(
+    tmp_path: Path,
+) -> None:
+    table = pairs({}, {"response": None}, {"response": "NA"}, {"response": 5, "left": "NA"})
+    result = read(tmp_path, table.assign(browser="x", emotion="anger"))
     assert result.answers["value"].tolist() == [2, 5]
-    assert result.notes == ("2 rows are without a response left out.",)
-
-
-def test_a_condition_may_be_called_na(tmp_path: Path) -> None:
-    assert read(tmp_path, pairs({"left": "NA"})).conditions == ("NA", "other")
+    # A name may well be NA.
+    assert result.conditions == ("ours", "other", "NA")
+    assert result.notes == (
+        "Columns that are not read: browser.",
+        "2 rows are without a response left out.",
+    )
 
 
 def test_a_trial_is_a_main_one_unless_the_table_says_otherwise(tmp_path: Path) -> None:
@@ -109,34 +114,39 @@ def test_a_trial_is_a_main_one_unless_the_table_says_otherwise(tmp_path: Path) -
     assert read(tmp_path, pairs({})).answers["kind"].tolist() == ["main"]
 
 
-def test_unknown_columns_are_ignored_with_a_note(tmp_path: Path) -> None:
-    result = read(tmp_path, pairs({"browser": "x", "emotion": "anger"}))
-    assert result.notes == ("Columns that are not read: browser.",)
-
-
 def test_a_missing_column_is_named(tmp_path: Path) -> None:
     text = refusal(tmp_path, pairs({}).drop(columns=["left", "segment"]))
     assert "column segment, left is missing; there are participant, question" in text
 
 
-def test_a_column_that_occurs_twice_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="column left occurs twice"):
-        read_text(tmp_path, "participant,segment,question,left,right,response,left\n")
+HEADER = "participant,segment,question,"
+RANKING_TWICE = "condition,rank\nanna,s1,realism,ours,1\nanna,s1,realism,ours,1\n"
+TOO_MANY_CELLS = "left,right,response\na,s,q,x,y,1\na,s,q,x,y,1,7\n"
+OWN_SPEECH_TWICE = (
+    "condition,left_speech,right_speech,response\n"
+    "anna,s1,fits,ours,own,other,1\nanna,s2,fits,ours,own,own,1\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "layout", "problem"),
+    [
+        ("left,right,response,left\n", PAIRWISE, "column left occurs twice"),
+        (RANKING_TWICE, RANKING, r"row 3, .* stands in row 2 already"),
+        (TOO_MANY_CELLS, PAIRWISE, "line 3"),
+        (OWN_SPEECH_TWICE, MISMATCH, "row 3, column right_speech: left_speech and right"),
+    ],
+)
+def test_what_contradicts_itself_is_refused_with_its_place(
+    text: str, layout: Layout, problem: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=problem):
+        read_text(tmp_path, HEADER + text, layout)
 
 
 def test_an_answer_that_is_stored_twice_is_refused(tmp_path: Path) -> None:
     text = refusal(tmp_path, pairs({"trial": 1}, {"trial": 2}, {"trial": 1}))
     assert "row 4, column trial: the same answer stands in row 2 already" in text
-
-
-def test_without_trial_numbers_the_same_pair_may_be_answered_again(tmp_path: Path) -> None:
-    assert len(read(tmp_path, pairs({}, {})).answers) == 2
-
-
-def test_a_condition_is_ranked_once_in_a_segment(tmp_path: Path) -> None:
-    row = "anna,s1,realism,ours,1\n"
-    with pytest.raises(InputError, match=r"row 3, .* stands in row 2 already"):
-        read_text(tmp_path, f"participant,segment,question,condition,rank\n{row}{row}", RANKING)
 
 
 def test_a_ranking_in_practice_may_come_back(tmp_path: Path) -> None:
@@ -169,25 +179,18 @@ def test_parquet_is_read_like_csv(tmp_path: Path) -> None:
     assert result.sets == ("1", "2")
     assert result.answers["value"].tolist() == [2, 5]
     assert result.marked == {"2": MARKED}
-
-
-def test_a_bad_cell_of_parquet_is_named_by_its_row_from_1(tmp_path: Path) -> None:
-    path = tmp_path / "answers.parquet"
     pairs({}, {"response": 6}).to_parquet(path)
     with pytest.raises(InputError, match=r"answers\.parquet, row 2, column response"):
         read_answers(path, PAIRWISE)
 
 
-@pytest.mark.parametrize("separator", [";", "\t"])
-def test_other_separators_are_found(separator: str, tmp_path: Path) -> None:
-    text = pairs({}, {}).to_csv(index=False, sep=separator)
-    assert len(read_text(tmp_path, text).answers) == 2
-
-
-def test_blank_lines_and_a_byte_order_mark_do_no_harm(tmp_path: Path) -> None:
-    text = pairs({}, {"response": 8}).to_csv(index=False).replace("\n", "\n\n", 1)
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_other_separators_blank_lines_and_a_byte_order_mark_do_no_harm(
+    separator: str, tmp_path: Path
+) -> None:
+    text = pairs({}, {"response": 8}).to_csv(index=False, sep=separator)
     with pytest.raises(InputError, match="row 4, column response"):
-        read_text(tmp_path, text)
+        read_text(tmp_path, text.replace("\n", "\n\n", 1))
 
 
 @pytest.mark.parametrize("name", ["answers.csv", "answers.parquet"])
@@ -198,21 +201,6 @@ def test_what_is_no_table_is_refused(name: str, tmp_path: Path) -> None:
     path.write_bytes(b"\xff\xfe\x00\x81 no table\n")
     with pytest.raises(InputError, match="neither CSV in UTF-8 nor Parquet"):
         read_answers(path, PAIRWISE)
-
-
-def test_a_line_with_too_many_cells_is_refused(tmp_path: Path) -> None:
-    text = "participant,segment,question,left,right,response\na,s,q,x,y,1\na,s,q,x,y,1,7\n"
-    with pytest.raises(InputError, match="line 3"):
-        read_text(tmp_path, text)
-
-
-def test_own_speech_on_both_sides_is_refused(tmp_path: Path) -> None:
-    text = (
-        "participant,segment,question,condition,left_speech,right_speech,response\n"
-        "anna,s1,fits,ours,own,other,1\nanna,s2,fits,ours,own,own,1\n"
-    )
-    with pytest.raises(InputError, match="row 3, column right_speech: left_speech and right"):
-        read_text(tmp_path, text, MISMATCH)
 
 
 def test_catch_trials_of_ratings_are_left_out_and_said(tmp_path: Path) -> None:
@@ -244,14 +232,10 @@ def test_rankings_of_one_segment_in_several_trials_are_kept_apart(tmp_path: Path
     assert result.averaged().given[0].tolist() == [2, 1.5, 2.5]
 
 
-def test_rankings_that_leave_places_out_are_noted(tmp_path: Path) -> None:
-    table = ranked(("1", "s1", "a", 1), ("1", "s1", "b", 2), ("1", "s1", "c", 4))
-    assert read_table(table, "ranking", tmp_path).notes[0].startswith("1 ranking leaves places out")
-    tied = table.assign(rank=[1, 1, 3])
-    assert read_table(tied, "ranking", tmp_path).notes == ()
-
-
-def test_rows_that_repeat_others_without_a_trial_are_noted(tmp_path: Path) -> None:
+def test_places_left_out_and_rows_repeated_without_a_trial_are_noted(tmp_path: Path) -> None:
+    gaps = ranked(("1", "s1", "a", 1), ("1", "s1", "b", 2), ("1", "s1", "c", 4))
+    assert read_table(gaps, "ranking", tmp_path).notes[0].startswith("1 ranking leaves places out")
+    assert read_table(gaps.assign(rank=[1, 1, 3]), "ranking", tmp_path).notes == ()
     twice = pd.concat([pairs({}, {"segment": "s2"})] * 2)
     assert read(tmp_path, twice).notes[0].startswith("2 rows are the same as an earlier one")
     assert read(tmp_path, twice.assign(trial=range(4))).notes == ()
@@ -281,19 +265,18 @@ def test_a_rating_far_above_all_others_is_noted_and_off_a_stated_scale_refused(
     assert read_table(table[:-1], "rating", tmp_path, scale=(1, 7)).scales == {"q": (1, 7)}
 
 
-def test_a_table_of_the_report_runs_nothing_in_a_spreadsheet(tmp_path: Path) -> None:
-    write_frame(tmp_path / "t.csv", pd.DataFrame({"who": [FORMULA, "ada"], "share": [-0.5, 1.0]}))
+@pytest.mark.parametrize(
+    ("name", "written"),
+    [(FORMULA, "'" + FORMULA), ("'tis", "''tis"), ("-x", "'-x"), ("plain", "plain")],
+)
+def test_a_table_of_the_report_runs_nothing_in_a_spreadsheet_and_is_read_as_it_was(
+    name: str, written: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "t.csv"
+    write_frame(path, pd.DataFrame({"participant": [name, "ada"], "share": [-0.5, 1.0]}))
 
-    written = pd.read_csv(tmp_path / "t.csv")
-
-    assert written["who"].tolist() == ["'" + FORMULA, "ada"]
-    assert written["share"].tolist() == [-0.5, 1.0]
-
-
-@pytest.mark.parametrize("name", [FORMULA, "'tis", "''", "-x", "plain"])
-def test_what_was_written_is_read_as_it_was(tmp_path: Path, name: str) -> None:
-    write_frame(tmp_path / "t.csv", pd.DataFrame({"participant": [name, "ada"]}))
-
-    cells = read_cells(tmp_path / "t.csv", ["participant"], ["participant"])
-
+    plain = pd.read_csv(path)
+    assert plain["participant"].tolist() == [written, "ada"]
+    assert plain["share"].tolist() == [-0.5, 1.0]
+    cells = read_cells(path, ["participant"], ["participant"])
     assert cells.rows["participant"].tolist() == [name, "ada"]

@@ -26,10 +26,6 @@ class Sketch:
         Whether each of them has participants of its own.
     questions : int
         Asked of every trial.
-    trials : int or None
-        Of each participant and comparison; None for one of each item.
-    levels : int
-        Points of the scale.
     """
 
     kind: Kind
@@ -37,8 +33,6 @@ class Sketch:
     comparisons: int = 1
     own_participants: bool = False
     questions: int = 1
-    trials: int | None = None
-    levels: int = 5
 
     def size(self, participants: int, items: int, *, excluded: float) -> Size:
         """Return the study with so many participants and items.
@@ -49,22 +43,19 @@ class Sketch:
             Share of participants who will be left out.
         """
         analysed = count_analysed(participants, excluded)
-        trials = items if self.trials is None else min(self.trials, items)
-        numbers = np.arange(analysed * trials)
-        who, what = numbers // max(trials, 1), numbers % max(items, 1)
-        pairs = self.kind == "pairs"
-        left = np.asarray((who + what) % 2, np.intp) if pairs else None
+        who, what = np.divmod(np.arange(analysed * items), items)
+        left = (who + what) % 2 if self.kind == "pairs" else None
         part = Part(
             name="",
             kind=self.kind,
             trials=Trials(
-                participants=who.astype(np.intp),
-                items=what.astype(np.intp),
+                participants=who,
+                items=what,
                 conditions=self.conditions,
                 left=left,
                 right=None if left is None else 1 - left,
             ),
-            levels=self.levels,
+            levels=5,
             blocks=self.questions * self.comparisons,
             family="",
         )
@@ -73,6 +64,6 @@ class Sketch:
             items=items,
             recruited=participants * (self.comparisons if self.own_participants else 1),
             analysed=analysed,
-            trials=trials * (1 if self.own_participants else self.comparisons),
+            trials=items * (1 if self.own_participants else self.comparisons),
             parts=(part,),
         )

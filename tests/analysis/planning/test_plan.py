@@ -40,55 +40,43 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Plan:
     return plan(REQUEST, Runner(folder=tmp_path_factory.mktemp("cells")))
 
 
-def task(effect: float = 0.5, seed: int = 1) -> Task:
-    return Task(
-        size=REQUEST.size(8, 6),
-        effect=effect,
-        opinions=Opinions(),
-        effort=Effort(quick=100),
-        seed=seed,
-    )
+TASK = Task(
+    size=REQUEST.size(8, 6), effect=0.5, opinions=Opinions(), effort=Effort(quick=100), seed=1
+)
 
 
-def test_what_was_simulated_is_not_simulated_again(tmp_path: Path) -> None:
-    (first,) = Runner(folder=tmp_path).cells([task()])
+def test_what_was_simulated_is_not_simulated_again_and_progress_is_told(tmp_path: Path) -> None:
+    progress: list[tuple[int, int]] = []
+    runner = Runner(folder=tmp_path, show=lambda done, total: progress.append((done, total)))
+    (first,) = runner.cells([TASK])
     kept = next(tmp_path.iterdir())
     rows = json.loads(kept.read_text("utf-8"))
     rows[0]["power"] = 0.123
     kept.write_text(json.dumps(rows), "utf-8")
 
-    (again,) = Runner(folder=tmp_path).cells([task()])
+    again, _ = runner.cells([TASK, replace(TASK, effect=0.2)])
 
     assert again.powers[0].power == 0.123
+    assert progress == [(0, 1), (1, 1), (1, 2), (2, 2)]
     kept.write_text("{broken", "utf-8")
-    (fresh,) = Runner(folder=tmp_path).cells([task()])
+    (fresh,) = runner.cells([TASK])
     assert fresh.powers == first.powers
 
 
 def test_another_seed_effect_or_design_is_another_cell() -> None:
-    keys = {
-        task().key,
-        task(seed=2).key,
-        task(effect=0.4).key,
-        replace(task(), size=REQUEST.size(9, 6)).key,
-        replace(task(), opinions=Opinions(item_sd=0.2)).key,
-    }
+    others = (
+        replace(TASK, seed=2),
+        replace(TASK, effect=0.4),
+        replace(TASK, size=REQUEST.size(9, 6)),
+        replace(TASK, opinions=Opinions(item_sd=0.2)),
+    )
 
-    assert len(keys) == 5
-    assert task().key == task().key
-
-
-def test_progress_is_told_cell_by_cell(tmp_path: Path) -> None:
-    progress: list[tuple[int, int]] = []
-    runner = Runner(folder=tmp_path, show=lambda done, total: progress.append((done, total)))
-
-    runner.cells([task(), task(effect=0.2)])
-
-    assert progress == [(0, 2), (1, 2), (2, 2)]
+    assert len({TASK.key, *(other.key for other in others)}) == 5
+    assert replace(TASK, size=REQUEST.size(8, 6)).key == TASK.key
 
 
 def test_less_is_simulated_where_it_would_take_too_long() -> None:
-    tasks = [replace(task(), effort=Effort())] * 10
+    tasks = [replace(TASK, effort=Effort())] * 10
 
     assert limit_effort(tasks, estimate_minutes(tasks) * 1.01) == tasks
     less = limit_effort(tasks, estimate_minutes(tasks) / 2)
@@ -103,13 +91,6 @@ def test_a_plan_that_was_cut_says_so(tmp_path: Path) -> None:
 
     assert "400 simulated studies instead of 500" in result.cut
     assert plan_sentences(result)[-1] == result.cut
-
-
-def test_a_plan_holds_every_size_and_effect(made: Plan) -> None:
-    assert len(made.cells) == 3 * 2 * 2
-    assert {cell.size.recruited for cell in made.cells} == {30, 60, 240}
-    assert {cell.size.analysed for cell in made.cells} == {9, 18, 72}
-    assert made.tests == {"": 3}
 
 
 def test_sentences_say_what_a_researcher_must_know(made: Plan) -> None:
@@ -148,27 +129,28 @@ SATURATED = {
 }
 
 
-def test_where_participants_add_little_segments_are_recommended(made: Plan) -> None:
-    text = "\n".join(plan_sentences(with_powers(made, SATURATED)))
-
-    assert (
-        "With 6 segments, more than 20 participants per comparison add little: 80 raise the power "
-        "for 0.5 logits from .55 to .60 only; 12 segments raise it to .75: add segments."
-    ) in text
-    assert "are 80 participants per comparison with 12 segments (.95 ± .01). 240" in text
+ADD_SEGMENTS = (
+    "With 6 segments, more than 20 participants per comparison add little: 80 raise the power for "
+    "0.5 logits from .55 to .60 only; 12 segments raise it to .75: add segments."
+)
 
 
-def test_segments_are_not_recommended_where_they_add_no_more(made: Plan) -> None:
-    text = "\n".join(plan_sentences(with_powers(made, {**SATURATED, (20, 12): 0.56})))
+@pytest.mark.parametrize(
+    ("changed", "said", "not_said"),
+    [
+        ({}, ADD_SEGMENTS, "nan"),
+        ({}, "are 80 participants per comparison with 12 segments (.95 ± .01). 240", "nan"),
+        ({(20, 12): 0.56}, "add little", "add segments"),
+        ({(80, 6): 0.79}, "", "add little"),
+    ],
+)
+def test_where_participants_add_little_segments_are_recommended_if_they_add_more(
+    changed: dict[tuple[int, int], float], said: str, not_said: str, made: Plan
+) -> None:
+    text = "\n".join(plan_sentences(with_powers(made, SATURATED | changed)))
 
-    assert "add little" in text
-    assert "add segments" not in text
-
-
-def test_where_participants_still_help_nothing_is_called_little(made: Plan) -> None:
-    rising = {**SATURATED, (80, 6): 0.79}
-
-    assert "add little" not in "\n".join(plan_sentences(with_powers(made, rising)))
+    assert said in text
+    assert not_said not in text
 
 
 def test_the_smallest_difference_lies_where_the_power_is_reached(made: Plan) -> None:
@@ -181,24 +163,21 @@ def test_the_smallest_difference_lies_where_the_power_is_reached(made: Plan) -> 
     assert "wins" in one.in_answers
 
 
-def test_between_two_powers_the_smallest_difference_is_interpolated() -> None:
-    def never(_: float) -> float:
-        raise AssertionError
+@pytest.mark.parametrize(
+    ("known", "power", "least", "reason"),
+    [
+        ({0.2: 0.5, 0.4: 0.9}, math.nan, 0.32, ""),
+        ({0.2: 0.1}, 0.1, math.nan, "not even a difference"),
+        ({0.2: 0.9}, 0.9, math.nan, "even a difference"),
+    ],
+)
+def test_the_smallest_difference_is_interpolated_or_has_a_reason(
+    known: dict[float, float], power: float, least: float, reason: str
+) -> None:
+    effect, why = smallest_effect(known, lambda _: power)
 
-    effect, reason = smallest_effect({0.2: 0.5, 0.4: 0.9}, never)
-
-    assert 0.2 < effect < 0.4
-    assert not reason
-
-
-def test_a_difference_that_is_never_found_has_a_reason() -> None:
-    effect, reason = smallest_effect({0.2: 0.1}, lambda _: 0.1)
-
-    assert math.isnan(effect)
-    assert "not even" in reason
-    effect, reason = smallest_effect({0.2: 0.9}, lambda _: 0.9)
-    assert math.isnan(effect)
-    assert "even a difference" in reason
+    assert effect == pytest.approx(least, abs=0.03, nan_ok=True)
+    assert why.startswith(reason)
 
 
 def test_two_plans_are_the_same_bytes(made: Plan, tmp_path: Path) -> None:
@@ -212,7 +191,10 @@ def test_two_plans_are_the_same_bytes(made: Plan, tmp_path: Path) -> None:
         assert one.read_bytes() == other.read_bytes(), one.name
     result = json.loads(first[0].read_text("utf-8"))
     assert result["as_it_stands"] == {"participants": 10, "segments": 6}
-    assert len(result["powers"]) == len(made.cells)
+    assert result["tests_corrected_together"] == {"": 3}
+    powers = result["powers"]
+    assert len(powers) == 3 * 2 * 2
+    assert {(row["recruited"], row["analysed"]) for row in powers} == {(30, 9), (60, 18), (240, 72)}
 
 
 def test_a_size_without_a_test_has_a_dash_and_a_reason(tmp_path: Path) -> None:

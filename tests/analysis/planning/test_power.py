@@ -11,10 +11,7 @@ from analysis.planning.grid import Task, simulate_cell
 from analysis.planning.many_studies import simulate_answers
 from analysis.planning.part import Opinions, Part
 from analysis.planning.power import Effort, Power, simulate_power
-from analysis.results.net_preference import (
-    SidedAnswers,
-    net_preference,
-)
+from analysis.results.net_preference import SidedAnswers, net_preference
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.multiple_testing import holm_rows
 from tests.analysis.planning.sketch import Sketch
@@ -70,34 +67,13 @@ def test_more_participants_and_more_segments_find_more() -> None:
     assert power(PAIRS, 8, 12, 0.5).power > few
 
 
-def test_more_tests_are_corrected_more() -> None:
+def test_more_tests_are_corrected_more_also_of_rankings() -> None:
     six = power(replace(PAIRS, questions=6), 12, 10, 0.6)
+    rankings = power(replace(KINDS[2], questions=3), 12, 10, 0.9)
 
     assert six.alone <= six.power < six.uncorrected
     assert six.uncorrected == pytest.approx(power(PAIRS, 12, 10, 0.6).power)
-
-
-def test_rankings_are_corrected_over_all_their_tests_as_the_report_does() -> None:
-    one = Sketch(kind="rankings", conditions=3)
-    three = power(replace(one, questions=3), 12, 10, 0.9)
-
-    assert three.alone < three.power < three.uncorrected
-
-
-def test_the_same_seed_gives_the_same_power_and_says_how_sure_it_is() -> None:
-    result, again = (power(PAIRS, 12, 8, 0.5) for _ in range(2))
-
-    assert result == again
-    assert 0 < result.error < 0.04
-    assert result.modelled == 0
-
-
-@pytest.mark.parametrize(("participants", "items", "why"), [(1, 5, "participant"), (5, 1, "segm")])
-def test_one_of_either_has_no_power_and_says_why(participants: int, items: int, why: str) -> None:
-    result = power(PAIRS, participants, items, 0.5)
-
-    assert np.isnan(result.power)
-    assert f"one {why}" in result.reason
+    assert rankings.alone < rankings.power < rankings.uncorrected
 
 
 def test_few_participants_are_judged_by_the_win_share() -> None:

@@ -1,9 +1,7 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.results.report import as_json, plain
+from analysis.results.report import as_json
 from tests.analysis.results.made_tables import TABLES, report_of
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]
@@ -135,26 +133,7 @@ def test_whatever_was_answered_no_number_is_missing_without_a_reason(
     assert list(nulls_without_reason(json.loads(text))) == []
 
 
-@dataclass(frozen=True)
-class Result:
-    b: float
-    a: tuple[int, ...]
-
-
-def test_missing_numbers_become_null() -> None:
-    assert plain([math.nan, math.inf, np.float64("nan"), None]) == [None] * 4
-
-
 def test_numbers_have_ten_digits_and_no_negative_zero() -> None:
     text = as_json({"third": np.float64(1) / 3, "zero": -0.0, "small": 1.23456789012e-20})
     assert json.loads(text) == {"third": 0.3333333333, "zero": 0.0, "small": 1.23456789e-20}
     assert "-0.0" not in text
-
-
-def test_fields_keep_their_order() -> None:
-    assert list(plain(Result(b=1.0, a=(np.int64(2),)))) == ["b", "a"]  # type: ignore[arg-type]
-
-
-def test_what_json_does_not_know_is_refused() -> None:
-    with pytest.raises(TypeError, match="set has no form in JSON"):
-        plain({"who": {1, 2}})

@@ -94,15 +94,6 @@ def test_too_few_answers_give_no_interval_and_say_why(protocol: str, tmp_path: P
     assert agreed.estimate != agreed.estimate and agreed.reason
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_without_anybody_who_is_analysed_there_is_nothing(protocol: str, tmp_path: Path) -> None:
-    table, left_out = given(protocol, tmp_path, TABLES[protocol](participants=2))
-    nobody = replace(left_out, kept=left_out.kept.iloc[:0], analysed=left_out.analysed.iloc[:0])
-
-    assert agreed_so_far(table, nobody) == ()
-    assert headline_numbers(table, nobody.analysed) == ()
-
-
 def with_and_without(
     folder: Path, protocol: str, *rules: ExclusionRule, table: pd.DataFrame | None = None
 ) -> tuple[Sensitivity, ...]:
@@ -116,40 +107,23 @@ def with_and_without(
     return sensitivity(*given(protocol, folder, flawed, *rules))
 
 
-def test_nothing_depends_on_exclusions_where_there_are_none(tmp_path: Path) -> None:
-    assert with_and_without(tmp_path, "rating") == ()
-
-
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_every_headline_number_is_given_of_all_three_groups(tmp_path: Path, protocol: str) -> None:
-    each = with_and_without(tmp_path, protocol, PLANNED, AFTERWARDS)
-    assert each
-    for number in each:
-        assert not number.is_as_planned
-        assert [g.participants for g in (number.analysed, number.as_planned, number.everyone)] == [
-            4,
-            5,
-            6,
-        ]
-        assert number.analysed.low < number.analysed.estimate < number.analysed.high
-
-
-def test_as_planned_is_what_is_analysed_where_no_rule_is_exploratory(tmp_path: Path) -> None:
-    assert all(one.is_as_planned for one in with_and_without(tmp_path, "ranking", PLANNED))
-
-
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_they_are_the_numbers_of_reports_with_and_without_the_rule(
+def test_with_and_without_exclusions_they_are_the_numbers_of_such_reports(
     tmp_path: Path, protocol: str
 ) -> None:
-    each = with_and_without(tmp_path, protocol, PLANNED)
-    with_rule = analyse_table(tmp_path / "answers.csv", protocol, exclude=[PLANNED])
-    without = analyse_table(tmp_path / "answers.csv", protocol)
-    for name, report in (("analysed", with_rule), ("everyone", without)):
-        result = [getattr(number, name).estimate for number in each]
-        assert result == pytest.approx([row[2] for row in headline(report)])
-    assert without.sensitivity == ()
-    assert len(with_rule.sensitivity) == len(each)
+    each = with_and_without(tmp_path, protocol, PLANNED, AFTERWARDS)
+    rules = {"analysed": [PLANNED, AFTERWARDS], "as_planned": [PLANNED], "everyone": []}
+    for (name, exclude), participants in zip(rules.items(), (4, 5, 6), strict=True):
+        report = analyse_table(tmp_path / "answers.csv", protocol, exclude=exclude)
+        estimates = [getattr(number, name) for number in each]
+        assert {estimate.participants for estimate in estimates} == {participants}
+        assert [estimate.estimate for estimate in estimates] == pytest.approx(
+            [row[2] for row in headline(report)]
+        )
+        assert len(report.sensitivity) == (len(each) if exclude else 0)
+    assert not any(number.is_as_planned for number in each)
+    planned = with_and_without(tmp_path, protocol, PLANNED)
+    assert all(number.is_as_planned for number in planned)
 
 
 def test_a_condition_that_only_excluded_participants_met_has_a_reason(tmp_path: Path) -> None:

@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from scipy import stats
 
 from analysis.results.heterogeneity import cells
-from analysis.stats.clustered_mean import ONE_SEGMENT, clustered_mean
+from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.multiple_testing import holm
 from tests.analysis.results.made_tables import TABLES, report_of
 
@@ -92,14 +91,10 @@ def test_without_emotions_there_is_nothing_to_take_apart_by_them(tmp_path: Path)
     assert {one.by for one in result} == {"segment"}
 
 
-def made_wins() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def test_a_level_of_many_segments_is_tested_as_a_whole_study_is() -> None:
     chance = np.random.default_rng(2)
     people, items = np.repeat(np.arange(9), 12), np.tile(np.arange(12), 9)
-    return chance.integers(0, 3, len(people)) / 2, people, items
-
-
-def test_a_level_of_many_segments_is_tested_as_a_whole_study_is() -> None:
-    wins, people, items = made_wins()
+    wins = chance.integers(0, 3, len(people)) / 2
 
     [first, second] = cells(
         wins, items // 6, ["anger", "joy"], people, items, null=0.5, limits=(0, 1)
@@ -110,26 +105,3 @@ def test_a_level_of_many_segments_is_tested_as_a_whole_study_is() -> None:
     whole = clustered_mean(wins[own], people[own], items[own])
     assert vars(whole).items() <= vars(first).items()
     assert not first.descriptive
-
-
-def test_a_single_segment_has_the_interval_of_its_participants() -> None:
-    wins, people, items = made_wins()
-
-    result = cells(wins, items, [f"s{n}" for n in range(12)], people, items, null=0.5)
-
-    own = wins[items == 4]
-    expected = stats.ttest_1samp(own, 0.5).confidence_interval()
-    assert (result[4].low, result[4].high) == pytest.approx(tuple(expected))
-    assert result[4].method == ONE_SEGMENT
-    assert all(cell.descriptive for cell in result)
-
-
-def test_levels_without_answers_are_left_out_and_others_say_why_they_have_no_interval() -> None:
-    items = np.array([0, 0, 2])
-
-    result = cells(
-        np.array([1.0, 1.0, 0.0]), items, ["a", "b", "c"], np.array([0, 1, 0]), items, null=0.5
-    )
-
-    assert [cell.level for cell in result] == ["a", "c"]
-    assert [cell.reason for cell in result] == ["all answers alike", "one participant"]

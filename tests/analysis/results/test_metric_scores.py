@@ -63,33 +63,30 @@ def test_of_pairs_it_sets_the_difference_of_scores_beside_the_win_share() -> Non
     assert within_conditions(result, side).estimate == pytest.approx(expected)
 
 
+ALIKE = metrics_of(np.full((6, 12), 0.1))
+
+
 @pytest.mark.parametrize(
-    ("study", "change", "reason"),
+    ("segments", "change", "scores", "has_estimate", "reason"),
     [
-        (AgreeingStudy(), {"value": 0.1}, "the answers do not differ within conditions"),
-        (AgreeingStudy(segments=1), {}, "fewer than two segments have scores and answers"),
+        (12, {"value": 0.1}, None, False, "the answers do not differ within conditions"),
+        (12, {}, ALIKE, False, "the scores do not differ within conditions"),
+        (1, {}, None, False, "fewer than two segments have scores and answers"),
+        (4, {}, None, True, "4 segments are too few for an interval"),
     ],
 )
-def test_without_a_correlation_the_reason_is_given(
-    study: AgreeingStudy, change: dict[str, float], reason: str
+def test_without_a_correlation_or_an_interval_the_reason_is_given(
+    segments: int,
+    change: dict[str, float],
+    scores: StudyMetrics | None,
+    has_estimate: bool,
+    reason: str,
 ) -> None:
-    answers, metrics = study.drawn(np.random.default_rng(1))
-    result = _within(answers.assign(**change), metrics)
-    assert math.isnan(result.estimate)
-    assert result.reason == reason
-
-
-def test_scores_that_are_all_alike_have_no_correlation() -> None:
-    answers, _ = AgreeingStudy().drawn(np.random.default_rng(1))
-    assert "scores do not differ" in _within(answers, metrics_of(np.full((6, 12), 0.1))).reason
-
-
-def test_few_segments_give_an_estimate_without_interval() -> None:
-    answers, metrics = AgreeingStudy(segments=4).drawn(np.random.default_rng(1))
-    result = _within(answers, metrics)
-    assert not math.isnan(result.estimate)
+    answers, metrics = AgreeingStudy(segments=segments).drawn(np.random.default_rng(1))
+    result = _within(answers.assign(**change), scores or metrics)
+    assert math.isnan(result.estimate) != has_estimate
     assert math.isnan(result.low)
-    assert result.reason == "4 segments are too few for an interval"
+    assert result.reason == reason
 
 
 @pytest.mark.parametrize(
@@ -122,10 +119,6 @@ def test_a_condition_without_a_score_says_why() -> None:
     scores = np.array([[1.0, 3.0], [math.nan, math.nan]])
     (result,) = oriented_metrics(metrics_of(scores), NAMES, SEGMENTS, None)
     assert result.left_out == {1: "too short (2 of 2 clips)", 2: "the metric was not measured"}
-
-
-def test_scores_that_call_nothing_better_are_not_among_them() -> None:
-    assert oriented_metrics(metrics_of(SCORES, better="unsaid"), NAMES, SEGMENTS, None) == ()
 
 
 def test_a_score_of_whole_conditions_stays_in_every_resample() -> None:

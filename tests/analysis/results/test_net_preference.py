@@ -7,7 +7,6 @@ import pytest
 
 from analysis.planning.part import THRESHOLDS
 from analysis.results.net_preference import Expected, SidedAnswers, expected, net_preference
-from analysis.stats.ordinal.mixed_model import RandomEffect, beginning_of
 from benchmarks.validity.studies import Design, preferences
 
 DESIGN = Design(participants=15, items=12, effect=0.4, participant_sd=0.6, item_sd=0.45)
@@ -52,16 +51,3 @@ def test_a_beginning_of_other_answers_does_not_count(near: Expected) -> None:
     begun = net_preference(fewer, near)
 
     assert begun.p_value == pytest.approx(net_preference(fewer).p_value, abs=2e-4)
-
-
-def test_a_beginning_needs_a_threshold_between_every_two_answers() -> None:
-    whole = answers(1)
-    with pytest.raises(ValueError, match="one threshold"):
-        beginning_of(
-            whole.responses,
-            {},
-            [RandomEffect(name="participant", groups=whole.participants)],
-            thresholds=(0.0,),
-            effects=(),
-            deviations={"participant": 0.6},
-        )

@@ -61,25 +61,21 @@ def test_of_ratings_and_rankings_the_clip_placed_higher_won(
     assert (result.first, result.second, result.win_shares) == ("ours", "theirs", {"realism": 1.0})
 
 
-def test_pairs_are_sorted_by_the_first_question_and_have_a_share_for_each(tmp_path: Path) -> None:
-    rows = pairwise_table(questions=("emotion", "fit"))
+def test_of_many_conditions_both_ends_of_the_order_by_the_first_question_are_kept(
+    tmp_path: Path,
+) -> None:
+    rows = pairwise_table(
+        tuple("abcdef"), ("emotion", "fit"), participants=3, effects=(3, 2, 1, 0, -1, -2)
+    )
 
     result = pairs_of(rows, "pairwise", tmp_path)
 
-    shares = [one.win_shares["emotion"] for one in result]
+    shares = [pair.win_shares["emotion"] for pair in result]
+    assert len(shares) == MOST_PAIRS
     assert shares == sorted(shares, reverse=True)
-    assert all(set(one.win_shares) == {"emotion", "fit"} for one in result)
-
-
-def test_of_many_conditions_both_ends_of_the_order_are_kept(tmp_path: Path) -> None:
-    names = tuple("abcdef")
-    rows = pairwise_table(names, participants=3, effects=(3, 2, 1, 0, -1, -2))
-
-    result = pairs_of(rows, "pairwise", tmp_path)
-
-    assert len(result) == MOST_PAIRS
-    assert result[0].win_shares["emotion"] == 1.0
-    assert result[-1].win_shares["emotion"] < 0.5
+    assert shares[0] == 1.0
+    assert shares[-1] < 0.5
+    assert all(set(pair.win_shares) == {"emotion", "fit"} for pair in result)
 
 
 def test_a_mismatch_task_compares_no_conditions(tmp_path: Path) -> None:

@@ -57,7 +57,7 @@ def test_an_unbalanced_sample_agrees_with_the_formula() -> None:
     people, items = generator.integers(0, 9, 150), generator.integers(0, 7, 150)
     values = (np.sign((people - 4) + (items - 3) + generator.normal(0, 3, 150)) + 1) / 2
     people[:60] = 0
-    result = clustered_mean(values, people, items)
+    result = clustered_mean(values, people.astype(str), items + 100)
     variance, freedom = by_matrices(values, people, items)
     assert result.method == TWO_WAY
     assert result.standard_error**2 == pytest.approx(variance)
@@ -74,14 +74,6 @@ def test_where_all_answer_alike_often_it_is_the_plain_two_way_variance() -> None
     fit = OLS(values, np.ones((324, 1))).fit()
     expected = cov_cluster_2groups(fit, people, items)[0].item()
     assert clustered_mean(values, people, items).standard_error ** 2 == pytest.approx(expected)
-
-
-def test_an_interval_is_cut_where_values_can_no_longer_lie() -> None:
-    people, items = np.repeat([0, 1, 2], 3), np.tile([0, 1, 2], 3)
-    values = np.array([1, 1, 2, 1, 1, 1, 1, 2, 5])
-    result = clustered_mean(values, people, items, null=3, limits=(1, 5))
-    assert result.low == 1
-    assert result.estimate < result.high < 5
 
 
 @pytest.mark.parametrize(
@@ -124,17 +116,6 @@ def test_one_busy_participant_costs_degrees_of_freedom_and_is_named_with_what_ha
     )
 
 
-def test_a_very_busy_participant_no_longer_makes_false_findings() -> None:
-    generator = np.random.default_rng(9)
-    people = np.concatenate([np.zeros(300, int), np.arange(210) % 29 + 1])
-    items, result = np.tile(np.arange(17), 30), 0
-    for _ in range(300):
-        tastes, luck = generator.normal(0, 0.6, 30), generator.normal(0, 0.45, 17)
-        latent = tastes[people] + luck[items] + generator.logistic(size=510)
-        result += clustered_mean((latent > 0).astype(float), people, items).p_value < 0.05
-    assert result / 300 < 0.065
-
-
 tables = st.integers(2, 6).flatmap(
     lambda width: st.lists(
         st.lists(st.sampled_from([0.0, 0.5, 1.0]), min_size=width, max_size=width),
@@ -158,13 +139,3 @@ def test_an_interval_lies_in_the_unit_range_around_the_mean_and_is_mirrored_with
         assert 0 <= result.low <= result.estimate <= result.high <= 1
         assert result.low < result.high
         assert 0 <= result.p_value <= 1
-
-
-def test_names_and_order_of_clusters_do_not_matter() -> None:
-    generator = np.random.default_rng(2)
-    values = generator.choice([0, 0.5, 1], 60)
-    people, items = np.repeat(np.arange(10), 6), np.tile(np.arange(6), 10)
-    order = generator.permutation(60)
-    plain = clustered_mean(values, people, items)
-    named = clustered_mean(values[order], (people[order] * -7).astype(str), items[order] + 100)
-    assert named.standard_error == pytest.approx(plain.standard_error)

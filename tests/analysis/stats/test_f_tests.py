@@ -39,49 +39,30 @@ def test_an_unbalanced_sample_counts_every_participant_and_item_once() -> None:
     )
 
 
-def test_participants_all_alike_leave_the_test_to_the_items() -> None:
+def test_participants_all_alike_leave_the_test_to_the_items_and_a_mean_of_zero_is_no_effect() -> (
+    None
+):
     table = [[1, 2, 0], [1, 2, 0], [0, 2, 1]]
     result = outcome(table)
     of_items = stats.ttest_1samp(np.mean(table, axis=0), 0).statistic ** 2
     assert result.statistic == pytest.approx(of_items)
     assert result.df_rest == pytest.approx(2)
+    nothing = outcome([[1, -1, 0], [0, 1, -1]])
+    assert (nothing.statistic, nothing.p_value, nothing.reason) == (0.0, 1.0, "")
 
 
-def test_a_mean_of_zero_is_no_effect() -> None:
-    result = outcome([[1, -1, 0], [0, 1, -1]])
-    assert (result.statistic, result.p_value, result.reason) == (0.0, 1.0, "")
-
-
-def test_it_is_conservative_without_an_effect() -> None:
-    generator = np.random.default_rng(3)
-    result = [
-        outcome(
-            generator.normal(0, 0.6, (15, 1))
-            + generator.normal(0, 0.4, (1, 10))
-            + generator.normal(0, 1, (15, 10))
-        ).p_value
-        for _ in range(200)
-    ]
-    assert np.mean(np.array(result) < 0.05) <= 0.065
-
-
-Study = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-
-
-def made(groups: float = 0.0, items: float = 0.5, seed: int = 1) -> Study:
+def made() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return answers of 14 participants about 12 segments in 4 groups."""
-    chance = np.random.default_rng(seed)
+    chance = np.random.default_rng(1)
     people, what = np.repeat(np.arange(14), 12), np.tile(np.arange(12), 14)
     group = what % 4
-    values = groups * chance.normal(size=4)[group] + items * chance.normal(size=12)[what]
-    values = (
-        values + 0.5 * chance.normal(size=(14, 4))[people, group] + chance.normal(size=14)[people]
-    )
+    values = chance.normal(size=4)[group] + 0.5 * chance.normal(size=12)[what]
+    values += 0.5 * chance.normal(size=(14, 4))[people, group] + chance.normal(size=14)[people]
     return values + chance.normal(size=len(people)), group, people, what
 
 
 def test_groups_join_the_two_analyses_of_variance() -> None:
-    values, group, people, items = made(groups=1.0)
+    values, group, people, items = made()
     frame = pd.DataFrame({"y": values, "group": group, "who": people, "what": items})
     within = AnovaRM(frame, "y", "who", within=["group"], aggregate_func="mean").fit()
     f_people = within.anova_table["F Value"].iloc[0]
@@ -108,9 +89,3 @@ def test_segments_are_compared_within_participants() -> None:
     assert result.statistic == pytest.approx(table["F"].loc["C(what)"])
     assert result.p_value == pytest.approx(table["PR(>F)"].loc["C(what)"])
     assert (result.df, result.df_rest) == (11, table["df"].loc["Residual"])
-
-
-def test_segments_and_tastes_that_differ_are_no_difference_between_groups() -> None:
-    result = [between_groups(*made(items=1.0, seed=seed)).p_value < 0.05 for seed in range(200)]
-
-    assert np.mean(result) <= 0.08

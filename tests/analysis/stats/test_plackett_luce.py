@@ -6,7 +6,6 @@ import pytest
 
 from analysis.stats.bradley_terry import bradley_terry
 from analysis.stats.plackett_luce import plackett_luce
-from motion.errors import InputError
 from tests.analysis.stats.named_votes import votes_of
 
 
@@ -78,15 +77,3 @@ def test_the_last_choice_of_one_says_nothing() -> None:
 
     assert plackett_luce(two, "ab").log_likelihood == pytest.approx(2 * np.log(0.5))
     assert plackett_luce(gaps, "ab").log_likelihood == pytest.approx(2 * np.log(0.5))
-
-
-def test_a_winner_of_everything_has_a_worth_after_a_prior_and_is_named() -> None:
-    result = plackett_luce(rankings([(0, "P", "a", 1), (0, "P", "b", 2)]), "ab")
-
-    assert result.swept == "a never lost to any of the others"
-    assert np.isfinite(result.strengths).all()
-
-
-def test_a_condition_placed_twice_is_refused() -> None:
-    with pytest.raises(InputError, match="twice"):
-        plackett_luce(rankings([(0, "P", "a", 1), (0, "P", "a", 2)]), "ab")

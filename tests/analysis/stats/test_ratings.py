@@ -17,8 +17,6 @@ from analysis.stats.ratings import (
     rated_cells,
     rating_table,
 )
-from motion.errors import InputError
-from tests.analysis.reference import reference_ratings, with_reference
 
 SCORES = (1, 2, 3, 4, 5)
 
@@ -102,15 +100,7 @@ def of(ratings: pd.DataFrame, first: str, second: str) -> Estimate:
     )
 
 
-@with_reference
-def test_it_agrees_with_the_reference() -> None:
-    ratings, reference = reference_ratings()
-    tidy = ratings.rename(columns={"item": "segment", "method": "condition", "rating": "value"})
-    for pair, expected in reference["cliffs_delta_pooled"].items():
-        assert of(tidy, *pair.split("_vs_")).estimate == pytest.approx(expected, abs=1e-12)
-
-
-def test_it_is_the_mean_of_all_pairs() -> None:
+def test_cliffs_delta_is_the_mean_of_all_pairs() -> None:
     ratings = made_ratings(participants=5, segments=4)
     ours, other = (
         ratings.loc[ratings["condition"] == name, "value"].to_numpy() for name in ("ours", "other")
@@ -119,32 +109,9 @@ def test_it_is_the_mean_of_all_pairs() -> None:
     assert of(ratings, "ours", "other").estimate == pytest.approx(expected)
 
 
-def test_turning_the_pair_round_mirrors_the_interval() -> None:
-    result = of(made_ratings(), "ours", "static")
-    mirrored = of(made_ratings(), "static", "ours")
-    assert mirrored.estimate == pytest.approx(-result.estimate)
-    assert (mirrored.low, mirrored.high) == pytest.approx((-result.high, -result.low))
-    assert result.low < result.estimate < result.high
-
-
 def test_the_interval_holds_where_participants_and_segments_differ() -> None:
     estimates = [of(made_ratings(effects=(0, 0, 0), seed=k), "ours", "other") for k in range(60)]
     assert np.mean([d.low <= 0 <= d.high for d in estimates]) > 0.92
-
-
-def test_a_mean_has_the_two_way_interval_within_the_scale() -> None:
-    ratings = made_ratings()
-    result = rating_table(ratings, CONDITIONS, SCORES)[0]
-    own = ratings[ratings["condition"] == "ours"]
-    expected = clustered_mean(
-        own["value"].to_numpy(float),
-        own["participant"].to_numpy(str),
-        own["segment"].to_numpy(str),
-        limits=(1, 5),
-    )
-    assert (result.low, result.high) == pytest.approx((expected.low, expected.high))
-    assert 1 < result.low < result.high < 5
-    assert math.isnan(result.p_value)
 
 
 def test_a_score_that_nobody_gave_is_counted_as_zero() -> None:
@@ -153,21 +120,6 @@ def test_a_score_that_nobody_gave_is_counted_as_zero() -> None:
     assert result.counts[3] == 0
     assert result.at_least[1] == 100
     assert result.at_least[3] == result.at_least[4]
-
-
-def test_a_condition_without_ratings_says_so() -> None:
-    [result] = rating_table(made_ratings(), ["absent"], SCORES)
-    assert (result.n, result.reason) == (0, "no answers")
-    assert math.isnan(result.sd)
-    assert math.isnan(result.at_least[1])
-
-
-def test_a_score_off_the_scale_is_refused() -> None:
-    ratings = pd.DataFrame(
-        {"participant": ["a"], "segment": ["x"], "condition": ["ours"], "value": [6]}
-    )
-    with pytest.raises(InputError, match="6, which is not one of the scores 1, 2, 3, 4, 5"):
-        rating_table(ratings, ["ours"], SCORES)
 
 
 def made_ratings(

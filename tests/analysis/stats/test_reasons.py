@@ -156,7 +156,10 @@ def test_where_there_is_no_number_it_says_why(statistic: Callable[[], Any], reas
 @pytest.mark.parametrize(
     ("votes", "reason"),
     [
-        (votes_of(["a", "c"], ["b", "d"], [1, 0], ["P"] * 2), "never compared"),
+        (
+            votes_of(["a", "c"], ["b", "d"], [1, 0], ["P"] * 2),
+            "never compared with one another, not even through others: a and b | c and d",
+        ),
         (votes_of(["a", "c"], ["b", "d"], [0, 0], ["P"] * 2), "all answers are ties"),
         (votes_of([], [], [], []), "no answers"),
     ],

@@ -11,13 +11,7 @@ from analysis.stats.equivalence import equivalence_of_means
 from analysis.stats.f_tests import min_f
 from analysis.stats.intraclass import intraclass_correlation
 from analysis.stats.ratings import cliffs_delta
-from analysis.stats.samples import (
-    finite,
-    group_means,
-    levels,
-    percentile_interval,
-    tied_ranks,
-)
+from analysis.stats.samples import finite, levels, tied_ranks
 from analysis.stats.signed_rank import pooled_tests, sign_test, signed_rank
 from motion.errors import InputError
 
@@ -46,17 +40,7 @@ def test_a_missing_value_is_named_and_never_becomes_a_number(
         statistic(GAP)
 
 
-def test_everybody_counts_once_however_many_answers() -> None:
-    values, people = np.array([1.0, 0, 1, 1]), np.array(["b", "a", "b", "b"])
-    assert group_means(values, people).tolist() == [0, 1]
-    assert group_means(np.zeros(0), np.zeros(0, str)).tolist() == []
-
-
 def test_numbers_equal_but_for_rounding_are_tied() -> None:
     thirds = np.array([0.1 + 0.2, 0.3, 1 / 3, 1 - 2 / 3])
     assert levels(thirds).tolist() == [0, 0, 1, 1]
     assert tied_ranks(thirds).tolist() == [1.5, 1.5, 3.5, 3.5]
-
-
-def test_the_interval_holds_the_middle_of_the_draws() -> None:
-    assert percentile_interval(np.arange(101.0)) == pytest.approx((2.5, 97.5))

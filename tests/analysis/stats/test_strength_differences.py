@@ -43,6 +43,7 @@ def test_errors_agree_with_those_of_a_logistic_regression() -> None:
 
     result = bradley_terry(votes, left_effect=False)
 
+    assert result.strengths == pytest.approx(turn @ fitted.params)
     assert result.two_way is not None
     assert result.two_way.method == TWO_WAY
     # Theirs is CR1, from which CR2 differs little where all have answered alike often.
@@ -54,12 +55,6 @@ def test_errors_agree_with_those_of_a_logistic_regression() -> None:
     )
     two_way = result.two_way.by_participant + result.two_way.by_segment - result.two_way.by_cell
     assert two_way == pytest.approx(turn @ covariance @ turn.T, rel=1e-6)
-
-
-def test_segments_that_differ_make_errors_larger_than_those_of_participants_alone() -> None:
-    result = bradley_terry(made_votes(taste=0.3, luck=1.5))
-
-    assert (result.errors_two_way > 1.5 * result.errors).all()
 
 
 def test_a_larger_one_way_variance_takes_the_place_of_the_two_way_one() -> None:
@@ -94,7 +89,8 @@ def p_values(strengths: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     ("strengths", "ranks"),
     [
         ([0.0, 2.0, -2.0], ((2, 2), (1, 1), (3, 3))),
-        ([0.0, 0.1, -2.0], ((1, 2), (1, 2), (3, 3))),
+        # Told apart alone at .034, but not among three tests.
+        ([0.0, 0.3, -2.0], ((1, 2), (1, 2), (3, 3))),
         ([np.nan] * 3, ((1, 3),) * 3),
     ],
 )
@@ -103,19 +99,6 @@ def test_what_cannot_be_told_apart_shares_its_ranks(
 ) -> None:
     values = np.array(strengths)
     assert rank_intervals(values, p_values(values, 0.01 * np.eye(3))) == ranks
-
-
-def test_the_true_rank_is_inside_nearly_always() -> None:
-    chance = np.random.default_rng(1)
-    truth = np.array([0.3, 0.1, 0.0, -0.4])
-    covariance = 0.02 * np.eye(4)
-    inside = []
-    for _ in range(300):
-        drawn = chance.multivariate_normal(truth, covariance)
-        intervals = rank_intervals(drawn, p_values(drawn, covariance))
-        inside.append(all(low <= n <= high for n, (low, high) in enumerate(intervals, start=1)))
-
-    assert np.mean(inside) > 0.93
 
 
 def test_one_test_of_all_strengths_is_hotellings_where_participants_alone_are_a_sample() -> None:
@@ -145,25 +128,6 @@ def test_too_few_segments_have_no_test_of_all_and_say_so() -> None:
     )
 
 
-def swept() -> Votes:
-    """C wins all of its 40 votes; a and b share theirs."""
-    return votes_of(
-        ["c"] * 40 + ["a", "b"] * 20,
-        ["a", "b"] * 20 + ["b", "a"] * 20,
-        [1] * 40 + [1, 1, -1] * 13 + [1],
-        [f"p{number % 10}" for number in range(80)],
-        segment=[f"s{number % 8}" for number in range(80)],
-    )
-
-
-def test_who_never_lost_has_a_strength_after_a_prior_and_is_named() -> None:
-    result = bradley_terry(swept(), left_effect=False)
-    assert not result.reason
-    assert result.swept == "c never lost to any of the others"
-    assert np.isfinite(result.strengths).all()
-    assert result.strengths[result.conditions.index("c")] > 2
-
-
 def test_the_prior_is_half_a_win_and_half_a_loss_against_the_average() -> None:
     votes = votes_of(["c"] * 9, ["a"] * 9, [1] * 9, [str(n) for n in range(9)])
     result = bradley_terry(votes, left_effect=False)
@@ -172,11 +136,3 @@ def test_the_prior_is_half_a_win_and_half_a_loss_against_the_average() -> None:
     value = -9 * np.log1p(np.exp(-2 * tried)) - np.log1p(np.exp(-tried)) - np.log1p(np.exp(tried))
     assert result.strengths[0] == pytest.approx(tried[value.argmax()], abs=1e-3)
     assert result.log_likelihood == pytest.approx(-9 * np.log1p(np.exp(-2 * result.strengths[0])))
-
-
-def test_groups_that_were_never_compared_are_named() -> None:
-    votes = votes_of(["a", "b", "c", "d"], ["b", "a", "d", "c"], [1, 1, 1, 1], ["p", "q"] * 2)
-    assert bradley_terry(votes).reason == (
-        "never compared with one another, not even through others: a and b | c and d; strengths "
-        "have no common scale"
-    )
