@@ -61,7 +61,7 @@ def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
     shown = analyst.get(RESULTS)
     analyst.get(RESULTS)
 
-    assert "rule based" not in before.text and "False findings" in before.text
+    assert "rule based" not in before.text and "False positives" in before.text
     assert (unexplained.status_code, explained.status_code) == (422, 303)
     assert "being computed" in waiting.text and "rule based" not in waiting.text
     assert "Interim: 2 of 4 participants had finished" in " ".join(shown.text.split())
