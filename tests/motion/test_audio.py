@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import av
@@ -20,15 +21,9 @@ def tone(seconds: float = 1.0, rate: int = 16000, hertz: float = 440.0) -> np.nd
     )
 
 
-def encode(
-    path: Path,
-    samples: np.ndarray,
-    rate: int,
-    codec: str,
-    container: str,
-    options: dict[str, str] | None = None,
-) -> Path:
-    with av.open(str(path), "w", format=container, options=options or {}) as output:
+def encode(path: Path, samples: np.ndarray, rate: int, codec: str, container: str) -> Path:
+    options = {"movflags": "faststart"} if container == "mp4" else {}
+    with av.open(str(path), "w", format=container, options=options) as output:
         stream = output.add_stream(codec, rate=rate, layout="mono")
         assert isinstance(stream, AudioStream)
         frame = av.AudioFrame.from_ndarray(samples[None], format="fltp", layout="mono")
@@ -42,11 +37,9 @@ def test_pcm_written_is_read_back_within_one_step(tmp_path: Path) -> None:
     audio = Audio(tone(), 16000)
     write_wav(tmp_path / "a.wav", audio)
     read = read_audio(tmp_path / "a.wav")
-    assert read.sample_rate == 16000
-    assert read.notes == ()
+    assert (read.sample_rate, read.notes) == (16000, ())
     np.testing.assert_allclose(read.samples, audio.samples, atol=1 / 32768)
     assert soundfile.info(tmp_path / "a.wav").subtype == "PCM_16"
-    assert [file.name for file in tmp_path.iterdir()] == ["a.wav"]
 
 
 @pytest.mark.parametrize(
@@ -65,8 +58,8 @@ def test_content_decides_the_format_not_the_ending(
     audio = read_audio(tmp_path / "a.wav")
     assert audio.sample_rate == 16000
     assert audio.duration == pytest.approx(2.0, abs=0.06)
-    assert len(audio.notes) == 1
-    assert "a.wav is really" in audio.notes[0]
+    (note,) = audio.notes
+    assert "a.wav is really" in note
     middle = audio.samples[8000:24000] * np.hanning(16000)
     assert np.abs(np.fft.rfft(middle)).argmax() == pytest.approx(440, abs=1)
 
@@ -75,19 +68,15 @@ def test_content_decides_the_format_not_the_ending(
     rate=st.sampled_from([8000, 11025, 22050, 44100, 48000]),
     seconds=st.floats(min_value=0.2, max_value=2),
 )
-def test_resampling_keeps_the_duration(
+def test_resampling_keeps_the_duration_and_happens_only_if_wanted(
     tmp_path_factory: pytest.TempPathFactory, rate: int, seconds: float
 ) -> None:
     path = tmp_path_factory.mktemp("audio") / "a.wav"
     soundfile.write(path, tone(seconds, rate), rate)
-    audio = read_audio(path)
-    assert audio.duration == pytest.approx(round(seconds * rate) / rate, abs=2 / 16000)
-
-
-def test_own_rate_is_kept_on_request(tmp_path: Path) -> None:
-    soundfile.write(tmp_path / "a.wav", tone(1.0, 22050), 22050)
-    audio = read_audio(tmp_path / "a.wav", sample_rate=None)
-    assert (audio.sample_rate, len(audio.samples)) == (22050, 22050)
+    count = round(seconds * rate)
+    assert read_audio(path).duration == pytest.approx(count / rate, abs=2 / 16000)
+    unchanged = read_audio(path, sample_rate=None)
+    assert (unchanged.sample_rate, len(unchanged.samples)) == (rate, count)
 
 
 def test_channels_are_averaged(tmp_path: Path) -> None:
@@ -103,51 +92,40 @@ def test_a_level_above_full_scale_is_scaled_down_with_a_note(tmp_path: Path) -> 
     assert "2.00 of full scale" in audio.notes[0]
 
 
-@pytest.mark.parametrize(
-    ("ending", "complaint"),
-    [
-        ("wav", "the file is truncated.*Copy or export"),
-        ("flac", "the file is damaged"),
-        ("m4a", "the file is damaged"),
-    ],
-)
-def test_truncated_files_are_refused_by_name(tmp_path: Path, ending: str, complaint: str) -> None:
-    path = tmp_path / f"half.{ending}"
-    if ending == "m4a":
-        encode(path, tone(8.0, 48000), 48000, "aac", "mp4", {"movflags": "faststart"})
+def half_of_a_sound(path: Path) -> None:
+    if path.suffix == ".m4a":
+        encode(path, tone(8.0, 48000), 48000, "aac", "mp4")
     else:
         soundfile.write(path, np.random.default_rng(0).uniform(-0.5, 0.5, 32000), 16000)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    with pytest.raises(InputError, match=rf"half\.{ending}: {complaint}"):
-        read_audio(path)
+
+
+def sound_with_a_gap(path: Path) -> None:
+    soundfile.write(path, np.append(tone(), np.nan), 16000, subtype="FLOAT")
 
 
 @pytest.mark.parametrize(
-    ("content", "complaint"),
+    ("name", "write", "complaint"),
     [
-        (b"", "the file is empty"),
-        (b"these are words, not sound. " * 99, "cannot be read as audio"),
-        (b"RIFF\x24\x00\x00\x00WAVEfmt ", "cannot be read as audio|no sample|no audio stream"),
-        (bytes(range(256)) * 20, "cannot be read as audio|no audio stream"),
+        ("half.wav", half_of_a_sound, "the file is truncated.*Copy or export"),
+        ("half.flac", half_of_a_sound, "the file is damaged"),
+        ("half.m4a", half_of_a_sound, "the file is damaged"),
+        ("gap.wav", sound_with_a_gap, "not a number"),
+        ("empty.wav", Path.touch, "the file is empty"),
+        ("words.wav", lambda path: path.write_text("words " * 99), "cannot be read as audio"),
+        ("start.wav", lambda path: path.write_bytes(b"RIFF\x24\x00\x00\x00WAVEfmt "), "audio"),
+        ("bytes.wav", lambda path: path.write_bytes(bytes(range(256)) * 20), "audio"),
+        ("gone.wav", lambda path: None, "no such audio file"),
+        ("folder.wav", Path.mkdir, "no such audio file"),
     ],
 )
-def test_files_without_audio_are_refused_by_name(
-    tmp_path: Path, content: bytes, complaint: str
+def test_a_file_without_usable_sound_is_refused_by_name(
+    tmp_path: Path, name: str, write: Callable[[Path], object], complaint: str
 ) -> None:
-    path = tmp_path / "odd.wav"
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=complaint) as caught:
-        read_audio(path)
-    assert str(path) in str(caught.value)
+    write(tmp_path / name)
+    with pytest.raises(InputError, match=rf"{name}: .*{complaint}") as caught:
+        read_audio(tmp_path / name)
     assert caught.value.remedy
-
-
-def test_not_a_number_in_float_wav_is_refused_by_name(tmp_path: Path) -> None:
-    samples = tone()
-    samples[99] = np.nan
-    soundfile.write(tmp_path / "nan.wav", samples, 16000, subtype="FLOAT")
-    with pytest.raises(InputError, match=r"nan\.wav.*not a number"):
-        read_audio(tmp_path / "nan.wav")
 
 
 def test_recording_that_unpacks_to_more_than_a_study_needs_is_refused(
@@ -168,27 +146,12 @@ def test_a_list_of_other_files_is_not_followed(tmp_path: Path) -> None:
         read_audio(tmp_path / "list.wav")
 
 
-@pytest.mark.parametrize("path", ["gone.wav", "."])
-def test_missing_file_is_named(tmp_path: Path, path: str) -> None:
-    with pytest.raises(InputError, match="no such audio file"):
-        read_audio(tmp_path / path)
-
-
-@given(start=st.floats(0, 0.9), length=st.floats(0.01, 1))
-def test_cut_has_exactly_the_samples_asked_for(start: float, length: float) -> None:
-    audio = Audio(tone(2.0), 16000)
-    cut = audio.cut(start, start + length)
-    assert len(cut.samples) == round((start + length - start) * 16000)
-    first = round(start * 16000)
-    np.testing.assert_array_equal(cut.samples, audio.samples[first : first + len(cut.samples)])
-
-
-def test_cut_pads_a_short_end_with_silence_and_refuses_more() -> None:
-    cut = Audio(tone(1.0), 16000).cut(0.5, 1.05)
+def test_a_cut_begins_where_it_should_and_pads_a_short_end_with_silence() -> None:
+    audio = Audio(tone(1.0), 16000)
+    cut = audio.cut(0.5, 1.05)
     assert len(cut.samples) == 8800
+    np.testing.assert_array_equal(cut.samples[:8000], audio.samples[8000:])
     assert not cut.samples[8000:].any()
-    with pytest.raises(InputError, match="excerpt"):
-        Audio(tone(1.0), 16000).cut(0.5, 1.2)
 
 
 @pytest.mark.parametrize(

@@ -7,15 +7,8 @@ import pytest
 from motion.errors import InputError, listed
 
 
-def test_a_message_names_problem_place_and_remedy() -> None:
-    error = InputError("there is no such key", where="study.toml", remedy="Leave it out")
-
-    assert str(error) == "study.toml: there is no such key. Leave it out."
-    assert str(InputError("there is no such key")) == "there is no such key."
-
-
 @pytest.mark.parametrize("end", [".", "..", ". ", ".\n"])
-def test_no_message_has_two_full_stops(end: str) -> None:
+def test_a_message_names_place_problem_and_remedy_without_double_full_stops(end: str) -> None:
     inner = InputError("the file is damaged", remedy=f"Get it again{end}")
 
     error = InputError(f"it was said: {inner}", where="study.toml", remedy=f"Do so{end}")

@@ -1,8 +1,6 @@
 from __future__ import annotations
 
-import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
@@ -17,18 +15,6 @@ from motion.segment import (
     read_segments,
     write_segments,
 )
-
-
-def segment(**changes: Any) -> Segment:
-    fields: dict[str, Any] = {
-        "name": "a_01",
-        "wav": "a.wav",
-        "start": 0.0,
-        "end": 10.0,
-        "speaker": "scott",
-        "emotion": "neutral",
-    }
-    return Segment(**{**fields, **changes})
 
 
 @given(
@@ -48,15 +34,14 @@ def test_speech_and_motion_of_an_excerpt_last_equally_long(
     assert abs(durations[0] - durations[1]) <= 0.5 / frame_rate + 0.5 / speech_rate + 1e-9
 
 
-def test_excerpt_may_end_a_little_late() -> None:
-    assert excerpt_bounds(0, 1 + CUT_TOLERANCE, rate=100, length=100) == (0, 110)
-
-
 @pytest.mark.parametrize(
     ("start", "end"),
     [(-0.1, 0.5), (0.5, 0.5), (0.6, 0.5), (0.5, 1.2), (1, 1.05), (0.5, 0.501), (0, float("nan"))],
 )
-def test_excerpt_outside_or_empty_is_refused(start: float, end: float) -> None:
+def test_excerpt_may_end_a_little_late_and_outside_or_empty_is_refused(
+    start: float, end: float
+) -> None:
+    assert excerpt_bounds(0, 1 + CUT_TOLERANCE, rate=100, length=100) == (0, 110)
     with pytest.raises(InputError, match=r"excerpt from .* was asked of 1\.00 s"):
         excerpt_bounds(start, end, rate=100, length=100)
 
@@ -68,11 +53,6 @@ HEADER = "name,wav,start,end,speaker,emotion,transcript\n"
 def speech(tmp_path: Path) -> Path:
     (tmp_path / "a.wav").write_bytes(b"sound")
     return tmp_path
-
-
-def table(speech: Path, rows: str, header: str = HEADER) -> Path:
-    (speech / "segments.csv").write_text(header + rows, encoding="utf-8")
-    return speech
 
 
 segments = st.builds(
@@ -128,7 +108,8 @@ def test_spreadsheet_export_is_read(speech: Path) -> None:
     ],
 )
 def test_bad_row_is_named_by_file_and_line(speech: Path, row: str, complaint: str) -> None:
-    table(speech, "s1,a.wav,0,5,x,neutral,hello\n" + row + "\n")
+    first = "s1,a.wav,0,5,x,neutral,hello\n"
+    (speech / "segments.csv").write_text(f"{HEADER}{first}{row}\n", encoding="utf-8")
     with pytest.raises(InputError, match=complaint) as caught:
         read_segments(speech)
     assert caught.value.where == f"{speech / 'segments.csv'}, line 3"
@@ -136,27 +117,22 @@ def test_bad_row_is_named_by_file_and_line(speech: Path, row: str, complaint: st
 
 
 @pytest.mark.parametrize(
-    "header", ["name,wav,start,end\n", HEADER.replace(",", ";"), HEADER.replace("wav", "sound"), ""]
-)
-def test_wrong_columns_are_refused_with_the_right_ones(speech: Path, header: str) -> None:
-    table(speech, "", header)
-    with pytest.raises(InputError, match=re.escape(HEADER.strip())):
-        read_segments(speech)
-    (speech / "segments.csv").unlink()
-    with pytest.raises(InputError, match=r"segments\.csv: the table of speech segments is missing"):
-        read_segments(speech)
-
-
-@pytest.mark.parametrize(
-    ("rows", "complaint"),
+    ("content", "complaint"),
     [
-        ("", "holds no segment"),
-        (f's1,a.wav,0,5,x,neutral,"{"x" * 200_000}"\n', r"segments\.csv: the table is not CSV"),
-        ("s1,a.wav,0,5,jörg,neutral,", "not UTF-8"),
+        (None, "the table of speech segments is missing"),
+        ("", f"exactly the columns {HEADER.strip()}"),
+        (HEADER.replace(",", ";"), f"exactly the columns {HEADER.strip()}"),
+        (HEADER.replace("wav", "sound"), f"exactly the columns {HEADER.strip()}"),
+        (HEADER, "holds no segment"),
+        (f'{HEADER}s1,a.wav,0,5,x,neutral,"{"x" * 200_000}"\n', "the table is not CSV"),
+        (f"{HEADER}s1,a.wav,0,5,jörg,neutral,", "not UTF-8"),
     ],
-    ids=["empty", "endless cell", "another encoding"],
+    ids=["missing", "blank", "semicolons", "column", "no row", "endless cell", "encoding"],
 )
-def test_a_table_that_cannot_be_read_is_refused(speech: Path, rows: str, complaint: str) -> None:
-    (speech / "segments.csv").write_text(HEADER + rows, encoding="latin-1")
-    with pytest.raises(InputError, match=complaint):
+def test_a_table_that_cannot_be_read_is_refused(
+    speech: Path, content: str | None, complaint: str
+) -> None:
+    if content is not None:
+        (speech / "segments.csv").write_text(content, encoding="latin-1")
+    with pytest.raises(InputError, match=rf"segments\.csv.*{complaint}"):
         read_segments(speech)

@@ -12,14 +12,6 @@ def test_rest_joints_are_those_of_the_default_body(body: BodyModel) -> None:
     np.testing.assert_allclose(body.joints(np.zeros(0)), REST_JOINTS, atol=6e-5)
 
 
-def test_body_stands_upright_facing_forward_with_its_left_at_positive_x(body: BodyModel) -> None:
-    joints = body.joints(np.zeros(0))
-    height = np.ptp(body.template[:, 1])
-    assert 1.6 < height < 1.9
-    assert joints[joint_index("left_wrist"), 0] > 0.5 > -0.5 > joints[joint_index("right_wrist"), 0]
-    assert joints[joint_index("left_eye"), 2] > joints[joint_index("head"), 2]
-
-
 def _mouth_opening(body: BodyModel, jaw: float, action: float) -> float:
     """Return the height of the lips, in metres, with the jaw joint (radians) and jawOpen set."""
     poses, arkit = np.zeros((1, 55, 3), np.float32), np.zeros((1, 52), np.float32)

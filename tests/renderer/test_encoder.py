@@ -43,16 +43,6 @@ def test_only_the_bit_rates_of_the_sound_are_cleared(
     assert not after[changed].any()
 
 
-def test_a_video_without_sound_is_unchanged(tmp_path: Path) -> None:
-    path = tmp_path / "silent.mp4"
-    write_video(path, Told(sound=None))
-    before = path.read_bytes()
-
-    clear_bit_rates(path)
-
-    assert path.read_bytes() == before
-
-
 def boxes(data: bytes) -> list[bytes]:
     kinds, at = [], 0
     while at < len(data):

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
-import json
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -47,19 +46,12 @@ def arms_wide(clip: MotionClip) -> MotionClip:
 
 @pytest.mark.parametrize("view", VIEWS)
 @pytest.mark.parametrize("framing", FRAMINGS)
-def test_the_framed_joints_of_every_clip_are_in_the_picture(
+def test_the_framed_joints_of_every_clip_in_any_order_are_in_the_picture(
     framing: str, view: str, clip: MotionClip, arms_wide: MotionClip, body: BodyModel
 ) -> None:
     camera = frame_clips([clip, arms_wide], body, Look(framing=framing, view=view))
     assert all(_is_in_picture(each, body, JOINTS[framing], camera) for each in (clip, arms_wide))
-
-
-def test_the_camera_does_not_depend_on_the_order_of_clips(
-    clip: MotionClip, arms_wide: MotionClip, body: BodyModel
-) -> None:
-    assert frame_clips([clip, arms_wide], body, Look()) == frame_clips(
-        [arms_wide, clip], body, Look()
-    )
+    assert camera == frame_clips([arms_wide, clip], body, Look(framing=framing, view=view))
 
 
 def test_one_wide_clip_among_many_narrow_ones_is_in_the_picture(
@@ -98,18 +90,6 @@ def _head(body: BodyModel) -> np.ndarray:
     return np.isin(strongest, [joint_index("head"), joint_index("jaw")])
 
 
-def test_framed_hands_are_in_the_middle_of_the_picture_as_high_as_they_are(
-    clip: MotionClip, body: BodyModel
-) -> None:
-    full, upper, hands = (
-        frame_clips([clip], body, Look(framing=f)) for f in ("full_body", "upper_body", "hands")
-    )
-    assert hands.eye[2] <= upper.eye[2] < full.eye[2]
-    height = _points(clip, body, ARMS)[..., 1]
-    assert hands.eye[1] == pytest.approx((height.min() + height.max()) / 2, abs=0.05)
-    assert hands.eye[1] < upper.eye[1] - 0.1
-
-
 def test_a_camera_at_three_quarters_sees_the_speakers_left_from_as_far_away(
     clip: MotionClip, body: BodyModel
 ) -> None:
@@ -132,18 +112,6 @@ def test_a_stray_frame_does_not_shrink_everybody(clip: MotionClip, body: BodyMod
     )
 
 
-def test_a_camera_survives_json(clip: MotionClip, body: BodyModel) -> None:
-    camera = frame_clips([clip], body, Look())
-    fields: dict[str, Any] = json.loads(json.dumps(asdict(camera)))
-    eye, target = tuple(fields.pop("eye")), tuple(fields.pop("target"))
-    assert Camera(eye=eye, target=target, **fields) == camera
-
-
-def test_no_clip_is_refused(body: BodyModel) -> None:
-    with pytest.raises(InputError, match="no clip"):
-        frame_clips([], body, Look())
-
-
 @pytest.mark.parametrize(
     "bad", [{"size": 721}, {"size": 8}, {"frame_rate": 0}, {"framing": "x"}, {"view": "x"}]
 )
@@ -152,27 +120,10 @@ def test_a_look_that_cannot_be_drawn_is_refused(bad: dict[str, Any]) -> None:
         Look(**bad)
 
 
-LEVEL = Camera(eye=(0.0, 1.0, 5.0), target=(0.0, 1.0, 0.0), field_of_view=20.0)
-
-
-def test_the_cameras_target_is_in_the_middle() -> None:
-    np.testing.assert_allclose(project(np.array([0.0, 1.0, 0.0]), LEVEL, 200), [100, 100, 5])
-
-
-def test_right_of_the_camera_is_right_and_up_is_up() -> None:
-    reach = 5 * np.tan(np.radians(10))
-    corner = project(np.array([reach, 1.0 + reach, 0.0]), LEVEL, 200)
-    np.testing.assert_allclose(corner, [200, 0, 5], atol=1e-9)
-
-
-def test_a_point_behind_the_camera_is_nowhere() -> None:
-    assert np.isnan(project(np.array([0.0, 1.0, 6.0]), LEVEL, 200)).all()
-
-
-@pytest.mark.parametrize("seconds", [0.0, 0.4, 0.75])
 def test_joints_land_on_the_drawn_body(
-    seconds: float, clip: MotionClip, body: BodyModel, body_path: Path, camera: Camera
+    clip: MotionClip, body: BodyModel, body_path: Path, camera: Camera
 ) -> None:
+    seconds = 0.4
     with Stage(body_path, camera, Look(size=240)) as stage:
         picture = np.asarray(still(stage, clip, seconds)).astype(int)
     joints = joints_of(frame_at(clip, seconds), body)[0]

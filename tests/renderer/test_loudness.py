@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pyloudnorm
@@ -21,7 +22,6 @@ from renderer.loudness import (
     true_peak,
 )
 
-EMOTIONS = ("neutral", "anger", "sadness")
 needs_espeak = pytest.mark.skipif(
     shutil.which("espeak-ng") is None, reason="espeak-ng is not installed"
 )
@@ -38,25 +38,14 @@ def tone(seconds: float, amplitude: float, hertz: float = 997.0) -> Audio:
     return Audio(np.float32(amplitude) * np.sin(2 * np.pi * hertz * moments), SOUND_RATE)
 
 
-@pytest.fixture(scope="module")
-def spoken(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Audio]:
-    folder = tmp_path_factory.mktemp("spoken")
-    text = "I walked along the river this morning, and everybody was already there."
-    for emotion in EMOTIONS:
-        speak(text, emotion, folder / f"{emotion}.wav")
-    return {
-        emotion: read_audio(folder / f"{emotion}.wav", sample_rate=SOUND_RATE)
-        for emotion in EMOTIONS
-    }
-
-
 @needs_espeak
-@pytest.mark.parametrize("amplitude", [1.0, 0.3, 0.02])
-@pytest.mark.parametrize("emotion", EMOTIONS)
+@pytest.mark.parametrize(("emotion", "amplitude"), [("anger", 1.0), ("sadness", 0.02)])
 def test_speech_of_any_level_comes_out_at_the_target_by_another_meter(
-    spoken: dict[str, Audio], emotion: str, amplitude: float
+    tmp_path: Path, emotion: str, amplitude: float
 ) -> None:
-    speech = spoken[emotion]
+    text = "I walked along the river this morning, and everybody was already there."
+    speak(text, emotion, tmp_path / "a.wav")
+    speech = read_audio(tmp_path / "a.wav", sample_rate=SOUND_RATE)
     level = Audio(speech.samples * np.float32(amplitude), speech.sample_rate)
     result = at_common_loudness(level)
     assert loudness_by_another(result) == pytest.approx(TARGET, abs=0.1)
@@ -99,11 +88,6 @@ def test_sound_without_a_loudness_is_unchanged_with_a_note(audio: Audio, message
     (note,) = result.notes
     assert message in note
     assert integrated_loudness(audio) is None
-
-
-def test_a_full_scale_sine_of_997_hertz_has_the_standards_loudness() -> None:
-    measured = integrated_loudness(tone(3, 1.0))
-    assert measured == pytest.approx(-3.01, abs=0.02)
 
 
 def test_a_peak_between_two_samples_is_found() -> None:

@@ -1,36 +1,13 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-import av
-import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from renderer.clip_video import Stage, write_clip_video
-from renderer.framing import Camera
-from renderer.look import Look
-from renderer.pair import FrameCache, write_pair
-from tests.renderer.conftest import SECONDS
-from tests.renderer.golden_frames import assert_like_golden
-
-
-def test_a_pair_on_a_dark_background_matches_its_golden_picture(
-    body_path: Path, camera: Camera, inputs: Path, small_look: Look, tmp_path: Path
-) -> None:
-    dark = replace(small_look, background=(0x2E, 0x34, 0x40))
-    speech: dict[str, Any] = {"speech": inputs / "speech.wav", "start": 0.0, "end": SECONDS}
-    frames, video = tmp_path / "clip.mkv", tmp_path / "pair.mp4"
-    with Stage(body_path, camera, dark) as stage:
-        write_clip_video(stage, motion=inputs / "clip.npz", frozen=(), frames=frames, **speech)
-    write_pair(left=frames, right=frames, video=video, look=dark, **speech)
-    with av.open(str(video)) as container:
-        picture = np.asarray(next(container.decode(video=0)).to_ndarray(format="rgb24"), np.uint8)
-    assert_like_golden(picture, "pair-on-dark", tmp_path)
+from renderer.pair import FrameCache
 
 
 def write(folder: Path, name: str, size: int, used: int) -> Path:
@@ -44,12 +21,6 @@ def write(folder: Path, name: str, size: int, used: int) -> Path:
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     return tmp_path / "frames"
-
-
-def test_the_least_recently_used_is_removed_first(folder: Path) -> None:
-    old, new, middle = (write(folder, n, 10, t) for n, t in (("a", 1), ("b", 3), ("c", 2)))
-    FrameCache(folder, 20).shrink(required=())
-    assert (old.exists(), middle.exists(), new.exists()) == (False, True, True)
 
 
 def test_use_makes_frames_young_again(folder: Path) -> None:

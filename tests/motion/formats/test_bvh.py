@@ -34,8 +34,8 @@ def test_skeleton_and_values_are_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("frame_time", "rate"),
     [
-        *(("0.0333333", 30), ("0.033", 30), ("0.008333", 120), ("0.016666", 60), ("4e-2", 25)),
-        *(("0.0333667", 29.97), ("0.067", 15), ("0.142857", 7), ("0.03", 33.3333), ("1", 1)),
+        *(("0.0333333", 30), ("0.033", 30), ("0.008333", 120), ("4e-2", 25), ("1", 1)),
+        *(("0.0333667", 29.97), ("0.067", 15), ("0.142857", 7), ("0.03", 33.3333)),
     ],
 )
 def test_frame_time_stands_for_the_rate_it_was_rounded_from(
@@ -71,23 +71,15 @@ def test_rotations_apply_in_the_order_of_the_channels(
     np.testing.assert_allclose(rotations[0, 1], hip @ knee, atol=1e-6)
 
 
-def test_position_channels_of_any_joint_replace_its_offset(tmp_path: Path) -> None:
-    text = bvh_text(CHAIN, np.zeros((1, 12))).replace(
-        "OFFSET 0.00000000 -42.00000000 1.00000000\nCHANNELS 3",
-        "OFFSET 0 -42 1\nCHANNELS 6 Xposition Yposition Zposition",
-    )
-    text = text.replace(" ".join("0" * 12), " ".join("0" * 9) + " 1 -50 2 0 0 0")
-    positions, _ = read_bvh(save_bvh_text(tmp_path / "a.bvh", text)).forward_kinematics()
-    np.testing.assert_allclose(positions[0, 2], [1, -90, 2])
-
-
-def test_joint_without_rotation_channels_stays_as_its_parent_is(tmp_path: Path) -> None:
-    text = bvh_text(CHAIN, np.zeros((1, 9)) + 10)
-    place = text.index("JOINT ankle")
-    text = text[:place] + text[place:].replace(
-        "CHANNELS 3 Zrotation Xrotation Yrotation", "CHANNELS 0"
-    )
-    _, rotations = read_bvh(save_bvh_text(tmp_path / "a.bvh", text)).forward_kinematics()
+def test_position_channels_replace_an_offset_and_without_rotations_a_joint_is_as_its_parent(
+    tmp_path: Path,
+) -> None:
+    text = bvh_text(CHAIN, np.array([[0, 0, 0, 0, 0, 0, 0, 90, 0, 1, -50, 2]]))
+    start, _, end = text.rpartition("CHANNELS 3 Zrotation Xrotation Yrotation")
+    text = f"{start}CHANNELS 3 Xposition Yposition Zposition{end}"
+    motion = read_bvh(save_bvh_text(tmp_path / "a.bvh", text))
+    positions, rotations = motion.forward_kinematics()
+    np.testing.assert_allclose(positions[0, 2], [1, -42, -50], atol=1e-9)
     np.testing.assert_array_equal(rotations[0, 2], rotations[0, 1])
 
 
@@ -100,51 +92,34 @@ def test_layout_of_the_text_does_not_matter(tmp_path: Path) -> None:
     np.testing.assert_array_equal(odd.values, plain.values)
 
 
-def test_header_that_contradicts_the_rows_is_refused_with_the_implied_rate(tmp_path: Path) -> None:
-    with pytest.raises(InputError) as caught:
-        chain(tmp_path, frames=24, frame_time="0.008333")
-    message = str(caught.value)
-    for fact in ("a.bvh", "24 frames", "120 per second", "0.20 s", "3 rows", "15 per second"):
-        assert fact in message
-    assert "--fps" in caught.value.remedy
-
-
 @pytest.mark.parametrize(
     ("promised", "frame_rates"), [(24, (120, 15)), (25, (120, 15)), (4, (120,)), (0, (120,))]
 )
-def test_rows_as_many_as_every_second_or_third_promised_may_have_been_thinned_out(
+def test_header_that_contradicts_the_rows_is_refused_with_possible_rates_unless_one_is_given(
     tmp_path: Path, promised: int, frame_rates: tuple[float, ...]
 ) -> None:
     with pytest.raises(BvhFrameCountError) as refusal:
         chain(tmp_path, frames=promised, frame_time="0.008333")
-    assert refusal.value.frame_rates == frame_rates
-    assert refusal.value.rows == 3
-
-
-def test_given_rate_settles_the_contradiction_and_is_noted(tmp_path: Path) -> None:
-    path = save_bvh_text(tmp_path / "a.bvh", bvh_text(CHAIN, ROWS, frames=24))
-    motion = read_bvh(path, frame_rate=15)
+    assert (refusal.value.rows, refusal.value.frame_rates) == (3, frame_rates)
+    for fact in ("a.bvh", f"{promised} frames", "120 per second", "3 rows", "--fps"):
+        assert fact in str(refusal.value)
+    motion = read_bvh(tmp_path / "a.bvh", frame_rate=15)
     assert motion.frame_rate == 15
     assert "read at 15 per second" in motion.notes[0]
 
 
 BAD_EDITS = [
     ("HIERARCHY", "HELLO", "the file is not a BVH", ""),
-    ("MOTION", "", "the file is not a BVH", ""),
     ("JOINT knee", "JOINT", "'JOINT' does not fit", "line 6"),
     ("JOINT knee", "JOINT hip", "joint 'hip' occurs twice", ""),
     ("End Site", "", "'{' does not fit", "line 15"),
-    ("ROOT hip\n{", "End Site\n{", "'End Site' does not fit", "line 2"),
     ("}\n}\n}\n}", "}\n}\n}", "the skeleton is not complete", ""),
     ("}\n}\n}\n}", "}\n}\n}\n}\n}", "'}' does not fit", "line 21"),
     ("OFFSET 0.00000000 -40.0", "OFFSET x -40.0", "not an offset of three numbers", "line 8"),
     ("OFFSET 0.00000000 -40.0", "OFFSET nan -40.0", "offset is not finite", "line 8"),
-    ("CHANNELS 3 Zrotation", "CHANNELS 2 Zrotation", "not a list of channels", "line 9"),
     ("CHANNELS 3 Zrotation", "CHANNELS 3 Wrotation", "not a list of channels", "line 9"),
     ("Frames: 3", "Frames: three", "lacks 'Frames: <number>'", "line 22"),
-    ("Frame Time: 0.0333333", "Frame Time:", "lacks 'Frame Time: <seconds>'", "line 23"),
     ("Frame Time: 0.0333333", "Frame Time: fast", "'fast' is not a number", "line 23"),
-    ("Frame Time: 0.0333333", "Frame Time: NaN", "frame time NaN is not usable", "line 23"),
     ("Frame Time: 0.0333333", "Frame Time: 1e-999999", "1e-999999 is not usable", "line 23"),
     ("Frames: 3", f"Frames: {'9' * 5000}", "lacks 'Frames: <number>'", "line 22"),
     ("12 13 14", "12 13", "11 values, the skeleton has 12 channels", "line 25"),

@@ -12,7 +12,6 @@ from hypothesis import given
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats.clip_npz import (
-    has_fingers_relative_to_mean_hands,
     has_provenance,
     read_clip,
     read_frame_rate,
@@ -66,7 +65,8 @@ def test_equal_clips_make_equal_bytes(tmp_path: Path) -> None:
         {"betas": np.zeros((4, 16))},
         {"trans": None, "transl": np.zeros((4, 3))},
         {"trans": None},
-        {"dmpls": np.zeros((4, 8)), "marker_labels": np.array(["C7"])},
+        # MoSh++ keeps the markers of each frame in an array of Python objects.
+        {"dmpls": np.zeros((4, 8)), "markers_latent_vids": np.array({"C7": 3}, dtype=object)},
     ],
 )
 def test_variants_of_the_field_are_read_the_same(tmp_path: Path, arrays: dict[str, Any]) -> None:
@@ -79,8 +79,7 @@ def test_variants_of_the_field_are_read_the_same(tmp_path: Path, arrays: dict[st
     assert not has_provenance(tmp_path / "a.npz")
 
 
-@pytest.mark.parametrize("joints", [24, 52])
-@pytest.mark.parametrize("flat", [True, False])
+@pytest.mark.parametrize(("joints", "flat"), [(24, True), (52, False)])
 def test_joints_missing_from_smpl_and_smplh_are_at_rest(
     tmp_path: Path, joints: int, flat: bool
 ) -> None:
@@ -92,25 +91,18 @@ def test_joints_missing_from_smpl_and_smplh_are_at_rest(
     np.testing.assert_allclose(clip.poses[:, 25:], fingers)
 
 
-def test_python_objects_beside_the_motion_are_left_alone(tmp_path: Path) -> None:
-    """MoSh++ keeps the markers of each frame in an array of Python objects."""
-    markers = np.array({"C7": 3}, dtype=object)
-    clip = read_clip(save(tmp_path / "a.npz", markers_latent_vids=markers, num_betas=16))
-    assert np.allclose(clip.poses, 0.1)
-    assert not has_fingers_relative_to_mean_hands(tmp_path / "a.npz")
+WHOLE = np.arange(4 * 165, dtype=float).reshape(4, 165) / 1000
+NAMES = ("root_orient", "pose_body", "pose_jaw", "pose_eye", "pose_hand")
+PARTS = dict(zip(NAMES, np.split(WHOLE, [3, 66, 69, 75], axis=1), strict=True))
 
 
-def test_poses_in_parts_are_joined(tmp_path: Path) -> None:
-    whole = np.arange(4 * 165, dtype=float).reshape(4, 165) / 1000
-    parts = np.split(whole, [3, 66, 69, 75], axis=1)
-    names = ("root_orient", "pose_body", "pose_jaw", "pose_eye", "pose_hand")
-    arrays = dict(zip(names, parts, strict=True))
-    clip = read_clip(save(tmp_path / "a.npz", poses=None, **arrays))
-    np.testing.assert_allclose(clip.poses.reshape(4, 165), whole)
-    face_left_out = {**arrays, "pose_jaw": None, "pose_eye": None}
+def test_poses_in_parts_are_joined_and_missing_parts_are_at_rest(tmp_path: Path) -> None:
+    clip = read_clip(save(tmp_path / "a.npz", poses=None, **PARTS))
+    np.testing.assert_allclose(clip.poses.reshape(4, 165), WHOLE)
+    face_left_out = PARTS | {"pose_jaw": None, "pose_eye": None}
     clip = read_clip(save(tmp_path / "a.npz", poses=None, **face_left_out))
     assert not clip.poses[:, 22:25].any()
-    np.testing.assert_allclose(clip.poses[:, 25:].reshape(4, 90), parts[-1])
+    np.testing.assert_allclose(clip.poses[:, 25:].reshape(4, 90), WHOLE[:, 75:])
 
 
 @pytest.mark.parametrize("key", ["expression", "expressions"])
@@ -130,19 +122,13 @@ BAD_POSES[2, 7] = np.nan
     [
         ({"poses": None}, "no 'poses' but betas, gender"),
         ({"poses": np.zeros((4, 75))}, r"poses has shape \(4, 75\)"),
-        (
-            {"poses": None, "root_orient": np.zeros((4, 3)), "pose_body": np.zeros((4, 60))},
-            r"pose_body has shape \(4, 60\)",
-        ),
-        ({"poses": np.zeros(165)}, r"poses has shape \(165,\)"),
+        ({"poses": None} | PARTS | {"pose_body": np.zeros((4, 60))}, r"pose_body has shape"),
         ({"poses": np.array([["a"] * 165])}, "'poses' holds no numbers"),
         ({"poses": BAD_POSES}, r"not a number at index \(2, 2, 1\)"),
         ({"expressions": np.zeros((4, 101))}, "expressions has shape"),
         ({"betas": np.arange(8.0).reshape(4, 2)}, "betas change"),
         ({"mocap_frame_rate": None}, "no frame rate"),
-        ({"mocap_frame_rate": "fast"}, "holds no numbers"),
         ({"gender": np.array(["male", "female"])}, "gender holds 2 values"),
-        ({"provenance": "{"}, "provenance is not a JSON"),
         ({"provenance": '{"seed": 1}'}, "provenance is not a JSON object of texts"),
         ({"gender": np.array({"a": 1}, dtype=object)}, "without running code"),
     ],
@@ -180,10 +166,6 @@ def test_truncated_and_damaged_archives_are_refused_by_name(tmp_path: Path) -> N
     path.write_bytes(content[:60] + bytes(440) + content[500:])
     with pytest.raises(InputError, match=r"a\.npz: the archive is damaged"):
         read_clip(path)
-    path.write_bytes(b"PK\x03\x04 cut off")
-    for read in (read_clip, read_frame_rate):
-        with pytest.raises(InputError, match=r"a\.npz"):
-            read(path)
 
 
 def archive_of(path: Path, shape: tuple[int, int], content: int) -> Path:
@@ -208,19 +190,9 @@ def test_a_small_file_that_unpacks_to_more_than_a_motion_is_refused(
         read_clip(path)
 
 
-@pytest.mark.parametrize("key", ["mocap_frame_rate", "mocap_framerate", "fps"])
-def test_the_frame_rate_is_known_without_the_motion(tmp_path: Path, key: str) -> None:
-    path = save(tmp_path / "a.npz", **{"mocap_frame_rate": None, key: 24.0, "poses": np.zeros(1)})
+def test_the_frame_rate_is_known_without_the_motion_and_refused_if_unusable(tmp_path: Path) -> None:
+    path = save(tmp_path / "a.npz", mocap_frame_rate=24.0, poses=np.zeros(1))
     assert read_frame_rate(path) == 24.0
-
-
-@pytest.mark.parametrize(
-    ("rate", "message"), [(None, "no frame rate"), (0.0, "not usable"), (np.nan, "not usable")]
-)
-def test_a_file_without_a_usable_frame_rate_is_named(
-    tmp_path: Path, rate: float | None, message: str
-) -> None:
-    path = save(tmp_path / "a.npz", mocap_frame_rate=rate)
-    with pytest.raises(InputError, match=message) as refused:
+    save(path, mocap_frame_rate=0.0)
+    with pytest.raises(InputError, match=r"a\.npz: frame rate 0 is not usable"):
         read_frame_rate(path)
-    assert str(path) in str(refused.value)

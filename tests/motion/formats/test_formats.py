@@ -5,10 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motion.clearance import clear_of_body
 from motion.errors import InputError
 from motion.formats import read_clip, read_motion, write_clip
-from motion.skeleton import FINGERS, RELAXED_HANDS, REST_JOINTS, forward_kinematics, joint_index
+from motion.skeleton import FINGERS, RELAXED_HANDS, joint_index
 from tests.motion.formats.bvh_text import (
     CHAIN,
     bvh_text,
@@ -29,7 +28,7 @@ def person_bvh(path: Path, prefix: str = "", frames: int | None = None) -> Path:
     return save_bvh_text(path, bvh_text(skeleton, rows, frames=frames))
 
 
-@pytest.mark.parametrize("ending", ["bvh", "npz", "npy", "txt"])
+@pytest.mark.parametrize("ending", ["bvh", "npz"])
 def test_content_decides_the_format_not_the_ending(tmp_path: Path, ending: str) -> None:
     path = person_bvh(tmp_path / f"a.{ending}")
     clip = read_motion(path)
@@ -50,17 +49,6 @@ def test_foreign_npz_is_placed_with_a_note(tmp_path: Path) -> None:
     assert clip.provenance["format"] == "npz"
     assert clip.provenance["notes"].endswith("z was up; turned to y up")
     np.testing.assert_allclose(read_clip(tmp_path / "amass.npz").poses[:, 0, 0], np.pi / 2)
-
-
-def test_talkshow_in_camera_axes_is_stood_up(tmp_path: Path) -> None:
-    rows = np.zeros((3, 265))
-    rows[:, 9] = np.pi
-    np.save(tmp_path / "a.npy", rows)
-    clip = read_motion(tmp_path / "a.npy")
-    positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    np.testing.assert_allclose(positions[0, :25], REST_JOINTS[:25], atol=1e-5)
-    assert clip.provenance["format"] == "talkshow"
-    assert "-y was up" in clip.provenance["notes"]
 
 
 @pytest.mark.parametrize("kind", ["talkshow", "npz (BEAT2)"])
@@ -90,19 +78,10 @@ def test_own_files_and_amass_keep_their_fingers(tmp_path: Path) -> None:
     assert_same_clip(read_motion(tmp_path / "own.npz"), read_motion(tmp_path / "a.npy"))
 
 
-@pytest.mark.parametrize("ending", ["bvh", "npz"])
-def test_missing_fingers_are_relaxed_with_a_note(tmp_path: Path, ending: str) -> None:
-    path = tmp_path / f"a.{ending}"
-    if ending == "bvh":
-        person_bvh(path)
-    else:
-        np.savez(path, poses=np.zeros((3, 72)), mocap_framerate=30)
-    clip = read_motion(path)
+def test_only_missing_fingers_are_relaxed_with_a_note(tmp_path: Path) -> None:
+    clip = read_motion(person_bvh(tmp_path / "a.bvh"))
     np.testing.assert_allclose(clip.poses[1, FINGERS], RELAXED_HANDS, atol=1e-6)
     assert "no finger is in the file; relaxed ones are shown" in clip.provenance["notes"]
-
-
-def test_only_missing_fingers_are_relaxed(tmp_path: Path) -> None:
     poses = np.zeros((3, 55, 3))
     thumb = joint_index("left_thumb2")
     poses[:, thumb] = 0.5
@@ -143,8 +122,6 @@ def test_own_joint_map_opens_an_unknown_skeleton(tmp_path: Path) -> None:
         ("torn.npz", b"PK\x03\x04"),
         ("torn.npy", b"\x93NUMPY\x01"),
         ("chain.bvh", bvh_text(CHAIN, np.zeros((1, 12))).encode()),
-        ("torn.bvh", b"HIERARCHY"),
-        ("picture.npy", b"\x89PNG\r\n"),
     ],
 )
 def test_unusable_file_is_named(tmp_path: Path, name: str, content: bytes | None) -> None:
@@ -153,23 +130,3 @@ def test_unusable_file_is_named(tmp_path: Path, name: str, content: bytes | None
     with pytest.raises(InputError, match=name) as caught:
         read_motion(tmp_path / name)
     assert caught.value.remedy
-
-
-def test_real_recording_is_read_in_the_studys_world(shared_data: Path) -> None:
-    clip = read_motion(shared_data / "2_scott_0_1_1.bvh", frame_rate=15)
-    assert clip.duration == pytest.approx(63.8)
-    assert clip.provenance["format"] == "bvh (beat)"
-    assert "7669 frames" in clip.provenance["notes"]
-    steps = np.linalg.norm(np.diff(clip.poses[:, 0], axis=0), axis=1)
-    assert steps.max() < 0.01
-
-
-def test_hands_stay_where_they_were_recorded_if_asked(shared_data: Path) -> None:
-    path = shared_data / "2_scott_0_1_1.bvh"
-    moved, recorded = (
-        read_motion(path, frame_rate=15, as_recorded=as_recorded) for as_recorded in (False, True)
-    )
-    cleared, (note,) = clear_of_body(recorded)
-    assert note in moved.provenance["notes"]
-    assert "moved out" not in recorded.provenance["notes"]
-    np.testing.assert_allclose(cleared.poses, moved.poses, atol=1e-3)

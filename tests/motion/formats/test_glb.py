@@ -14,7 +14,7 @@ from motion.body.model import BodyModel
 from motion.clip import MotionClip, arkit_index
 from motion.formats.glb import write_glb
 from motion.skeleton import JOINT_NAMES, forward_kinematics
-from tests.motion.random_clips import clip_of
+from tests.motion.random_clips import arkit_of, clip_of
 
 SMILE, BLINK = arkit_index("mouthSmileLeft"), arkit_index("eyeBlinkRight")
 
@@ -78,20 +78,21 @@ def test_the_animation_holds_every_frame(clip: MotionClip, body: BodyModel, tmp_
             assert alike == pytest.approx(1, abs=1e-6)
 
 
-def test_facial_actions_that_are_used_are_morph_targets(
+def test_facial_actions_that_are_used_are_morph_targets_and_speech_and_authors_are_named(
     clip: MotionClip, body: BodyModel, tmp_path: Path
 ) -> None:
-    write_glb(tmp_path / "a.glb", clip, body)
+    write_glb(tmp_path / "a.glb", clip, body, speech="a.wav")
 
     document, _ = document_of(tmp_path / "a.glb")
+    assert document["asset"]["extras"] == {"speech": "a.wav"}
+    assert "Anny" in document["asset"]["copyright"]
     mesh = document["meshes"][0]
     assert mesh["extras"]["targetNames"] == ["eyeBlinkRight", "mouthSmileLeft"]
     channel = document["animations"][0]["channels"][-1]
     assert channel["target"]["path"] == "weights"
     sampler = document["animations"][0]["samplers"][channel["sampler"]]
     weights = values_of(tmp_path / "a.glb", sampler["output"]).reshape(20, 2)
-    assert clip.arkit is not None
-    np.testing.assert_allclose(weights, clip.arkit[:, [BLINK, SMILE]], atol=1e-6)
+    np.testing.assert_allclose(weights, arkit_of(clip)[:, [BLINK, SMILE]], atol=1e-6)
 
 
 def test_the_mesh_is_the_body_in_its_colours(
@@ -106,14 +107,3 @@ def test_the_mesh_is_the_body_in_its_colours(
     attributes = document["meshes"][0]["primitives"][0]["attributes"]
     colours = values_of(tmp_path / "a.glb", attributes["COLOR_0"])
     assert len(np.unique(colours, axis=0)) > 10
-
-
-def test_a_face_without_actions_has_no_targets_and_the_speech_is_named(
-    body: BodyModel, tmp_path: Path
-) -> None:
-    write_glb(tmp_path / "deep" / "a.glb", gesturing_clip(0.5, 20), body, speech="a.wav")
-
-    document, _ = document_of(tmp_path / "deep" / "a.glb")
-    assert "targets" not in document["meshes"][0]["primitives"][0]
-    assert document["asset"]["extras"] == {"speech": "a.wav"}
-    assert "Anny" in document["asset"]["copyright"]

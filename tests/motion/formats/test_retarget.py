@@ -136,19 +136,6 @@ def test_limbs_have_the_sources_directions_for_any_rest_pose(
     assert max(errors.values()) < 0.05
 
 
-@pytest.mark.parametrize("droop", [-45, 0])
-def test_palms_of_a_resting_source_turn_with_its_arms(droop: float) -> None:
-    def bent(name: str, offset: Offset) -> Offset:
-        return turned_by("z", sign_of(name) * droop, offset) if is_arm(name) else offset
-
-    clip = at_rest(changed(bent))
-    _, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    for side, sign in (("left", 1), ("right", -1)):
-        palm = rotations[0, joint_index(f"{side}_wrist")] @ [0, -1, 0]
-        inward = np.radians(sign * droop)
-        np.testing.assert_allclose(palm, [np.sin(inward), -np.cos(inward), 0], atol=1e-5)
-
-
 def test_palms_face_as_the_fingers_of_the_source_tell() -> None:
     clip = at_rest(
         changed(lambda name, offset: turned_by("x", -90, offset) if is_finger(name) else offset)
@@ -222,29 +209,30 @@ def test_rest_pose_that_does_not_stand_is_refused() -> None:
         at_rest(changed(folded))
 
 
-def test_a_leaning_spine_at_rest_is_not_taken_for_posture() -> None:
-    def leaning(name: str, offset: Offset) -> Offset:
-        x, y, z = offset
-        return (x, y, z + 3) if "spine" in name or name == "neck" else offset
+def leaning(name: str, offset: Offset) -> Offset:
+    x, y, z = offset
+    return (x, y, z + 3) if "spine" in name or name == "neck" else offset
 
-    np.testing.assert_allclose(at_rest(changed(leaning)).poses, 0, atol=1e-6)
+
+def fingerless(name: str, offset: Offset) -> Offset:
+    return (0, 0, 0) if is_finger(name) else offset
+
+
+@pytest.mark.parametrize("change", [leaning, fingerless])
+def test_leaning_spines_and_fingers_without_length_at_rest_turn_nothing(
+    change: Callable[[str, Offset], Offset],
+) -> None:
+    np.testing.assert_allclose(at_rest(changed(change)).poses, 0, atol=1e-6)
 
 
 def test_arms_give_the_scale_of_a_skeleton_without_legs() -> None:
-    above = {name: name for name in JOINT_NAMES}
-    for part in ("hip", "knee", "ankle", "foot"):
-        for side in ("left", "right"):
-            del above[f"{side}_{part}"]
+    legs = ("hip", "knee", "ankle", "foot")
+    above = {name: name for name in JOINT_NAMES if not name.endswith(legs)}
     skeleton = [bone for bone in smplx_skeleton(50) if bone[0] in above]
     root = np.array([[50.0, 0, 0]])
     clip = retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton)), root), above)
     np.testing.assert_allclose(clip.trans, [[1, 0, 0]], atol=1e-6)
     assert not clip.poses[:, joint_index("left_knee")].any()
-
-
-def test_fingers_without_length_leave_the_hand_as_the_arm_is() -> None:
-    clip = at_rest(changed(lambda name, offset: (0, 0, 0) if is_finger(name) else offset))
-    np.testing.assert_allclose(clip.poses, 0, atol=1e-6)
 
 
 def _renamed(joint_map: JointMap) -> tuple[Skeleton, JointMap]:
@@ -332,15 +320,11 @@ def test_another_first_pose_straightens_nothing(pose: dict[str, float]) -> None:
         assert bend == pytest.approx(pitch, abs=1e-3)
 
 
-def test_a_real_speaker_looks_ahead_after_calibration(shared_data: Path) -> None:
-    clip = read_motion(shared_data / "aitviewer_sample.bvh")
-    _, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    facing = rotations[:200, joint_index("head")] @ [0, 0, 1]
-    assert np.degrees(np.arcsin(np.abs(facing[:, 1]))).max() < 10
-
-
 def test_a_real_speaker_stands_upright_with_hands_in_front(shared_data: Path) -> None:
     clip = read_motion(shared_data / "2_scott_0_1_1.bvh", frame_rate=15, as_recorded=True)
+    assert clip.duration == pytest.approx(63.8)
+    assert clip.provenance["format"] == "bvh (beat)"
+    assert "7669 frames" in clip.provenance["notes"]
     positions, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     trunk = directions(positions, joint_index("pelvis"), joint_index("head"))
     assert trunk[:, 1].min() > np.cos(np.radians(35))

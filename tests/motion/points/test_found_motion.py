@@ -10,11 +10,10 @@ from scipy.spatial.transform import Rotation
 from motion.body.face_landmarks import landmark_vertices
 from motion.body.model import BodyModel
 from motion.clip import MotionClip, arkit_index
-from motion.points.clip_from_points import facial_actions
 from motion.points.detection import Detection, stretches
-from motion.points.found_motion import clip_from_detection, landmark_shifts
+from motion.points.found_motion import clip_from_detection
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
-from tests.motion.random_clips import clip_of
+from tests.motion.random_clips import arkit_of, clip_of
 
 FloatArray = NDArray[np.float64]
 FRAMES = 150
@@ -101,17 +100,7 @@ def detection(**changed: Any) -> Detection:
     return Detection(frame_rate=30, **(arrays | changed))
 
 
-def test_a_talking_face_is_found_again(body: BodyModel) -> None:
-    clip = talking()
-    shifts = landmark_shifts(face_of(clip, body), 30, body)
-    result = facial_actions(shifts, body, misfit=6e-3)
-    assert clip.arkit is not None
-    for action in (JAW, BLINK):
-        assert np.corrcoef(result[:, action], clip.arkit[:, action])[0, 1] > 0.9
-        assert result[:, action].max() > 0.3
-
-
-def test_a_person_seen_by_a_camera_gestures_again(body: BodyModel) -> None:
+def test_a_person_seen_by_a_camera_gestures_and_talks_again(body: BodyModel) -> None:
     clip = talking()
     result = clip_from_detection(detection(pose=pose_of(clip), face=face_of(clip, body)), body)
     before, after = (
@@ -122,7 +111,11 @@ def test_a_person_seen_by_a_camera_gestures_again(body: BodyModel) -> None:
                  for at in (before, after)]  # fmt: skip
         units = [bone / np.linalg.norm(bone, axis=1, keepdims=True) for bone in bones]
         assert np.degrees(np.arccos((units[0] * units[1]).sum(axis=1).clip(-1, 1))).max() < 12
-    assert result.arkit is not None and result.frame_rate == 30
+    assert result.frame_rate == 30
+    for action in (JAW, BLINK):
+        weights, expected = (arkit_of(each)[:, action] for each in (result, clip))
+        assert np.corrcoef(weights, expected)[0, 1] > 0.9
+        assert weights.max() > 0.3
 
 
 def test_an_arm_out_of_the_picture_hangs_with_a_note(body: BodyModel) -> None:
