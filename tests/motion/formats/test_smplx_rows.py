@@ -79,7 +79,7 @@ def test_other_files_are_refused_by_name(
 ROWS = np.tile(np.arange(265) / 1000, (3, 1))
 NAMES = "jaw_pose leye_pose reye_pose global_orient body_pose_axis left_hand_pose right_hand_pose"
 PARTS = np.split(ROWS, [3, 6, 9, 12, 75, 120, 165], axis=1)
-SHOW = dict(zip([*NAMES.split(), "expression"], PARTS, strict=True))
+SHOW: dict[str, Any] = dict(zip([*NAMES.split(), "expression"], PARTS, strict=True))
 
 
 def test_shows_own_arrays_make_the_same_motion(tmp_path: Path) -> None:
