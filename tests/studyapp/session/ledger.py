@@ -1,4 +1,4 @@
-"""What the bookkeeping of places must come to, kept by hand beside the database."""
+"""What is stored of study sessions, and a ledger of places that is kept by hand beside it."""
 
 from __future__ import annotations
 
@@ -9,10 +9,68 @@ from datetime import datetime, timedelta
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Place, StudySession, Trial
+from studyapp.database.tables import StudySession, Trial
 from tests.support.studies.three_arms import LEASE_MINUTES, PRESENTATIONS
 
 PlaceKey = tuple[str, int]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredSession:
+    """A study session as it is stored.
+
+    Attributes
+    ----------
+    planned : PlaceKey
+        The place it was made for.
+    answers : dict of str to list of int
+        Answers to the first question, by the token of the trial, in the order of the trials.
+    catch : dict of str to int
+        The expected answer of each catch trial.
+    """
+
+    token: str
+    planned: PlaceKey
+    place: PlaceKey | None
+    last_active: datetime
+    code: str | None
+    is_withdrawn: bool
+    answers: dict[str, list[int]]
+    catch: dict[str, int]
+
+    @property
+    def is_unfinished(self) -> bool:
+        return self.code is None and not self.is_withdrawn
+
+
+def stored_sessions(database: Database) -> dict[str, StoredSession]:
+    """Return every study session, by its participant's name."""
+    with database.reading() as session:
+        return {
+            str(row.visit): StoredSession(
+                token=row.token,
+                planned=(row.arm, row.number or 0),
+                place=(row.place.arm, row.place.number) if row.place else None,
+                last_active=row.last_active_at,
+                code=row.completion_code,
+                is_withdrawn=row.withdrawn_at is not None,
+                answers={trial.token: _answers(trial) for trial in row.trials},
+                catch={trial.token: trial.expected for trial in row.trials if trial.expected},
+            )
+            for row in session.scalars(select(StudySession))
+        }
+
+
+def _answers(trial: Trial) -> list[int]:
+    """Return the answer to the first question, once for each time it is stored."""
+    first = [each.value for each in trial.responses if each.question == "rhythm"]
+    assert len(trial.responses) == 2 * len(first)
+    return first
+
+
+def good_value(expected: int) -> int:
+    """Return an answer that prefers the stimulus of the number `expected`."""
+    return -1 if expected == 1 else 1
 
 
 @dataclass(kw_only=True)
@@ -30,21 +88,6 @@ class Person:
     answers: list[int] = field(default_factory=list)
     code: str | None = None
     withdrawn: bool = False
-
-    @classmethod
-    def read(cls, database: Database, name: str, token: str) -> Person:
-        """Return the participant as enrolment made them."""
-        with database.reading() as session:
-            known = session.scalars(select(StudySession).where(StudySession.token == token)).one()
-            assert known.number is not None
-            return cls(
-                name=name,
-                token=token,
-                place=(known.arm, known.number),
-                trials=[trial.token for trial in known.trials],
-                catch={trial.token: trial.expected for trial in known.trials if trial.expected},
-                last_active=known.last_active_at,
-            )
 
     @property
     def over(self) -> bool:
@@ -97,34 +140,3 @@ class Ledger:
         """Give back the place of `person`."""
         if self.holds(person):
             del self.holders[person.place]
-
-
-def good_value(expected: int) -> int:
-    """Return an answer that prefers the stimulus of the number `expected`."""
-    return -1 if expected == 1 else 1
-
-
-def holders_stored(database: Database) -> dict[PlaceKey, str]:
-    """Return the token of whoever holds each place that is held."""
-    with database.reading() as session:
-        rows = session.execute(
-            select(Place.arm, Place.number, StudySession.token).join(Place.study_session)
-        )
-        return {(arm, number): token for arm, number, token in rows}
-
-
-def answers_stored(database: Database) -> dict[str, list[int]]:
-    """Return each participant's answers to the first question, in the order of the trials."""
-    answers: dict[str, list[int]] = {}
-    with database.reading() as session:
-        for known in session.scalars(select(StudySession)):
-            trials = sorted(known.trials, key=lambda trial: trial.position)
-            answers[known.token] = [value for trial in trials for value in _values(trial)]
-    return answers
-
-
-def _values(trial: Trial) -> list[int]:
-    """Return the answer to the first question, once for each time it is stored."""
-    given = [known for known in trial.responses if known.question == "rhythm"]
-    assert len(trial.responses) == 2 * len(given)
-    return [known.value for known in given]

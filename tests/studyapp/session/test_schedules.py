@@ -13,28 +13,14 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
-from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession
-from studyapp.session.answers import store_answers
-from studyapp.session.arrivals import Arrival
-from studyapp.session.comprehension import start_trials
-from studyapp.session.ending import withdraw
-from studyapp.session.enrolment import enrol
-from studyapp.session.participation import load_situation
 from studyapp.session.refusal import ConflictError, StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
-from tests.studyapp.session.ledger import (
-    Ledger,
-    Person,
-    answers_stored,
-    good_value,
-    holders_stored,
-)
+from tests.studyapp.session.ledger import Ledger, Person, good_value, stored_sessions
 from tests.support.studies.emptying import empty
-from tests.support.studies.taking_part_steps import SetClock
+from tests.support.studies.taking_part_steps import Participant, SetClock
 from tests.support.studies.three_arms import three_arms
 
 WHO = st.integers(min_value=0, max_value=100)
@@ -75,7 +61,16 @@ class Schedule(RuleBasedStateMachine):
             with pytest.raises(StudyFullError):
                 self.enrol(name)
             return
-        person = Person.read(self.database, name, self.enrol(name))
+        token = self.enrol(name)
+        stored = stored_sessions(self.database)[name]
+        person = Person(
+            name=name,
+            token=token,
+            place=stored.planned,
+            trials=list(stored.answers),
+            catch=stored.catch,
+            last_active=stored.last_active,
+        )
         for place in silent:
             del ledger.holders[place]
         arm, number = person.place
@@ -85,7 +80,10 @@ class Schedule(RuleBasedStateMachine):
         self.people.append(person)
 
     def enrol(self, name: str) -> str:
-        return enrol(self.database, self.served, Arrival(visit=name), self.clock)
+        return Participant(self.database, self.served, self.clock).enrol(name).token
+
+    def browser(self, person: Person) -> Participant:
+        return Participant(self.database, self.served, self.clock, person.token)
 
     @precondition(lambda self: self.people)
     @rule(who=WHO)
@@ -104,7 +102,7 @@ class Schedule(RuleBasedStateMachine):
 
     def look(self, person: Person) -> bool:
         """Look at where `person` stands, and tell whether they may go on."""
-        situation = load_situation(self.database, self.served, person.token, self.clock)
+        situation = self.browser(person).look()
         if person.withdrawn:
             assert situation.state == "withdrawn"
         elif person.over:
@@ -140,7 +138,7 @@ class Schedule(RuleBasedStateMachine):
         if not self.look(person):
             return
         if not person.begun:
-            start_trials(self.database, self.served, person.token, self.clock)
+            self.browser(person).begin()
             person.begun = True
             self.look(person)
         self.send_answer(person, careless=careless)
@@ -165,16 +163,14 @@ class Schedule(RuleBasedStateMachine):
         person.answers.append(-value if careless else value)
         person.last_active = self.clock.now()
         if person.over:
-            situation = load_situation(self.database, self.served, person.token, self.clock)
-            person.code = situation.completion_code
+            person.code = self.browser(person).look().completion_code
             assert person.code
             if person.excluded:
                 self.ledger.leave(person)
 
     def send(self, person: Person, trial: int, value: int) -> None:
-        fields = {"rhythm": [str(value)], "emotion": [str(value)]}
-        token = person.trials[trial]
-        store_answers(self.database, self.served, person.token, token, fields, self.clock)
+        answers = {"rhythm": str(value), "emotion": str(value)}
+        self.browser(person).answer(person.trials[trial], answers)
 
     @precondition(lambda self: self.people)
     @rule(who=WHO, changed=st.booleans())
@@ -195,9 +191,9 @@ class Schedule(RuleBasedStateMachine):
         person = self.person(who)
         if person.over and not person.withdrawn:
             with pytest.raises(ConflictError, match="already finished"):
-                withdraw(self.database, person.token, self.clock)
+                self.browser(person).withdraw()
             return
-        withdraw(self.database, person.token, self.clock)
+        self.browser(person).withdraw()
         self.ledger.leave(person)
         person.withdrawn = True
         if self.withdrawn == "deleted":
@@ -222,13 +218,16 @@ class Schedule(RuleBasedStateMachine):
 
     @invariant()
     def the_database_says_what_the_ledger_says(self) -> None:
+        stored = stored_sessions(self.database).values()
         held = {place: person.token for place, person in self.ledger.holders.items()}
-        assert holders_stored(self.database) == held
-        assert answers_stored(self.database) == {p.token: p.answers for p in self.people}
-        with self.database.reading() as session:
-            codes = select(StudySession.token, StudySession.completion_code)
-            stored = dict(session.execute(codes).all())
-        assert stored == {person.token: person.code for person in self.people}
+        assert {each.place: each.token for each in stored if each.place} == held
+        assert {
+            each.token: [value for values in each.answers.values() for value in values]
+            for each in stored
+        } == {person.token: person.answers for person in self.people}
+        assert {each.token: each.code for each in stored} == {
+            person.token: person.code for person in self.people
+        }
 
     def teardown(self) -> None:
         """While there is demand, the arms come to differ by no more than one, and fill."""
