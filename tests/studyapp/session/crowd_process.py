@@ -15,9 +15,9 @@ from typing import Literal
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession, Trial
+from studyapp.database.tables import StudySession
 from studyapp.session.refusal import ConflictError, RefusalError, StudyFullError
-from tests.studyapp.session.ledger import good_value
+from tests.studyapp.session.ledger import answer_well
 from tests.support.studies.taking_part_steps import Participant, SetClock
 from tests.support.studies.three_arms import three_arms
 
@@ -122,11 +122,8 @@ def do(participant: Participant, step: Step) -> Done:
     shown = participant.begin().look().trial
     if shown is None:
         return replace(done, outcome="ended")
-    with participant.database.reading() as session:
-        expected = session.scalars(select(Trial.expected).where(Trial.token == shown.token)).one()
-    value = good_value(expected or 2)
     try:
-        participant.answer(shown.token, {"rhythm": str(value), "emotion": str(value)})
+        value = answer_well(participant, shown.token)
     except RefusalError:
         return done
     return replace(done, outcome="answered", trial=shown.token, value=value)

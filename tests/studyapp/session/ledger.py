@@ -10,6 +10,7 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial
+from tests.support.studies.taking_part_steps import Participant
 from tests.support.studies.three_arms import LEASE_MINUTES, PRESENTATIONS
 
 PlaceKey = tuple[str, int]
@@ -71,6 +72,15 @@ def _answers(trial: Trial) -> list[int]:
 def good_value(expected: int) -> int:
     """Return an answer that prefers the stimulus of the number `expected`."""
     return -1 if expected == 1 else 1
+
+
+def answer_well(participant: Participant, trial: str) -> int:
+    """Answer `trial` so that no check is failed, and return the answer."""
+    with participant.database.reading() as session:
+        expected = session.scalars(select(Trial.expected).where(Trial.token == trial)).one()
+    value = good_value(expected or 2)
+    participant.answer(trial, {"rhythm": str(value), "emotion": str(value)})
+    return value
 
 
 @dataclass(kw_only=True)

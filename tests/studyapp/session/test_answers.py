@@ -1,26 +1,39 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from sqlalchemy import select, update
 
+from studyapp.database.engine import Database
 from studyapp.database.tables import Response, StudySession, Video
 from studyapp.session.answers import skip_unplayable
 from studyapp.session.ending import MIN_SKIPPED_TRIALS
-from studyapp.session.refusal import (
-    ConflictError,
-    UnacceptableError,
-)
+from studyapp.session.refusal import ConflictError, TooMuchWatchedError, UnacceptableError
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.shown_trials import ShownTrial
 from studyapp.session.watch_evidence import Playback
+from studyapp.study.settings.questions import Reason
 from studyapp.study.settings.recruitment import CODE_LENGTH, CODE_LETTERS
-from tests.support.studies.taking_part_steps import Participant
+from tests.support.read_once import read_once
+from tests.support.studies.exported import responses_table
+from tests.support.studies.taking_part_steps import Participant, SetClock
+
+Arrive = Callable[[str], Participant]
 
 
 def stored(participant: Participant) -> list[tuple[str, int]]:
     with participant.database.reading() as session:
         rows = session.scalars(select(Response).order_by(Response.id))
         return [(row.question, row.value) for row in rows]
+
+
+def trials_of(participant: Participant) -> list[str]:
+    with participant.database.reading() as session:
+        return [trial.token for trial in session.scalars(select(StudySession)).one().trials]
 
 
 def ready(participant: Participant) -> str:
@@ -35,6 +48,8 @@ def test_an_answer_is_stored_with_its_time_before_the_next_trial_is_shown(
     participant: Participant,
 ) -> None:
     first = ready(participant)
+    with pytest.raises(ConflictError, match="not the page you are on"):
+        participant.answer(trials_of(participant)[1])
 
     participant.answer(first)
 
@@ -46,49 +61,95 @@ def test_an_answer_is_stored_with_its_time_before_the_next_trial_is_shown(
         assert trial.seconds == 7.0
 
 
-@pytest.mark.parametrize(
-    ("answers", "words"),
-    [
-        ({"rhythm": "3", "emotion": "0"}, "not one of the choices"),
-        ({"rhythm": "１", "emotion": "0"}, "not one of the choices"),
-        ({"rhythm": "1.0", "emotion": "0"}, "not one of the choices"),
-        ({"rhythm": "", "emotion": "0"}, "not one of the choices"),
-        ({"rhythm": "-0", "emotion": "0"}, "not one of the choices"),
-        ({"rhythm": "1\n", "emotion": "0"}, "not one of the choices"),
-        ({"rhythm": "1"}, "Question 2 is not answered"),
-        ({}, "Questions 1 and 2 are not answered"),
-        ({"rhythm": "1", "emotion": "0", "extra": "1"}, "does not ask"),
-    ],
-)
-def test_unusable_answers_are_refused_and_nothing_is_stored(
-    participant: Participant, answers: dict[str, str], words: str
-) -> None:
+UNUSABLE: list[tuple[dict[str, str | list[str]], str]] = [
+    ({"rhythm": "3", "emotion": "0"}, "not one of the choices"),
+    ({"rhythm": "１", "emotion": "0"}, "not one of the choices"),
+    ({"rhythm": "1.0", "emotion": "0"}, "not one of the choices"),
+    ({"rhythm": "-0", "emotion": "0"}, "not one of the choices"),
+    ({"rhythm": "1\n", "emotion": "0"}, "not one of the choices"),
+    ({"rhythm": "1"}, "Question 2 is not answered"),
+    ({}, "Questions 1 and 2 are not answered"),
+    ({"rhythm": "1", "emotion": "0", "extra": "1"}, "does not ask"),
+]
+
+
+def test_unusable_answers_are_refused_and_nothing_is_stored(participant: Participant) -> None:
     first = ready(participant)
 
-    with pytest.raises(UnacceptableError, match=words):
-        participant.answer(first, answers)
+    for answers, words in UNUSABLE:
+        with pytest.raises(UnacceptableError, match=words):
+            participant.answer(first, answers)
 
     assert stored(participant) == []
     assert participant.trial().token == first
 
 
-def test_a_trial_ahead_of_the_present_one_is_refused(participant: Participant) -> None:
-    ready(participant)
-    with participant.database.reading() as session:
-        following = session.scalars(select(StudySession)).one().trials[1].token
+@pytest.fixture
+def arrive(finished_study: Callable[[str], Path], database: Database, clock: SetClock) -> Arrive:
+    """Return a function that brings a participant to the first trial of a protocol's study."""
 
-    with pytest.raises(ConflictError, match="not the page you are on"):
-        participant.answer(following)
-    assert stored(participant) == []
+    def make(protocol: str) -> Participant:
+        served = ServedStudy.read(finished_study(protocol))
+        return Participant(database, served, clock).in_study(served).enrol().begin()
+
+    return make
 
 
-def test_there_is_no_code_before_the_last_answer_and_one_with_it(
-    participant: Participant,
+def ranks(shown: ShownTrial) -> dict[str, str | list[str]]:
+    """Return an answer for every field: ranks in the order of the page."""
+    return {ask.field: str(ask.stimulus) for ask in shown.asks}
+
+
+UNUSABLE_RANKINGS: list[tuple[dict[str, str | list[str]], str]] = [
+    ({"realism:2": "1"}, "same rank"),
+    ({"realism:2": "3"}, "not one of the choices"),
+    ({"realism:2": []}, "Question 1 about B is not answered"),
+    ({"realism:0": "1"}, "does not ask"),
+    ({"realism:2": ["1", "2"]}, "not one of the choices"),
+    ({"realism:reasons": "face"}, "reason was ticked"),
+    ({"realism:1:reasons": "face"}, "does not ask"),
+]
+
+
+def test_a_ranking_is_an_order_and_reasons_of_it_stand_beside_each_of_its_ranks(
+    arrive: Arrive,
 ) -> None:
-    presentations = participant.look().presentations
-    for _ in range(presentations):
-        with participant.database.reading() as session:
-            assert session.scalars(select(StudySession)).one().completion_code is None
+    participant = arrive("ranking")
+    study = participant.served.study
+    reason = Reason(name="hands", text="the hands")
+    asked = tuple(q.model_copy(update={"reasons": (reason,)}) for q in study.questions)
+    participant.served = replace(
+        participant.served, study=study.model_copy(update={"questions": asked})
+    )
+    shown = participant.watch_all()
+    for changes, words in UNUSABLE_RANKINGS:
+        with pytest.raises(UnacceptableError, match=words):
+            participant.answer(shown.token, ranks(shown) | changes)
+    fields = ranks(shown) | {"realism:reasons": "hands"}
+
+    participant.answer(shown.token, fields)
+    participant.answer(shown.token, fields)
+
+    table = read_once(participant.database, responses_table)
+    assert set(table["question"]) == {"realism"}
+    assert table["reasons"].tolist() == ["hands"] * len(shown.asks)
+    with pytest.raises(ConflictError):
+        participant.answer(shown.token, ranks(shown))
+
+
+def test_every_video_has_to_be_played_in_a_time_of_its_own(arrive: Arrive) -> None:
+    participant = arrive("rating")
+    _, second, _ = participant.trial().videos
+    participant.clock.advance(seconds=2)
+    participant.watch((0.0, 2.0))
+
+    with pytest.raises(TooMuchWatchedError, match="than there was time for"):
+        participant.report(second.token, (0.0, 2.0))
+
+
+def test_the_code_comes_with_the_last_answer_and_stays(participant: Participant) -> None:
+    for _ in range(participant.look().presentations):
+        assert participant.stored().completion_code is None
         last = participant.take_trial()
 
     situation = participant.look()
@@ -124,19 +185,19 @@ def test_a_video_is_left_out_only_where_something_shows_that_it_failed(
 
     if shown:
         participant.do(skip_unplayable, first.token, media_error=media_error)
-        assert participant.trial().position == 2
-        assert stored(participant) == []
         with pytest.raises(ConflictError):
             participant.answer(first.token)
     else:
         with pytest.raises(UnacceptableError, match="There is no sign yet"):
             participant.do(skip_unplayable, first.token, media_error=media_error)
-        assert participant.trial().position == 1
+    assert participant.trial().position == (2 if shown else 1)
+    assert stored(participant) == []
 
 
 def test_who_leaves_out_too_many_ends_without_a_code_and_frees_the_place(
     participant: Participant,
 ) -> None:
+    last = trials_of(participant)[MIN_SKIPPED_TRIALS]
     for _ in range(MIN_SKIPPED_TRIALS):
         participant.leave_out()
         assert participant.look().state == "started"
@@ -145,14 +206,11 @@ def test_who_leaves_out_too_many_ends_without_a_code_and_frees_the_place(
     situation = participant.look()
     assert (situation.state, situation.completion_code) == ("unwatched", None)
     with participant.database.reading() as session:
-        (known,) = session.scalars(select(StudySession))
-        assert known.outcome == "unwatched"
-        assert known.place is None
-        last = known.trials[MIN_SKIPPED_TRIALS]
-        assert not last.settled
-    assert participant.look().state == "unwatched"
+        row = session.scalars(select(StudySession)).one()
+        assert (row.outcome, row.place) == ("unwatched", None)
+        assert not row.trials[MIN_SKIPPED_TRIALS].settled
     with pytest.raises(ConflictError, match="Too many videos"):
-        participant.answer(last.token)
+        participant.answer(last)
 
 
 def test_many_requests_at_once_store_one_answer(participant: Participant) -> None:
