@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 
@@ -104,7 +103,7 @@ def recorded_spread(extents: Iterable[ClipExtent]) -> RecordedSpread | None:
     # Rotations are near 1, so that squares lose nothing that `_STILL` would see.
     deviation = np.sqrt(np.maximum(0, squares - mean**2))
     moves = deviation > _STILL
-    scale = _scale(extent.box for extent in extents)
+    scale = box_scale(extent.box for extent in extents)
     if math.isnan(scale):
         return None
     return RecordedSpread(
@@ -112,16 +111,9 @@ def recorded_spread(extents: Iterable[ClipExtent]) -> RecordedSpread | None:
         deviation=np.where(moves, deviation, 1.0),
         moving=np.asarray(moves.any(axis=1)),
         scale=scale,
-        face_scale=_scale(extent.face_box for extent in extents if extent.face_box is not None),
+        face_scale=box_scale(extent.face_box for extent in extents if extent.face_box is not None),
         recordings=len(extents),
     )
-
-
-def _scale(boxes: Iterable[FloatArray]) -> float:
-    """Return the factor that puts boxes into one of a metre; NaN where nothing has an extent."""
-    with suppress(ValueError):
-        return box_scale(boxes)
-    return math.nan
 
 
 def _box(points: FloatArray) -> FloatArray:

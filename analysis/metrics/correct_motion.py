@@ -155,16 +155,7 @@ def semantic_recall(
     -------
     MetricResult
         In [0, 1]. NaN if the clips cannot be paired or no frame has a weight.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer weights than frames, or one is negative or not finite.
     """
-    if len(weights) < min(len(generated), len(recorded)):
-        raise ValueError(f"{len(weights)} weights for {min(len(generated), len(recorded))} frames")
-    if not (np.isfinite(weights) & (weights >= 0)).all():
-        raise ValueError("a weight is negative or not finite")
     return _correct_share(
         "semantic-relevant gesture recall", generated, recorded, weights, settings
     )

@@ -96,14 +96,7 @@ def paired(generated: FloatArray, recorded: FloatArray) -> tuple[FloatArray, Flo
         Cut to equally many frames.
     reason : str
         Empty if they can be paired.
-
-    Raises
-    ------
-    ValueError
-        If the shapes differ in more than the number of frames.
     """
-    if generated.shape[1:] != recorded.shape[1:]:
-        raise ValueError(f"frames of shapes {generated.shape[1:]} and {recorded.shape[1:]}")
     lengths = len(generated), len(recorded)
     frames = min(lengths)
     reason = ""
@@ -122,22 +115,18 @@ def box_scale(clips: Iterable[FloatArray]) -> float:
     clips : iterable of ndarray, shape (..., 3)
         Points in metres.
 
-    Raises
-    ------
-    ValueError
-        If there is no clip, or all points coincide.
+    Returns
+    -------
+    float
+        NaN if there is no clip, or all points coincide.
     """
     corners = [
         corner
         for points in (clip.reshape(-1, 3) for clip in clips)
         for corner in (points.min(axis=0), points.max(axis=0))
     ]
-    if not corners:
-        raise ValueError("no clip to put into a box")
-    diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    if not diagonal > 0:
-        raise ValueError("all points coincide")
-    return 1 / diagonal
+    diagonal = float(np.linalg.norm(np.ptp(corners, axis=0))) if corners else 0.0
+    return 1 / diagonal if diagonal else math.nan
 
 
 def point_error(

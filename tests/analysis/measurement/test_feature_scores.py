@@ -9,7 +9,7 @@ import pytest
 
 from analysis.evaluators import network_names as names
 from analysis.evaluators.feature_networks import ClipFeatures, Network
-from analysis.measurement.feature_scores import feature_scores, scores_without_network
+from analysis.measurement.feature_scores import feature_scores
 from tests.analysis.measurement.reading import score_of
 
 LABELS = ("neutral", "anger", "fear")
@@ -73,22 +73,17 @@ def test_a_condition_of_few_clips_is_not_compared_and_does_not_shrink_the_others
     assert not math.isnan(score_of(found, "catch", names.kernel_of(names.GESTURE)).value)
 
 
-def test_recorded_motion_has_a_variance_but_no_distance_from_itself() -> None:
+def test_without_recordings_and_for_recorded_motion_there_is_a_variance_but_no_distance() -> None:
+    variance = "variance of features (gesture autoencoder)"
     recorded = clips(10)
-    found = feature_scores(
+    of_itself = feature_scores(
         network(), {"recorded": recorded}, recorded, recordings=frozenset({"recorded"})
     )
-    assert [score.name for score in found.conditions] == [
-        "variance of features (gesture autoencoder)"
-    ]
-
-
-def test_without_recordings_the_distances_say_so() -> None:
-    found = feature_scores(network(), {"ours": clips(10)}, {})
-    assert (
-        score_of(found, "ours", names.FGD).reason == "there is no recorded motion to compare with"
-    )
-    assert score_of(found, "ours", "variance of features (gesture autoencoder)").value > 0
+    assert [score.name for score in of_itself.conditions] == [variance]
+    alone = feature_scores(network(), {"ours": recorded}, {})
+    reason = score_of(alone, "ours", names.FGD).reason
+    assert reason == "there is no recorded motion to compare with"
+    assert score_of(alone, "ours", variance).value > 0
 
 
 def test_clips_that_the_network_cannot_look_at_are_counted_with_their_reason() -> None:
@@ -113,15 +108,3 @@ def test_named_emotions_are_counted_by_clip_and_in_a_confusion() -> None:
     assert [score.result.value for score in found.clips] == [1, 0, 1]
     assert found.clips[1].result.remark == "spoken: anger, named: fear"
     assert found.confusions[0].counts == ((0, 1, 1), (0, 0, 1))
-
-
-def test_a_missing_network_names_the_command_that_trains_one() -> None:
-    scores = list(scores_without_network(names.EMOTION, "train it", "ours", 5, recorded=False))
-    assert [score.name for score in scores] == [
-        names.FGD_OF_EMOTION,
-        names.VARIANCE_OF_EMOTION,
-        names.EMOTION_ACCURACY,
-    ]
-    assert all(s.reason == "no emotion network is given; 'train it' trains one" for s in scores)
-    recorded = scores_without_network(names.GESTURE, "train it", "truth", 5, recorded=True)
-    assert not list(recorded)

@@ -11,7 +11,6 @@ from analysis.measurement.kept_arrays import KeptArrays, Kind, forget_unused
 from analysis.measurement.measured_clips import Reader, SeenMotion, Setup
 from analysis.measurement.presets import Preset
 from motion.clip import MotionClip
-from motion.errors import InputError
 from motion.formats import write_clip
 
 JOINTS = Kind("joints", "1", (None, 2))
@@ -95,11 +94,6 @@ def test_a_folder_that_cannot_be_written_keeps_nothing_and_stops_nobody(
     assert computed(tmp_path / "kept", source)[0]
     assert computed(tmp_path / "kept", source)[0]
     assert computed(None, source)[0]
-
-
-def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"gone\.npz"):
-        computed(tmp_path, tmp_path / "gone.npz")
 
 
 def test_another_motion_rate_or_frozen_channel_is_kept_elsewhere(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from analysis.evaluators.clip_views import JOINTS_OF_CHANNELS, Channels
 from analysis.evaluators.design import SIZES, Design, Kind
@@ -79,16 +80,29 @@ def network(kind: Kind, channels: Channels) -> Evaluator:
     return Evaluator(sha256="0" * 64, file=file)
 
 
-def test_joints_that_lie_elsewhere_have_another_version() -> None:
-    found = joint_motion(moving(40), 30)
-    assert fingerprint(found.relative, found.pelvis) == pytest.approx(
-        JOINTS[measured_clips.JOINTS.version], abs=1e-5
-    )
+def depths_of_arms() -> NDArray[np.float32]:
+    poses = np.zeros((40, 55, 3), np.float32)
+    poses[:, joint_index("left_shoulder"), 2] = -np.linspace(1.2, 1.8, 40)
+    clip = MotionClip(poses=poses, trans=np.zeros((40, 3), np.float32), frame_rate=10)
+    depths = PenetrableBody.of(read_body(default_body("mannequin"))).depths(clip)
+    assert depths.max() > 0.01
+    return depths
 
 
-def test_onsets_that_are_found_elsewhere_have_another_version() -> None:
-    onsets = speech_onsets(syllables(6.0, 1))
-    assert fingerprint(onsets) == pytest.approx(ONSETS[measured_clips.ONSETS.version], abs=1e-4)
+def landmarks() -> NDArray[np.floating]:
+    face = FaceLandmarks.of(read_body(default_body()))
+    return face.positions(moving().frames(slice(0, 30)))
+
+
+def test_joints_onsets_landmarks_and_depths_that_lie_elsewhere_have_another_version() -> None:
+    joints = joint_motion(moving(40), 30)
+    for arrays, kind, expected in (
+        ((joints.relative, joints.pelvis), measured_clips.JOINTS, JOINTS),
+        ((speech_onsets(syllables(6.0, 1)),), measured_clips.ONSETS, ONSETS),
+        ((landmarks(),), measured_clips.LANDMARKS, LANDMARKS),
+        ((depths_of_arms(),), measured_clips.DEPTHS, DEPTHS),
+    ):
+        assert fingerprint(*arrays) == pytest.approx(expected[kind.version], abs=1e-5), kind.name
 
 
 @pytest.mark.parametrize(
@@ -97,24 +111,9 @@ def test_onsets_that_are_found_elsewhere_have_another_version() -> None:
 def test_a_network_that_sees_other_features_has_another_version(
     kind: Kind, channels: Channels
 ) -> None:
-    seen = network(kind, channels)
-    found = [seen.embed(moving())] + ([seen.classify(moving())] if seen.labels else [])
-    assert fingerprint(*found) == pytest.approx(
-        FEATURES[measured_clips.FEATURES.version][channels], abs=1e-5
-    )
-
-
-def test_landmarks_that_lie_elsewhere_have_another_version() -> None:
-    found = FaceLandmarks.of(read_body(default_body())).positions(moving().frames(slice(0, 30)))
-    assert fingerprint(found) == pytest.approx(
-        LANDMARKS[measured_clips.LANDMARKS.version], abs=1e-5
-    )
-
-
-def test_arms_that_are_deeper_in_the_body_have_another_version() -> None:
-    poses = np.zeros((40, 55, 3), np.float32)
-    poses[:, joint_index("left_shoulder"), 2] = -np.linspace(1.2, 1.8, 40)
-    clip = MotionClip(poses=poses, trans=np.zeros((40, 3), np.float32), frame_rate=10)
-    depths = PenetrableBody.of(read_body(default_body("mannequin"))).depths(clip)
-    assert depths.max() > 0.01
-    assert fingerprint(depths) == pytest.approx(DEPTHS[measured_clips.DEPTHS.version], abs=1e-5)
+    evaluator = network(kind, channels)
+    arrays = [evaluator.embed(moving())]
+    if evaluator.labels:
+        arrays.append(evaluator.classify(moving()))
+    expected = FEATURES[measured_clips.FEATURES.version][channels]
+    assert fingerprint(*arrays) == pytest.approx(expected, abs=1e-5)

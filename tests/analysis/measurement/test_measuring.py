@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.measurement import measured_clips
 from analysis.measurement.measured_clips import Excerpt
 from analysis.measurement.measuring import study_metrics
 from analysis.measurement.presets import PRESETS
@@ -45,47 +44,24 @@ def study(tmp_path: Path, clicks: Path, waving: Callable[..., MotionClip]) -> St
     return clips, dict.fromkeys("ab", (clicks, 0.0, 4.0))
 
 
-def test_every_condition_gets_every_metric(study: Study) -> None:
-    metrics = study_metrics(*study)
-    names = {s.name for s in metrics.conditions}
-    assert len(metrics.conditions) == 2 * len(names)
-    assert {"jerk (hands)", "mean distance between clips"} <= names
-    assert any(name.startswith("beat alignment above chance") for name in names)
+def test_every_condition_gets_every_metric_as_the_mean_over_its_clips(study: Study) -> None:
+    metrics = study_metrics(*study, presets=PRESETS)
+    names = {s.name for s in metrics.conditions if "autoencoder" not in s.name}
+    assert {"jerk (hands)", "jerk (genea)", "foot sliding", "mean distance between clips"} <= names
+    assert not names & ERRORS
     assert metrics.frame_rate == 30.0
-    assert all(s.settings["frame rate"] == "30 fps" for s in metrics.conditions)
-
-
-def test_a_condition_is_the_mean_over_its_clips(study: Study) -> None:
-    metrics = study_metrics(*study)
+    jerk = score_of(metrics, "waving", "jerk (hands)")
     values = [
         s.result.value
         for s in metrics.clips
-        if s.condition == "waving" and s.result.name == "jerk (hands)"
+        if (s.condition, s.result.name) == ("waving", "jerk (hands)")
     ]
-    found = score_of(metrics, "waving", "jerk (hands)")
-    assert len(values) == 2
-    assert found.value == pytest.approx(np.mean(values))
-    assert found.spread == pytest.approx(np.std(values, ddof=1))
-    assert (found.scored, found.clips) == (2, 2)
-
-
-def test_a_motionless_condition_has_no_beat_alignment_and_the_reason_counts_clips(
-    study: Study,
-) -> None:
-    found = score_of(study_metrics(*study), "static", "beat alignment above chance (amuse)")
-    assert math.isnan(found.value)
-    assert found.scored == 0
-    assert found.reason == "the motion has no beat (2 of 2 clips)"
-
-
-def test_without_speech_there_is_no_beat_alignment(study: Study) -> None:
-    metrics = study_metrics(study[0], {})
-    assert not any("beat" in s.name for s in metrics.conditions)
-    assert score_of(metrics, "waving", "jerk (hands)").scored == 2
-
-
-def test_no_clips_are_no_metrics() -> None:
-    assert study_metrics({}, {}).conditions == ()
+    assert jerk.value == pytest.approx(np.mean(values))
+    assert jerk.spread == pytest.approx(np.std(values, ddof=1))
+    assert (jerk.scored, jerk.clips, jerk.settings["frame rate"]) == (2, 2, "30 fps")
+    motionless = score_of(metrics, "static", "beat alignment above chance (amuse)")
+    assert math.isnan(motionless.value)
+    assert (motionless.scored, motionless.reason) == (0, "the motion has no beat (2 of 2 clips)")
 
 
 def test_a_missing_motion_is_named(study: Study, tmp_path: Path) -> None:
@@ -141,13 +117,6 @@ def test_beside_recordings_a_copy_is_perfect_and_other_motion_is_not(
     assert all(s.settings["frame rate"] for s in metrics.conditions if not s.reason)
 
 
-def test_without_recordings_nothing_is_compared_with_them(study: Study) -> None:
-    metrics = study_metrics(*study, presets=PRESETS)
-    names = {s.name for s in metrics.conditions}
-    assert not names & ERRORS
-    assert {"jerk (genea)", "foot sliding", "beat alignment (talkshow)"} <= names
-
-
 def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(
     study: Study, tmp_path: Path
 ) -> None:
@@ -158,21 +127,25 @@ def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(
     torn = tmp_path / "static" / "b.npz"
     torn.write_bytes(torn.read_bytes()[:-200])
     speech["a"] = (tmp_path / "silent.wav", 0.0, 4.0)
-    metrics = study_metrics(clips, speech, skip_unusable=True)
+    damaged = tmp_path / "a.txt"
+    damaged.write_text("no annotation", encoding="utf-8")
+    metrics = study_metrics(
+        clips,
+        speech,
+        recorded=clips["waving"],
+        semantics={"a": damaged},
+        presets=("report", "amuse"),
+        skip_unusable=True,
+    )
     assert sorted(file.where for file in metrics.skipped) == sorted(
-        map(str, (bad, torn, tmp_path / "silent.wav"))
+        [str(bad), str(torn), str(tmp_path / "silent.wav"), f"{damaged}, line 1"]
     )
     assert score_of(metrics, "waving", "jerk (hands)").scored == 2
     assert score_of(metrics, "static", "jerk (hands)").scored == 1
     assert score_of(metrics, "waving", "beat alignment (amuse)").clips == 1
-
-
-def test_nothing_usable_is_no_score_but_a_list_of_files(tmp_path: Path) -> None:
-    bad = tmp_path / "a.npz"
-    bad.write_bytes(b"")
-    metrics = study_metrics({"x": {"a": bad}}, {}, skip_unusable=True)
-    assert metrics.conditions == ()
-    assert [file.where for file in metrics.skipped] == [str(bad)]
+    nothing = study_metrics({"x": {"a": bad}}, {}, skip_unusable=True)
+    assert nothing.conditions == ()
+    assert [file.where for file in nothing.skipped] == [str(bad)]
 
 
 def test_what_is_kept_from_an_earlier_run_changes_no_number(study: Study, tmp_path: Path) -> None:
@@ -191,16 +164,6 @@ def test_what_is_kept_from_an_earlier_run_changes_no_number(study: Study, tmp_pa
     study[0].pop("static")
     study_metrics(*study, kept=folder)
     assert len(list(folder.glob("joints-*"))) == 2
-
-
-def test_clips_of_an_unchanged_store_are_not_read_again(
-    study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    folder = tmp_path / "kept"
-    study_metrics(*study, kept=folder)
-    monkeypatch.setattr(measured_clips, "packed_joints", pytest.fail)
-    monkeypatch.setattr(measured_clips, "read_clip", pytest.fail)
-    study_metrics(*study, kept=folder)
 
 
 @pytest.mark.slow
@@ -223,17 +186,6 @@ def test_several_processes_find_what_one_finds(recorded_study: RecordedStudy) ->
     )
 
 
-def test_clips_of_many_rates_are_compared_at_the_slowest(
-    study: Study, tmp_path: Path, waving: Callable[..., MotionClip]
-) -> None:
-    clips, speech = study
-    clips["slow"] = {"a": tmp_path / "slow.npz"}
-    write_clip(clips["slow"]["a"], waving(frame_rate=20.0))
-    metrics = study_metrics(clips, speech)
-    assert metrics.frame_rate == 20.0
-    assert score_of(metrics, "waving", "jerk (hands)").settings["frame rate"] == "20 fps"
-
-
 def test_what_metrics_lack_is_said(recorded_study: RecordedStudy) -> None:
     clips, speech, recorded = recorded_study
     speech.pop("a")
@@ -243,11 +195,14 @@ def test_what_metrics_lack_is_said(recorded_study: RecordedStudy) -> None:
         "no beat alignment without speech: 1 of 2 segments (a)",
         "no comparison without a recording: 1 of 2 segments (b)",
     )
-    alone = study_metrics(clips, speech, presets=("genea",)).remarks
-    assert alone == ("no recordings are given, so nothing is compared with them",)
+    alone = study_metrics(clips, {}, presets=("genea",))
+    assert not any("beat" in s.name for s in alone.conditions)
+    assert alone.remarks == ("no recordings are given, so nothing is compared with them",)
 
 
-def test_files_are_taken_to_have_the_frame_rate_that_is_given(study: Study, tmp_path: Path) -> None:
+def test_clips_are_compared_at_the_slowest_rate_stated_or_given(
+    study: Study, tmp_path: Path, waving: Callable[..., MotionClip]
+) -> None:
     folder = tmp_path / "kept"
     fast = study_metrics(*study, file_rate=30.0, kept=folder)
     slow = study_metrics(*study, file_rate=15.0, kept=folder)
@@ -256,6 +211,11 @@ def test_files_are_taken_to_have_the_frame_rate_that_is_given(study: Study, tmp_
     assert score_of(fast, "waving", name).value == pytest.approx(
         8 * score_of(slow, "waving", name).value
     )
+    clips, speech = study
+    clips["slow"] = {"a": tmp_path / "slow.npz"}
+    write_clip(clips["slow"]["a"], waving(frame_rate=20.0))
+    metrics = study_metrics(clips, speech)
+    assert score_of(metrics, "waving", "jerk (hands)").settings["frame rate"] == "20 fps"
 
 
 def test_semantic_scores_choose_which_frames_are_recalled(
@@ -283,21 +243,3 @@ def test_semantic_scores_choose_which_frames_are_recalled(
             )
         )
     assert not any("recall" in s.name for s in metrics.conditions if s.condition == "recorded")
-
-
-def test_semantic_scores_that_cannot_be_read_are_named(
-    recorded_study: RecordedStudy, tmp_path: Path
-) -> None:
-    clips, _, recorded = recorded_study
-    damaged = tmp_path / "a.txt"
-    damaged.write_text("no annotation", encoding="utf-8")
-    metrics = study_metrics(
-        clips,
-        {},
-        recorded=recorded,
-        semantics={"a": damaged},
-        presets=("amuse",),
-        skip_unusable=True,
-    )
-    assert [file.where for file in metrics.skipped] == [f"{damaged}, line 1"]
-    assert not any("recall" in s.name for s in metrics.conditions)

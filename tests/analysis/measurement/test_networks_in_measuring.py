@@ -126,10 +126,18 @@ def test_two_networks_of_one_kind_are_told_apart_by_their_hash(
 
 
 def test_a_network_that_is_not_given_is_listed_with_what_trains_it(study: Clips) -> None:
-    found = study_metrics(study, {}, recorded=study["truth"], presets=["s2ue"])
-    missing = score_of(found, "ours", names.FLD)
-    assert "'motionjury train evaluator face' trains one" in missing.reason
-    assert not any(s.condition == "truth" and s.name == names.FLD for s in found.conditions)
+    found = study_metrics(study, {}, recorded=study["truth"], presets=["s2ue", "amuse"])
+    for name, command in (
+        (names.FLD, "face"),
+        (names.FGD_OF_EMOTION, "emotion"),
+        (names.VARIANCE_OF_EMOTION, "emotion"),
+        (names.EMOTION_ACCURACY, "emotion"),
+    ):
+        reason = score_of(found, "ours", name).reason
+        assert f"'motionjury train evaluator {command}' trains one" in reason
+    of_recordings = {s.name for s in found.conditions if s.condition == "truth"}
+    assert not of_recordings & {names.FLD, names.FGD_OF_EMOTION}
+    assert names.EMOTION_ACCURACY in of_recordings
 
 
 @pytest.fixture

@@ -21,7 +21,8 @@ from analysis.metrics.frechet import (
     frechet_of_samples,
     published_distance,
 )
-from analysis.metrics.samples import Embeddings, embeddings, of_equal_size, resampled_clips
+from analysis.metrics.kernel_distance import kernel_distance
+from analysis.metrics.samples import Embeddings, embeddings
 from motion.errors import InputError
 from tests.analysis.metrics.test_kernel_distance import width_of
 
@@ -68,29 +69,25 @@ def test_the_distance_has_the_invariances_of_a_distance(
     assert frechet_of_samples(scale * one, scale * other) == close(scale**2 * distance)
 
 
-def test_few_samples_are_flagged_with_what_equal_laws_would_score() -> None:
+def test_only_few_samples_are_flagged_with_what_equal_laws_would_score() -> None:
     one, other = np.random.default_rng(2).standard_normal((2, 72, 240))
     found = frechet(embeddings(one), embeddings(other), name="FGD", resamples=0)
     assert found.value == pytest.approx(273, rel=0.05)
     stated = float(found.remark.split("would score ")[1].split(";")[0])
     assert stated == pytest.approx(found.value, rel=0.05)
-    assert found.better == "lower"
-
-
-def test_enough_samples_are_not_flagged_and_their_bias_is_the_known_one() -> None:
     one, other = np.random.default_rng(3).standard_normal((2, 500, 32))
-    found = frechet(embeddings(one), embeddings(other), resamples=0)
-    assert not found.remark
-    assert found.value == pytest.approx(32 * 37 / 1000, rel=0.2)
+    enough = frechet(embeddings(one), embeddings(other), resamples=0)
+    assert not enough.remark
+    assert enough.value == pytest.approx(32 * 37 / 1000, rel=0.2)
 
 
-def test_unequal_samples_are_cut_to_equal_ones_and_it_is_said() -> None:
+def test_unequal_samples_are_cut_to_equal_ones_the_same_every_time_and_it_is_said() -> None:
     chance = np.random.default_rng(4)
-    found = frechet(
-        embeddings(chance.standard_normal((40, 3))), embeddings(chance.standard_normal((25, 3)))
-    )
-    assert found.n == 25
-    assert found.settings["samples"] == "25 of each (40 generated, 25 recorded)"
+    sides = [embeddings(chance.standard_normal((count, 3))) for count in (40, 25)]
+    distance = frechet(*sides)
+    assert distance == frechet(*sides)
+    assert distance.n == 25
+    assert distance.settings["samples"] == "25 of each (40 generated, 25 recorded)"
 
 
 def test_the_interval_is_as_wide_as_the_score_varies_between_samples() -> None:
@@ -101,9 +98,8 @@ def test_the_interval_is_as_wide_as_the_score_varies_between_samples() -> None:
         return embeddings(one + np.array([1.0, 0, 0, 0, 0])), embeddings(other)
 
     scores = [frechet(*drawn(), resamples=0).value for _ in range(200)]
-    found = [width_of(frechet(*drawn(), resamples=50)) for _ in range(10)]
-    reach = np.mean(found) / 2
-    assert 1 < reach / (1.96 * np.std(scores)) < 1.4
+    widths = [width_of(frechet(*drawn(), resamples=50)) for _ in range(10)]
+    assert 1 < np.mean(widths) / (2 * 1.96 * np.std(scores)) < 1.4
 
 
 def test_windows_of_one_clip_are_no_independent_samples() -> None:
@@ -116,30 +112,12 @@ def test_windows_of_one_clip_are_no_independent_samples() -> None:
     assert width_of(together) > 2 * width_of(apart)
 
 
-def test_one_sample_is_no_distance_with_the_reason() -> None:
-    found = frechet(embeddings(np.zeros((1, 3))), embeddings(np.zeros((9, 3))))
-    assert math.isnan(found.value)
-    assert found.reason == "a covariance needs two samples"
-
-
-def test_samples_of_different_networks_do_not_compare() -> None:
-    with pytest.raises(InputError, match="3 and 4 dimensions"):
-        frechet(embeddings(np.zeros((5, 3))), embeddings(np.zeros((5, 4))))
-
-
 def test_extrapolation_removes_the_bias_and_keeps_a_real_distance() -> None:
     x, y = np.random.default_rng(0).standard_normal((2, 1000, 16))
     without_bias = frechet_extrapolated(embeddings(x), embeddings(y)).value
     assert abs(without_bias) < 0.25 * frechet_of_samples(x, y)
     x, y = np.random.default_rng(1).standard_normal((2, 1000, 8))
     assert frechet_extrapolated(embeddings(x), embeddings(y + 1.0)).value == pytest.approx(8, 0.1)
-
-
-def test_too_few_samples_have_no_line_to_extend() -> None:
-    one, other = np.random.default_rng(2).standard_normal((2, 63, 16))
-    found = frechet_extrapolated(embeddings(one), embeddings(other))
-    assert math.isnan(found.value)
-    assert "63 samples are fewer than 4 x 16 dimensions" in found.reason
 
 
 @pytest.mark.parametrize(
@@ -159,21 +137,18 @@ def test_embeddings_are_a_finite_table_with_a_clip_for_every_row(
         embeddings(values, clips)
 
 
-def test_samples_are_cut_to_the_smaller_one_and_the_same_every_time() -> None:
-    one, other = embeddings(np.arange(20.0)[:, None]), embeddings(np.zeros((8, 1)))
-    cut, kept = of_equal_size(one, other)
-    assert (len(cut), len(kept)) == (8, 8)
-    assert len(set(cut.values[:, 0])) == 8
-    np.testing.assert_array_equal(cut.values, of_equal_size(one, other)[0].values)
-
-
-def test_windows_of_a_clip_are_drawn_together() -> None:
-    sample = embeddings(np.zeros((6, 1)), ["a", "b", "a", "c", "b", "a"])
-    for rows in resampled_clips(sample, 20, seed=1):
-        drawn = np.bincount(rows, minlength=6)
-        assert drawn[0] == drawn[2] == drawn[5]
-        assert drawn[1] == drawn[4]
-        assert drawn[0] + drawn[1] + drawn[3] == 3
+def test_too_few_samples_and_those_of_different_networks_have_no_distance() -> None:
+    one, few, many = (embeddings(np.zeros((count, 16))) for count in (1, 63, 99))
+    for result, reason in (
+        (frechet(one, many), "a covariance needs two samples"),
+        (kernel_distance(one, many), "needs two samples on either side"),
+        (frechet_extrapolated(few, many), "63 samples are fewer than 4 x 16 dimensions"),
+    ):
+        assert math.isnan(result.value)
+        assert reason in result.reason
+    for distance in (frechet, frechet_extrapolated, kernel_distance):
+        with pytest.raises(InputError, match="16 and 4 dimensions"):
+            distance(many, embeddings(np.zeros((5, 4))))
 
 
 @pytest.mark.parametrize("rule", RULES)
@@ -195,22 +170,15 @@ def test_the_offset_takes_from_small_features_what_the_exact_distance_leaves() -
     )
 
 
-def test_a_root_that_is_not_real_is_a_failure_for_pytorch_fid_alone(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    one, other = np.random.default_rng(0).standard_normal((2, 20, 3))
-    monkeypatch.setattr(
-        "analysis.metrics.frechet.sqrtm",
-        lambda product: product + 0.01j * np.eye(3),
-    )
-    assert published_distance(one, other, "pytorch-fid") == FAILED
-    assert published_distance(one, other, "offset") < 100
-
-
-def test_a_root_that_is_not_finite_is_taken_again_with_the_offset(
+def test_a_root_that_is_not_finite_is_taken_again_and_one_that_is_not_real_fails_pytorch_fid(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     one, other = np.random.default_rng(0).standard_normal((2, 20, 3))
     roots = iter([np.full((3, 3), np.nan), np.eye(3)])
     monkeypatch.setattr("analysis.metrics.frechet.sqrtm", lambda product: next(roots))
     assert np.isfinite(published_distance(one, other, "pytorch-fid"))
+    monkeypatch.setattr(
+        "analysis.metrics.frechet.sqrtm", lambda product: product + 0.01j * np.eye(3)
+    )
+    assert published_distance(one, other, "pytorch-fid") == FAILED
+    assert published_distance(one, other, "offset") < 100

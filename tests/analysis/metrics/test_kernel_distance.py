@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -84,9 +83,3 @@ def test_leaving_out_a_clip_leaves_out_all_its_windows() -> None:
     assert together.value == pytest.approx(apart.value)
     width, narrow = map(width_of, (together, apart))
     assert width > 1.7 * narrow
-
-
-def test_one_sample_is_no_distance_with_the_reason() -> None:
-    found = kernel_distance(embeddings(np.zeros((1, 2))), embeddings(np.zeros((5, 2))))
-    assert math.isnan(found.value)
-    assert "two samples" in found.reason
