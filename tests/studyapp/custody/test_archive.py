@@ -7,7 +7,7 @@ import hashlib
 import io
 import tarfile
 import tracemalloc
-from collections.abc import Callable
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -89,30 +89,20 @@ def unpack(archive: Path, into: Path) -> Manifest:
 
 
 @pytest.mark.parametrize("name", ["out.tar", "out.tar.gz"])
-def test_a_backup_is_read_as_it_was_written(name: str, tmp_path: Path) -> None:
-    archive = tmp_path / name
-    manifest = write_backup(tmp_path, archive, compressed=is_compressed(name))
-
-    assert read_manifest(archive) == manifest
-    assert unpack(archive, tmp_path / "unpacked") == manifest
-    for path, content in FILES.items():
-        assert (tmp_path / "unpacked" / path).read_bytes() == content
-
-
-@pytest.mark.parametrize("name", ["out.tar", "out.tar.gz"])
 def test_every_flipped_or_missing_byte_is_noticed(name: str, tmp_path: Path) -> None:
     archive, broken = tmp_path / name, tmp_path / "broken"
-    write_backup(tmp_path, archive, compressed=is_compressed(name))
+    manifest = write_backup(tmp_path, archive, compressed=is_compressed(name))
+    assert read_manifest(archive) == unpack(archive, tmp_path / "unpacked") == manifest
     whole = archive.read_bytes()
     contents = [whole.index(content[:64]) for content in FILES.values() if content[:64] in whole]
     facts = [whole.index(word) for word in (b'"0.1.0"', b"2026-", b"somewhere") if word in whole]
     # A compressed file ends with a check sum and its length, eight bytes.
-    for index in [*facts, *contents] or [len(whole) // 3, len(whole) - 8, len(whole) - 4]:
-        broken.write_bytes(whole[:index] + bytes([whole[index] ^ 1]) + whole[index + 1 :])
-        with pytest.raises(InputError, match="Use another backup"):
-            read_archive(broken, lambda _: None, silent)
-    for length in (0, 1, 511, 513, len(whole) // 2, len(whole) - 11_000):
-        broken.write_bytes(whole[: max(0, length)])
+    flipped = [*facts, *contents] or [len(whole) // 3, len(whole) - 8, len(whole) - 4]
+    for damaged in (
+        *(whole[:index] + bytes([whole[index] ^ 1]) + whole[index + 1 :] for index in flipped),
+        *(whole[: max(0, n)] for n in (0, 1, 511, 513, len(whole) // 2, len(whole) - 11_000)),
+    ):
+        broken.write_bytes(damaged)
         with pytest.raises(InputError, match="Use another backup"):
             read_archive(broken, lambda _: None, silent)
 
@@ -149,33 +139,22 @@ def test_paths_outside_the_study_are_refused(path: str) -> None:
         entry(path, b"")
 
 
-def special_file(kind: bytes, target: str) -> tarfile.TarInfo:
+BASE = {"study.toml": b"name", "responses.db": b"rows"}
+
+
+def special_file(kind: bytes) -> tarfile.TarInfo:
     head = tarfile.TarInfo("study.toml")
-    head.type, head.linkname = kind, target
+    head.type, head.linkname = kind, "/etc/passwd"
     return head
 
 
-@pytest.mark.parametrize(
-    "kind", [tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.CHRTYPE, tarfile.FIFOTYPE, tarfile.DIRTYPE]
-)
-def test_links_devices_and_folders_are_refused(kind: bytes, tmp_path: Path) -> None:
-    manifest = manifest_of({"study.toml": b"", "responses.db": b""})
-    archive = forge(
-        tmp_path / "out.tar", *listing(as_json(manifest)), (special_file(kind, "/etc/passwd"), b"")
-    )
-
-    with pytest.raises(InputError, match=r"study\.toml is not the expected file"):
-        unpack(archive, tmp_path / "unpacked")
-
-    assert not (tmp_path / "unpacked").exists()
-
-
-BASE = {"study.toml": b"name", "responses.db": b"rows"}
+SPECIAL = (tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.CHRTYPE, tarfile.FIFOTYPE, tarfile.DIRTYPE)
 
 
 @pytest.mark.parametrize(
     ("parts", "error"),
     [
+        *(([(special_file(kind), b"")], "study.toml is not the expected file") for kind in SPECIAL),
         ([("../x", b"name")], "study.toml is not the expected file"),
         ([("study.toml", b"name and more")], "study.toml is not the expected file"),
         ([("study.toml", b"eman")], "study.toml differs from what was backed up"),
@@ -188,7 +167,7 @@ BASE = {"study.toml": b"name", "responses.db": b"rows"}
     ],
 )
 def test_every_member_must_be_the_listed_file(
-    parts: list[tuple[str, bytes]], error: str, tmp_path: Path
+    parts: list[tuple[tarfile.TarInfo | str, bytes]], error: str, tmp_path: Path
 ) -> None:
     archive = forge(tmp_path / "out.tar", *listing(as_json(manifest_of(BASE))), *parts)
 
@@ -197,28 +176,28 @@ def test_every_member_must_be_the_listed_file(
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("old", "new"),
     [
-        lambda text: text.replace(b'"format":1', b'"format":2'),
-        lambda text: text.replace(b"responses.db", b"study.toml"),
-        lambda text: text.replace(b"motionjury backup", b"holiday pictures"),
-        lambda text: text[:-5],
-        lambda _: b"\xff\xfe",
+        (b'"format":1', b'"format":2'),
+        (b"responses.db", b"study.toml"),
+        (b"motionjury backup", b"holiday pictures"),
+        (b'"format"', b"\xff\xfe"),
     ],
 )
-def test_an_invalid_manifest_is_refused(change: Callable[[bytes], bytes], tmp_path: Path) -> None:
-    text = change(as_json(manifest_of(BASE)))
+def test_an_invalid_manifest_is_refused(old: bytes, new: bytes, tmp_path: Path) -> None:
+    text = as_json(manifest_of(BASE)).replace(old, new)
     archive = forge(tmp_path / "out.tar", *listing(text), *BASE.items())
 
     with pytest.raises(InputError, match="its manifest is invalid"):
         read_manifest(archive)
 
 
-def test_other_archives_are_no_backups(tmp_path: Path) -> None:
+@pytest.mark.parametrize("members", [(), [("holiday.jpg", b"")]])
+def test_other_archives_are_no_backups(
+    members: Sequence[tuple[str, bytes]], tmp_path: Path
+) -> None:
     with pytest.raises(InputError, match="this is not a backup"):
-        read_manifest(forge(tmp_path / "out.tar", ("holiday.jpg", b"")))
-    with pytest.raises(InputError, match="this is not a backup"):
-        read_manifest(forge(tmp_path / "empty.tar"))
+        read_manifest(forge(tmp_path / "out.tar", *members))
 
 
 def test_a_claimed_size_does_not_fill_the_memory(tmp_path: Path) -> None:

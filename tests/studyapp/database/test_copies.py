@@ -20,8 +20,6 @@ from studyapp.database.copies import (
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Base, StudySession
 from studyapp.session.arrivals import Arrival
-from studyapp.session.ending import withdraw
-from studyapp.session.enrolment import enrol
 from studyapp.session.served_study import ServedStudy
 from tests.support.studies.taking_part_steps import Participant
 
@@ -42,26 +40,18 @@ def rows_of(database: Database) -> Rows:
         }
 
 
-def rows_at(url: str) -> Rows:
-    database = Database.open_for_reading(url)
-    assert database is not None
-    try:
-        return rows_of(database)
-    finally:
-        database.close()
-
-
 @pytest.fixture
 def answered(participant: Participant) -> Participant:
     """Return a participant who has answered a trial, with all that can stand in a row."""
-    trial = participant.trial().token
     participant.clock.advance(seconds=5.123456)
-    participant.watch((0.0, 0.7), (0.75, 1.3), batch=0)
-    participant.watch((0.5, 2.0), batch=1)
-    participant.answer(trial)
-    arrival = Arrival(recruiter_participant="Zoë 'quotes' \\ 音", recruiter_study="one")
-    enrol(participant.database, participant.served, arrival, participant.clock)
+    participant.take_trial()
+    participant.another().arrive(Arrival(recruiter_participant="Zoë 'quotes' \\ 音"))
     return participant
+
+
+def rows_at(url: str) -> Rows:
+    with closing(Database.open(url)) as database:
+        return rows_of(database)
 
 
 def test_a_copy_holds_every_row_as_it_was(
@@ -69,9 +59,9 @@ def test_a_copy_holds_every_row_as_it_was(
 ) -> None:
     write_copy(database_url, tmp_path / "copy.db")
 
-    assert rows_at(sqlite_url(tmp_path / "copy.db")) == rows_of(answered.database)
     assert find_flaws(tmp_path / "copy.db") == []
     assert count_rows(tmp_path / "copy.db")["responses"] == 2
+    assert rows_at(sqlite_url(tmp_path / "copy.db")) == rows_of(answered.database)
 
 
 @SQLITE
@@ -145,7 +135,7 @@ def test_what_was_deleted_leaves_no_bytes_in_a_copy(
     participant: Participant, database_url: str, tmp_path: Path
 ) -> None:
     token = participant.trial().token.encode()
-    withdraw(participant.database, participant.token, participant.clock)
+    participant.withdraw()
     file = Path(database_url.removeprefix("sqlite:///"))
     assert any(token in path.read_bytes() for path in file.parent.glob("*.db*"))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 from sqlalchemy import select, update
@@ -11,7 +12,7 @@ from sqlalchemy import select, update
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession, Trial, WatchRecord
 from studyapp.monitoring.one_study_session import one_study_session
-from studyapp.monitoring.overview import Overview, overview
+from studyapp.monitoring.overview import overview
 from studyapp.monitoring.study_sessions import STANDINGS, Selection, list_study_sessions
 from studyapp.session.ending import MIN_SKIPPED_TRIALS, withdraw
 from studyapp.session.served_study import ServedStudy
@@ -40,14 +41,13 @@ def people(database: Database, served: ServedStudy, clock: SetClock) -> None:
     last.look()
 
 
-@pytest.fixture
-def found(opened: Database, served: ServedStudy, clock: SetClock) -> Overview:
-    people(opened, served, clock)
-    return overview(opened, served, clock.now())
-
-
 @BOTH
-def test_everything_that_happened_is_counted_once(found: Overview) -> None:
+def test_everything_that_happened_is_counted_once_and_lists_hold_as_many(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    people(opened, served, clock)
+    found = overview(opened, served, clock.now())
+
     places = found.places
     assert (places.done, places.active, places.stale, places.open) == (1, 1, 0, 2)
     assert (found.lapsed, found.replaced, found.earlier) == (1, 0, 0)
@@ -71,25 +71,14 @@ def test_everything_that_happened_is_counted_once(found: Overview) -> None:
     )
     assert found.forecast.at is None
 
+    def count(**choice: Any) -> int:
+        return len(list_study_sessions(opened, served, Selection(**choice), clock.now()))
 
-@BOTH
-def test_lists_hold_as_many_as_the_numbers_that_lead_to_them(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    people(opened, served, clock)
-    now = clock.now()
-    found = overview(opened, served, now)
-
-    def count(**choice: object) -> int:
-        return len(list_study_sessions(opened, served, Selection(**choice), now))  # type: ignore[arg-type]
-
-    assert count(standing="done") == found.places.done
     assert count(standing="active", arm=found.arms[0].arm) == found.arms[0].active
-    assert count(standing="lapsed") == found.lapsed
-    assert count(standing="withdrawn") == found.dropouts.withdrawn
+    counts = {"done": places.done, "lapsed": found.lapsed, "withdrawn": left.withdrawn}
+    assert {standing: count(standing=standing) for standing in counts} == counts
     assert sum(count(standing=standing) for standing in STANDINGS) == count() == 4
-    assert [count(left_at=each.position) for each in found.dropouts.by_trial] == [1]
-    (caught,) = found.failed
+    assert [count(left_at=each.position) for each in left.by_trial] == [1]
     for number, expected in caught.by_failures:
         assert count(failed=("catch", number)) == expected
     assert count(arm="no such arm") == count(earlier=True) == 0
@@ -104,11 +93,8 @@ def test_study_sessions_of_another_design_are_counted_apart(
 
     found = overview(opened, served, clock.now())
 
-    assert (
-        found.earlier
-        == len(list_study_sessions(opened, served, Selection(earlier=True), clock.now()))
-        == 4
-    )
+    earlier = list_study_sessions(opened, served, Selection(earlier=True), clock.now())
+    assert found.earlier == len(earlier) == 4
     assert (found.places.done, found.dropouts.came, found.progress.emotions) == (0, 0, ())
 
 
@@ -123,13 +109,6 @@ def test_a_study_that_nobody_has_come_to_has_an_overview(
     assert found.decisions == ()
 
 
-def expected_answer(database: Database, token: str) -> str | None:
-    """Return the answer with which a catch trial is passed; None for other trials."""
-    with database.reading() as session:
-        expected = session.scalar(select(Trial.expected).where(Trial.token == token))
-    return None if expected is None else {1: "-2", 2: "2"}[expected]
-
-
 def test_opposite_answers_look_the_same(
     tmp_path: Path, empty_sqlite: Path, served: ServedStudy
 ) -> None:
@@ -141,7 +120,11 @@ def test_opposite_answers_look_the_same(
             open_study(database, served, clock)
             one = Participant(database, served, clock).enrol().begin()
             while (trial := one.look().trial) is not None:
-                right = expected_answer(database, trial.token)
+                with database.reading() as session:
+                    better = session.scalar(
+                        select(Trial.expected).where(Trial.token == trial.token)
+                    )
+                right = {1: "-2", 2: "2"}.get(better or 0)
                 one.take_trial({"rhythm": right or rhythm, "emotion": right or emotion})
             found.append(overview(database, served, clock.now()))
 

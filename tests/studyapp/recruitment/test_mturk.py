@@ -14,7 +14,6 @@ import pytest
 from botocore.stub import Stubber
 
 from motion.errors import InputError
-from studyapp.database.engine import Database, database_url_of
 from studyapp.recruitment import mturk
 from studyapp.recruitment.mturk import (
     LIVE,
@@ -26,12 +25,9 @@ from studyapp.recruitment.mturk import (
     hit_request,
 )
 from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol
-from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.made_study import make_study
-from tests.support.studies.taking_part_steps import Participant, SetClock
+from tests.support.studies.taking_part_steps import taking_part
 
 ADDRESS = "https://study.example.org/a&b/"
 STUDY = make_study(
@@ -59,44 +55,43 @@ def client(connection: Any) -> MTurkClient:
     return MTurkClient(connection)
 
 
-def test_a_hit_is_made_as_mechanical_turk_wants_it(client: MTurkClient, stub: Stubber) -> None:
+def test_a_hit_is_made_as_mechanical_turk_wants_it_looked_at_and_stopped(
+    client: MTurkClient, stub: Stubber
+) -> None:
     request = hit_request(STUDY, ADDRESS, made_before=0, live=False)
     answer = {"HIT": {"HITId": "h1", "HITStatus": "Assignable", "MaxAssignments": 20}}
     stub.add_response("create_hit", answer, request)
+    known = {"HITId": "h1", "HITStatus": "Assignable", "NumberOfAssignmentsPending": 3}
+    stub.add_response("get_hit", {"HIT": known}, {"HITId": "h1"})
+    stub.add_response("update_expiration_for_hit", {}, {"HITId": "h1", "ExpireAt": LONG_AGO})
 
     assert client.create(request).wanted == 20
+    assert client.hit("h1").pending == 3
+    client.stop("h1")
 
     question = ElementTree.fromstring(request["Question"])  # noqa: S314 - our own
     assert question.tag == f"{{{SCHEMA}}}ExternalQuestion"
     assert [each.text for each in question] == [ADDRESS, "0"]
+    # The same HIT is requested by the same token, so that a day's repetition makes no second one.
+    assert request == hit_request(STUDY, ADDRESS, made_before=0, live=False)
+    tokens = {
+        hit_request(STUDY, ADDRESS, made_before=made, live=live)["UniqueRequestToken"]
+        for made, live in ((0, False), (1, False), (0, True))
+    }
+    assert len(tokens) == 3
     with pytest.raises(InputError, match="reward"):
         hit_request(make_study(), ADDRESS, made_before=0, live=False)
 
 
-def test_the_same_hit_is_asked_for_by_the_same_token() -> None:
-    asked = [(0, False), (0, False), (1, False), (0, True)]
-    tokens = [
-        str(hit_request(STUDY, ADDRESS, made_before=made, live=live)["UniqueRequestToken"])
-        for made, live in asked
-    ]
-
-    assert (tokens[0], len(set(tokens)), len(tokens[0]) <= 64) == (tokens[1], 3, True)
-
-
 def test_all_assignments_are_read_and_one_is_paid(client: MTurkClient, stub: Stubber) -> None:
-    def handed_in(number: int) -> dict[str, Any]:
-        return {
-            "AssignmentId": f"a{number}",
-            "WorkerId": f"w{number}",
-            "HITId": "h1",
-            "AssignmentStatus": "Submitted",
-            "Answer": "<xml/>",
-        }
-
+    first, second, third = (
+        {"AssignmentId": f"a{n}", "WorkerId": f"w{n}", "AssignmentStatus": "Submitted"}
+        for n in (1, 2, 3)
+    )
     asked = {"HITId": "h1", "MaxResults": 100}
-    first = {"Assignments": [handed_in(1), handed_in(2)], "NextToken": "more", "NumResults": 2}
-    stub.add_response("list_assignments_for_hit", first, asked)
-    last = {"Assignments": [handed_in(3)], "NumResults": 1}
+    pages = {"Assignments": [first, second], "NextToken": "more", "NumResults": 2}
+    stub.add_response("list_assignments_for_hit", pages, asked)
+    last = {"Assignments": [third], "NumResults": 1}
     stub.add_response("list_assignments_for_hit", last, asked | {"NextToken": "more"})
     stub.add_response("approve_assignment", {}, {"AssignmentId": "a3"})
 
@@ -104,15 +99,6 @@ def test_all_assignments_are_read_and_one_is_paid(client: MTurkClient, stub: Stu
     client.approve(found[-1].id)
 
     assert [each.worker for each in found] == ["w1", "w2", "w3"]
-
-
-def test_a_hit_is_looked_at_and_stopped(client: MTurkClient, stub: Stubber) -> None:
-    known = {"HITId": "h1", "HITStatus": "Assignable", "NumberOfAssignmentsPending": 3}
-    stub.add_response("get_hit", {"HIT": known}, {"HITId": "h1"})
-    stub.add_response("update_expiration_for_hit", {}, {"HITId": "h1", "ExpireAt": LONG_AGO})
-
-    assert client.hit("h1").pending == 3
-    client.stop("h1")
 
 
 def test_the_sandbox_is_what_is_asked_unless_told_otherwise(
@@ -137,15 +123,8 @@ class Sandbox:
     client: MTurkClient
 
     def hands_in(self, *assignments: tuple[str, str, str]) -> None:
-        found = [
-            {
-                "AssignmentId": assignment,
-                "WorkerId": worker,
-                "AssignmentStatus": status,
-                "Answer": "",
-            }
-            for assignment, worker, status in assignments
-        ]
+        names = ("AssignmentId", "WorkerId", "AssignmentStatus")
+        found = [dict(zip(names, each, strict=True)) for each in assignments]
         self.stub.add_response("list_assignments_for_hit", {"Assignments": found})
 
 
@@ -178,18 +157,10 @@ def test_what_was_made_in_the_sandbox_is_not_on_the_live_site(sandbox: Sandbox) 
         mturk.hits_of(sandbox.folder, live=True)
 
 
-def test_a_study_session_is_paid_once_however_often_it_is_handed_in(
-    sandbox: Sandbox, clock: SetClock
-) -> None:
-    root = sandbox.folder.root
-    study, database = ServedStudy.read(root), Database.open(database_url_of(root))
-    try:
-        open_study(database, study, clock)
+def test_a_study_session_is_paid_once_however_often_it_is_handed_in(sandbox: Sandbox) -> None:
+    with taking_part(sandbox.folder.root) as worker:
         arrival = Arrival(recruiter_participant="w1", recruiter_session="a1")
-        token = enrol(database, study, arrival, clock)
-        Participant(database, study, clock, token).begin().take_all()
-    finally:
-        database.close()
+        worker.arrive(arrival).begin().take_all()
     make_hit(sandbox, "h1")
     sandbox.hands_in(
         ("a1", "w1", "Submitted"),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.recruitment.payment import (
     KnownParticipant,
@@ -16,8 +15,6 @@ from studyapp.recruitment.payment import (
     known_participants,
 )
 from studyapp.session.arrivals import Arrival
-from studyapp.session.ending import withdraw
-from studyapp.session.enrolment import enrol
 from studyapp.session.screening import note_screen_out
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.recruitment import Prolific, Recruitment
@@ -105,15 +102,15 @@ def test_everybody_sent_by_name_is_known_with_where_they_stand(
         arrival = Arrival(
             recruiter_participant=name, recruiter_study="s", recruiter_session=f"{name}-submission"
         )
-        return Participant(opened, served, clock, enrol(opened, served, arrival, clock))
+        return Participant(opened, served, clock).arrive(arrival)
 
     finished, _under_way, left = come("finished"), come("under way"), come("left")
     finished.begin().take_all()
-    withdraw(opened, left.token, clock)
+    left.withdraw()
     for name in ("turned away", "finished"):
         arrival = Arrival(recruiter_participant=name)
-        note_screen_out(opened, arrival, "eligibility", Clock(), named=True)
-    enrol(opened, served, Arrival(visit="of-nobody"), clock)
+        note_screen_out(opened, arrival, "eligibility", clock, named=True)
+    finished.another().enrol("of-nobody")
 
     names = ("finished", "under way", "left", "turned away", "never came")
     known = by_submission(

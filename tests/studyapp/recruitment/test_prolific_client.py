@@ -6,11 +6,12 @@ import logging
 from collections.abc import Iterator
 from typing import Any
 
-import httpx
 import pytest
+from flask import Flask, request
+from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.recruitment.prolific import internal_name, prolific_draft
+from studyapp.recruitment.prolific import prolific_draft
 from studyapp.recruitment.prolific_client import (
     PAGE_SIZE,
     TRIES,
@@ -19,6 +20,7 @@ from studyapp.recruitment.prolific_client import (
     prolific_token,
 )
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
+from tests.support.servers.local_server import listening
 from tests.support.studies.made_study import make_segments, make_study
 
 PAGE = {"consent": "You agree.", "minutes": 10}
@@ -30,15 +32,10 @@ PROLIFIC = {
 }
 
 
-def draft(**changes: Any) -> dict[str, Any]:
+def draft(address: str = "https://study.example.org/", **changes: Any) -> dict[str, Any]:
     recruitment = {"channel": "prolific", "prolific": PROLIFIC | changes}
     study = make_study(page=PAGE, recruitment=recruitment)
-    return prolific_draft(study, make_segments(["happiness"] * 4), "https://study.example.org/")
-
-
-class Waits(list[float]):
-    def __call__(self, seconds: float) -> None:
-        self.append(seconds)
+    return prolific_draft(study, make_segments(["happiness"] * 4), address)
 
 
 @pytest.fixture
@@ -48,34 +45,29 @@ def stand_in() -> Iterator[StandIn]:
 
 
 @pytest.fixture
-def waits() -> Waits:
-    return Waits()
+def waits() -> list[float]:
+    return []
 
 
 @pytest.fixture
-def client(stand_in: StandIn, waits: Waits) -> Any:
-    with ProlificClient(TOKEN, address=stand_in.address, wait=waits) as opened:
+def client(stand_in: StandIn, waits: list[float]) -> Iterator[ProlificClient]:
+    with ProlificClient(TOKEN, address=stand_in.address, wait=waits.append) as opened:
         yield opened
 
 
-def test_what_cannot_be_done_is_said_in_prolifics_words(client: ProlificClient) -> None:
-    made = client.create(draft())
-
-    with pytest.raises(ProlificRefusedError, match="PAUSE from UNPUBLISHED"):
-        client.move(made.id, "PAUSE")
-
-
-def test_an_action_whose_answer_was_lost_is_found_done(
+def test_an_action_whose_answer_was_lost_is_found_done_and_a_refusal_is_in_prolifics_words(
     client: ProlificClient, stand_in: StandIn
 ) -> None:
     made = client.create(draft())
-    stand_in.lost_answers = [502]
+    with pytest.raises(ProlificRefusedError, match="PAUSE from UNPUBLISHED"):
+        client.move(made.id, "PAUSE")
 
+    stand_in.lost_answers = [502]
     assert client.move(made.id, "PUBLISH").status == "ACTIVE"
 
 
 def test_a_draft_whose_answer_was_lost_is_not_made_again(
-    client: ProlificClient, stand_in: StandIn, waits: Waits
+    client: ProlificClient, stand_in: StandIn, waits: list[float]
 ) -> None:
     wanted = draft()
     stand_in.lost_answers = [502]
@@ -83,23 +75,19 @@ def test_a_draft_whose_answer_was_lost_is_not_made_again(
     with pytest.raises(InputError, match=r"502\).* may have been done"):
         client.create(wanted)
 
-    assert len(stand_in.studies) == 1
-    assert waits == []
+    assert (len(stand_in.studies), waits) == (1, [])
     found = client.study_named(wanted["internal_name"])
     assert found is not None
     assert found.id in stand_in.studies
     assert client.study_named("another") is None
 
 
-def test_a_busy_prolific_is_asked_again_later_and_later(
-    client: ProlificClient, stand_in: StandIn, waits: Waits
+def test_a_busy_prolific_is_asked_again_later_and_later_until_it_is_given_up(
+    client: ProlificClient, stand_in: StandIn, waits: list[float]
 ) -> None:
     stand_in.troubles = [429, 429, 503]
-    made = None
-
     with pytest.raises(InputError, match="503"):  # 503 leaves open whether the draft was made
-        made = client.create(draft())
-    assert made is None
+        client.create(draft())
     assert waits == [1.0, 2.0]
 
     stand_in.troubles = [503, 429]
@@ -109,11 +97,8 @@ def test_a_busy_prolific_is_asked_again_later_and_later(
     assert client.study_named("nothing") is None
     assert waits[4:] == [17.0]
 
-
-def test_it_gives_up_in_words(client: ProlificClient, stand_in: StandIn, waits: Waits) -> None:
     stand_in.troubles = [500] * 9
-    absent = ProlificClient(TOKEN, address="http://127.0.0.1:9", wait=waits)
-
+    absent = ProlificClient(TOKEN, address="http://127.0.0.1:9", wait=waits.append)
     for asked, why in ((client, "status 500"), (absent, "ConnectError")):
         waits.clear()
         with asked, pytest.raises(InputError, match=rf"cannot be reached \({why}\)"):
@@ -121,72 +106,61 @@ def test_it_gives_up_in_words(client: ProlificClient, stand_in: StandIn, waits: 
         assert len(waits) == TRIES - 1
 
 
-def test_all_pages_of_submissions_are_read(client: ProlificClient, stand_in: StandIn) -> None:
+def test_all_pages_of_submissions_are_read_and_many_are_approved_in_few_requests(
+    client: ProlificClient, stand_in: StandIn
+) -> None:
     made = client.create(draft())
-    for number in range(2 * PAGE_SIZE + 1):
-        stand_in.add_submission(f"p{number}", "AWAITING REVIEW", "KX7QM2PWTR")
+    everybody = [f"p{number}" for number in range(2 * PAGE_SIZE + 1)]
+    for name in everybody:
+        stand_in.add_submission(name, "AWAITING REVIEW", "KX7QM2PWTR")
 
-    found = client.submissions(made.id)
-
-    assert [each.participant for each in found] == [f"p{n}" for n in range(2 * PAGE_SIZE + 1)]
-    assert {each.code for each in found} == {"KX7QM2PWTR"}
-
-
-def test_many_are_approved_in_few_requests(client: ProlificClient, stand_in: StandIn) -> None:
-    client.create(draft())
-    for number in range(150):
-        stand_in.add_submission(f"p{number}", "AWAITING REVIEW", "KX7QM2PWTR")
-
-    client.approve([each["id"] for each in stand_in.submissions[:120]])
+    submissions = client.submissions(made.id)
+    client.approve([each.id for each in submissions[:120]])
     client.approve([])
 
+    assert [(each.participant, each.code) for each in submissions] == [
+        (name, "KX7QM2PWTR") for name in everybody
+    ]
     assert [each["status"] for each in stand_in.submissions].count("APPROVED") == 120
     assert len([each for each in stand_in.asked if "bulk-approve" in each]) == 2
 
 
 def test_the_token_stands_in_no_error_log_or_address(
-    stand_in: StandIn, waits: Waits, caplog: pytest.LogCaptureFixture
+    stand_in: StandIn, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     secret = "s3cret-of-a-researcher"  # noqa: S105
     with (
         caplog.at_level(logging.DEBUG),
-        ProlificClient(secret, address=stand_in.address, wait=waits) as client,
+        ProlificClient(secret, address=stand_in.address) as client,
         pytest.raises(InputError, match="PROLIFIC_TOKEN") as refused,
     ):
         client.study("x")
-
     assert secret not in str(refused.value)
     assert secret not in caplog.text
     assert not any(secret in each for each in stand_in.asked)
 
-
-def test_an_answer_that_repeats_the_token_does_not_bring_it_into_the_error(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def echo(request: httpx.Request) -> httpx.Response:
-        return httpx.Response(400, json={"error": {"detail": request.headers["Authorization"]}})
-
-    with ProlificClient(TOKEN) as client:
-        client._client = httpx.Client(
-            base_url="http://x",
-            headers={"Authorization": f"Token {TOKEN}"},
-            transport=httpx.MockTransport(echo),
-        )
-        with pytest.raises(ProlificRefusedError) as refused:
-            client.study("x")
-
-    assert TOKEN not in str(refused.value)
-
-
-def test_an_unusable_token_is_refused_without_being_shown(monkeypatch: pytest.MonkeyPatch) -> None:
-    for held, message in (("  ", "is not set"), ("two\nlines-of-token", "holds no token")):
+    for held, message in (("  ", "is not set"), (f"two\n{secret}", "holds no token")):
         monkeypatch.setenv("PROLIFIC_TOKEN", held)
         with pytest.raises(InputError, match=message) as refused:
             prolific_token()
-        assert "lines" not in str(refused.value)
+        assert secret not in str(refused.value)
 
 
-SEGMENTS = make_segments(["happiness"] * 4)
+def test_an_answer_that_repeats_the_token_does_not_bring_it_into_the_error() -> None:
+    app = Flask(__name__)
+
+    @app.route("/<path:_path>")
+    def echo(_path: str) -> ResponseReturnValue:
+        return {"error": {"detail": request.headers["Authorization"]}}, 400
+
+    with (
+        listening(app.wsgi_app) as address,
+        ProlificClient(TOKEN, address=address) as client,
+        pytest.raises(ProlificRefusedError) as refused,
+    ):
+        client.study("x")
+
+    assert TOKEN not in str(refused.value)
 
 
 def actions(sent: dict[str, Any], outcome: str) -> tuple[str, list[dict[str, Any]]]:
@@ -195,24 +169,19 @@ def actions(sent: dict[str, Any], outcome: str) -> tuple[str, list[dict[str, Any
 
 
 def test_each_outcome_has_its_code_and_only_finishing_may_be_paid_unseen() -> None:
-    sent = draft()
+    review = [{"action": "MANUALLY_REVIEW"}]
 
-    assert actions(sent, "completed") == ("COMPLETED", [{"action": "MANUALLY_REVIEW"}])
-    kind, reviewed = actions(sent, "failed_attention")
-    assert (kind, reviewed) == ("FAILED_ATTENTION_CHECK", [{"action": "MANUALLY_REVIEW"}])
-    assert actions(sent, "screened_out")[1][0]["action"] == "REQUEST_RETURN"
+    assert actions(draft(), "completed") == ("COMPLETED", review)
+    assert actions(draft(), "failed_attention") == ("FAILED_ATTENTION_CHECK", review)
+    assert actions(draft(), "screened_out")[1][0]["action"] == "REQUEST_RETURN"
     at_once = draft(automatic=True)
     assert actions(at_once, "completed")[1] == [{"action": "AUTOMATICALLY_APPROVE"}]
-    assert actions(at_once, "failed_attention")[1] == [{"action": "MANUALLY_REVIEW"}]
-
-
-def test_who_is_screened_out_can_be_paid_a_fixed_sum() -> None:
-    kind, done = actions(draft(screened_out_reward=15, screened_out_places=40), "screened_out")
-
-    assert kind == "FIXED_SCREENOUT"
-    assert done == [
-        {"action": "FIXED_SCREEN_OUT_PAYMENT", "fixed_screen_out_reward": 15, "slots": 40}
-    ]
+    assert actions(at_once, "failed_attention")[1] == review
+    fixed_sum = draft(screened_out_reward=15, screened_out_places=40)
+    assert actions(fixed_sum, "screened_out") == (
+        "FIXED_SCREENOUT",
+        [{"action": "FIXED_SCREEN_OUT_PAYMENT", "fixed_screen_out_reward": 15, "slots": 40}],
+    )
 
 
 def test_prolific_is_told_to_name_the_participant_in_the_address() -> None:
@@ -226,34 +195,21 @@ def test_prolific_is_told_to_name_the_participant_in_the_address() -> None:
     assert draft(places=7)["total_available_places"] == 7
     assert sent["peripheral_requirements"] == ["audio"]
     assert sent["device_compatibility"] == ["desktop", "tablet"]
-
-
-def test_prolific_signs_who_comes_only_where_it_is_asked_to() -> None:
+    assert "is_external_study_url_secure" not in sent
     assert draft(signed_for="study.example.org")["is_external_study_url_secure"] is True
-    assert "is_external_study_url_secure" not in draft()
-
-
-def test_two_studies_of_one_name_are_told_apart_by_their_codes() -> None:
-    names = {draft()["internal_name"], draft(completed="ZR5WQ8HXKM")["internal_name"]}
-
+    # Two studies of one name are told apart by their codes.
+    names = {sent["internal_name"], draft(completed="ZR5WQ8HXKM")["internal_name"]}
     assert len(names) == 2
     assert not any(PROLIFIC["completed"] in name for name in names)
 
 
-def test_what_is_missing_is_named() -> None:
+def test_what_is_missing_and_an_address_that_no_recruiter_accepts_are_refused() -> None:
     study = make_study(recruitment={"channel": "prolific"})
-
     with pytest.raises(InputError) as refused:
-        prolific_draft(study, SEGMENTS, "https://study.example.org/")
-
+        prolific_draft(study, (), "https://study.example.org/")
     for key in ("completed", "screened_out", "failed_attention", "reward", "page.minutes"):
         assert key in str(refused.value)
 
-
-@pytest.mark.parametrize("address", ["http://study.example.org/", "https://x.org/?a=1", "x.org"])
-def test_an_address_that_no_recruiter_accepts_is_refused(address: str) -> None:
-    study = make_study(page=PAGE, recruitment={"channel": "prolific", "prolific": PROLIFIC})
-
-    with pytest.raises(InputError, match="https://"):
-        prolific_draft(study, SEGMENTS, address)
-    assert internal_name(study).startswith("motionjury made ")
+    for address in ("http://study.example.org/", "https://x.org/?a=1", "x.org"):
+        with pytest.raises(InputError, match="https://"):
+            draft(address)
