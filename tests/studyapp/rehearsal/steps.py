@@ -14,18 +14,13 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant
-from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.simulation.raters import SeenTrial
-from studyapp.rehearsal.visit import Visit
 from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.folder import StudyFolder
 
 SPEED = 200.0
-
-AnswerTrial = Callable[[Visit, Page, Judgement], Page]
 
 
 class SpoiltTransport(httpx.WSGITransport):
@@ -81,16 +76,6 @@ def require_stored_as_acknowledged(database: Database, ledger: Ledger, people: i
     assert dict(stored) == told
 
 
-def answering(participant: Participant, answer: AnswerTrial) -> Participant:
-    """Return `participant`, who answers trials as `answer` does."""
-
-    class AnsweringSo(Participant):
-        def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
-            return answer(visit, page, judgement)
-
-    return AnsweringSo(**vars(participant))
-
-
 def seen_of(planned: PlannedTrial) -> SeenTrial:
     """Return what a rater sees of a trial that is planned."""
     return SeenTrial(
@@ -102,12 +87,3 @@ def seen_of(planned: PlannedTrial) -> SeenTrial:
         expected=planned.expected,
         instructed=planned.instructed,
     )
-
-
-def at_first_trial(client: httpx.Client, participant: Participant) -> tuple[Visit, Page]:
-    """Lead `participant` to the first trial."""
-    visit = Visit(client=client, stop=Event(), speed=SPEED)
-    page = visit.open(participant.entrance)
-    while not page.is_trial:
-        page = participant.fill(visit, page, participant.form_answers(visit, page))
-    return visit, page

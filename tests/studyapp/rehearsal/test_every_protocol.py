@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
+import httpx
 import pytest
 from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession
+from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes, read_trial
-from studyapp.rehearsal.pages import BrokenPageError, Page
+from studyapp.rehearsal.pages import BrokenPageError
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.run import rehearse
-from studyapp.rehearsal.simulation.judgement import Judgement, judge
+from studyapp.rehearsal.simulation.judgement import judge
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.simulation.raters import Rater
-from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
+from studyapp.rehearsal.visit import InterruptedRehearsal
 from studyapp.session.ending import is_excluded
+from studyapp.study.design.trial import Answers
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
-from tests.studyapp.rehearsal.steps import answering, browser
+from tests.studyapp.rehearsal.steps import browser
 from tests.support.studies.edited_study import edited
 from tests.support.studies.finished_study import write_short_video
 from tests.support.studies.stored import reading
@@ -37,14 +42,12 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Written:
     """Return a function that writes each study once."""
     root = tmp_path_factory.mktemp("protocols")
     write_short_video(root / "short.mp4", seconds=1.0)
-    known: dict[str, StudyFolder] = {}
 
-    def get(name: str) -> StudyFolder:
-        if name not in known:
-            known[name] = write_study(root / name.replace(" ", "-"), name, root / "short.mp4")
-        return known[name]
+    @cache
+    def write(name: str) -> StudyFolder:
+        return write_study(root / name.replace(" ", "-"), name, root / "short.mp4")
 
-    return get
+    return write
 
 
 @pytest.fixture
@@ -57,16 +60,31 @@ each_study = pytest.mark.parametrize("folder", STUDIES, indirect=True)
 
 
 @pytest.mark.parametrize("folder", ["mismatch"], indirect=True)
-def test_a_page_with_a_video_too_few_stops_the_participant(
-    app: Flask, participant: Participant
+@pytest.mark.parametrize(
+    ("pattern", "spoilt", "problem"),
+    [
+        (r"/begin", "/begun", r"/begun.*status 404"),
+        (r"<video(?!.*<video).*?</video>", "", "shows 1 video"),
+        (r'src="/media/', 'src="/media/x', "a video that is not of this rehearsal"),
+    ],
+)
+def test_a_spoilt_page_stops_the_participant(
+    app: Flask, participant: Participant, pattern: str, spoilt: str, problem: str
 ) -> None:
-    def shortened(html: str) -> str:
-        first, found, last = html.rpartition("<video")
-        return first + last.partition("</video>")[2] if found else html
-
     with (
-        browser(app, shortened) as client,
-        pytest.raises(BrokenPageError, match="shows 1 video"),
+        browser(app, lambda html: re.sub(pattern, spoilt, html, flags=re.S)) as client,
+        pytest.raises(BrokenPageError, match=problem),
+    ):
+        participant.take_part(client)
+
+
+@pytest.mark.parametrize("folder", ["mismatch"], indirect=True)
+def test_a_page_that_only_leads_back_to_itself_is_left(participant: Participant) -> None:
+    circle = "<h1>Start</h1><form method='post'><button>Go</button></form>"
+    transport = httpx.MockTransport(lambda _: httpx.Response(200, html=circle))
+    with (
+        httpx.Client(transport=transport, base_url="http://study.test") as client,
+        pytest.raises(BrokenPageError, match="'Start' comes back"),
     ):
         participant.take_part(client)
 
@@ -101,15 +119,15 @@ def test_a_participant_passes_all_pages_and_what_it_says_is_stored(
 
 @pytest.mark.parametrize("folder", ["ratings", "rankings with ties"], indirect=True)
 def test_who_was_stopped_halfway_comes_back_and_goes_on_with_the_same_answers(
-    app: Flask, participant: Participant, eyes: Eyes
+    app: Flask, participant: Participant, eyes: Eyes, tmp_path: Path
 ) -> None:
-    def stopping(visit: Visit, page: Page, judgement: Judgement) -> Page:
-        following = participant.answer(visit, page, judgement)
-        participant.stop.set()
-        return following
+    class StoppingLedger(Ledger):
+        def answered(self, name: str, trial: str, values: Answers) -> None:
+            participant.stop.set()
 
+    stopped = replace(participant, ledger=StoppingLedger(tmp_path / "acknowledged.jsonl"))
     with browser(app) as client, pytest.raises(InterruptedRehearsal):
-        answering(participant, stopping).take_part(client)
+        stopped.take_part(client)
     participant.stop.clear()
     with browser(app) as client:
         assert participant.take_part(client)

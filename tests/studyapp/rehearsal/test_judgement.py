@@ -64,11 +64,10 @@ def test_attention_checks_are_done_as_they_ask_or_answered_as_any_other_page(
     for rater, trial, judgement in judged(study, kinds={}, overlooked=overlooked):
         if trial.instructed is not None:
             ordinary = judge(study, rater, replace(trial, instructed=None)).values
-            assert (
-                (judgement.values == ordinary)
-                if overlooked
-                else (not study.failed(trial, judgement.values))
-            )
+            if overlooked:
+                assert judgement.values == ordinary
+            else:
+                assert not study.failed(trial, judgement.values)
 
 
 @each_study
@@ -96,35 +95,19 @@ def test_who_is_side_biased_is_drawn_to_one_end_of_the_page(study: Study) -> Non
     assert leaning("side_biased") > 1.3 * leaning("attentive")
 
 
-@pytest.fixture
-def ledger(tmp_path: Path) -> Ledger:
-    return Ledger(tmp_path / "told" / "acknowledged.jsonl")
-
-
-def being(participant: Participant, kind: Kind, ledger: Ledger) -> Participant:
-    """Return a participant who is certainly of `kind`."""
+@pytest.mark.parametrize("kind", ["returning", "double_clicking", "hasty"])
+def test_whoever_takes_part_in_whatever_way_has_every_answer_stored_once(
+    app: Flask, participant: Participant, eyes: Eyes, kind: Kind, tmp_path: Path
+) -> None:
     people = replace(participant.population, kinds={kind: 1.0})
-    return replace(participant, population=people, ledger=ledger)
-
-
-def test_who_comes_back_goes_on_where_they_left_and_everything_is_stored_once(
-    app: Flask, participant: Participant, ledger: Ledger, eyes: Eyes
-) -> None:
-    person = being(participant, "returning", ledger)
-    with browser(app) as client, pytest.raises(Departure) as departure:
-        person.take_part(client)
-    assert departure.value.returns
+    ledger = Ledger(tmp_path / "told" / "acknowledged.jsonl")
+    person = replace(participant, population=people, ledger=ledger)
+    is_back = kind == "returning"
+    if is_back:
+        with browser(app) as client, pytest.raises(Departure) as departure:
+            person.take_part(client)
+        assert departure.value.returns
     with browser(app) as client:
-        code = person.take_part(client, is_back=True)
+        code = person.take_part(client, is_back=is_back)
     assert ledger.read().codes == {person.name: code}
-    require_stored_as_acknowledged(eyes.database, ledger)
-
-
-@pytest.mark.parametrize("kind", ["double_clicking", "hasty"])
-def test_who_presses_everything_twice_or_watches_no_more_than_must_be_takes_part_once(
-    app: Flask, participant: Participant, ledger: Ledger, eyes: Eyes, kind: Kind
-) -> None:
-    person = being(participant, kind, ledger)
-    with browser(app) as client:
-        assert person.take_part(client)
     require_stored_as_acknowledged(eyes.database, ledger)

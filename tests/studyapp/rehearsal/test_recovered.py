@@ -90,3 +90,21 @@ def test_everything_is_counted_right_and_what_is_lost_or_changed_is_found_out(
 def test_without_a_rehearsal_there_is_nothing_to_find(folder: StudyFolder) -> None:
     with pytest.raises(InputError, match="has not been rehearsed"):
         recover(folder)
+
+
+def test_everything_noted_is_read_again_but_for_a_line_that_was_never_finished(
+    folder: StudyFolder,
+) -> None:
+    ledger = Ledger(folder.acknowledged)
+    ledger.answered("p", "token", {("fit", None): -2, ("realism", 3): 1})
+    ledger.left("p")
+    ledger.returned("p")
+    with ledger.path.open("a") as file:
+        file.write('{"participant": "q", "co')
+    ledger.completed("p", "CODE")
+
+    acknowledged = Ledger(folder.acknowledged).read()
+
+    assert acknowledged.answers == {("token", "fit", 0): -2, ("token", "realism", 3): 1}
+    assert acknowledged.codes == {"p": "CODE"}
+    assert (acknowledged.left["p"], acknowledged.returned["p"]) == (1, 1)

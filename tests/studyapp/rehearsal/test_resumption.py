@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -8,89 +7,73 @@ import pytest
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Place, StudySession, StudyVersion
-from studyapp.rehearsal.record import Truth, read_truth
-from studyapp.rehearsal.resumption import prepare, read_roster
-from studyapp.rehearsal.simulation.population import Population, default_population
+from studyapp.rehearsal.record import read_truth
+from studyapp.rehearsal.resumption import Roster, prepare, read_roster
+from studyapp.rehearsal.simulation.population import default_population
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.stored import filled, opened
 
-TRUTH = Truth(seed=1, study="", population=Population(quality={}), expected=())
 
-
-@pytest.fixture
-def begun(folder: StudyFolder) -> StudyFolder:
-    """A folder with a rehearsal that was begun with seed 1."""
-    prepare(folder, seed=1)
-    Database.open(sqlite_url(folder.rehearsal)).close()
-    return folder
-
-
-@pytest.fixture
-def database(begun: StudyFolder) -> Iterator[Database]:
-    with opened(begun.rehearsal) as there:
-        yield there
-
-
-def change_the_study(folder: StudyFolder) -> None:
-    text = folder.definition.read_text()
-    folder.definition.write_text(text.replace("trials = 4", "trials = 3"))
-
-
-def lose_the_truth(folder: StudyFolder) -> None:
-    folder.rehearsal_truth.unlink()
+def spoil(folder: StudyFolder, what: str) -> None:
+    if what == "study":
+        text = folder.definition.read_text()
+        folder.definition.write_text(text.replace("trials = 4", "trials = 3"))
+    if what == "record":
+        folder.rehearsal_truth.write_text('{"seed": 1, "population": {"weak": 9}}')
 
 
 @pytest.mark.parametrize(
-    ("seed", "change", "said"),
+    ("seed", "changed", "message"),
     [
-        (1, None, "is continued"),
-        (2, None, "seed was 1, not 2"),
-        (1, change_the_study, "the study has changed"),
-        (1, lose_the_truth, "rehearsal.json"),
+        (1, "", "is continued"),
+        (2, "", "seed was 1, not 2"),
+        (1, "study", "the study has changed"),
+        (1, "record", "rehearsal.json"),
+        (1, "population", "another population"),
     ],
 )
 def test_the_same_rehearsal_is_gone_on_with_and_any_other_starts_anew_and_says_so(
-    begun: StudyFolder, seed: int, change: Callable[[StudyFolder], None] | None, said: str
+    folder: StudyFolder, seed: int, changed: str, message: str
 ) -> None:
-    if change is not None:
-        change(begun)
-    truth, note = prepare(begun, seed=seed)
-    assert said in note
-    assert bool(list(begun.root.glob("rehearsal.db*"))) == (said == "is continued")
-    assert read_truth(begun.rehearsal_truth) == truth and truth.seed == seed
+    prepare(folder, seed=1)
+    Database.open(sqlite_url(folder.rehearsal)).close()
+    people = default_population(folder.study())
+    spoil(folder, changed)
+
+    others = replace(people, kinds={"careless": 0.5}) if changed == "population" else None
+    truth, note = prepare(folder, seed=seed, population=others)
+
+    assert message in note
+    assert bool(list(folder.root.glob("rehearsal.db*"))) == (message == "is continued")
+    assert read_truth(folder.rehearsal_truth) == truth
+    assert truth.seed == seed
 
 
-def test_other_people_start_anew_and_it_says_so(begun: StudyFolder) -> None:
-    others = replace(default_population(begun.study()), kinds={"careless": 0.5})
-    _, note = prepare(begun, seed=1, population=others)
-    assert "another population" in note
-    assert not begun.rehearsal.exists()
-
-
-def store(database: Database, *study_sessions: tuple[str, bool, int | None]) -> None:
-    """Store study sessions: who they are of, whether they are finished, and their place."""
+def roster(folder: StudyFolder, count: int, *arrived: tuple[int, bool, int | None]) -> Roster:
+    """Return the roster when so many came: each with its number, whether done, and its place."""
+    truth, _ = prepare(folder, seed=1)
     now = datetime.now(UTC)
-    with database.writing() as session:
-        session.add(filled(StudyVersion))
-        session.flush()
-        for name, finished, number in study_sessions:
-            known = filled(StudySession, token=name, recruiter_participant=name, version_id=1)
-            if finished:
-                known.completed_at, known.completion_code = now, name
-            if number is not None:
-                known.place = filled(Place, number=number)
-            session.add(known)
+    with opened(folder.rehearsal) as database:
+        with database.writing() as session:
+            session.add(filled(StudyVersion))
+            session.flush()
+            for number, finished, place in arrived:
+                name = f"rehearsal-{number:05d}"
+                known = filled(StudySession, token=name, recruiter_participant=name, version_id=1)
+                if finished:
+                    known.completed_at, known.completion_code = now, name
+                if place is not None:
+                    known.place = filled(Place, number=place)
+                session.add(known)
+        return read_roster(database, count, truth)
 
 
-def test_the_roster_tells_who_is_where(database: Database) -> None:
-    store(database, ("rehearsal-00002", True, 0), ("rehearsal-00001", False, 1))
-    roster = read_roster(database, 4, TRUTH)
-    assert roster.finished == ("rehearsal-00002",)
-    assert roster.started == ("rehearsal-00001",)
-    assert roster.awaited == ("rehearsal-00000", "rehearsal-00003")
-
-
-def test_no_more_are_awaited_than_twice_as_many_as_there_are_places(database: Database) -> None:
-    store(database, *((f"rehearsal-{number:05d}", True, None) for number in range(4)))
-    roster = read_roster(database, 2, TRUTH)
-    assert (roster.total, roster.remaining) == (4, ())
+def test_the_roster_tells_who_is_where_and_awaits_at_most_twice_as_many_as_there_are_places(
+    folder: StudyFolder,
+) -> None:
+    begun = roster(folder, 4, (2, True, 0), (1, False, 1))
+    assert begun.finished == ("rehearsal-00002",)
+    assert begun.remaining == ("rehearsal-00001", "rehearsal-00000", "rehearsal-00003")
+    folder.rehearsal.unlink()
+    full = roster(folder, 2, *((number, True, None) for number in range(4)))
+    assert (full.total, full.remaining) == (4, ())

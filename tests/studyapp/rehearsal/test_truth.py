@@ -110,11 +110,6 @@ def test_very_many_studies_agree_with_the_value_over_all_segments() -> None:
     assert abs(np.mean(counted) - known.value) < 3 * error
 
 
-def test_nothing_is_expected_of_shared_ranks() -> None:
-    study = made("ranking", ties=True, **STUDIES["ranks"])
-    assert expectations(study, SEGMENTS, population=PEOPLE, seed=3) == ()
-
-
 @given(
     gap=st.floats(-8, 8),
     slope_sd=st.floats(0, 2),
