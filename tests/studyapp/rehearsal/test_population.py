@@ -4,23 +4,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studyapp.rehearsal.simulation.population import (
-    QUALITY,
     default_population,
     ranks,
 )
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.rehearsal import Rehearsal
-
-
-def test_a_condition_is_as_good_as_its_generator_and_unknown_ones_as_the_file_orders_them(
-    study: PairwiseStudy,
-) -> None:
-    known = {"frozen": study.conditions["static"], "rule_based": study.conditions["rule_based"]}
-    brought = {f"mine{index}": study.conditions["brought"] for index in range(5)}
-    several = study.model_copy(update={"conditions": known | brought})
-    quality = default_population(several).quality
-    assert [quality[name]["rhythm"] for name in brought] == [0.75, 0.5, 0.25, 0.0, 0.0]
-    assert quality["frozen"]["rhythm"] == QUALITY["static"]
 
 
 def test_what_the_study_states_takes_the_place_of_what_is_guessed(study: PairwiseStudy) -> None:

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from itertools import chain, count, product
 from pathlib import Path
@@ -24,7 +23,7 @@ from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.run import rehearse
 from studyapp.rehearsal.simulation.judgement import Conduct, judge
-from studyapp.rehearsal.simulation.population import Population, default_population
+from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
@@ -87,77 +86,59 @@ def wait_for(what: str, *, happens: Callable[[], object], seconds: float = 120) 
         time.sleep(0.05)
 
 
-def expected(folder: StudyFolder, population: Population, seed: int) -> list[tuple[object, ...]]:
-    """What the raters say who come to all places, those who follow one that leaves included."""
+@pytest.fixture(scope="module")
+def said(rendered: Path) -> list[tuple[object, ...]]:
+    """What the raters of seed 3 say who come to all places, and who follow one that leaves."""
+    folder = StudyFolder(rendered)
     study, segments = folder.study(), folder.segments()
     assert isinstance(study, PairwiseStudy)
-    said: list[tuple[object, ...]] = []
+    population = default_population(study)
+    rows: list[tuple[object, ...]] = []
     for comparison, number in product(study.others, range(study.participants_per_comparison)):
         plan = pair_plan(study, segments, other=comparison, number=number)
         place = f"{comparison_name(study.reference, comparison)} {number}"
         for name in chain([place], (f"{place} again {earlier}" for earlier in count(1))):
-            rater = Rater(population=population, seed=seed, name=name)
+            rater = Rater(population=population, seed=3, name=name)
             conduct = Conduct(rater=rater, trials=len(plan), coverage=1)
             leaves_at = None if conduct.returns else conduct.leaves_at
             for trial in plan[: leaves_at and leaves_at - 1]:
                 given = judge(study, rater, seen_of(trial)).values
-                said.extend(
+                rows.extend(
                     (name, trial.position, question, *trial.conditions, value)
                     for (question, _), value in given.items()
                 )
             if leaves_at is None:
                 break
-    return sorted(said, key=str)
-
-
-@pytest.fixture(scope="module")
-def said(rendered: Path) -> list[tuple[object, ...]]:
-    """What is to be stored of a rehearsal with seed 3."""
-    folder = StudyFolder(rendered)
-    return expected(folder, default_population(folder.study()), seed=3)
+    return sorted(rows, key=str)
 
 
 @pytest.mark.slow
-def test_everybody_gets_a_code_and_answers_by_the_seed_and_real_answers_are_never_touched(
-    folder: StudyFolder, monkeypatch: pytest.MonkeyPatch
+def test_participants_can_be_added_answer_by_the_seed_alone_and_real_answers_are_never_touched(
+    folder: StudyFolder, said: list[tuple[object, ...]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Who leaves is replaced, and nobody's answers depend on who comes first."""
     monkeypatch.setenv("DATABASE_URL", sqlite_url(folder.root / "elsewhere.db"))
     folder.responses.write_bytes(b"real answers")
-    people = replace(default_population(folder.study()), kinds={})
+    first = rehearse(folder, participants=1, seed=3, workers=1)
+    assert (first.completed, first.kept) == (2, 0)
+    assert set(what_was_answered(folder)) < set(said)
+
     seen: list[tuple[int, int]] = []
-    result = rehearse(
-        folder, seed=4, population=people, on_done=lambda done, total: seen.append((done, total))
-    )
-    assert (result.completed, result.kept, result.left) == (6, 0, 0)
-    assert seen == [(done, 6) for done in range(7)]
-    assert read_truth(folder.rehearsal_truth).seed == 4
-    table = answers(folder)
-    # 1 practice, 3 main, 1 repeat, 1 catch; two questions each.
-    assert table.groupby("study_session").size().tolist() == [12] * 6
-    assert table.groupby("comparison")["study_session"].nunique().tolist() == [3, 3]
-    assert (table["watched"] == 1).all()
-    assert what_was_answered(folder) == expected(folder, people, seed=4)
-    assert what_was_answered(folder) != expected(folder, people, seed=3)
+    rehearse(folder, seed=3, on_done=lambda done, total: seen.append((done, total)))
+
+    assert what_was_answered(folder) == said
+    done, total = zip(*seen, strict=True)
+    assert list(done) == sorted(done)
+    assert done[-1] == total[-1]
+    before = answers(folder)
+    assert before.groupby("comparison")["study_session"].nunique().min() >= 3
+    fewer = rehearse(folder, participants=1, seed=3)
+    assert (fewer.completed, fewer.kept) == (6, 6)
+    pd.testing.assert_frame_equal(answers(folder), before)
     assert not servers(folder)
     assert folder.responses.read_bytes() == b"real answers"
     assert not (folder.root / "elsewhere.db").exists()
     assert list(folder.root.glob("responses.db*")) == [folder.responses]
-
-
-@pytest.mark.slow
-def test_more_participants_can_be_added_one_after_another_and_answer_by_the_seed_alone(
-    folder: StudyFolder, said: list[tuple[object, ...]]
-) -> None:
-    """Who leaves is replaced, and nobody's answers depend on who comes first."""
-    first = rehearse(folder, participants=1, seed=3, workers=1)
-    assert first.completed == 2
-    assert set(what_was_answered(folder)) < set(said)
-    rehearse(folder, participants=3, seed=3, workers=1)
-    assert what_was_answered(folder) == said
-    before = answers(folder)
-    fewer = rehearse(folder, participants=1, seed=3)
-    assert (fewer.completed, fewer.kept) == (6, 6)
-    pd.testing.assert_frame_equal(answers(folder), before)
 
 
 def interrupt(folder: StudyFolder) -> None:
