@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.answers.cells import Cells
-from analysis.answers.participant_facts import KnownFacts
+from analysis.answers.exclusion_rules import KnownFacts
 from analysis.answers.participants import LeftOut, leave_out
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import PAIRWISE, AnswerTable

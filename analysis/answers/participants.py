@@ -11,12 +11,12 @@ import pandas as pd
 
 from analysis.answers.exclusion_rules import (
     ExclusionRule,
+    KnownFacts,
     RuleOutcome,
     apply_rules,
     failed_catch_trials,
     marked,
 )
-from analysis.answers.participant_facts import KnownFacts
 from analysis.answers.quality import NOTHING_KNOWN, facts_of
 from analysis.answers.table import ANALYSED_KINDS, AnswerTable
 

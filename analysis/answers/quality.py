@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.answers.participant_facts import KnownFacts, ParticipantFacts, SameAnswer
+from analysis.answers.exclusion_rules import KnownFacts, ParticipantFacts, SameAnswer
 from analysis.answers.table import ANALYSED_KINDS, AnswerTable
 
 Floats = NDArray[np.float64]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -243,6 +244,10 @@ class AnswerTable:
     def has_sets(self) -> bool:
         """Whether the answers are kept apart by set."""
         return self.sets not in ((), ("",))
+
+    def limits(self, question: str) -> tuple[float, float]:
+        """Return where ratings can lie: anywhere, unless the scale is stated."""
+        return self.scales.get(question, (-math.inf, math.inf))
 
     @property
     def shown(self) -> pd.DataFrame:

@@ -14,9 +14,9 @@ from typing import Final
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy import stats
 
-from analysis.planning.many_studies import clustered_tests, preference_thresholds
-from analysis.planning.part import Opinions, Part
+from analysis.planning.part import Opinions, Part, preference_thresholds
 from analysis.results.net_preference import (
     Expected,
     SidedAnswers,
@@ -24,11 +24,13 @@ from analysis.results.net_preference import (
     net_preference,
 )
 from analysis.results.preference import FEWEST
+from analysis.stats.clustered_mean import Clusters, clustered_variance
 from analysis.stats.multiple_testing import holm_rows
-from analysis.stats.plackett_luce import plackett_luce
 from analysis.stats.strength_differences import difference_tests
+from analysis.stats.strength_models import plackett_luce
 
 Floats = NDArray[np.float64]
+Codes = NDArray[np.intp]
 
 LEVEL: Final = 0.05
 """Corrected p values below it decide."""
@@ -176,6 +178,37 @@ class DecidingTests:
         if fit.two_way is None:
             return np.full(len(self.pairs), np.nan), signs
         return difference_tests(fit.strengths, fit.two_way)[first, second], signs
+
+
+def clustered_tests(values: Floats, participants: Codes, items: Codes) -> tuple[Floats, Floats]:
+    """Test whether the means of many studies of one design are zero.
+
+    The same as `analysis.stats.clustered_mean.clustered_mean` of each row.
+
+    Parameters
+    ----------
+    values : ndarray, shape (studies, N)
+        Answers, 0 for no preference.
+    participants, items : ndarray of int, shape (N,)
+        Who answered about what.
+
+    Returns
+    -------
+    tuple of ndarray, shape (studies,)
+        The means, and the two-sided p values; NaN where a study has no test.
+    """
+    if not values.shape[1]:
+        missing = np.full(len(values), np.nan)
+        return missing, missing
+    clusters = Clusters.of(participants, items)
+    means = values.mean(axis=1)
+    influences = (values - means[:, None]).T / values.shape[1]
+    variance = clustered_variance(influences, clusters.participants, clusters.segments)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        t = np.abs(means) / np.sqrt(variance.variance)
+    p_values = 2 * stats.t(variance.df).sf(t)
+    p_values[np.ptp(values, axis=1) == 0] = np.nan
+    return means, np.asarray(p_values, np.float64)
 
 
 def _savage_scores(ranks: Floats) -> Floats:

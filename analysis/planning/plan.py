@@ -11,8 +11,7 @@ from typing import Final
 from scipy.stats import norm
 
 from analysis.planning.grid import Cell, Runner, Task, estimate_minutes, limit_effort
-from analysis.planning.many_studies import describe_effect
-from analysis.planning.part import Opinions, Size
+from analysis.planning.part import Opinions, Size, describe_effect
 from analysis.planning.power import Effort
 
 WANTED: Final = 0.8

@@ -18,8 +18,7 @@ from analysis.planning.deciding_tests import (
     decided_by_holm,
     detection_shares,
 )
-from analysis.planning.many_studies import simulate_answers
-from analysis.planning.part import Opinions, Part, Trials
+from analysis.planning.part import Opinions, Part, Trials, simulate_answers
 
 Floats = NDArray[np.float64]
 

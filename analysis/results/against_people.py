@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
+from scipy import stats
 
 from analysis.answers.table import AnswerTable
 from analysis.measurement.scores import StudyMetrics
 from analysis.metrics.result import Better
 from analysis.results.grouping import ByQuestion, by_question
-from analysis.results.metric_scores import (
-    OrientedMetric,
-    WithinCorrelation,
-    oriented_metrics,
-    within_conditions,
-)
 from analysis.results.rank_correlations import (
     METHOD,
     RankCorrelation,
@@ -27,17 +23,45 @@ from analysis.results.rank_correlations import (
     over_conditions,
     sampling_range,
 )
-from analysis.results.resampled_preferences import (
+from analysis.results.resamples import (
     PREFERENCE,
     RESAMPLES,
+    OrientedMetric,
     ResampledPreferences,
     Tallies,
+    oriented_metrics,
     resample_preferences,
     tally,
 )
+from analysis.stats.clustered_mean import LEVEL, Interval
 from analysis.stats.samples import percentile_interval
 
+Floats = NDArray[np.float64]
+
 SEED: Final = 0
+
+
+FEWEST_SEGMENTS: Final = 6
+"""With fewer, it is not known how much the correlation varies between segments."""
+
+_ROUNDING: Final = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class WithinCorrelation(Interval):
+    """Pearson's correlation over single clips, each measured from the mean of its condition.
+
+    The interval is clustered by segment.
+
+    Attributes
+    ----------
+    cells, segments, answers : int
+        Clips (of pairwise comparisons, pairs of clips), segments and answers that it rests on.
+    """
+
+    cells: int
+    segments: int
+    answers: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -243,3 +267,99 @@ def _scored(
         low=low,
         high=high,
     )
+
+
+def within_conditions(tallies: Tallies, metric: OrientedMetric) -> WithinCorrelation:
+    """Correlate scores with mean answers over clips, both measured from their group's mean.
+
+    A group is a condition, or of pairwise comparisons a pair of conditions: there the difference
+    of two scores is correlated with the win share. Every clip weighs as much as it has answers.
+    The interval is a jackknife over segments, whose clips share one speech (on Fisher's scale, t
+    with segments - 1 degrees of freedom).
+
+    Parameters
+    ----------
+    tallies : Tallies
+        The answers.
+    metric : OrientedMetric
+        One metric of the same conditions and segments.
+    """
+    unknown = WithinCorrelation(cells=0, segments=0, answers=0)
+    if metric.clips is None:
+        return replace(unknown, reason="the metric scores whole conditions, not clips")
+    if not len(metric.present):
+        return replace(unknown, reason="no condition has a usable score")
+    sums, answers = tallies.cells
+    scores = _scores_of_groups(tallies, metric, metric.clips)
+    usable = (answers > 0) & ~np.isnan(scores)
+    # A group with one clip does not vary.
+    usable &= (usable.sum(axis=1) > 1)[:, None]
+    weights = np.where(usable, answers, 0)
+    counted = WithinCorrelation(
+        cells=int(usable.sum()),
+        segments=int(usable.any(axis=0).sum()),
+        answers=int(weights.sum()),
+    )
+    if counted.segments < 2:
+        return replace(counted, reason="fewer than two segments have scores and answers")
+    scores = np.where(usable, scores, 0)
+    means = np.where(usable, sums / np.where(answers, answers, 1), 0)
+    for values, name in ((scores, "scores"), (means, "answers")):
+        if not _differ(values, weights):
+            return replace(counted, reason=f"the {name} do not differ within conditions")
+    products = np.stack([weights * product for product in _products(scores, means)])
+    estimate = float(_correlation(products.sum(axis=2)[..., None])[0])
+    without_each = (products.sum(axis=2)[..., None] - products)[:, :, usable.any(axis=0)]
+    low, high, reason = _interval(estimate, _correlation(without_each))
+    return replace(counted, estimate=estimate, low=low, high=high, reason=reason)
+
+
+def _scores_of_groups(tallies: Tallies, metric: OrientedMetric, clips: Floats) -> Floats:
+    """Return the oriented score of each group's clip, shape (G, segments); NaN where unknown."""
+    oriented = metric.orient(clips, metric.recorded_clips).copy()
+    oriented[list(metric.left_out)] = math.nan
+    if tallies.groups.shape[1] == 1:
+        return oriented[tallies.groups[:, 0]]
+    return np.asarray(oriented[tallies.groups[:, 0]] - oriented[tallies.groups[:, 1]])
+
+
+def _differ(values: Floats, weights: Floats) -> bool:
+    """Tell whether values differ within any group by more than rounding errors."""
+    totals = weights.sum(axis=1, keepdims=True)
+    means = (weights * values).sum(axis=1, keepdims=True) / np.where(totals, totals, 1)
+    deviation = np.abs(np.where(weights > 0, values - means, 0)).max()
+    return bool(deviation > _ROUNDING * np.abs(values).max())
+
+
+def _products(first: Floats, second: Floats) -> tuple[Floats, ...]:
+    """Return the terms of a correlation: one, both values, their squares and their product."""
+    # Centred, so that the squares lose no digits.
+    first, second = first - first.mean(), second - second.mean()
+    return np.ones_like(first), first, second, first**2, second**2, first * second
+
+
+def _correlation(sums: Floats) -> Floats:
+    """Return the pooled correlation within groups from sums, shape (6, G, ...); NaN for none."""
+    count, first, second, first_squares, second_squares, products = sums
+    count = np.where(count > 0, count, 1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        covariance = (products - first * second / count).sum(axis=0)
+        first_variance = (first_squares - first**2 / count).sum(axis=0)
+        second_variance = (second_squares - second**2 / count).sum(axis=0)
+        correlation = covariance / np.sqrt(
+            np.maximum(first_variance, 0) * np.maximum(second_variance, 0)
+        )
+    return np.asarray(np.clip(correlation, -1, 1))
+
+
+def _interval(estimate: float, without_each: Floats) -> tuple[float, float, str]:
+    count = len(without_each)
+    if count < FEWEST_SEGMENTS:
+        return math.nan, math.nan, f"{count} segments are too few for an interval"
+    if np.isnan(without_each).any() or np.abs([estimate, *without_each]).max() > 1 - _ROUNDING:
+        return math.nan, math.nan, "but for one segment, scores and answers lie on a line"
+    z = np.arctanh(without_each)
+    error = math.sqrt((count - 1) / count * float(np.square(z - z.mean()).sum()))
+    margin = float(stats.t(count - 1).ppf((1 + LEVEL) / 2)) * error
+    centre = math.atanh(estimate)
+    return math.tanh(centre - margin), math.tanh(centre + margin), ""

@@ -10,7 +10,6 @@ import pandas as pd
 
 from analysis.answers.participants import LeftOut
 from analysis.answers.table import AnswerTable
-from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.grouping import (
     EVERYTHING,
     ByQuestion,
@@ -21,6 +20,7 @@ from analysis.results.grouping import (
     is_on_right,
     split_by_question,
 )
+from analysis.results.headline import Agreement, agreement_of, retest_of
 from analysis.results.heterogeneity import (
     ConditionHeterogeneity,
     PairHeterogeneity,
@@ -35,7 +35,7 @@ from analysis.results.strengths import (
 )
 from analysis.stats.agreement import Retest
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.equivalence import Equivalence, equivalence_of
+from analysis.stats.one_sample_tests import Equivalence, equivalence_of
 
 MOST_PAIRED: Final = 3
 """Conditions up to which single comparisons decide; of more, the strengths of all of them."""

@@ -22,8 +22,8 @@ from analysis.results.grouping import (
 from analysis.results.net_preference import NetPreference, SidedAnswers, net_preference, sided
 from analysis.stats.clustered_mean import Estimate, Interval, clustered_mean
 from analysis.stats.f_tests import min_f
+from analysis.stats.one_sample_tests import Pooled, pooled_tests, sign_test, signed_rank
 from analysis.stats.samples import group_means
-from analysis.stats.signed_rank import Pooled, pooled_tests, sign_test, signed_rank
 
 Z_95: Final = float(stats.norm.ppf(0.975))
 

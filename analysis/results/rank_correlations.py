@@ -12,8 +12,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.results.metric_scores import OrientedMetric
-from analysis.results.resampled_preferences import ResampledPreferences
+from analysis.results.resamples import OrientedMetric, ResampledPreferences
 from analysis.stats.clustered_mean import Interval
 from analysis.stats.samples import bootstrap_counts, percentile_interval
 

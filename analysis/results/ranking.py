@@ -28,18 +28,15 @@ from analysis.results.strengths import (
     StrengthDifference,
     fit_worths,
 )
-from analysis.stats.friedman import (
-    Concordance,
+from analysis.stats.agreement import Concordance, kendall_w
+from analysis.stats.rankings import (
     Friedman,
     PairwiseRanks,
-    compare_pairs,
-    friedman,
-    kendall_w,
-)
-from analysis.stats.placements import (
     Placements,
     RankSummary,
     blocks_of_rankings,
+    compare_pairs,
+    friedman,
     placements,
     rank_summaries,
 )

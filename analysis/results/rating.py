@@ -13,7 +13,6 @@ import pandas as pd
 
 from analysis.answers.participants import LeftOut
 from analysis.answers.table import AnswerTable
-from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.grouping import (
     EVERYTHING,
     ByQuestion,
@@ -26,10 +25,11 @@ from analysis.results.grouping import (
     shown_conditions,
     split_by_question,
 )
+from analysis.results.headline import Agreement, agreement_of, retest_of
 from analysis.results.heterogeneity import PairHeterogeneity, correct_tests, heterogeneity
 from analysis.stats.agreement import Retest
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.equivalence import Equivalence, equivalence_of, equivalence_of_means
+from analysis.stats.one_sample_tests import Equivalence, equivalence_of, equivalence_of_means
 from analysis.stats.ordinal.mixed_model import RandomEffect, fit
 from analysis.stats.ratings import (
     RatedCells,
@@ -278,9 +278,7 @@ def rating_results(
         shown = shown_conditions(answers)
         conditions += [
             RatedCondition(set=set_name, question=question, **vars(summary))
-            for summary in rating_table(
-                answers, shown, scores_of(table), limits_of(table, question)
-            )
+            for summary in rating_table(answers, shown, scores_of(table), table.limits(question))
         ]
         differences = list(_contrasts(set_name, question, answers, cells, model))
         contrasts += differences
@@ -308,11 +306,6 @@ def scores_of(table: AnswerTable) -> tuple[int, ...]:
     low = min((low for low, _ in table.scales.values()), default=min(1, scores[0]))
     high = max((high for _, high in table.scales.values()), default=max(5, scores[-1]))
     return tuple(range(low, high + 1)) if high - low < MOST_SCORES else tuple(scores)
-
-
-def limits_of(table: AnswerTable, question: str) -> tuple[float, float]:
-    """Return where ratings can lie: anywhere, unless the scale is stated."""
-    return table.scales.get(question, (-math.inf, math.inf))
 
 
 def _equivalents(

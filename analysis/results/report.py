@@ -30,7 +30,6 @@ from analysis.measurement.scores import StudyMetrics
 from analysis.results.against_people import AgainstPeople, metrics_against_people
 from analysis.results.grouping import EVERYTHING, ByQuestion, Family, read_family
 from analysis.results.headline import Sensitivity, sensitivity
-from analysis.results.looks import NOT_LOGGED, LooksBefore
 from analysis.results.pairwise import (
     MismatchResults,
     PairwiseResults,
@@ -39,7 +38,8 @@ from analysis.results.pairwise import (
 )
 from analysis.results.ranking import RankingResults, ranking_results
 from analysis.results.rating import RatingResults, rating_results
-from analysis.stats.equivalence import require_margin
+from analysis.stats.multiple_testing import NOT_LOGGED, LooksBefore
+from analysis.stats.one_sample_tests import require_margin
 from motion.errors import InputError
 from motion.files import sha256_of
 

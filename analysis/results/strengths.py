@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.results.grouping import PairKey, codes, shown_conditions
-from analysis.stats.bradley_terry import Votes, bradley_terry
 from analysis.stats.clustered_mean import LEVEL, Estimate, Interval
 from analysis.stats.f_tests import FTest
-from analysis.stats.plackett_luce import plackett_luce
+from analysis.stats.one_sample_tests import sign_test
 from analysis.stats.samples import group_means
-from analysis.stats.signed_rank import sign_test
 from analysis.stats.strength_differences import difference_tests, omnibus, rank_intervals
+from analysis.stats.strength_models import Votes, bradley_terry, plackett_luce
 from analysis.stats.strengths import FittedStrengths
 
 Floats = NDArray[np.float64]

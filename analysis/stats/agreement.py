@@ -1,8 +1,8 @@
-"""How far participants agree: with one another (Krippendorff's alpha), and with themselves (kappa).
+"""How far participants agree, with one another (alpha, Kendall's W) and with themselves (kappa).
 
-Alpha is 1 where all participants agree, 0 where they agree as far as chance would make them. A
-real effect may come with an alpha near zero: that all prefer one condition slightly, each in other
-items, is agreement about the condition and not about the items.
+Krippendorff's alpha is 1 where all participants agree, 0 where they agree as far as chance would
+make them. A real effect may come with an alpha near zero: that all prefer one condition slightly,
+each in other items, is agreement about the condition and not about the items.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.stats.clustered_mean import Interval
-from analysis.stats.samples import finite, percentile_interval
-from motion.errors import InputError
+from analysis.stats.rankings import Blocks, Placements, blocks_of_rankings, friedman
+from analysis.stats.samples import bootstrap_counts, finite, percentile_interval
 
 Floats = NDArray[np.float64]
 
@@ -64,18 +64,8 @@ def krippendorff_alpha(
         Who answered about what; one answer of each about each.
     resamples, seed : int
         Bootstrap resamples of the items, and what draws them.
-
-    Raises
-    ------
-    InputError
-        If somebody answered twice about an item.
     """
     table = pd.DataFrame({"value": finite(values), "rater": raters, "item": items})
-    if table.duplicated(["rater", "item"]).any():
-        raise InputError(
-            "a participant answered twice about an item",
-            remedy="Measure agreement for one question and one comparison at a time",
-        )
     table = table[table.groupby("item")["rater"].transform("size") > 1]
     domain, codes = np.unique(table["value"].to_numpy(), return_inverse=True)
     rows = pd.factorize(table["item"])[0]
@@ -215,3 +205,166 @@ def _drawn_tables(tables: Floats, resamples: int, seed: int) -> Iterator[Floats]
         block = min(BLOCK, resamples - start)
         times = chance.multinomial(count, np.full(count, 1 / count), size=block)
         yield (times @ flat).reshape(block, size, size)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SegmentConcordance:
+    """Kendall's W of the rankings of one segment.
+
+    Attributes
+    ----------
+    segment : str
+        Which one.
+    estimate : float
+        Kendall's W with ties, from 0 to 1; NaN where there is none.
+    p_value : float
+        Of W being no more than chance gives, by chi-square; rough for few rankings.
+    n, incomplete : int
+        Rankings it rests on, and those left out because they do not place every condition.
+    reason : str
+        Why there is no number; empty where there is one.
+    """
+
+    segment: str
+    estimate: float
+    p_value: float
+    n: int
+    incomplete: int
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Concordance(Interval):
+    """How far participants agree about one question, by Kendall's W.
+
+    The estimate is the mean over the segments that have one; its interval draws participants and
+    segments again.
+
+    Attributes
+    ----------
+    overall : float
+        Of the participants about the conditions, each ranked by the participant's mean ranks
+        over segments (see `Friedman`).
+    n : int
+        Participants behind `overall`.
+    segments : tuple of SegmentConcordance
+        Of the participants about each segment.
+    method : str
+        How the interval was found.
+    """
+
+    overall: float
+    n: int
+    segments: tuple[SegmentConcordance, ...]
+    method: str = ""
+
+
+def kendall_w(rankings: Placements, *, resamples: int = RESAMPLES, seed: int = 0) -> Concordance:
+    """Measure how far participants agree (Kendall & Babington Smith 1939, corrected for ties).
+
+    Parameters
+    ----------
+    rankings : Placements
+        Of one question.
+    resamples, seed : int
+        Bootstrap resamples of participants and segments, and what draws them.
+    """
+    segments = tuple(
+        _of_segment(rankings, number, name) for number, name in enumerate(rankings.segment_names)
+    )
+    known = [concordance.estimate for concordance in segments if not concordance.reason]
+    overall = friedman(blocks_of_rankings(rankings))
+    concordance = Concordance(
+        estimate=float(np.mean(known)) if known else math.nan,
+        overall=overall.kendall_w,
+        n=overall.n,
+        segments=segments,
+        reason=overall.reason,
+    )
+    if len(known) < 2:
+        few = "one segment gives no interval" if known else "no segment was ranked by two"
+        return replace(concordance, reason=overall.reason or few)
+    drawn = resampled_concordance(rankings, resamples=resamples, seed=seed)
+    low, high = percentile_interval(drawn)
+    return replace(
+        concordance,
+        low=low,
+        high=high,
+        method=f"bootstrap over participants and segments, {resamples} resamples",
+    )
+
+
+def _of_segment(rankings: Placements, number: int, name: str) -> SegmentConcordance:
+    rows = rankings.segments == number
+    complete = rows & rankings.complete
+    test = friedman(Blocks(conditions=rankings.conditions, means=-rankings.ranks[complete]))
+    return SegmentConcordance(
+        segment=name,
+        estimate=test.kendall_w,
+        p_value=test.p_value,
+        n=test.n,
+        incomplete=int((rows & ~complete).sum()),
+        reason=test.reason,
+    )
+
+
+def resampled_concordance(
+    rankings: Placements, *, resamples: int = RESAMPLES, seed: int = 0
+) -> Floats:
+    """Return the mean W over segments of resampled studies, shape (resamples,).
+
+    A participant drawn twice agrees with themselves, which would raise W. So only pairs of
+    different participants count: with their mean correlation r, W of n rankings is
+    (1 + (n - 1) r) / n.
+
+    Parameters
+    ----------
+    rankings : Placements
+        Of one question; rankings that leave conditions out do not count.
+    resamples, seed : int
+        How many to draw, and what draws them.
+
+    Returns
+    -------
+    ndarray, shape (resamples,)
+        NaN where no segment drawn has two different participants who tell conditions apart.
+    """
+    chance = np.random.default_rng(seed)
+    complete = rankings.complete
+    participants, segments = rankings.participants[complete], rankings.segments[complete]
+    centred = rankings.ranks[complete] - (len(rankings.conditions) + 1) / 2
+    squares = (centred**2).sum(axis=1)
+    participant_count, segment_count = len(rankings.participant_names), len(rankings.segment_names)
+    of_segment = [np.flatnonzero(segments == segment) for segment in range(segment_count)]
+    means = []
+    for start in range(0, resamples, BLOCK):
+        size = min(BLOCK, resamples - start)
+        by_participant = bootstrap_counts(chance, size, participant_count)
+        by_segment = bootstrap_counts(chance, size, segment_count)
+        concordances = np.stack(
+            [
+                _concordance(by_participant[:, participants[rows]], centred[rows], squares[rows])
+                for rows in of_segment
+            ],
+            axis=1,
+        )
+        known = ~np.isnan(concordances) & (by_segment > 0)
+        weights = np.where(known, by_segment, 0.0)
+        with np.errstate(invalid="ignore"):
+            means.append(
+                (weights * np.where(known, concordances, 0.0)).sum(axis=1) / weights.sum(axis=1)
+            )
+    return np.concatenate(means)
+
+
+def _concordance(times: Floats, centred: Floats, squares: Floats) -> Floats:
+    """Return W of one segment's rankings, each counted `times`, shape (resamples, rankings)."""
+    count = len(centred)
+    sums = times @ centred
+    pairs = (sums**2).sum(axis=1) - times**2 @ squares
+    total = times.sum(axis=1)
+    different = total**2 - (times**2).sum(axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        correlation = pairs / different / (times @ squares / total)
+    correlation[different <= 0] = np.nan
+    return np.asarray((1 + (count - 1) * correlation) / max(count, 1), np.float64)

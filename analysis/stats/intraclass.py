@@ -17,7 +17,6 @@ from scipy import stats
 
 from analysis.stats.clustered_mean import Interval
 from analysis.stats.samples import finite
-from motion.errors import InputError
 
 Floats = NDArray[np.float64]
 
@@ -83,23 +82,10 @@ def intraclass_correlation(
         Answers as numbers.
     raters, items : ndarray, shape (N,)
         Who answered about what; one answer of each about each.
-
-    Raises
-    ------
-    InputError
-        If somebody answered twice about an item.
     """
     y = finite(values)
     rater_codes, item_codes = pd.factorize(raters)[0], pd.factorize(items)[0]
-    rater_count, item_count = (
-        int(rater_codes.max(initial=-1)) + 1,
-        int(item_codes.max(initial=-1)) + 1,
-    )
-    if pd.Series(item_codes * rater_count + rater_codes).duplicated().any():
-        raise InputError(
-            "a participant answered twice about an item",
-            remedy="Measure agreement for one question and one comparison at a time",
-        )
+    rater_count, item_count = (int(c.max(initial=-1)) + 1 for c in (rater_codes, item_codes))
     complete = len(y) == rater_count * item_count
     unknown = Intraclass(
         participants_per_item=float(stats.hmean(np.bincount(item_codes))) if len(y) else math.nan,

@@ -19,7 +19,6 @@ from scipy import stats
 
 from analysis.stats.clustered_mean import LEVEL, Clusters, Estimate, clustered_mean, with_interval
 from analysis.stats.samples import finite
-from motion.errors import InputError
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
@@ -231,25 +230,12 @@ def rating_table(
     answers : DataFrame
         Columns `participant`, `segment`, `condition` and `value`, one row per rating.
     conditions : sequence of str
-        In the order wanted; one without ratings gets a row that says so.
+        In the order wanted.
     scores : sequence of int
-        All scores that can be given, ascending.
+        All scores that can be given, ascending; every rating is one of them.
     limits : (float, float)
         Where intervals are cut: the ends of the scale, where it is known.
-
-    Raises
-    ------
-    InputError
-        If a rating is none of `scores`.
     """
-    values = answers["value"].to_numpy()
-    strange = ~np.isin(values, scores)
-    if strange.any():
-        raise InputError(
-            f"a rating is {values[strange][0]:g}, which is not one of the scores "
-            f"{', '.join(map(str, scores))}",
-            remedy="Correct the rating, or name all scores of the scale",
-        )
     return tuple(
         _summary(condition, answers[answers["condition"] == condition], scores, limits)
         for condition in conditions

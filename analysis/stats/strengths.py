@@ -1,23 +1,188 @@
-"""Fitted strengths, and which of them comparisons identify: links, and who never lost."""
+"""Strengths of conditions from choices: a conditional logit model, and what comparisons identify.
+
+In every situation there are a few alternatives; alternative a is chosen with a probability
+proportional to exp(features of a · parameters). Davidson's Bradley-Terry model and the
+Plackett-Luce model are of this kind. Answers are counted first, so that a million of them cost
+what their kinds cost.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix
+from scipy import sparse
 from scipy.sparse.csgraph import connected_components
+from scipy.special import expit
 
-from analysis.stats.choices import ChoiceFit
 from analysis.stats.strength_differences import ONE_PARTICIPANT, TwoWayErrors, standard_errors
 from motion.errors import listed
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
+
+STEPS: Final = 100
+FLAT: Final = 1e-10
+"""Largest parameter change after which the maximum counts as found."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choices:
+    """Who chose which alternative; those of all situations are numbered through.
+
+    Attributes
+    ----------
+    features : ndarray, shape (alternatives, parameters)
+        What makes each alternative likely.
+    sizes : sequence of int
+        Number of alternatives of each situation.
+    chosen : ndarray of int, shape (N,)
+        The alternative that was chosen.
+    participant, segment : ndarray of int, shape (N,)
+        Who chose, and about which segment; from 0.
+    """
+
+    features: Floats
+    sizes: Sequence[int]
+    chosen: Codes
+    participant: Codes
+    segment: Codes
+
+    @cached_property
+    def votes(self) -> Floats:
+        """How often each alternative was chosen, shape (alternatives,)."""
+        return np.bincount(self.chosen, minlength=len(self.features)).astype(np.float64)
+
+    @cached_property
+    def starts(self) -> Codes:
+        """Place of each situation's first alternative."""
+        return np.cumsum([0, *self.sizes[:-1]])
+
+    @cached_property
+    def situation_of(self) -> Codes:
+        """Situation of each alternative, shape (alternatives,)."""
+        return np.repeat(np.arange(len(self.sizes)), self.sizes)
+
+    def totals(self, values: Floats) -> Floats:
+        """Return the sum of the alternatives' `values` in each situation."""
+        return np.asarray(np.add.reduceat(values, self.starts), np.float64)
+
+    def log_shares(self, parameters: Floats) -> Floats:
+        """Return the logarithm of each alternative's probability within its situation."""
+        worths = self.features @ parameters
+        worths = worths - np.maximum.reduceat(worths, self.starts)[self.situation_of]
+        return np.asarray(worths - np.log(self.totals(np.exp(worths)))[self.situation_of])
+
+    def mean_features(self, shares: Floats) -> Floats:
+        """Return each situation's mean of the features, weighted with `shares`."""
+        return self.totals(shares[:, None] * self.features)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChoiceFit:
+    """Fitted parameters of a choice model.
+
+    Attributes
+    ----------
+    estimates : ndarray, shape (parameters,)
+        Maximum-likelihood estimates.
+    by_model : ndarray, shape (parameters, parameters)
+        Covariance if the model were true and all choices independent (inverse Hessian).
+    clustered : ndarray
+        Covariance that lets the choices of one participant depend on one another (sandwich, CR0);
+        NaN where there is one participant.
+    influences : ndarray, shape (alternatives, parameters)
+        What a choice of each alternative adds to the estimates' error, to first order.
+    log_likelihood : float
+        At the estimates.
+    converged : bool
+        Whether the maximum was found.
+    """
+
+    estimates: Floats
+    by_model: Floats
+    clustered: Floats
+    influences: Floats
+    log_likelihood: float
+    converged: bool
+
+
+def fit_choices(data: Choices, prior: Floats | None = None) -> ChoiceFit:
+    """Fit the model by Newton's method; the likelihood has no other maxima.
+
+    Parameters
+    ----------
+    data : Choices
+        The parameters must be identified by the situations, or by the prior: where some are not,
+        `converged` is False.
+    prior : ndarray, shape (comparisons, parameters), optional
+        Features of pseudo-comparisons, each won half a time and lost half a time, as the
+        pseudo-rankings of Turner, van Etten, Firth & Kosmidis (2020), so that estimates are finite
+        where nobody ever lost. The log-likelihood leaves them out.
+    """
+    prior = np.empty((0, data.features.shape[1])) if prior is None else prior
+    parameters = np.zeros(data.features.shape[1])
+    value, score, hessian = _derivatives(data, parameters, prior)
+    converged = False
+    for _ in range(STEPS):
+        try:
+            step = np.linalg.solve(hessian, score)
+        except np.linalg.LinAlgError:
+            break
+        size = 1.0
+        while True:
+            tried = _derivatives(data, parameters + size * step, prior)
+            if tried[0] >= value - 1e-12 * abs(value) or size < 1e-8:
+                break
+            size /= 2
+        parameters = parameters + size * step
+        value, score, hessian = tried
+        if np.abs(step).max(initial=0.0) < FLAT:
+            converged = True
+            break
+    return _with_errors(data, parameters, hessian, converged)
+
+
+def _derivatives(data: Choices, parameters: Floats, prior: Floats) -> tuple[float, Floats, Floats]:
+    """Return log-likelihood and log-prior, their gradient and minus their second derivatives."""
+    logs = data.log_shares(parameters)
+    shares = np.exp(logs)
+    means, totals = data.mean_features(shares), data.totals(data.votes)
+    expected = shares * totals[data.situation_of]
+    score = (data.votes - expected) @ data.features
+    hessian = (data.features.T * expected) @ data.features - (means.T * totals) @ means
+    won = expit(prior @ parameters)
+    value = float(data.votes @ logs) + float(np.log(won * (1 - won)).sum()) / 2
+    return value, score + (0.5 - won) @ prior, hessian + (prior.T * (won * (1 - won))) @ prior
+
+
+def _with_errors(data: Choices, parameters: Floats, hessian: Floats, converged: bool) -> ChoiceFit:
+    try:
+        bread = np.asarray(np.linalg.inv(hessian), np.float64)
+    except np.linalg.LinAlgError:
+        bread = np.full_like(hessian, np.nan)
+    logs = data.log_shares(parameters)
+    influences = (data.features - data.mean_features(np.exp(logs))[data.situation_of]) @ bread
+    clustered = np.full_like(bread, np.nan)
+    if np.ptp(data.participant):
+        shape = (int(data.participant.max()) + 1, len(influences))
+        ones = np.ones(len(data.chosen))
+        counts = sparse.coo_array((ones, (data.participant, data.chosen)), shape=shape).tocsr()
+        by_participant = np.asarray(counts @ influences, np.float64)
+        clustered = by_participant.T @ by_participant
+    return ChoiceFit(
+        estimates=parameters,
+        by_model=bread,
+        clustered=clustered,
+        influences=influences,
+        log_likelihood=float(data.votes @ logs),
+        converged=converged,
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,8 +216,10 @@ def links(beats: Floats, names: Sequence[str]) -> Links:
     names : sequence of str
         The conditions' names.
     """
-    groups, group = connected_components(csr_matrix(beats + beats.T), directed=False)
-    count, tiers = connected_components(csr_matrix(beats), directed=True, connection="strong")
+    groups, group = connected_components(sparse.csr_matrix(beats + beats.T), directed=False)
+    count, tiers = connected_components(
+        sparse.csr_matrix(beats), directed=True, connection="strong"
+    )
     unlinked = ""
     if groups > 1:
         parts = [_named(names, group == number) for number in range(groups)]
@@ -133,19 +300,10 @@ def centring(count: int) -> Floats:
     return np.asarray(np.eye(count)[:, 1:] - 1 / count)
 
 
-def strength_fields(
-    linked: Links, fit: ChoiceFit, kind: Codes, participants: Codes, segments: Codes
-) -> dict[str, Any]:
+def strength_fields(linked: Links, data: Choices, fit: ChoiceFit) -> dict[str, Any]:
     """Return the fields of `FittedStrengths` that follow from a fit.
 
-    Parameters
-    ----------
-    linked : Links
-        How the conditions are linked.
-    fit : ChoiceFit
-        Of the log strengths of all conditions but the first, followed by other parameters.
-    kind, participants, segments : ndarray of int, shape (N,)
-        Each answer's row in `fit.influences`, who gave it, and about which segment.
+    Its first parameters are the log strengths of all conditions but the first.
     """
     free = len(linked.tiers) - 1
     centre = centring(free + 1)
@@ -158,7 +316,9 @@ def strength_fields(
         "covariance": clustered,
         "errors": standard_errors(clustered),
         "errors_by_model": standard_errors(by_model),
-        "two_way": TwoWayErrors.of(influences, fit.situation, kind, participants, segments),
+        "two_way": TwoWayErrors.of(
+            influences, data.situation_of, data.chosen, data.participant, data.segment
+        ),
         "log_likelihood": fit.log_likelihood,
         "tiers": linked.tiers,
         "swept": linked.swept,

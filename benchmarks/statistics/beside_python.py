@@ -13,8 +13,8 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.results.resampled_preferences import Tallies, resample_preferences
-from analysis.stats.bradley_terry import Votes, bradley_terry
+from analysis.results.resamples import Tallies, resample_preferences
+from analysis.stats.strength_models import Votes, bradley_terry
 
 Found = TypeVar("Found")
 

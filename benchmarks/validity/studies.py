@@ -11,8 +11,7 @@ from numpy.polynomial.hermite_e import hermegauss
 from numpy.typing import NDArray
 from scipy.special import expit
 
-from analysis.planning.many_studies import grade_preferences
-from analysis.planning.part import RATING_THRESHOLDS, THRESHOLDS
+from analysis.planning.part import RATING_THRESHOLDS, THRESHOLDS, grade_preferences
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]

@@ -74,8 +74,7 @@ def command(folder: StudyFolder, processes: int, **options: Any) -> None:
     are applied. If the study has no speech yet, give the number of segments with --items.
     """
     # Imported here: statistics take seconds to load, which --help should not wait for.
-    from analysis.planning.words import plan_sentences
-    from analysis.planning.writing import power_lines
+    from analysis.planning.writing import plan_sentences, power_lines
     from studyapp.planning.plan import plan_study
 
     with progress("simulating", "cell") as show:

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from analysis.answers.participant_facts import KnownFacts
+from analysis.answers.exclusion_rules import KnownFacts
 from studyapp.results.stored_answers import StoredAnswers
 from studyapp.session.ending import JudgedTrial
 from studyapp.study.design.trial import AnswerKey

@@ -12,10 +12,9 @@ from typing import Any, Final, Literal
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from analysis.results.agreement import AgreedSoFar, agreed_so_far
-from analysis.results.headline import HeadlineNumber, headline_numbers
-from analysis.results.looks import NOT_LOGGED, Look, LooksBefore, looks_before
+from analysis.results.headline import AgreedSoFar, HeadlineNumber, agreed_so_far, headline_numbers
 from analysis.results.report import plain
+from analysis.stats.multiple_testing import NOT_LOGGED, Look, LooksBefore, looks_before
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of

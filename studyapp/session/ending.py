@@ -16,7 +16,7 @@ from urllib.parse import urlencode
 from sqlalchemy import delete
 from sqlalchemy.orm import Session
 
-from analysis.answers.participant_facts import ParticipantFacts
+from analysis.answers.exclusion_rules import ParticipantFacts
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, RefusalLine, StudySession, Trial

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from analysis.stats.multiple_testing import holm
-from analysis.stats.signed_rank import pooled_tests, sign_test
+from analysis.stats.one_sample_tests import pooled_tests, sign_test
 from tools.worked_examples.amuse_study import PAIRS, TABLE_A5, Claim, PrintedPreference
 from tools.worked_examples.spread import SharedAnswers, Spread, with_spread
 

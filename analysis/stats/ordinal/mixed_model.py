@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.stats.ordinal.crossed import Layout
-from analysis.stats.ordinal.laplace import Answers, Likelihood
-from analysis.stats.ordinal.links import Thresholds
+from analysis.stats.ordinal.laplace import Answers, Likelihood, Thresholds
 from analysis.stats.ordinal.maximum import (
     BOUNDARY,
     LARGEST,
@@ -111,7 +110,7 @@ def fit(
     answers : sequence of int, shape (N,)
         Ordered categories; those that nobody chose do not count.
     covariates : mapping of name to sequence, shape (N,)
-        Fixed effects, without an intercept.
+        Fixed effects, without an intercept; none follows from the others.
     random : sequence of RandomEffect
         Crossed random effects.
     errors : bool
@@ -123,7 +122,7 @@ def fit(
     Raises
     ------
     InputError
-        If there are no answers, all are alike, or the covariates say the same twice.
+        If there are no answers, or all are alike.
     """
     data, ordered = _data(answers, covariates, random)
     return _result(data, list(covariates), ordered, *maximum(data, curved=errors, begin=begin))
@@ -147,15 +146,8 @@ def beginning_of(
     thresholds, effects, deviations
         About what is to be found: of neighbouring answers, of the covariates in order, and of
         random effects by name.
-
-    Raises
-    ------
-    ValueError
-        If there are not as many thresholds as `answers` need.
     """
     data, ordered = _data(answers, covariates, random)
-    if len(thresholds) != data.thresholds.categories - 1:
-        raise ValueError("there is one threshold between every two neighbouring answers")
     free = data.thresholds.parameters(np.asarray(thresholds, np.float64))
     sds = [deviations[effect.name] for effect in ordered]
     return beginning(data, np.concatenate([free, np.asarray(effects, np.float64), sds]))
@@ -179,7 +171,6 @@ def _data(
         [np.asarray(values, np.float64) for values in covariates.values()]
         or [np.empty((len(codes), 0))]
     )
-    _require_separate(fixed, list(covariates))
     ordered = sorted(random, key=lambda effect: -len(np.unique(effect.groups)))
     data = Answers(
         codes=codes.astype(np.intp),
@@ -201,15 +192,6 @@ def likelihood_ratio(full: OrdinalFit, reduced: OrdinalFit) -> tuple[float, int,
     if freedom < 1 or full.answers != reduced.answers:
         raise ValueError("the models are not nested")
     return statistic, freedom, float(stats.chi2.sf(statistic, freedom))
-
-
-def _require_separate(fixed: Floats, names: Sequence[str]) -> None:
-    design = np.column_stack([np.ones(len(fixed)), fixed])
-    if np.linalg.matrix_rank(design) < design.shape[1]:
-        raise InputError(
-            f"the covariates {', '.join(names)} determine one another",
-            remedy="Leave one of them out; the thresholds stand for the intercept",
-        )
 
 
 def _layout(random: Sequence[RandomEffect]) -> Layout | None:

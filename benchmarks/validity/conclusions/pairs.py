@@ -10,15 +10,10 @@ from typing import Final
 import numpy as np
 
 from analysis.stats.clustered_mean import clustered_mean
-from analysis.stats.equivalence import equivalence
 from analysis.stats.f_tests import between_groups, between_segments, min_f
+from analysis.stats.one_sample_tests import equivalence, pooled_tests, sign_test, signed_rank
 from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
 from analysis.stats.samples import group_means
-from analysis.stats.signed_rank import (
-    pooled_tests,
-    sign_test,
-    signed_rank,
-)
 from benchmarks.validity.conclusions.conclusion import (
     EFFECT,
     Conclusion,

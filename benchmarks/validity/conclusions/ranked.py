@@ -9,10 +9,9 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from analysis.stats.friedman import friedman
-from analysis.stats.placements import Blocks, placements, rank_summaries
-from analysis.stats.plackett_luce import PlackettLuce, plackett_luce
+from analysis.stats.rankings import Blocks, friedman, placements, rank_summaries
 from analysis.stats.samples import group_means
+from analysis.stats.strength_models import PlackettLuce, plackett_luce
 from benchmarks.validity.conclusions.conclusion import (
     RANKS_HOLD,
     Conclusion,

@@ -9,10 +9,9 @@ from typing import Final
 import numpy as np
 
 from analysis.stats.clustered_mean import clustered_mean
-from analysis.stats.equivalence import equivalence, equivalence_of_means
+from analysis.stats.one_sample_tests import equivalence, equivalence_of_means, signed_rank
 from analysis.stats.ratings import RatedCells, mean_difference, rated_cells
 from analysis.stats.samples import group_means
-from analysis.stats.signed_rank import signed_rank
 from benchmarks.validity.conclusions.conclusion import (
     EFFECT,
     Conclusion,

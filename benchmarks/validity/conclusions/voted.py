@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from analysis.stats.bradley_terry import Votes, bradley_terry
+from analysis.stats.strength_models import Votes, bradley_terry
 from benchmarks.validity.conclusions.conclusion import (
     RANKS_HOLD,
     Conclusion,

@@ -9,7 +9,9 @@ import pytest
 
 from analysis.answers.exclusion_rules import (
     ExclusionRule,
+    ParticipantFacts,
     Removed,
+    SameAnswer,
     answered_too_fast,
     apply_rules,
     failed_attention_checks,
@@ -19,7 +21,6 @@ from analysis.answers.exclusion_rules import (
     straight_lined,
     watched_less,
 )
-from analysis.answers.participant_facts import ParticipantFacts, SameAnswer
 
 
 def someone(name: str = "a", **facts: Any) -> ParticipantFacts:

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.answers.participant_facts import KnownFacts, ParticipantFacts, SameAnswer
+from analysis.answers.exclusion_rules import KnownFacts, ParticipantFacts, SameAnswer
 from analysis.answers.quality import facts_of, response_times, straight_lining
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table, read_table
 

@@ -8,10 +8,10 @@ import pytest
 from analysis.planning.deciding_tests import (
     BlockTests,
     FamilyRest,
+    clustered_tests,
     decided_by_holm,
     detection_shares,
 )
-from analysis.planning.many_studies import clustered_tests
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.multiple_testing import holm
 

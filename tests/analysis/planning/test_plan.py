@@ -11,8 +11,7 @@ from analysis.planning.grid import Runner, Task, estimate_minutes, limit_effort
 from analysis.planning.part import Opinions
 from analysis.planning.plan import Plan, Request, plan, smallest_effect
 from analysis.planning.power import Effort
-from analysis.planning.words import plan_sentences
-from analysis.planning.writing import write_plan
+from analysis.planning.writing import plan_sentences, write_plan
 from tests.analysis.planning.sketch import Sketch
 
 SKETCH = Sketch(kind="pairs", comparisons=3, own_participants=True)

@@ -8,8 +8,7 @@ import pytest
 from analysis.planning import grid
 from analysis.planning.deciding_tests import DecidingTests
 from analysis.planning.grid import Task, simulate_cell
-from analysis.planning.many_studies import simulate_answers
-from analysis.planning.part import Opinions, Part
+from analysis.planning.part import Opinions, Part, simulate_answers
 from analysis.planning.power import Effort, Power, simulate_power
 from analysis.results.net_preference import SidedAnswers, net_preference
 from analysis.stats.clustered_mean import clustered_mean

@@ -13,8 +13,7 @@ import pytest
 from analysis.answers.exclusion_rules import ExclusionRule, answered_too_fast, watched_less
 from analysis.answers.participants import LeftOut, leave_out, table_rules
 from analysis.answers.table import AnswerTable
-from analysis.results.agreement import agreed_so_far
-from analysis.results.headline import Sensitivity, headline_numbers, sensitivity
+from analysis.results.headline import Sensitivity, agreed_so_far, headline_numbers, sensitivity
 from analysis.results.report import TableReport, analyse_table
 from tests.analysis.results.made_tables import TABLES, ranking_table, read_table
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from analysis.results.looks import NOT_LOGGED, Look, looks_before
-from analysis.stats.multiple_testing import equally_spaced
+from analysis.stats.multiple_testing import NOT_LOGGED, Look, equally_spaced, looks_before
 
 LOOK = Look(
     day="2026-05-04",

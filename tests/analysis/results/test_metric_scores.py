@@ -8,14 +8,8 @@ import pytest
 
 from analysis.measurement.scores import ConditionScore, StudyMetrics
 from analysis.metrics.result import Better
-from analysis.results.metric_scores import (
-    ITSELF,
-    NOTHING_RECORDED,
-    WithinCorrelation,
-    oriented_metrics,
-    within_conditions,
-)
-from analysis.results.resampled_preferences import tally
+from analysis.results.against_people import WithinCorrelation, within_conditions
+from analysis.results.resamples import ITSELF, NOTHING_RECORDED, oriented_metrics, tally
 from tests.analysis.results.simulated_studies import AgreeingStudy, metrics_of, names
 
 SCORES = np.array([[1.0, 3.0], [4.0, 6.0], [math.nan, 2.0]])

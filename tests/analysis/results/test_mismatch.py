@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.results.agreement import retest_of
+from analysis.results.headline import retest_of
 from analysis.results.pairwise import MismatchResults
 from tests.analysis.results.made_tables import mismatch_table, report_of
 

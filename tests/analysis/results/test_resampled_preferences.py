@@ -9,12 +9,8 @@ import pandas as pd
 import pytest
 from scipy.optimize import minimize
 
-from analysis.results.resampled_preferences import (
-    PSEUDO_VOTES,
-    fit_strengths_of_tables,
-    resample_preferences,
-    tally,
-)
+from analysis.results.resamples import resample_preferences, tally
+from analysis.stats.strength_models import PSEUDO_VOTES, fit_strengths_of_tables
 from tests.analysis.results.made_tables import read_table
 from tests.analysis.results.simulated_studies import AgreeingStudy
 

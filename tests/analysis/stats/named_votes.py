@@ -8,7 +8,7 @@ from itertools import chain
 import numpy as np
 import pandas as pd
 
-from analysis.stats.bradley_terry import Votes
+from analysis.stats.strength_models import Votes
 
 
 def votes_of(

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import krippendorff
 import numpy as np
 import pytest
@@ -10,8 +8,6 @@ from scipy import stats
 from statsmodels.stats.inter_rater import cohens_kappa
 
 from analysis.stats.agreement import krippendorff_alpha, retest_agreement
-from analysis.stats.intraclass import intraclass_correlation
-from motion.errors import InputError
 
 
 def answers(table: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]:
@@ -49,14 +45,6 @@ def test_a_resample_is_alpha_of_the_items_drawn() -> None:
     ]
     assert both.low == pytest.approx(min(*alone, both.estimate))
     assert both.high == pytest.approx(max(*alone, both.estimate))
-
-
-@pytest.mark.parametrize("statistic", [krippendorff_alpha, intraclass_correlation])
-def test_two_answers_of_one_participant_about_an_item_are_refused(
-    statistic: Callable[..., object],
-) -> None:
-    with pytest.raises(InputError, match="answered twice"):
-        statistic(np.array([1, 2]), np.array(["a", "a"]), np.array(["x", "x"]))
 
 
 def made() -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:

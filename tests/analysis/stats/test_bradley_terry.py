@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.stats.bradley_terry import BradleyTerry, Votes, bradley_terry
+from analysis.stats.strength_models import BradleyTerry, Votes, bradley_terry
 from tests.analysis.reference import REFERENCE, with_reference
 from tests.analysis.stats.named_votes import votes_of
 

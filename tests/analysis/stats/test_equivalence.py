@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from statsmodels.stats.weightstats import DescrStatsW
 
-from analysis.stats.equivalence import equivalence, equivalence_of_means
+from analysis.stats.one_sample_tests import equivalence, equivalence_of_means
 from motion.errors import InputError
 
 

@@ -5,8 +5,15 @@ import pytest
 from numpy.typing import ArrayLike
 from scipy import stats
 
-from analysis.stats.friedman import compare_pairs, friedman, kendall_w, resampled_concordance
-from analysis.stats.placements import Blocks, Placements, blocks_of_rankings, placements
+from analysis.stats.agreement import kendall_w, resampled_concordance
+from analysis.stats.rankings import (
+    Blocks,
+    Placements,
+    blocks_of_rankings,
+    compare_pairs,
+    friedman,
+    placements,
+)
 from tests.analysis.reference import reference_ratings, with_reference
 from tests.analysis.stats.made_rankings import CONDITIONS, made_rankings
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analysis.stats.clustered_mean import clustered_mean
-from analysis.stats.placements import placements, rank_summaries
+from analysis.stats.rankings import placements, rank_summaries
 from tests.analysis.stats.made_rankings import CONDITIONS, made_rankings, ranking
 
 ABC = ("a", "b", "c")

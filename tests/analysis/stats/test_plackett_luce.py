@@ -4,8 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.stats.bradley_terry import bradley_terry
-from analysis.stats.plackett_luce import plackett_luce
+from analysis.stats.strength_models import bradley_terry, plackett_luce
 from tests.analysis.stats.named_votes import votes_of
 
 

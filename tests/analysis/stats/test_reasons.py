@@ -11,15 +11,18 @@ import pytest
 from numpy.typing import ArrayLike
 
 from analysis.stats.agreement import krippendorff_alpha, retest_agreement
-from analysis.stats.bradley_terry import bradley_terry
 from analysis.stats.clustered_mean import clustered_mean
-from analysis.stats.equivalence import equivalence, equivalence_of_means
 from analysis.stats.f_tests import between_groups, between_segments, min_f
-from analysis.stats.friedman import friedman
 from analysis.stats.intraclass import intraclass_correlation
-from analysis.stats.placements import Blocks
+from analysis.stats.one_sample_tests import (
+    equivalence,
+    equivalence_of_means,
+    sign_test,
+    signed_rank,
+)
+from analysis.stats.rankings import Blocks, friedman
 from analysis.stats.ratings import cliffs_delta, mean_difference, rated_cells
-from analysis.stats.signed_rank import sign_test, signed_rank
+from analysis.stats.strength_models import bradley_terry
 from tests.analysis.stats.named_votes import votes_of
 
 NONE = np.nan

@@ -7,12 +7,16 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.stats.agreement import krippendorff_alpha
-from analysis.stats.equivalence import equivalence_of_means
 from analysis.stats.f_tests import min_f
 from analysis.stats.intraclass import intraclass_correlation
+from analysis.stats.one_sample_tests import (
+    equivalence_of_means,
+    pooled_tests,
+    sign_test,
+    signed_rank,
+)
 from analysis.stats.ratings import cliffs_delta
 from analysis.stats.samples import finite, levels, tied_ranks
-from analysis.stats.signed_rank import pooled_tests, sign_test, signed_rank
 from motion.errors import InputError
 
 GAP = np.array([1.0, np.nan, 2.0, 1.0])

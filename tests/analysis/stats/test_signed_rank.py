@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.stats.signed_rank import pooled_tests, sign_test, signed_rank
+from analysis.stats.one_sample_tests import pooled_tests, sign_test, signed_rank
 
 
 def by_all_signs(values: NDArray[np.float64]) -> float:

@@ -8,9 +8,9 @@ from scipy import stats
 from statsmodels.discrete.discrete_model import Logit
 from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
-from analysis.stats.bradley_terry import Votes, bradley_terry
 from analysis.stats.clustered_mean import ONE_SEGMENT, TWO_WAY
 from analysis.stats.strength_differences import MIXED, TwoWayErrors, omnibus, rank_intervals
+from analysis.stats.strength_models import Votes, bradley_terry
 from tests.analysis.stats.named_votes import votes_of
 
 

@@ -10,8 +10,12 @@ from pathlib import Path
 import pytest
 from sqlalchemy import update
 
-from analysis.results.looks import NOT_LOGGED, LooksBefore
-from analysis.stats.multiple_testing import equally_spaced, false_positive_rate
+from analysis.stats.multiple_testing import (
+    NOT_LOGGED,
+    LooksBefore,
+    equally_spaced,
+    false_positive_rate,
+)
 from studyapp.database.tables import StudySession
 from studyapp.researchers.audit import StudyState, latest_looks, log_look
 from studyapp.results.answers import read_answers

@@ -22,8 +22,8 @@ from analysis.report.sections.participants import (
 )
 from analysis.report.subject import Excerpt, Still, Subject
 from analysis.results.known_values import KnownValue
-from analysis.results.looks import Look, looks_before
 from analysis.results.pairwise import PairwiseResults
+from analysis.stats.multiple_testing import Look, looks_before
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table, report_of
 

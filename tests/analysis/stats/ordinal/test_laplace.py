@@ -9,8 +9,7 @@ from scipy.special import expit
 from scipy.stats import logistic
 
 from analysis.stats.ordinal.crossed import Information, Layout
-from analysis.stats.ordinal.laplace import Answers, likelihood
-from analysis.stats.ordinal.links import Interval, Thresholds
+from analysis.stats.ordinal.laplace import Answers, Interval, Thresholds, likelihood
 from tests.analysis.stats.ordinal.made_answers import made_answers
 
 

@@ -1,4 +1,9 @@
-"""Rankings as a table, and where each condition is placed (Figure 7 of DiffSHEG)."""
+"""Rankings: where each condition is placed, and whether conditions are placed differently.
+
+Blocks of Friedman's test are participants, each with one number per condition: their mean over
+segments. Pairs of participant and segment cannot be blocks: single answers are not independent, and
+a test over them finds differences that are not there.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +11,17 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy import stats
 
 from analysis.stats.clustered_mean import Estimate, clustered_mean
+from analysis.stats.multiple_testing import holm
+from analysis.stats.one_sample_tests import signed_rank
 from analysis.stats.samples import tied_ranks
-from motion.errors import InputError
 
 Floats = NDArray[np.float64]
 
@@ -94,13 +102,9 @@ def placements(answers: pd.DataFrame, conditions: Sequence[str]) -> Placements:
     answers : DataFrame
         Columns `participant`, `segment`, `condition` and `rank` (1 is best, equal numbers are a
         tie), one row per placed condition; `trial`, where somebody ranked a segment repeatedly.
+        No ranking places a condition twice.
     conditions : sequence of str
         All of them, in the order wanted.
-
-    Raises
-    ------
-    InputError
-        If a ranking places a condition twice.
     """
     columns = pd.Index(list(conditions)).get_indexer(
         pd.Index(answers["condition"].to_numpy(object))
@@ -114,11 +118,6 @@ def placements(answers: pd.DataFrame, conditions: Sequence[str]) -> Placements:
     rankings, rows = np.unique(keys, axis=0, return_inverse=True)
     rows = rows.ravel()
     ranks = np.full((len(rankings), len(conditions)), np.nan)
-    if pd.Series(rows * len(conditions) + columns).duplicated().any():
-        raise InputError(
-            "a participant placed a condition twice in one ranking",
-            remedy="Summarise one question and one set at a time",
-        )
     ranks[rows, columns] = answers["rank"].to_numpy(np.float64)
     return Placements(
         conditions=tuple(conditions),
@@ -235,4 +234,146 @@ def blocks_of_rankings(rankings: Placements) -> Blocks:
         conditions=rankings.conditions,
         means=sums.reshape(count, width)[complete] / counts[complete],
         incomplete=int((counts.any(axis=1) & ~complete).sum()),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Friedman:
+    """Whether the conditions differ.
+
+    Attributes
+    ----------
+    mean_ranks : dict of str to float
+        Mean rank of each condition, the larger the better; NaN without participants.
+    statistic, df, p_value : float
+        Friedman's chi-square, corrected for ties.
+    kendall_w : float
+        Concordance: 0 for none, 1 where all participants rank alike.
+    n, incomplete : int
+        Participants it rests on, and those left out.
+    reason : str
+        Why there is no test; empty where there is one.
+    """
+
+    mean_ranks: dict[str, float]
+    statistic: float = math.nan
+    df: int
+    p_value: float = math.nan
+    kendall_w: float = math.nan
+    n: int
+    incomplete: int
+    reason: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairwiseRanks:
+    """How two conditions differ over participants.
+
+    Attributes
+    ----------
+    a, b : str
+        The conditions.
+    difference : float
+        Mean place of a minus that of b over participants, ranked by their means: below zero
+        where a is the better one; NaN without a test.
+    nemenyi_p : float
+        Of the Studentised range; corrects for all pairs by itself.
+    conover_p, conover_holm : float
+        Of Conover & Iman's t, plain and after Holm's correction.
+    wilcoxon_p, wilcoxon_holm : float
+        Of the participants' differences, exact.
+    n : int
+        Participants.
+    reason : str
+        Why a number is missing; empty where none is.
+    """
+
+    a: str
+    b: str
+    difference: float = math.nan
+    nemenyi_p: float = math.nan
+    conover_p: float = math.nan
+    conover_holm: float = math.nan
+    wilcoxon_p: float
+    wilcoxon_holm: float = math.nan
+    n: int
+    reason: str = ""
+
+
+def friedman(blocks: Blocks) -> Friedman:
+    """Test whether any condition is placed differently from the others (Friedman 1937)."""
+    count, width = blocks.means.shape
+    mean_ranks = blocks.ranks.mean(axis=0) if count else np.full(width, math.nan)
+    unknown = Friedman(
+        mean_ranks=dict(zip(blocks.conditions, mean_ranks.tolist(), strict=True)),
+        df=max(width - 1, 0),
+        n=count,
+        incomplete=blocks.incomplete,
+    )
+    within = float(((blocks.ranks - (width + 1) / 2) ** 2).sum())
+    if reason := _why_not(count, width, within):
+        return replace(unknown, reason=reason)
+    between = count * float(((mean_ranks - (width + 1) / 2) ** 2).sum())
+    concordance = min(1.0, between / within)
+    statistic = count * unknown.df * concordance
+    return replace(
+        unknown,
+        statistic=statistic,
+        p_value=float(stats.chi2.sf(statistic, unknown.df)),
+        kendall_w=concordance,
+    )
+
+
+def _why_not(participants: int, conditions: int, within: float) -> str:
+    if conditions < 2:
+        return "fewer than two conditions"
+    if participants < 2:
+        return "fewer than two participants with all conditions"
+    return "" if within else "nobody tells conditions apart"
+
+
+def compare_pairs(blocks: Blocks) -> tuple[PairwiseRanks, ...]:
+    """Compare every two conditions (Nemenyi 1963; Conover 1999; Wilcoxon 1945).
+
+    Holm's corrections are over all pairs returned.
+    """
+    whole = friedman(blocks)
+    pairs = [
+        _pair(blocks, a, b, whole.reason) for a, b in combinations(range(len(blocks.conditions)), 2)
+    ]
+    corrected = holm([pair.conover_p for pair in pairs]), holm([pair.wilcoxon_p for pair in pairs])
+    return tuple(
+        replace(pair, conover_holm=conover, wilcoxon_holm=wilcoxon)
+        for pair, conover, wilcoxon in zip(pairs, *corrected, strict=True)
+    )
+
+
+def _pair(blocks: Blocks, a: int, b: int, reason: str) -> PairwiseRanks:
+    count, width = blocks.means.shape
+    ranks = signed_rank(blocks.means[:, a] - blocks.means[:, b])
+    comparison = PairwiseRanks(
+        a=blocks.conditions[a],
+        b=blocks.conditions[b],
+        wilcoxon_p=ranks.p_value,
+        n=count,
+        reason=reason or ranks.reason,
+    )
+    if reason:
+        return comparison
+    means = blocks.ranks.mean(axis=0)
+    difference = float(means[b] - means[a])
+    studentized = abs(difference) / math.sqrt(width * (width + 1) / (12 * count))
+    # What is left of the ranks' variance within participants once conditions are taken out.
+    residual = float((blocks.ranks**2).sum()) - count * float((means**2).sum())
+    freedom = (count - 1) * (width - 1)
+    error = math.sqrt(2 * max(residual, 0.0) / (count * freedom))
+    if error > 1e-9:
+        conover = float(2 * stats.t.sf(abs(difference) / error, freedom))
+    else:
+        conover = 1.0 if difference == 0 else 0.0
+    return replace(
+        comparison,
+        difference=difference,
+        nemenyi_p=float(np.clip(stats.studentized_range.sf(studentized, width, np.inf), 0, 1)),
+        conover_p=conover,
     )

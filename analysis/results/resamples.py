@@ -1,7 +1,12 @@
-"""Sums of answers, and how much each condition is preferred in bootstrap resamples of them."""
+"""People's preference of each condition and a metric's scores, in bootstrap resamples of a study.
+
+Scores are oriented: the higher, the better.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -9,9 +14,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from analysis.measurement.scores import StudyMetrics
+from analysis.metrics.result import Better
 from analysis.results.grouping import codes, shown_codes
 from analysis.results.net_preference import sided
 from analysis.stats.samples import Table, bootstrap_counts, table_of, weighted_row_sums
+from analysis.stats.strength_models import fit_strengths_of_tables
 
 Floats = NDArray[np.float64]
 
@@ -26,16 +34,6 @@ PREFERENCE: Final = {
 """What stands for people's preference of a condition, by protocol."""
 
 RESAMPLES: Final = 2_000
-
-PSEUDO_VOTES: Final = 0.01
-"""Votes for each side that every compared pair is given, so that strengths stay finite where one
-side won always."""
-
-_STEPS: Final = 100
-
-_LONGEST_STEP: Final = 1.5
-
-_CLOSE: Final = 1e-9
 
 _BLOCK: Final = 4_000_000
 """Sums held at a time: bounds the memory."""
@@ -198,50 +196,153 @@ def _scores(tallies: Tallies, sums: Floats, counts: Floats) -> Floats:
     return fit_strengths_of_tables(wins)
 
 
-def fit_strengths_of_tables(wins: Floats) -> Floats:
-    """Fit a Bradley-Terry model, ties counting one half, to each of many tables of wins.
+ITSELF = "it is what the metric measures nearness to"
+NOT_MEASURED = "the metric was not measured"
+NOTHING_RECORDED = "recorded motion, which nearness is measured to, has no score"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OrientedMetric:
+    """One metric of the conditions that people judged, whose scores can be oriented.
+
+    Attributes
+    ----------
+    name, unit : str
+        What was measured.
+    better : {'lower', 'higher', 'near the reference'}
+        Which scores are better.
+    clips : ndarray, shape (conditions, segments), or None
+        Score of each clip, NaN where there is none; None where only whole conditions have one.
+    whole : ndarray, shape (conditions,)
+        Score of each condition; the mean over its clips where there are any.
+    recorded_clips, recorded : ndarray, shape (segments,), and float
+        Scores of recorded motion where nearness to it counts; NaN otherwise.
+    left_out : mapping of int to str
+        Conditions without a usable score, and why.
+    """
+
+    name: str
+    unit: str
+    better: Better
+    clips: Floats | None
+    whole: Floats
+    recorded_clips: Floats
+    recorded: float
+    left_out: Mapping[int, str]
+
+    @property
+    def present(self) -> NDArray[np.intp]:
+        """The conditions that have a score."""
+        return np.array([c for c in range(len(self.whole)) if c not in self.left_out], np.intp)
+
+    def orient(self, scores: Floats, recorded: Floats | float) -> Floats:
+        """Return scores of which higher ones are better."""
+        match self.better:
+            case "higher":
+                return scores
+            case "lower":
+                return -scores
+            case _:
+                return -np.abs(scores - recorded)
+
+    def resampled(self, segments: Floats) -> Floats:
+        """Return the oriented scores of the conditions that have one, in resamples of segments.
+
+        Parameters
+        ----------
+        segments : ndarray, shape (B, segments)
+            How often each was drawn.
+
+        Returns
+        -------
+        ndarray, shape (B, present conditions)
+            NaN where no clip with a score was drawn. Scores of whole conditions stay as they are.
+        """
+        if self.clips is None:
+            oriented = self.orient(self.whole[self.present], self.recorded)
+            return np.broadcast_to(oriented, (len(segments), len(oriented)))
+        means = _drawn_means(self.clips[self.present], segments)
+        recorded: Floats | float = math.nan
+        if self.better == "near the reference":
+            recorded = _drawn_means(self.recorded_clips[None], segments)
+        return self.orient(means, recorded)
+
+
+def oriented_metrics(
+    metrics: StudyMetrics,
+    conditions: Sequence[str],
+    segments: Sequence[str],
+    recorded: str | None,
+) -> tuple[OrientedMetric, ...]:
+    """Return every metric that has a better direction, in the order of its first score.
 
     Parameters
     ----------
-    wins : ndarray, shape (B, k, k)
-        How often the condition of the row was preferred to that of the column, with half of the
-        ties.
-
-    Returns
-    -------
-    ndarray, shape (B, k)
-        Log strengths that add up to zero; NaN where the compared pairs do not connect all
-        conditions, so that some cannot be compared with others.
+    metrics : StudyMetrics
+        What was measured.
+    conditions, segments : sequence of str
+        What people judged.
+    recorded : str or None
+        The condition that is recorded motion.
     """
-    count = wins.shape[-1]
-    compared = (wins + wins.swapaxes(1, 2)) > 0
-    usable = _connected(compared)
-    won = wins[usable] + PSEUDO_VOTES * compared[usable]
-    votes = won + won.swapaxes(1, 2)
-    strengths = np.zeros((len(won), count))
-    # Adding a constant to all strengths changes nothing: this fixes their mean.
-    fixed = np.full((count, count), 1 / count)
-    for _ in range(_STEPS):
-        chance = 1 / (1 + np.exp(strengths[:, None, :] - strengths[:, :, None]))
-        gradient = (won - votes * chance).sum(axis=2)
-        weights = votes * chance * (1 - chance)
-        information = -weights
-        information[:, np.arange(count), np.arange(count)] = weights.sum(axis=2)
-        step = np.linalg.solve(information + fixed, gradient[..., None])[..., 0]
-        longest = np.abs(step).max(axis=1, keepdims=True, initial=0)
-        step *= np.minimum(1, _LONGEST_STEP / np.maximum(longest, _CLOSE))
-        strengths += step
-        if np.abs(step).max(initial=0) < _CLOSE:
-            break
-    centred = np.full(wins.shape[:2], np.nan)
-    centred[usable] = strengths - strengths.mean(axis=1, keepdims=True)
-    return centred
+    by_clip: dict[str, dict[tuple[str, str], float]] = {}
+    for clip in metrics.clips:
+        by_clip.setdefault(clip.result.name, {})[clip.condition, clip.segment] = clip.result.value
+    oriented: dict[str, OrientedMetric] = {}
+    scores = {(score.name, score.condition): score for score in metrics.conditions}
+    for score in metrics.conditions:
+        if score.name in oriented or score.better == "unsaid":
+            continue
+        clip_values = by_clip.get(score.name)
+        if clip_values is not None:
+            clips = _table(clip_values, conditions, segments)
+            recorded_clips = _table(clip_values, [recorded or ""], segments)[0]
+            whole, reference = _means(clips), float(_means(recorded_clips[None])[0])
+        else:
+            clips, recorded_clips = None, np.full(len(segments), math.nan)
+            values = {c: s.value for (name, c), s in scores.items() if name == score.name}
+            whole = np.array([values.get(c, math.nan) for c in conditions])
+            reference = values.get(recorded or "", math.nan)
+        is_nearness = score.better == "near the reference"
+        left_out = {}
+        for number, condition in enumerate(conditions):
+            if is_nearness and condition == recorded:
+                left_out[number] = ITSELF
+            elif is_nearness and math.isnan(reference):
+                left_out[number] = NOTHING_RECORDED
+            elif math.isnan(whole[number]):
+                unscored = scores.get((score.name, condition))
+                left_out[number] = (unscored.reason if unscored else "") or NOT_MEASURED
+        oriented[score.name] = OrientedMetric(
+            name=score.name,
+            unit=score.unit,
+            better=score.better,
+            clips=clips,
+            whole=whole,
+            recorded_clips=recorded_clips,
+            recorded=reference if is_nearness else math.nan,
+            left_out=left_out,
+        )
+    return tuple(oriented.values())
 
 
-def _connected(compared: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which of the graphs, shape (B, k, k), are in one piece."""
-    count = compared.shape[-1]
-    reached = compared | np.eye(count, dtype=bool)
-    for _ in range(max(1, count - 1).bit_length()):
-        reached = np.matmul(reached.astype(np.float32), reached.astype(np.float32)) > 0
-    return np.asarray(reached.all(axis=(1, 2)))
+def _table(
+    values: Mapping[tuple[str, str], float], conditions: Sequence[str], segments: Sequence[str]
+) -> Floats:
+    return np.array([[values.get((c, s), math.nan) for s in segments] for c in conditions])
+
+
+def _means(clips: Floats) -> Floats:
+    """Return the mean over clips that have a score, NaN for none."""
+    scored = ~np.isnan(clips)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.where(scored, clips, 0).sum(axis=1) / scored.sum(axis=1))
+
+
+def _drawn_means(clips: Floats, segments: Floats) -> Floats:
+    """Return means over drawn segments, shape (B, rows of clips)."""
+    scored = ~np.isnan(clips)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(
+            segments @ np.where(scored, clips, 0).T / (segments @ scored.T.astype(np.float64))
+        )
