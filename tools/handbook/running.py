@@ -36,8 +36,8 @@ KEPT: Final = "14+3"
 
 ELSEWHERE: Final = "elsewhere"
 _FAILS: Final = "fails"
-_SERVES: Final = "motionjury serve "
-_IS_SERVED: Final = "/research/"
+_SERVES: Final = ("motionjury serve ", "motionjury desk ")
+_IS_SERVED: Final = "/research/join/"
 
 
 def steady(output: str, folder: Path) -> list[str]:
@@ -127,7 +127,7 @@ def _run(block: Fenced, folder: Path) -> list[str]:
         "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
     }
     arguments = ["bash", "-e", "-o", "pipefail", "-c", script]
-    if script.startswith(_SERVES):
+    if script.splitlines()[-1].startswith(_SERVES):
         return steady(_served(arguments, folder, environment), folder)
     done = subprocess.run(  # noqa: S603 — the pages are the project's own
         arguments,
