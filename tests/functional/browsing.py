@@ -13,11 +13,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Locator, Page, Request, expect, sync_playwright
-from sqlalchemy import select
-from sqlalchemy.orm import selectinload
 
-from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession, Trial
 from studyapp.rehearsal.server import free_port
 from tests.functional.looking import LAPTOP
 
@@ -134,55 +130,3 @@ def wait_until(page: Page, condition: Callable[[], object]) -> None:
     while not condition():
         assert time.monotonic() < deadline
         page.wait_for_timeout(50)
-
-
-def expect_watched(page: Page, label: str) -> None:
-    """Wait until the page no longer asks for the video of that label."""
-    expect(page.locator("#watched")).not_to_contain_text(_named(label))
-
-
-def still_asked(page: Page, label: str) -> bool:
-    """Tell whether the page asks for the video of that label at this moment."""
-    return _named(label).search(page.locator("#watched").inner_text()) is not None
-
-
-def _named(label: str) -> re.Pattern[str]:
-    return re.compile(rf"\b{label}\b")
-
-
-@contextmanager
-def playing_on(*videos: Locator) -> Iterator[None]:
-    """Let videos begin anew at their end: however busy the machine, only the page stops them."""
-    for video in videos:
-        video.evaluate("video => { video.loop = true; }")
-    yield
-    for video in videos:
-        video.evaluate("video => { video.loop = false; }")
-
-
-def expect_playing(page: Page, name: str) -> None:
-    """Wait until the player `name` plays, and no other."""
-    expect(page.locator(f".playing[aria-label='{name}']")).to_have_count(1)
-    expect(page.locator(".playing")).to_have_count(1)
-
-
-def begin_study(page: Page, address: str) -> None:
-    """Go to the first trial of a study that asks nothing before it, and wait for its players."""
-    page.goto(address)
-    page.get_by_role("button", name="I agree").click()
-    page.get_by_role("button", name="Begin").click()
-    expect(page.locator(".play").first).to_be_visible()
-
-
-def study_session_of(page: Page, database: Database) -> StudySession:
-    """Return what is stored of the participant whose page this is, with its trials and videos."""
-    token = page.url.partition("/take/")[2].partition("/")[0]
-    query = select(StudySession).where(StudySession.token == token)
-    trials = selectinload(StudySession.trials).selectinload(Trial.videos)
-    with database.reading() as session:
-        return session.scalars(query.options(trials)).one()
-
-
-def expect_trial(page: Page, number: int) -> None:
-    """Wait until the page shows the trial of that number."""
-    expect(page.locator(".progress")).to_contain_text(f"Trial {number} of ")

@@ -14,8 +14,9 @@ from typing import Final, Literal
 
 from playwright.sync_api import Page, expect
 
-from tests.functional.browsing import expect_trial, follow, press
+from tests.functional.browsing import follow, press
 from tests.functional.joining import NAME, join
+from tests.functional.taking_part import answer, begin_study, expect_trial, watch
 from tests.support.studies.takes import write_speech
 
 STUDY: Final = "first-study"
@@ -235,15 +236,11 @@ def _take_home(page: Page) -> Iterator[Stop]:
 
 
 def _take_part(visitor: Page, address: str) -> Iterator[Stop]:
-    visitor.goto(address)
-    visitor.get_by_role("button", name="I agree").click()
-    visitor.get_by_role("button", name="Begin").click()
+    begin_study(visitor, address)
     for number in range(1, TRIALS + 1):
         expect_trial(visitor, number)
-        visitor.get_by_role("button", name="Play both").click()
-        for question in visitor.locator("#answers .question").all():
-            question.get_by_text("slightly A", exact=True).click()
-        expect(visitor.locator("#watched")).to_have_text("Watched ✓")
+        watch(visitor)
+        answer(visitor)
         if number == 1:
             yield Stop(visitor, "participant", "participants")
         visitor.locator("#next").click()

@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import count
-from pathlib import Path
-from secrets import token_hex
 
 from flask import Flask
 from playwright.sync_api import Page, expect
-from sqlalchemy import select
 
-from studyapp.database.tables import StudySession
-from studyapp.session.arrivals import Arrival
-from studyapp.session.comprehension import start_trials
 from studyapp.session.ending import advance
-from studyapp.session.enrolment import enrol
 from studyapp.session.state import current_trial, find_study_session, update_row
-from studyapp.web.app import create_app
 from studyapp.web.site import site_of
 from tests.functional.browsing import follow
 from tests.functional.looking import expect_videos
-from tests.support.servers.local_server import listening
+from tests.functional.taking_part import answer, fill
 
 KINDS = {
     "#answers": "trial",
@@ -35,27 +26,6 @@ KINDS = {
     "#completion-code": "completed",
 }
 """What a page is, by something that only it holds; a new kind of page is one line here."""
-
-
-@contextmanager
-def shown(study: Path) -> Iterator[tuple[str, Flask]]:
-    """Serve the study from a thread; give its address and the application."""
-    app = create_app(study)
-    try:
-        with listening(app) as address:
-            yield address, app
-    finally:
-        site_of(app).database.close()
-
-
-def first_trial(page: Page, address: str, app: Flask) -> None:
-    """Show the first trial of a participant who has agreed and read the instructions elsewhere."""
-    site = site_of(app)
-    token = enrol(site.database, site.served, Arrival(visit=token_hex(16)), site.clock)
-    start_trials(site.database, site.served, token, site.clock)
-    page.goto(f"{address}/take/{token}")
-    expect(page.locator(".play").first).to_be_visible()
-    expect_videos(page)
 
 
 def walk(page: Page, address: str, app: Flask) -> Iterator[str]:
@@ -79,7 +49,7 @@ def walk(page: Page, address: str, app: Flask) -> Iterator[str]:
             yield name
             if kind == "completed":
                 return
-            fill(page, app)
+            fill(page, site_of(app).database)
             follow(page.locator("form:visible button.primary"))
 
 
@@ -87,25 +57,6 @@ def kind_of(page: Page) -> str:
     """Return what the page is."""
     expect(page.locator(", ".join(KINDS)).first).to_be_attached()
     return next(kind for selector, kind in KINDS.items() if page.locator(selector).count())
-
-
-def answer(page: Page) -> None:
-    """Answer every question in the way of its widget."""
-    for question in page.locator("#answers .question").all():
-        cards = question.locator(".card:visible")
-        menus = question.locator("select:visible")
-        line = question.get_by_role("slider")
-        if cards.count():
-            for _card in range(cards.count()):
-                question.locator(".tray .card").last.click()
-        elif menus.count():
-            for number, menu in enumerate(menus.all(), start=1):
-                menu.select_option(str(number))
-        elif line.count():
-            line.press("PageUp")
-            line.press("PageUp")
-        else:
-            question.locator(".scale label").nth(1).click()
 
 
 def leave_trial(page: Page, app: Flask) -> None:
@@ -120,23 +71,3 @@ def leave_trial(page: Page, app: Flask) -> None:
         advance(session, study_session, site.study, site.clock.now())
     page.reload()
     expect(page.locator(f"#answers [name=trial][value='{trial.token}']")).to_have_count(0)
-
-
-def fill(page: Page, app: Flask) -> None:
-    """Fill in what a page asks about the participant."""
-    for field in page.locator("form:visible .question").all():
-        choices = field.locator("[type=radio]")
-        if choices.count():
-            choices.first.check()
-        else:
-            field.locator("input, textarea").fill("30")
-    if page.locator("#digits").count():
-        page.locator("#digits").fill(spoken_digits(page, app))
-
-
-def spoken_digits(page: Page, app: Flask) -> str:
-    """Return the digits that the participant whose page this is hears."""
-    token = page.url.partition("/take/")[2].partition("/")[0]
-    query = select(StudySession.sound_digits).where(StudySession.token == token)
-    with site_of(app).database.reading() as session:
-        return session.scalars(query).one()

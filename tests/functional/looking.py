@@ -84,19 +84,23 @@ def barriers(page: Page) -> list[str]:
 
 
 @contextmanager
-def examination(prefix: str) -> Iterator[Callable[[Page, str], None]]:
+def examination(
+    prefix: str, look: Callable[[Page], list[str]] = barriers
+) -> Iterator[Callable[[Page, str], None]]:
     """Give what photographs and examines a page under a name; no page may have a problem.
 
     Parameters
     ----------
     prefix : str
         The beginning of the pictures' names.
+    look : callable
+        What finds problems of a page: of researchers' pages unless it is another one.
     """
     problems: dict[str, list[str]] = {}
 
     def examine(page: Page, name: str) -> None:
         photograph(page, f"{prefix}-{name}")
-        problems[name] = barriers(page)
+        problems[name] = look(page)
         expect_to_fit_a_phone(page)
 
     yield examine

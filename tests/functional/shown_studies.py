@@ -161,7 +161,7 @@ study."""
 NAMES: Final = ("composed", *STUDIES)
 
 
-def write_shown_study(folder: Path, name: str) -> None:
+def write_shown_study(folder: Path, name: str, *, participants: int = 50) -> None:
     """Write one of the studies `NAMES` into `folder`, ready to serve."""
     folder.mkdir(parents=True)
     if name == "composed":
@@ -170,7 +170,7 @@ def write_shown_study(folder: Path, name: str) -> None:
         return
     figure = folder / "figure.mp4"
     write_video(figure, map(_figure, range(FRAME_RATE)), seconds=1.0)
-    keys: Keys = {"participants": 50, "page": PAGE} | STUDIES[name]
+    keys: Keys = {"participants": participants, "page": PAGE} | STUDIES[name]
     write_finished_study(folder, video=figure, **keys)
 
 

@@ -1,27 +1,53 @@
-"""A lab's first study, from login to a rehearsed and served study, in a real browser.
+"""The desk in a real browser: a lab's first study, files brought in, and motion turned around.
 
 With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import Browser, Page, Route, expect
 
-from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, watched_page
+from studyapp.desk.inbox import LARGEST_PIECE
+from studyapp.study.folder import StudyFolder
+from tests.functional.browsing import (
+    IN_A_BROWSER,
+    SOFTWARE_GRAPHICS,
+    commanded,
+    follow,
+    launched,
+    press,
+    wait_until,
+    watched_page,
+)
+from tests.functional.conftest import SECONDS
 from tests.functional.desk_way import STUDY, walk_the_desk, write_recordings
+from tests.functional.joining import join
 from tests.functional.looking import (
-    barriers,
-    expect_to_fit_a_phone,
+    LAPTOP,
+    SIZES,
+    examination,
     participants_barriers,
     photograph,
+    resize,
 )
+from tests.support.studies.takes import write_motion, write_speech
 
 pytestmark = IN_A_BROWSER
 
-SECONDS = 1.0
+LONG_SECONDS = 100
+"""Of a recording that takes four pieces."""
+
+Examine = Callable[[Page, str], None]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with launched(*SOFTWARE_GRAPHICS) as chromium:
+        yield chromium
 
 
 def test_a_first_study_goes_from_login_to_rehearsed_and_served_without_a_shell(
@@ -30,22 +56,120 @@ def test_a_first_study_goes_from_login_to_rehearsed_and_served_without_a_shell(
     monkeypatch.delenv("DATABASE_URL", raising=False)
     (tmp_path / "lab").mkdir()
     recordings = write_recordings(tmp_path / "recordings", seconds=SECONDS)
-    problems: dict[str, list[str]] = {}
     with (
+        examination("desk") as of_researchers,
+        examination("desk", participants_barriers) as of_participants,
         commanded("desk", tmp_path / "lab") as (address, link),
         watched_page(browser, address, refused=422) as page,
         watched_page(browser, address) as visitor,
     ):
-        way = walk_the_desk(page, visitor, link, recordings, participants=2, size=160)
-        for stop in way:
-            photograph(stop.page, f"desk-{stop.name}")
-            if stop.kind == "document":
-                continue
-            look = barriers if stop.kind == "researchers" else participants_barriers
-            problems[stop.name] = look(stop.page)
-            expect_to_fit_a_phone(stop.page)
+        looks: dict[str, Examine] = {
+            "researchers": of_researchers,
+            "participants": of_participants,
+            "document": lambda page, name: photograph(page, f"desk-{name}"),
+        }
+        for stop in walk_the_desk(page, visitor, link, recordings, participants=2, size=160):
+            looks[stop.kind](stop.page, stop.name)
+        page.goto(f"{address}/{STUDY}/research/preview/0/1/1/")
+        follow(page.get_by_role("link", name="Turn the motion around"))
+        page.get_by_role("button", name="Play A").click()
+        expect(page.locator(".motion-viewer canvas")).to_be_visible()
+        of_researchers(page, "previewed-motion")
         follow(page.get_by_role("link", name="Back to the desk"))
         press(page, "Log out")
         page.goto(f"{address}/{STUDY}/research/")
         expect(page.get_by_label("Password")).to_be_visible()
-    assert {name: each for name, each in problems.items() if each} == {}
+
+
+def test_files_are_uploaded_through_an_interruption_and_their_motion_turned_around(
+    browser: Browser, lab: Path, tmp_path: Path
+) -> None:
+    study = StudyFolder(lab / "tiny")
+    for condition in ("mismatched", "broken"):
+        write_motion(study.clip(condition, "take-0"), SECONDS)
+    recording = write_speech(tmp_path / "long.wav", LONG_SECONDS)
+    # There is no segment of the last one.
+    motions = [write_motion(tmp_path / f"take-{number}.npz", SECONDS) for number in (0, 1, 2, 9)]
+    with (
+        examination("bring-in") as examine,
+        commanded("desk", lab) as (address, link),
+        watched_page(browser, address) as page,
+    ):
+        page.on("dialog", lambda dialog: dialog.accept())
+        join(page, link)
+        press(page, "Take over tiny")
+        follow(page.get_by_role("link", name="Bring in"))
+        examine(page, "empty")
+        _upload_long_recording(page, recording, examine)
+        page.get_by_label("Condition").fill("rule_based")
+        page.get_by_label("Files", exact=True).set_input_files(motions)
+        press(page, "Upload")
+        expect(page.get_by_role("row")).to_have_count(1 + 5)
+        examine(page, "uploaded")
+        page.get_by_label("Speaker").fill("Robin")
+        page.get_by_label("Emotion").select_option("neutral")
+        press(page, "Bring into the study")
+        expect(page.get_by_role("status")).to_contain_text("Failed")
+        examine(page, "job")
+        page.goto(f"{address}/research/studies/tiny/bring-in")
+        expect(page.get_by_text("there is no segment 'take-9'")).to_be_visible()
+        examine(page, "refused")
+        press(page, "Remove take-9.npz")
+        expect(page.get_by_text("Nothing is waiting.")).to_be_visible()
+        follow(page.get_by_role("link", name="All segments and conditions"))
+        for cell in (
+            *(f"motion of rule based for take-{n}" for n in range(3)),
+            "missing of rule based for long",
+        ):
+            expect(page.get_by_role("link", name=cell)).to_be_visible()
+        examine(page, "table")
+        _turn_motion_around(page, examine)
+
+
+def _upload_long_recording(page: Page, recording: Path, examine: Examine) -> None:
+    """Upload a recording whose third piece is lost, again and again, until the page is left."""
+    assert recording.stat().st_size > 3 * LARGEST_PIECE
+    pattern = f"**/uploads?*offset={2 * LARGEST_PIECE}"
+
+    def lose(route: Route) -> None:
+        route.abort("internetdisconnected")
+
+    page.route(pattern, lose)
+    page.get_by_label("Files", exact=True).set_input_files(recording)
+    page.get_by_role("button", name="Upload").click()
+    expect(page.get_by_text("Waiting for the server")).to_be_visible()
+    examine(page, "waiting")
+    page.unroute(pattern)
+    page.reload()
+    expect(page.get_by_text("choose it again to go on")).to_be_visible()
+    sent: list[str] = []
+    page.on("request", lambda request: sent.append(request.url))
+    page.get_by_label("Files", exact=True).set_input_files(recording)
+    press(page, "Upload")
+    expect(page.get_by_text("choose it again to go on")).to_have_count(0)
+    assert not any("offset=0" in url for url in sent)
+
+
+def _turn_motion_around(page: Page, examine: Examine) -> None:
+    """Go from the table to one clip, and to all conditions side by side, also on a phone."""
+    follow(page.get_by_role("link", name="motion of broken for take-0"))
+    page.get_by_role("button", name="Turn the motion around").click()
+    _expect_motion(page, "broken")
+    examine(page, "clip")
+    follow(page.get_by_role("link", name="All conditions side by side"))
+    page.get_by_role("button", name="Play rule based, mismatched, broken").click()
+    _expect_motion(page, "rule based", "mismatched", "broken")
+    examine(page, "segment")
+    resize(page, SIZES["phone"])
+    page.reload()
+    page.get_by_role("button", name="Play rule based, mismatched, broken").click()
+    expect(page.locator(".motion-viewer")).to_have_attribute("data-rows", "2")
+    resize(page, LAPTOP)
+
+
+def _expect_motion(page: Page, *names: str) -> None:
+    """Wait until the viewer shows motion by these names, and plays it to the end."""
+    expect(page.locator(".motion-viewer .labels b")).to_have_text(names)
+    viewer = page.locator(".motion-viewer")
+    viewer.get_by_role("button", name="Play").click()
+    wait_until(page, lambda: float(viewer.get_attribute("data-seconds") or "0") >= SECONDS - 0.1)

@@ -21,12 +21,13 @@ from sqlalchemy import update
 from studyapp.database.tables import StudySession
 from studyapp.web.language import language_of, speak
 from studyapp.web.site import attach, site_of
-from tests.functional.browsing import IN_A_BROWSER, watched_page
-from tests.functional.every_page import fill, first_trial, shown, spoken_digits, walk
+from tests.functional.browsing import IN_A_BROWSER, follow, press, watched_page
+from tests.functional.every_page import walk
 from tests.functional.looking import (
     LAPTOP,
     SIZES,
     barriers,
+    examination,
     expect_to_fit_a_phone,
     expect_videos,
     participants_barriers,
@@ -35,6 +36,16 @@ from tests.functional.looking import (
     video_sizes,
 )
 from tests.functional.shown_studies import NAMES, write_shown_study
+from tests.functional.taking_part import (
+    answer,
+    begin_study,
+    fill,
+    first_trial,
+    shown,
+    study_session_of,
+)
+from tests.studyapp.web.brackets import bracketed, left_in_english
+from tests.studyapp.web.page_reader import PageReader
 
 pytestmark = IN_A_BROWSER
 
@@ -52,6 +63,10 @@ arrive, 6,700 for instructions, 5,900 for the sound check, 4,900 for forms and 9
 
 RESEARCHERS_ALONE = ("WebGLRenderer", "motion-viewer", "glTF", "DecompressionStream")
 """Words of the viewer that turns motion around, of its library, and of files of motion."""
+
+
+def expect_heading(page: Page, words: str) -> None:
+    expect(page.get_by_role("heading", level=1)).to_contain_text(words)
 
 
 def made_of(page: Page) -> str:
@@ -120,127 +135,127 @@ def test_every_page_is_light_looks_the_same_for_all_and_has_no_severe_barrier(
     assert {"consent", "trial", "completed"} <= kinds
 
 
-def beside_the_way(page: Page, address: str, app: Flask) -> Iterator[str]:
-    """Come to the pages that a smooth study session does not show; give the name of each."""
-    page.goto(f"{address}/take/nobody")
-    yield "unknown"
-    page.goto(address)
-    page.get_by_label("no", exact=True).check()
-    page.get_by_role("button", name="Next").click()
-    expect(page.get_by_role("heading", level=1)).to_contain_text("other participants")
-    yield "screened-out"
-    page.goto(address)
-    for form in ("#eligibility", "#start"):
-        expect(page.locator(form)).to_be_visible()
-        fill(page, app)
-        page.locator("form:visible button.primary").click()
-    expect(page.locator("#digits")).to_be_visible()
-    other = "".join(str(9 - int(digit)) for digit in spoken_digits(page, app))
-    for _try in range(3):
-        page.locator("#digits").fill(other)
-        page.get_by_role("button", name="Next").click()
-        expect(page.locator("#digits")).to_have_value("")
-    expect(page.locator("#unheard")).to_be_visible()
-    yield "unheard"
-    fill(page, app)
-    page.get_by_role("button", name="Next").click()
-    expect(page.get_by_role("heading", level=1)).to_contain_text("about you")
-    page.locator("form").evaluate("form => form.noValidate = true")
-    page.get_by_role("button", name="Next").click()
-    expect(page.locator(".field-problem").first).to_be_visible()
-    yield "form-problem"
-    page.goto(page.url.partition("/form/")[0])
-    second = page.context.new_page()
-    second.goto(page.url)
-    expect(page.get_by_role("dialog")).to_be_visible()
-    yield "second-window"
-    second.close()
-    page.goto(page.url)
-    page.get_by_role("link", name="withdraw").click()
-    expect(page.get_by_role("button", name="Yes, withdraw")).to_be_visible()
-    yield "withdraw"
-    page.get_by_role("button", name="Yes, withdraw").click()
-    expect(page.get_by_role("heading", level=1)).to_contain_text("withdrawn")
-    yield "withdrawn"
-
-
-def test_no_page_beside_the_way_has_a_severe_barrier(browser: Browser, tmp_path: Path) -> None:
+def test_no_page_beside_the_way_has_a_severe_barrier_and_withdrawing_deletes(
+    browser: Browser, tmp_path: Path
+) -> None:
     write_shown_study(tmp_path / "players", "players")
-    with shown(tmp_path / "players") as (address, app):
+    with (
+        examination("beside", participants_barriers) as examine,
+        shown(tmp_path / "players") as (address, app),
+    ):
+        # The browser itself complains of what is refused here.
         page = browser.new_context(viewport=LAPTOP).new_page()
-        problems = {}
-        for name in beside_the_way(page, address, app):
-            photograph(page, f"beside-{name}")
-            problems[name] = participants_barriers(page)
+        database = site_of(app).database
+        page.goto(address)
+        page.get_by_label("no", exact=True).check()
+        press(page, "Next")
+        expect_heading(page, "other participants")
+        examine(page, "screened-out")
+        page.goto(address)
+        for form in ("#eligibility", "#start"):
+            expect(page.locator(form)).to_be_visible()
+            fill(page, database)
+            page.locator("form:visible button.primary").click()
+        expect(page.locator("#digits")).to_be_visible()
+        for _try in range(3):
+            expect(page.locator("#unheard")).to_have_count(0)
+            page.locator("#digits").fill("12345")
+            press(page, "Next")
+            expect(page.get_by_role("alert")).to_contain_text("not the digits that were spoken")
+        expect(page.locator("#unheard")).to_be_visible()
+        examine(page, "unheard")
+        fill(page, database)
+        press(page, "Next")
+        expect_heading(page, "about you")
+        page.locator("form").evaluate("form => form.noValidate = true")
+        press(page, "Next")
+        expect(page.locator(".field-problem").first).to_be_visible()
+        examine(page, "form-problem")
+        page.goto(page.url.partition("/form/")[0])
+        second = page.context.new_page()
+        second.goto(page.url)
+        expect(page.get_by_role("dialog")).to_be_visible()
+        examine(page, "second-window")
+        second.close()
+        page.goto(page.url)
+        follow(page.get_by_role("link", name="withdraw"))
+        examine(page, "withdraw")
+        left = study_session_of(page, database)
+        press(page, "Yes, withdraw")
+        expect_heading(page, "withdrawn")
+        examine(page, "withdrawn")
+
+        assert left.trials
+        with database.reading() as session:
+            stored = session.get_one(StudySession, left.id)
+            assert stored.withdrawn_at is not None
+            assert stored.trials == []
         page.context.close()
+
+
+def test_who_comes_with_a_phone_takes_the_link_along(browser: Browser, tmp_path: Path) -> None:
+    write_shown_study(tmp_path / "players", "players")
+    with shown(tmp_path / "players") as (address, _):
+        link = f"{address}/?PROLIFIC_PID=p2"
         phone = browser.new_page(viewport=SIZES["phone"], is_mobile=True, has_touch=True)
-        phone.goto(address)
-        expect(phone.get_by_role("heading", level=1)).to_contain_text("on another device")
+        phone.context.grant_permissions(["clipboard-read", "clipboard-write"])
+        phone.goto(link)
+
+        expect_heading(phone, "on another device")
+        expect(phone.get_by_role("button", name="Next")).to_have_count(0)
+        phone.get_by_role("button", name="Copy the link").click()
+        expect(phone.get_by_role("status")).to_have_text("Copied ✓")
+        assert phone.evaluate("navigator.clipboard.readText()") == link
         photograph(phone, "beside-phone")
-        problems["phone"] = participants_barriers(phone)
-        phone.close()
-
-    assert {name: each for name, each in problems.items() if each} == {}
-
-
-def in_trouble(page: Page, address: str, app: Flask) -> Iterator[str]:
-    """Come to the pages of trouble with places, answers and videos; give the name of each."""
-    page.goto(address)
-    page.get_by_role("button", name="I agree").click()
-    page.get_by_role("button", name="Begin").click()
-    expect(page.locator("#answers")).to_be_visible()
-    # As a browser without scripts sends it.
-    page.locator("#answers").evaluate("form => form.submit()")
-    expect(page.locator("#problem")).to_contain_text("not answered yet")
-    yield "trial-problem"
-    page.route("**/media/*", lambda route: route.abort())
-    page.goto(page.url.removesuffix("/answers"))
-    expect(page.locator(".fault").first).to_be_visible()
-    page.locator(".trouble summary").click()
-    yield "trial-fault"
-    first = page.url
-    page.goto(address)
-    page.get_by_role("button", name="Go on with the study").click()
-    page.wait_for_url(first)
-    page.evaluate("sessionStorage.clear()")
-    page.goto(address)
-    expect(page.get_by_role("heading", level=1)).to_contain_text("has all the participants")
-    expect(page.locator("#returning")).to_be_hidden()
-    yield "full"
-    with site_of(app).database.writing() as session:
-        session.execute(
-            update(StudySession).values(last_active_at=datetime(2026, 1, 1, tzinfo=UTC))
-        )
-    page.goto(address)
-    page.get_by_role("button", name="I agree").click()
-    expect(page.get_by_role("button", name="Begin")).to_be_visible()
-    page.goto(first)
-    expect(page.get_by_role("heading", level=1)).to_contain_text("taken in the meantime")
-    yield "lapsed"
-    site = site_of(app)
-    closed = site.study.model_copy(update={"open": False})
-    attach(app, replace(site, served=replace(site.served, study=closed)))
-    page.evaluate("sessionStorage.clear()")
-    page.goto(address)
-    expect(page.get_by_role("heading", level=1)).to_contain_text("takes no new participants")
-    yield "closed"
+        assert participants_barriers(phone) == []
+        phone.context.close()
 
 
 def test_no_page_of_trouble_has_a_severe_barrier(browser: Browser, tmp_path: Path) -> None:
-    write_shown_study(tmp_path / "labels", "labels")
-    definition = tmp_path / "labels" / "study.toml"
-    text = definition.read_text("utf-8")
-    definition.write_text(text.replace("participants = 50", "participants = 1"), "utf-8")
-    with shown(tmp_path / "labels") as (address, app):
+    write_shown_study(tmp_path / "labels", "labels", participants=1)
+    with (
+        examination("trouble", participants_barriers) as examine,
+        shown(tmp_path / "labels") as (address, app),
+    ):
         page = browser.new_context(viewport=LAPTOP).new_page()
-        problems = {}
-        for name in in_trouble(page, address, app):
-            photograph(page, f"trouble-{name}")
-            problems[name] = participants_barriers(page)
+        page.goto(f"{address}/take/nobody")
+        examine(page, "unknown")
+        begin_study(page, address)
+        # As a browser without scripts sends it.
+        page.locator("#answers").evaluate("form => form.submit()")
+        expect(page.locator("#problem")).to_contain_text("not answered yet")
+        examine(page, "trial-problem")
+        page.route("**/media/*", lambda route: route.abort())
+        page.goto(page.url.removesuffix("/answers"))
+        expect(page.locator(".fault").first).to_be_visible()
+        page.locator(".trouble summary").click()
+        examine(page, "trial-fault")
+        first = page.url
+        page.goto(address)
+        page.get_by_role("button", name="Go on with the study").click()
+        page.wait_for_url(first)
+        page.evaluate("sessionStorage.clear()")
+        page.goto(address)
+        expect_heading(page, "has all the participants")
+        expect(page.locator("#returning")).to_be_hidden()
+        examine(page, "full")
+        with site_of(app).database.writing() as session:
+            long_ago = datetime(2026, 1, 1, tzinfo=UTC)
+            session.execute(update(StudySession).values(last_active_at=long_ago))
+        page.goto(address)
+        page.get_by_role("button", name="I agree").click()
+        expect(page.get_by_role("button", name="Begin")).to_be_visible()
+        page.goto(first)
+        expect_heading(page, "taken in the meantime")
+        examine(page, "lapsed")
+        site = site_of(app)
+        closed = site.study.model_copy(update={"open": False})
+        attach(app, replace(site, served=replace(site.served, study=closed)))
+        page.evaluate("sessionStorage.clear()")
+        page.goto(address)
+        expect_heading(page, "takes no new participants")
+        examine(page, "closed")
         page.context.close()
-
-    assert list(problems) == ["trial-problem", "trial-fault", "full", "lapsed", "closed"]
-    assert {name: each for name, each in problems.items() if each} == {}
 
 
 def test_a_barrier_would_be_found(browser: Browser) -> None:
@@ -261,12 +276,16 @@ def test_a_barrier_would_be_found(browser: Browser) -> None:
     page.close()
 
 
-LANGUAGES = ("de", "ja", "en")
+CHECKLISTS = {
+    "de": "Noch nötig: 6 Videos ansehen",
+    "ja": "残り：動画6本の視聴",
+    "en": "Still needed: watch 6 videos",
+}
 
 
 def in_every_language(page: Page, app: Flask) -> Iterator[str]:
     """Show the present page in one language after the other; the study's own comes last."""
-    for language in LANGUAGES:
+    for language in CHECKLISTS:
         speak(app, language_of(language))
         page.reload()
         expect(page.locator("html")).to_have_attribute("lang", language)
@@ -289,10 +308,7 @@ def test_a_pair_fits_a_laptop_and_no_page_is_wider_than_a_phone(
             expect_videos(page)
             photograph(page, f"{name}-{language}")
             assert page.evaluate("document.documentElement.scrollHeight <= innerHeight"), language
-            for video in page.locator("video").all():
-                box = video.bounding_box()
-                assert box is not None
-                assert box["height"] >= 300
+            assert min(height for _, height in video_sizes(page)) >= 300
 
 
 def test_what_is_missing_of_six_videos_stands_on_one_line_beside_next(
@@ -304,6 +320,7 @@ def test_what_is_missing_of_six_videos_stands_on_one_line_beside_next(
         for language in in_every_language(page, app):
             missing, onward = page.locator("#watched"), page.locator("#next")
             expect(missing).to_contain_text("E")
+            expect(page.locator("#needed")).to_contain_text(CHECKLISTS[language])
             expect_videos(page)
             photograph(page, f"ranking-{language}")
             for larger in (True, False):
@@ -312,3 +329,25 @@ def test_what_is_missing_of_six_videos_stands_on_one_line_beside_next(
                 beside, button = (row for row in rows if row is not None)
                 middle = beside["y"] + beside["height"] / 2
                 assert button["y"] < middle < button["y"] + button["height"], (language, larger)
+
+
+@pytest.mark.parametrize("name", ["sliders", "ties"])
+def test_scripts_say_nothing_that_is_not_translated(
+    browser: Browser, tmp_path: Path, name: str
+) -> None:
+    write_shown_study(tmp_path / name, name)
+    with shown(tmp_path / name) as (address, app), watched_page(browser, address) as page:
+
+        def english() -> str:
+            return left_in_english(PageReader(page.content()), site_of(app).study)
+
+        speak(app, bracketed())
+        first_trial(page, address, app)
+        page.locator("#next").click()
+        expect(page.locator("#needed")).to_have_class("asked")
+        assert english() == ""
+        for button in page.locator(".play").all():
+            button.click()
+            assert english() == ""
+        answer(page)
+        assert english() == ""

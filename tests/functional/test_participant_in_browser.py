@@ -1,267 +1,239 @@
-"""A participant in a real browser, with really playing videos, on the real server.
-
-With ``SCREENSHOTS=folder`` in the environment pages are also taken in every size.
-"""
+"""A participant in a real browser on the real server: what counts as watched, and what is kept."""
 
 from __future__ import annotations
 
-import shutil
+import json
+import re
 from pathlib import Path
+from typing import Any
 
 import pytest
-from playwright.sync_api import Page, Route, expect
-from sqlalchemy import select
+from playwright.sync_api import Browser, Locator, Page, Request, Response, Route, expect
+from sqlalchemy import func, select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Response, StudySession
-from tests.functional.browsing import (
-    IN_A_BROWSER,
+from studyapp.database.tables import StudySession, Video, WatchRecord
+from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, follow, wait_until
+from tests.functional.taking_part import (
+    WATCHED,
+    answer,
+    answers_of,
     begin_study,
+    expect_playing,
     expect_trial,
+    playing_on,
     study_session_of,
-    wait_until,
+    watch,
 )
-from tests.functional.looking import SIZES, photograph
-from tests.support.studies.redefining import redefine
+from tests.support.studies.finished_study import question, write_finished_study, write_short_video
 
 pytestmark = IN_A_BROWSER
 
+FORCED_RATE = """() => {
+  const rate = Object.getOwnPropertyDescriptor(HTMLMediaElement.prototype, "playbackRate");
+  const video = document.querySelector("video");
+  rate.set.call(video, 4);
+  Object.defineProperty(video, "playbackRate", { get() { return 4; }, set() {} });
+}"""
+"""A browser extension that makes videos faster, and does not let the page change it."""
+
+PRETENDED_HIDDEN = """() => {
+  Object.defineProperty(document, "hidden", { get: () => true });
+  document.dispatchEvent(new Event("visibilitychange"));
+}"""
+SILENCED = """() => {
+  const volume = document.querySelector("#volume");
+  volume.value = 0;
+  volume.dispatchEvent(new Event("input", { bubbles: true }));
+}"""
+SKIPPED = "() => { document.querySelector('video').currentTime = 0.9; }"
+
+RELOADED_MEANWHILE = """video => video.addEventListener("timeupdate", () => {
+  if (video.currentTime > 0.1) location.reload();
+})"""
+"""Somebody who reloads the page while a video plays, surely before its end."""
+
+BUSY_AS_IT_BEGINS = """button => {
+  const end = performance.now() + 500;
+  button.click();
+  while (performance.now() < end);
+}"""
+
+B_IS_LEFT = "Still to watch: B"
+
 
 @pytest.fixture(scope="module")
-def study(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a study with places for all these tests."""
-    folder = tmp_path_factory.mktemp("browser") / "study"
-    shutil.copytree(tiny_study_template, folder)
-    redefine(folder, ("participants_per_comparison = 4", "participants_per_comparison = 50"))
+def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a study of two players and two questions a trial, with places for all these tests."""
+    folder = tmp_path_factory.mktemp("participant") / "study"
+    folder.mkdir()
+    video = folder.parent / "short.mp4"
+    write_short_video(video, seconds=1.0)
+    asked = [question("rhythm", "Which fits better?"), question("emotion", "Which shows more?")]
+    write_finished_study(folder, "pairwise", video, participants=30, questions=asked)
     return folder
 
 
-def play(page: Page) -> None:
-    page.get_by_role("button", name="Play both").click()
-    expect(page.locator("#watched")).to_have_text("Watched ✓")
+def player(page: Page, label: str) -> Locator:
+    return page.get_by_role("region", name=f"Video {label}")
 
 
-def wait_for_video(page: Page, condition: str) -> None:
-    """Wait until `condition` holds of the video."""
-    wait_until(page, lambda: page.evaluate(f"document.querySelector('video').{condition}"))
+def play_button(page: Page, label: str) -> Locator:
+    return page.get_by_role("button", name=f"Play {label}", exact=True)
 
 
-def choose(page: Page, question: str, label: str) -> None:
-    page.locator(f"[data-question={question}]").get_by_text(label, exact=True).click()
+def choose(page: Page, name: str, value: int) -> None:
+    page.locator(f"label:has([name={name}][value='{value}'])").click()
 
 
-def answers(page: Page, database: Database) -> list[tuple[int, str, int]]:
-    """Return what is stored of the participant whose page this is."""
-    ids = {trial.id: trial.position for trial in study_session_of(page, database).trials}
+def expect_missing(page: Page, words: str | re.Pattern[str]) -> None:
+    """Wait until the page says so of what is still to be watched."""
+    expect(page.locator("#watched")).to_have_text(words)
+
+
+def reports_of(page: Page) -> list[dict[str, Any]]:
+    """Return a list that fills with what the page reports."""
+    reports: list[dict[str, Any]] = []
+
+    def look_at(request: Request) -> None:
+        if "/watched/" in request.url:
+            reports.append(json.loads(request.post_data or ""))
+
+    page.on("request", look_at)
+    return reports
+
+
+def watch_record(database: Database, video_token: str) -> WatchRecord | None:
     with database.reading() as session:
-        rows = session.scalars(select(Response).order_by(Response.id))
-        return [(ids[r.trial_id], r.question, r.value) for r in rows if r.trial_id in ids]
+        return session.scalars(
+            select(WatchRecord).join(WatchRecord.video).where(Video.token == video_token)
+        ).one_or_none()
 
 
-@pytest.mark.parametrize("size", ["laptop", "desktop"])
-def test_video_questions_and_next_are_in_view_without_scrolling(
-    page: Page, address: str, size: str
-) -> None:
-    page.set_viewport_size(SIZES[size])
-    begin_study(page, address)
-    wait_for_video(page, "readyState >= 1")
-
-    for part in ("#pair", "#controls", "#answers", "#next"):
-        box = page.locator(part).bounding_box()
-        assert box is not None
-        assert box["y"] >= 0
-        assert box["y"] + box["height"] <= SIZES[size]["height"]
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+def played(database: Database, video_token: str) -> float:
+    """Return the seconds that all reports of a video tell of, each part as often as it is told."""
+    record = watch_record(database, video_token)
+    return 0.0 if record is None else record.played_seconds
 
 
-def test_a_refresh_keeps_what_was_watched_and_chosen(
+def garble(route: Route) -> None:
+    """Let the server send what is asked for, and the browser get something else."""
+    route.fetch()
+    route.fulfill(status=200, content_type="video/mp4", body="no video")
+
+
+def test_nothing_unfinished_is_sent_and_a_refresh_keeps_what_was_watched_and_chosen(
     page: Page, address: str, database: Database
 ) -> None:
     begin_study(page, address)
-    play(page)
-    choose(page, "emotion", "no difference")
+    page.locator("#next").click()
+    expect(page.locator("#needed")).to_have_text("Still needed: watch A and B, answer 1 and 2")
+    watch(page)
+    choose(page, "emotion", 0)
 
     page.reload()
 
     expect_trial(page, 1)
-    expect(page.locator("#watched")).to_have_text("Watched ✓")
+    expect_missing(page, WATCHED)
     expect(page.locator("#needed")).to_have_text("Still needed: answer 1")
     expect(page.locator("[name=emotion][value='0']")).to_be_checked()
-    assert answers(page, database) == []
+    assert answers_of(page, database) == []
 
 
-def test_the_back_button_is_harmless(page: Page, address: str, database: Database) -> None:
-    begin_study(page, address)
+def test_double_clicks_take_one_place_and_answer_one_trial_and_going_back_is_harmless(
+    page: Page, address: str, database: Database
+) -> None:
+    def count_sessions() -> int:
+        with database.reading() as session:
+            return session.scalars(select(func.count()).select_from(StudySession)).one()
+
+    before = count_sessions()
+    page.goto(address)
+    page.get_by_role("button", name="I agree").dblclick()
+    expect(page.get_by_role("heading", level=1)).to_have_text("What you will do")
+    assert count_sessions() == before + 1
+    page.get_by_role("button", name="Begin").click()
     where = page.url
-    play(page)
-    choose(page, "rhythm", "clearly A")
-    choose(page, "emotion", "clearly A")
-    page.get_by_role("button", name="Next").click()
-    expect_trial(page, 2)
+    watch(page)
+    choose(page, "rhythm", -2)
+    choose(page, "emotion", 1)
 
+    page.locator("#next").dblclick()
+
+    expect_trial(page, 2)
+    expect(page.locator(":checked")).to_have_count(0)
     page.go_back()
-    while page.url != f"{address}/" and page.url != "about:blank":
+    while page.url not in (f"{address}/", "about:blank"):
         expect_trial(page, 2)
         page.go_back()
     page.goto(address)
     page.get_by_role("button", name="I agree").click()
-
     expect_trial(page, 2)
     assert page.url == where
-    assert len(answers(page, database)) == 2
+    assert answers_of(page, database) == [(1, "emotion", 1), (1, "rhythm", -2)]
 
 
-def test_a_double_click_on_next_answers_one_trial(
-    page: Page, address: str, database: Database
+@pytest.mark.parametrize(
+    ("way", "words"),
+    [
+        (SKIPPED, "Still to watch: A 1 s · B"),
+        (SILENCED, "Please turn the sound on"),
+        (FORCED_RATE, "Please let the video play at normal speed"),
+        (PRETENDED_HIDDEN, "Please keep the video in view while it plays"),
+    ],
+)
+def test_playing_in_part_silently_faster_or_out_of_view_does_not_count_and_says_so(
+    page: Page, address: str, way: str, words: str
 ) -> None:
     begin_study(page, address)
-    play(page)
-    choose(page, "rhythm", "clearly A")
-    choose(page, "emotion", "slightly B")
+    reports = reports_of(page)
+    expect(page.locator("video").first).to_have_js_property("readyState", 4)
+    page.evaluate(way)
 
-    page.get_by_role("button", name="Next").dblclick()
+    def tells_of_playing(response: Response) -> bool:
+        return "/watched/" in response.url and any(report["intervals"] for report in reports)
 
-    expect_trial(page, 2)
-    assert answers(page, database) == [(1, "rhythm", -2), (1, "emotion", 1)]
-    expect(page.locator(":checked")).to_have_count(0)
+    with page.expect_response(tells_of_playing) as answered:
+        play_button(page, "A").click()
 
-
-def test_a_double_click_on_start_takes_one_place(
-    page: Page, address: str, database: Database
-) -> None:
-    with database.reading() as session:
-        before = len(session.scalars(select(StudySession)).all())
-    page.goto(address)
-
-    page.get_by_role("button", name="I agree").dblclick()
-
-    expect(page.get_by_role("heading", level=1)).to_have_text("What you will do")
-    with database.reading() as session:
-        assert len(session.scalars(select(StudySession)).all()) == before + 1
+    expect_missing(page, words)
+    expect(page.locator("#needed")).to_contain_text("Still needed: watch A and B")
+    assert answered.value.json()["missing"] > 0.5
 
 
-def test_next_says_what_is_missing_and_sends_nothing(
-    page: Page, address: str, database: Database
+def test_keys_play_the_video_that_has_the_focus_and_answer_the_next_question(
+    page: Page, address: str
 ) -> None:
     begin_study(page, address)
-    choose(page, "rhythm", "clearly A")
+    with playing_on(*page.locator("video").all()):
+        page.keyboard.press("k")
+        expect_playing(page, "Video A")
+        play_button(page, "B").focus()
+        page.keyboard.press("k")
+        expect_playing(page, "Video B")
 
-    page.get_by_role("button", name="Next").click()
-
-    expect(page.locator("#needed")).to_have_text("Still needed: play the pair to the end, answer 2")
-    expect_trial(page, 1)
-    photograph(page, "6-still-needed")
-    assert answers(page, database) == []
-
-
-def test_skipping_to_the_end_does_not_count(page: Page, address: str) -> None:
-    begin_study(page, address)
-    wait_for_video(page, "readyState >= 1")
-
-    page.evaluate("document.querySelector('video').currentTime = 0.9")
-    page.get_by_role("button", name="Play both").click()
-    wait_for_video(page, "ended")
-
-    expect(page.locator("#watched")).to_have_text("Still to watch: 1 s")
-
-
-def test_playing_without_sound_does_not_count_and_says_so(page: Page, address: str) -> None:
-    begin_study(page, address)
-
-    page.locator("#volume").fill("0")
-    page.get_by_role("button", name="Play both").click()
-    wait_for_video(page, "ended")
-
-    expect(page.locator("#watched")).to_have_text("Please turn the sound on")
-
-
-def test_keys_one_to_five_answer_the_next_question(page: Page, address: str) -> None:
-    begin_study(page, address)
-
-    page.keyboard.press("1")
-    expect(page.locator("[name=rhythm][value='-2']")).to_be_checked()
-    page.keyboard.press("5")
-    expect(page.locator("[name=emotion][value='2']")).to_be_checked()
-
-    page.locator("[name=rhythm][value='-2']").focus()
-    page.keyboard.press("3")
+    for key, name, value in (("1", "rhythm", -2), ("5", "emotion", 2)):
+        page.keyboard.press(key)
+        expect(page.locator(f"[name={name}][value='{value}']")).to_be_checked()
+    page.locator("[name=rhythm][value='-2']").press("3")
     expect(page.locator("[name=rhythm][value='0']")).to_be_checked()
-
-
-def test_everything_can_be_done_from_the_keyboard(page: Page, address: str) -> None:
-    begin_study(page, address)
-
-    page.keyboard.press("Tab")
-    expect(page.locator("#play")).to_be_focused()
-    page.keyboard.press("Enter")
-    expect(page.locator("#watched")).to_have_text("Watched ✓")
-    for _ in range(3):
-        page.keyboard.press("Tab")
-    page.keyboard.press("Space")
-    page.keyboard.press("ArrowRight")
-    page.keyboard.press("Tab")
-    page.keyboard.press("Space")
-    page.keyboard.press("Enter")
-
-    expect_trial(page, 2)
 
 
 def test_a_lost_connection_loses_no_answer(page: Page, address: str, database: Database) -> None:
     begin_study(page, address)
-    play(page)
-    choose(page, "rhythm", "clearly A")
-    choose(page, "emotion", "clearly A")
-    # The next video has come: only the answers are left to be sent.
+    watch(page)
+    answer(page)
+    # The next videos have come: only the answers are left to be sent.
     expect(page.locator("#ahead")).to_contain_text("next page ready")
 
     page.context.set_offline(True)
-    page.get_by_role("button", name="Next").click()
+    page.locator("#next").click()
     expect(page.locator("#problem")).to_contain_text("The connection is lost")
-    photograph(page, "7-connection-lost")
-    assert answers(page, database) == []
+    assert answers_of(page, database) == []
     page.context.set_offline(False)
 
     expect_trial(page, 2)
-    assert len(answers(page, database)) == 2
-
-
-def test_only_the_next_video_is_fetched_ahead_and_only_after_watching(
-    page: Page, address: str
-) -> None:
-    fetched: list[str] = []
-    page.on("request", lambda r: fetched.append(r.url) if "/media/" in r.url else None)
-    begin_study(page, address)
-    following = address + (page.locator("#pair").get_attribute("data-following") or "")
-    wait_for_video(page, "readyState >= 4")
-    assert following not in fetched
-
-    play(page)
-    expect(page.locator("#ahead")).to_contain_text("next page ready")
-
-    assert len(set(fetched)) == 2
-    assert following in fetched
-
-
-def garbled(route: Route) -> None:
-    """Let the server send what is asked for, and the browser get something else."""
-    route.fetch()
-    route.fulfill(status=200, body="no video")
-
-
-def test_a_video_that_does_not_play_can_be_left_behind(
-    page: Page, address: str, database: Database
-) -> None:
-    page.route("**/media/**", garbled)
-    begin_study(page, address)
-
-    expect(page.get_by_role("alert")).to_have_text("This video cannot be played.")
-    page.get_by_role("button", name="This video does not play").click()
-
-    expect_trial(page, 2)
-    first, second, *_ = study_session_of(page, database).trials
-    assert first.unplayable_at is not None
-    assert second.unplayable_at is None
-    assert answers(page, database) == []
+    assert len(answers_of(page, database)) == 2
 
 
 def test_two_windows_that_do_not_know_of_each_other_do_no_harm(
@@ -273,34 +245,159 @@ def test_two_windows_that_do_not_know_of_each_other_do_no_harm(
     second.goto(page.url)
     for window in (page, second):
         window.bring_to_front()
-        play(window)
-        choose(window, "rhythm", "clearly A")
-        choose(window, "emotion", "clearly A")
+        watch(window)
+        answer(window)
     page.bring_to_front()
-    page.get_by_role("button", name="Next").click()
+    page.locator("#next").click()
     expect_trial(page, 2)
 
     second.bring_to_front()
-    choose(second, "rhythm", "clearly B")
-    second.get_by_role("button", name="Next").click()
+    choose(second, "rhythm", 2)
+    second.locator("#next").click()
 
     expect_trial(second, 2)
-    assert answers(page, database) == [(1, "rhythm", -2), (1, "emotion", -2)]
+    assert answers_of(page, database) == [(1, "emotion", -1), (1, "rhythm", -1)]
 
 
-def test_a_browser_that_forbids_storage_can_take_part(
+def test_what_plays_while_the_page_is_busy_counts_and_its_frames_are_reported(
     page: Page, address: str, database: Database
 ) -> None:
-    page.add_init_script(
-        "Object.defineProperty(window, 'sessionStorage',"
-        " { get() { throw new DOMException('forbidden', 'SecurityError'); } })"
-    )
     begin_study(page, address)
-    play(page)
-    choose(page, "rhythm", "clearly A")
-    choose(page, "emotion", "clearly A")
+    expect(player(page, "A").locator("video")).to_have_js_property("readyState", 4)
 
-    page.get_by_role("button", name="Next").click()
+    def is_enough(response: Response) -> bool:
+        return "/watched/" in response.url and response.json()["missing"] == 0
+
+    with page.expect_response(is_enough) as answered:
+        play_button(page, "A").evaluate(BUSY_AS_IT_BEGINS)
+
+    expect_missing(page, B_IS_LEFT)
+    record = watch_record(database, answered.value.url.rsplit("/", 1)[1])
+    assert record is not None
+    assert (record.rate, record.hidden_seconds + record.silent_seconds) == (1, 0)
+    assert record.frames
+    assert record.dropped_frames is not None
+
+
+def test_a_refresh_in_the_middle_of_playing_keeps_what_was_played(page: Page, address: str) -> None:
+    begin_study(page, address)
+    player(page, "A").locator("video").evaluate(RELOADED_MEANWHILE)
+    follow(play_button(page, "A"))
+
+    # Without what was played, A would be as unwatched as B, and no seconds would be told. While the
+    # page is asked for, the video may come to its end.
+    expect_missing(page, re.compile(r"^Still to watch: (A 1 s · )?B$"))
+
+
+def test_a_broken_video_is_named_and_the_trial_left(
+    page: Page, address: str, database: Database
+) -> None:
+    page.goto(address)
+    follow(page.get_by_role("button", name="I agree"))
+    broken = study_session_of(page, database).trials[0].videos[1].token
+    page.route(f"**/media/{broken}.mp4*", garble)
+    page.get_by_role("button", name="Begin").click()
+
+    trouble = player(page, "B").get_by_role("alert")
+    expect(trouble).to_have_text("This video cannot be played.")
+    expect(player(page, "A").get_by_role("alert")).to_be_hidden()
+    player(page, "B").get_by_role("button", name="This video does not play").press("Enter")
 
     expect_trial(page, 2)
-    assert len(answers(page, database)) == 2
+    first, second, *_ = study_session_of(page, database).trials
+    assert first.unplayable_at is not None
+    assert second.unplayable_at is None
+    assert [v.token for v in first.videos if v.unplayable_at is not None] == [broken]
+    assert answers_of(page, database) == []
+
+
+def test_a_broken_video_that_loads_again_plays(page: Page, address: str) -> None:
+    # A video that is loaded again has another address.
+    page.route("**/media/*.mp4", garble)
+    begin_study(page, address)
+    trouble = player(page, "A").get_by_role("alert")
+    expect(trouble).to_be_visible()
+
+    player(page, "A").get_by_role("button", name="Reload this video").click()
+
+    expect(trouble).to_be_hidden()
+    expect(play_button(page, "A")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect_missing(page, B_IS_LEFT)
+
+
+def test_a_video_without_data_says_so_and_loaded_again_plays_and_keeps_its_place(
+    page: Page, address: str
+) -> None:
+    unanswered: list[Route] = []
+    page.route("**/media/*.mp4", lambda route: unanswered.append(route))
+    begin_study(page, address)
+    reports = reports_of(page)
+    play_button(page, "A").click()
+    trouble = player(page, "A").get_by_role("alert")
+    expect(trouble).to_have_text("This video has stopped loading.")
+    player(page, "A").get_by_role("button", name="Reload this video").click()
+    expect(trouble).to_be_hidden()
+    play_button(page, "A").click()
+    expect_missing(page, B_IS_LEFT)
+    # On a busy machine it may stall again.
+    wait_until(page, lambda: any(report["stalls"] for report in reports))
+    assert sum(report["stalled_seconds"] for report in reports) > 4
+
+    video = player(page, "A").locator("video")
+    video.evaluate("video => { video.currentTime = 0.8; }")
+    page.locator(".trouble summary").click()
+    page.get_by_role("button", name="Reload A").click()
+    expect(video).to_have_attribute("src", re.compile("again=2"))
+    expect(video).to_have_js_property("currentTime", 0.3)
+    expect_missing(page, B_IS_LEFT)
+    page.reload()
+    expect_missing(page, B_IS_LEFT)
+
+
+def test_a_report_whose_answer_is_lost_counts_once_after_a_reload(
+    page: Page, address: str, database: Database
+) -> None:
+    begin_study(page, address)
+    arrived: list[str] = []
+
+    def lose_the_answer(route: Route) -> None:
+        route.fetch()
+        arrived.append(route.request.url.rsplit("/", 1)[1])
+
+    page.route("**/watched/**", lose_the_answer)
+    play_button(page, "A").click()
+    expect_missing(page, B_IS_LEFT)
+    wait_until(page, lambda: arrived)
+    page.unroute_all(behavior="ignoreErrors")
+    page.reload()
+
+    expect_missing(page, B_IS_LEFT)
+    wait_until(page, lambda: played(database, arrived[0]) > 0.9)
+    assert played(database, arrived[0]) < 1.05
+
+
+def test_reports_that_are_to_come_later_are_kept_and_hold_up_nobody_for_long(
+    browser: Browser, address: str, database: Database
+) -> None:
+    page = browser.new_page()  # the browser itself complains of status 429
+    page.set_default_timeout(PATIENCE_MS)
+    begin_study(page, address)
+    refused: list[str] = []
+
+    def refuse(route: Route) -> None:
+        refused.append(route.request.url)
+        route.fulfill(status=429, headers={"Retry-After": "1"}, body="")
+
+    page.route("**/watched/**", refuse)
+    watch(page)
+    answer(page)
+    page.locator("#next").click()
+    wait_until(page, lambda: len(refused) >= 4)
+    expect(page.locator("#problem")).to_be_hidden()
+    page.unroute("**/watched/**")
+
+    expect_trial(page, 2)
+    videos = [video.token for video in study_session_of(page, database).trials[0].videos]
+    assert [played(database, video) for video in videos] == pytest.approx([1.0, 1.0], abs=0.1)
+    page.close()

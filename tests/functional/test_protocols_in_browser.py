@@ -7,37 +7,27 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
-from sqlalchemy import select
 
-from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import Response
-from tests.functional.browsing import (
-    IN_A_BROWSER,
+from studyapp.database.engine import Database
+from studyapp.web.site import site_of
+from tests.functional.browsing import IN_A_BROWSER, watched_page
+from tests.functional.looking import video_sizes
+from tests.functional.taking_part import (
+    answers_of,
     begin_study,
     expect_playing,
-    expect_watched,
     playing_on,
-    still_asked,
-    watched_page,
+    shown,
+    study_session_of,
+    take_trial,
+    watch,
 )
-from tests.functional.every_page import shown
-from tests.functional.looking import expect_videos, photograph
-from tests.support.studies.finished_study import write_finished_study, write_short_video
-from tests.support.studies.redefining import redefine
+from tests.support.studies.finished_study import Keys, write_finished_study, write_short_video
 
 pytestmark = IN_A_BROWSER
 
-CHANGES = {
-    "pairwise": [("trials = 3\npractice = 1", "trials = 1\npractice = 0")],
-    "rating": [('scale = "slider"', 'scale = "mean_opinion"')],
-}
-"""Less to watch, and nothing but answers that are chosen."""
-
-MOST_TIMES = 5
-AWAIT_END = """video => {
-    window.ended = new Promise(end => video.addEventListener("ended", end, {once: true}))
-        .then(() => true);
-}"""
+Served = tuple[str, Database]
+"""Where a study is, and where its answers are."""
 
 
 @pytest.fixture(scope="module")
@@ -48,84 +38,43 @@ def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def study(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Path:
-    """Return a study of the protocol that the test names."""
-    folder: Path = tmp_path / request.param
-    folder.mkdir()
-    write_finished_study(folder, request.param, video)
-    redefine(folder, *CHANGES.get(request.param, ()))
-    return folder
+def served(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Iterator[Served]:
+    """Serve a study of the protocol that the test names, with not much to watch."""
+    less: Keys = {"trials": 1, "practice": 0} if request.param == "pairwise" else {}
+    write_finished_study(tmp_path, request.param, video, **less)
+    with shown(tmp_path) as (address, app):
+        yield address, site_of(app).database
 
 
 @pytest.fixture
-def page(browser: Browser, study: Path) -> Iterator[Page]:
+def page(browser: Browser, served: Served) -> Iterator[Page]:
     """Return a page at the first trial."""
-    with shown(study) as (address, _), watched_page(browser, address) as opened:
+    address, _ = served
+    with watched_page(browser, address) as opened:
         begin_study(opened, address)
         yield opened
 
 
-def labels(page: Page) -> list[str]:
-    return [str(video.get_attribute("data-label")) for video in page.locator("video").all()]
-
-
-def watch_all(page: Page, button: str = ".play") -> None:
-    """Play one video after the other, and see that no two ever play at once.
-
-    Where the machine was too busy to show a piece, the page says so, and it is played once more.
-    """
-    for number, label in enumerate(labels(page)):
-        player = page.locator(".player").nth(number)
-        for _time in range(MOST_TIMES):
-            player.locator("video").evaluate(AWAIT_END)
-            player.locator(button).click()
-            page.evaluate("window.ended")
-            if not still_asked(page, label):
-                break
-        expect_watched(page, label)
-        assert page.locator(".playing").count() <= 1
-
-
-def answer_all(page: Page) -> None:
-    for question in page.locator(".question").all():
-        cards = question.locator(".card").count()
-        for _card in range(cards):
-            question.locator(".tray .card").first.click()
-        if not cards:
-            question.locator(".scale label").first.click()
-
-
-def take_trial(page: Page) -> None:
-    watch_all(page)
-    answer_all(page)
-    expect(page.locator("#needed")).to_have_text("All done – press Next")
-    page.get_by_role("button", name="Next").click()
-
-
 @pytest.mark.parametrize(
-    ("study", "trials", "answers"),
+    ("served", "trials", "answers"),
     [("pairwise", 3, 3), ("rating", 3, 18), ("ranking", 2, 4), ("mismatch", 4, 4)],
-    indirect=["study"],
+    indirect=["served"],
 )
 def test_a_study_session_from_consent_to_code(
-    page: Page, study: Path, trials: int, answers: int
+    page: Page, served: Served, trials: int, answers: int
 ) -> None:
+    _, database = served
     for number in range(1, trials + 1):
-        expect(page.locator(".progress")).to_contain_text(f"Trial {number} of {trials}")
-        if number == 1:
-            photograph(page, f"{study.name}-trial")
-        take_trial(page)
+        take_trial(page, number)
 
     expect(page.get_by_role("heading", level=1)).to_contain_text("Thank you")
-    assert page.locator("#completion-code").inner_text()
-    database = Database.open(sqlite_url(study / "responses.db"))
-    with database.reading() as session:
-        assert len(session.scalars(select(Response)).all()) == answers
-    database.close()
+    code = page.locator("#completion-code").inner_text()
+    assert code == study_session_of(page, database).completion_code
+    assert len(answers_of(page, database)) == answers
 
 
-@pytest.mark.parametrize("study", ["rating"], indirect=True)
-def test_several_players_on_a_page(page: Page, study: Path) -> None:
+@pytest.mark.parametrize("served", ["rating"], indirect=True)
+def test_several_players_on_a_page(page: Page) -> None:
     fetched: list[str] = []
     page.on("request", lambda r: fetched.append(r.url) if "/media/" in r.url else None)
     following = str(page.locator("[data-following]").get_attribute("data-following")).split()
@@ -139,11 +88,10 @@ def test_several_players_on_a_page(page: Page, study: Path) -> None:
         expect_playing(page, "Video B")
         assert a.evaluate("video => video.paused")
 
-    # They are as large and as loud as each other.
+    # They are as large and as loud as each other, and on one line.
     page.locator("#volume").fill("0.5")
-    expect_videos(page)
-    boxes = [player.bounding_box() for player in (a, b, c)]
-    assert len({(box["width"], box["height"], box["y"]) for box in boxes if box}) == 1
+    assert len(video_sizes(page)) == 1
+    assert len({video.evaluate("video => video.offsetTop") for video in (a, b, c)}) == 1
     assert {video.evaluate("video => video.volume") for video in (a, b, c)} == {0.5}
 
     # What is missing is said, and stays in view with Next.
@@ -154,7 +102,7 @@ def test_several_players_on_a_page(page: Page, study: Path) -> None:
 
     # The next trial's videos come when these were watched, one after the other.
     assert not [url for url in fetched if any(url.endswith(path) for path in following)]
-    watch_all(page, ".replay")
+    watch(page)
     expect(page.locator("#ahead")).to_contain_text("next page ready")
     ahead = [url for url in fetched if any(url.endswith(path) for path in following)]
     assert [url.rsplit("/", 1)[1] for url in ahead] == [p.rsplit("/", 1)[1] for p in following]

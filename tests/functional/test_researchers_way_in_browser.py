@@ -17,16 +17,17 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from tests.functional.arriving_crowd import arriving_crowd
-from tests.functional.browsing import IN_A_BROWSER, commanded, follow, watched_page
+from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, watched_page
 from tests.functional.joining import NAME, join
-from tests.functional.looking import barriers, expect_to_fit_a_phone, photograph
+from tests.functional.looking import examination, photograph
+from tests.functional.taking_part import answer
 from tests.support.researchers_at_hand import PASSWORD
 from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 
 MOTIONJURY = str(Path(sys.executable).with_name("motionjury"))
-PEOPLE = 25
+PEOPLE = 10
 TRIALS, QUESTIONS = 2, 2
 REFRESHED_MS = 21_000
 """After so long the overview has asked for itself anew."""
@@ -43,9 +44,6 @@ text = "Is there anything you would like to tell us?"
 kind = "text"
 required = false
 """
-
-EXAMINED = ("arriving", "study-sessions", "before-the-exclusion", "after-the-exclusion", "closed")
-"""Pages that look otherwise than where `test_research_in_browser` examines them for barriers."""
 
 LookAt = Callable[[str], None]
 
@@ -90,21 +88,18 @@ def send(page: Page, button: str, reason: str) -> None:
 def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
     browser: Browser, study: Path
 ) -> None:
-    problems: dict[str, list[str]] = {}
     with (
+        examination("way") as examine,
         commanded("serve", study) as (address, link),
         watched_page(browser, address) as page,
     ):
         page.on("dialog", lambda _: pytest.fail("what a participant wrote was run"))
 
         def look_at(name: str) -> None:
-            photograph(page, f"way-{name}")
-            if name in EXAMINED:
-                problems[name] = barriers(page)
-            expect_to_fit_a_phone(page)
+            examine(page, name)
 
         page.clock.install()
-        join_and_log_in(page, link)
+        join_and_log_in(page, address, link, look_at)
         prepare(page, look_at)
         with arriving_crowd(study, address, at_once=PEOPLE, remark=SCRIPT) as crowd:
             codes = crowd.come([f"participant-{number}" for number in range(PEOPLE)])
@@ -113,12 +108,17 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
             # The page asks for itself anew; nobody reloads it.
             page.clock.fast_forward(REFRESHED_MS)
             expect(page.locator(".truth")).to_contain_text(f"{PEOPLE} active")
+            expect(page.locator("#live time").last).not_to_contain_text("UTC")
             look_at("arriving")
+            go_to(page, "Results")
+            expect(page.get_by_role("heading", level=1)).to_have_text("Results before the end")
+            expect(page.locator("main")).not_to_contain_text("rule based")
+            look_at("unblind")
+            go_to(page, "Overview")
             crowd.may_answer.set()
             assert len({code.result(timeout=SLOW_SECONDS) for code in codes}) == PEOPLE
             page.clock.fast_forward(REFRESHED_MS)
             expect(page.locator(".truth")).to_contain_text(f"{PEOPLE} of {PEOPLE} places done")
-            look_at("all-done")
 
             pseudonym = export(study).loc[3, "participant"]
             exclude(page, str(pseudonym), look_at)
@@ -131,10 +131,9 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
         expect(page.locator(".truth")).to_contain_text(f"{PEOPLE + 1} of {PEOPLE + 1} places done")
         expect(page.locator("main")).to_contain_text("1 is left out of the analysis")
         close(page, address, look_at)
-        with_everything_looked_at(page, look_at)
+        go_through_the_other_pages(page, look_at)
 
     people = export(study)
-    assert problems == {name: [] for name in EXAMINED}
     answers = pd.read_csv(study / "out" / "answers.csv")
     assert people["state"].tolist() == ["completed"] * (PEOPLE + 1)
     assert len(answers) == (PEOPLE + 1) * TRIALS * QUESTIONS
@@ -149,25 +148,33 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
     form = pd.read_csv(study / "out" / "answers_form.csv")
     assert form["value"].tolist() == [SCRIPT] * (PEOPLE + 1)
     log = pd.read_csv(study / "out" / "answers_log.csv", keep_default_na=False)
-    assert log.loc[log["researcher"] == NAME, "event"].tolist()[-5:] == [
+    assert log.loc[log["researcher"] == NAME, "event"].tolist()[-7:] == [
         "newcomers_paused",
         "newcomers_let_in",
         "participant_excluded",
         "extended",
         "newcomers_closed",
+        "results_looked_at",
+        "invited",
     ]
     book = json.loads((study / "out" / "answers_codebook.json").read_text("utf-8"))
     assert "researcher" in json.dumps(book)
 
 
-def join_and_log_in(page: Page, link: str) -> None:
+def join_and_log_in(page: Page, address: str, link: str, look_at: LookAt) -> None:
     """Become the owner by the printed link, log out, and log in."""
+    page.goto(link)
+    look_at("join")
     join(page, link)
     expect(page.get_by_role("heading", level=1)).to_have_text("Progress")
     follow(page.get_by_role("button", name="Log out"))
+    page.goto(f"{address}/research/changes")
+    assert "/research/log-in?next=/research/changes" in page.url
+    look_at("log-in")
     page.get_by_label("Name").fill(NAME)
     page.get_by_label("Password").fill(PASSWORD)
     follow(page.get_by_role("button", name="Log in"))
+    go_to(page, "Overview")
     expect(page.locator(".truth")).to_contain_text(f"0 of {PEOPLE} places done")
 
 
@@ -175,10 +182,16 @@ def prepare(page: Page, look_at: LookAt) -> None:
     """Keep newcomers out, look at a trial as they will see it, and let them in."""
     go_to(page, "Recruitment")
     send(page, "Pause", "nobody before we have looked")
+    expect(page.locator(".truth")).to_contain_text("No new participants are admitted")
     go_to(page, "Preview")
     look_at("preview")
     follow(page.get_by_role("link", name="1", exact=True))
     expect(page.locator("header")).to_contain_text("Preview: nothing is stored")
+    photograph(page, "way-previewed-trial")
+    page.locator("#play").click()
+    answer(page)
+    page.get_by_role("button", name="Next").click()
+    expect(page.locator(".progress")).to_contain_text(f"Trial 2 of {TRIALS}")
     follow(page.get_by_role("link", name="All trials of this place"))
     go_to(page, "Recruitment")
     look_at("before-the-launch")
@@ -212,9 +225,25 @@ def close(page: Page, address: str, look_at: LookAt) -> None:
     assert "The study is over" in late.text
 
 
-def with_everything_looked_at(page: Page, look_at: LookAt) -> None:
-    """Go through the pages that nothing was decided on."""
-    for name in ("Results", "Changes", "Researchers", NAME):
+def go_through_the_other_pages(page: Page, look_at: LookAt) -> None:
+    """Look at the final results, and at the pages that nothing was decided on."""
+    go_to(page, "Results")
+    expect(page.get_by_role("note")).to_contain_text(f"All {PEOPLE + 1} participants have finished")
+    expect(page.locator("main")).to_contain_text("rule based against mismatched")
+    look_at("results")
+    go_to(page, "Overview")
+    agreement = page.get_by_role("region", name="Agreement between participants")
+    while not agreement.count():
+        page.reload()
+    look_at("overview-with-agreement")
+    follow(page.get_by_role("link", name="Keep it still"))
+    expect(page.locator("footer")).to_contain_text("stays as it is")
+    go_to(page, "Researchers")
+    page.get_by_label("viewer").check()
+    press(page, "Make a link")
+    expect(page.locator("output.link")).to_contain_text("/research/join/")
+    look_at("researchers")
+    for name in ("Changes", NAME):
         go_to(page, name)
         expect(page.get_by_role("heading", level=1)).to_be_visible()
         look_at(name.lower().replace(" ", "-"))

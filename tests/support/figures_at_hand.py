@@ -36,11 +36,3 @@ class FiguresAtHand(FigureProcess):
             return DOCUMENTS[what](StudyFolder(self.folder)).model_dump_json()
         except InputError as error:
             raise NoFiguresError(str(error)) from error
-
-
-@dataclass(frozen=True)
-class FiguresMeanwhile(FiguresAtHand):
-    """The same, computed in a thread as soon as it is begun."""
-
-    def begin(self, job: Callable[[], None]) -> None:
-        FigureProcess.begin(self, job)

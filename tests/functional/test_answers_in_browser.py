@@ -1,8 +1,9 @@
-"""Videos put in order in a real browser: by clicks, by dragging, by keys, and by menus."""
+"""Videos put in order by clicks, dragging, keys and menus, and sliders without a preset."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import ExitStack
 from itertools import permutations, product
 
 import pytest
@@ -10,21 +11,23 @@ from flask import Flask
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from tests.functional.browsing import IN_A_BROWSER, watched_page
-from tests.functional.every_page import first_trial, shown
 from tests.functional.looking import video_sizes
 from tests.functional.shown_studies import write_shown_study
+from tests.functional.taking_part import first_trial, shown
 
 pytestmark = IN_A_BROWSER
 
 
 @pytest.fixture(scope="module")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, tuple[str, Flask]]]:
-    """Serve a study without ties, of five videos, and one with ties, of four."""
-    folder = tmp_path_factory.mktemp("rankings")
-    for name in ("ranking", "ties"):
-        write_shown_study(folder / name, name)
-    with shown(folder / "ranking") as ranking, shown(folder / "ties") as ties:
-        yield {"ranking": ranking, "ties": ties}
+    """Serve a study of sliders, one without ties, of five videos, and one with ties, of four."""
+    folder = tmp_path_factory.mktemp("studies")
+    with ExitStack() as stack:
+        studies = {}
+        for name in ("sliders", "ranking", "ties"):
+            write_shown_study(folder / name, name)
+            studies[name] = stack.enter_context(shown(folder / name))
+        yield studies
 
 
 @pytest.fixture
@@ -35,7 +38,7 @@ def page(
     address, app = served[getattr(request, "param", "ranking")]
     with watched_page(browser, address) as opened:
         first_trial(opened, address, app)
-        expect(opened.locator(".card").first).to_be_visible()
+        expect(opened.locator(".card, .slider [type=range]").first).to_be_visible()
         yield opened
 
 
@@ -163,17 +166,14 @@ def test_a_rank_is_shared_only_where_the_study_says_so(page: Page) -> None:
     assert chosen(page) == "1123"
 
 
-def test_videos_stay_in_view_beside_all_questions(page: Page) -> None:
+def test_all_videos_stay_in_view_and_are_enlarged_alike_and_no_answer_tells(page: Page) -> None:
+    sent = "[...new FormData(document.querySelector('#answers'))].flat().join()"
+    (small,), before = video_sizes(page), page.evaluate(sent)
     page.locator(".question").last.scroll_into_view_if_needed()
     for video in page.locator("video").all():
         expect(video).to_be_in_viewport(ratio=0.95)
-    expect(page.locator("#next")).to_be_in_viewport(ratio=1)
-    expect(page.locator(".question").last.locator(".place").first).to_be_in_viewport(ratio=1)
-
-
-def test_all_videos_are_enlarged_alike_by_click_and_by_key_and_no_answer_tells(page: Page) -> None:
-    sent = "[...new FormData(document.querySelector('#answers'))].flat().join()"
-    (small,), before = video_sizes(page), page.evaluate(sent)
+    for part in (page.locator("#next"), page.locator(".question").last.locator(".place").first):
+        expect(part).to_be_in_viewport(ratio=1)
 
     page.get_by_role("button", name="Larger videos").click()
 
@@ -210,3 +210,58 @@ def test_a_card_goes_where_it_is_put_and_pushes_no_other_out(page: Page) -> None
         assert [card for card in others if not ranks[card]] == [c for c in others if not now[c]]
         before = sorted((c for c in others if ranks[c]), key=ranks.__getitem__)
         assert before == sorted((c for c in others if now[c]), key=now.__getitem__)
+
+
+def line(page: Page, number: int = 0) -> Locator:
+    return page.locator(".slider [type=range]").nth(number)
+
+
+def field(page: Page, number: int = 0) -> Locator:
+    return page.locator(".slider [type=number]").nth(number)
+
+
+@pytest.mark.parametrize("page", ["sliders"], indirect=True)
+def test_a_slider_has_no_value_before_it_is_moved_and_keeps_it_after_a_reload(page: Page) -> None:
+    expect(line(page)).to_have_attribute("aria-valuetext", "nothing chosen yet")
+    expect(page.locator(".bands .chosen")).to_have_count(0)
+    line(page).focus()
+    page.keyboard.press("Tab")
+    expect(field(page)).to_have_value("")
+    field(page).fill("85")
+    field(page).press("Tab")
+    expect(page.locator(".bands .chosen")).to_have_text("excellent")
+
+    page.reload()
+
+    expect(field(page)).to_have_value("85")
+    expect(line(page)).to_have_value("85")
+    expect(line(page)).to_have_attribute("aria-valuetext", "85, excellent")
+
+
+@pytest.mark.parametrize("page", ["sliders"], indirect=True)
+def test_a_sliders_first_key_begins_in_the_middle_or_at_an_end(page: Page) -> None:
+    keys = {
+        "ArrowLeft": ("50", "49"),
+        "ArrowUp": ("50", "51"),
+        "PageDown": ("50", "40"),
+        "Home": ("0", "0"),
+        "End": ("100", "100"),
+    }
+    for number, (key, values) in enumerate(keys.items()):
+        for value in values:
+            line(page, number).press(key)
+            expect(field(page, number)).to_have_value(value)
+
+
+def test_a_press_or_a_touch_chooses_where_it_falls(
+    browser: Browser, served: dict[str, tuple[str, Flask]]
+) -> None:
+    touched = browser.new_context(has_touch=True).new_page()
+    first_trial(touched, *served["sliders"])
+    box = line(touched).bounding_box()
+    assert box is not None
+    line(touched).click(position={"x": box["width"] * 0.25, "y": box["height"] / 2})
+    assert 23 <= int(field(touched).input_value()) <= 27
+    line(touched).tap(position={"x": box["width"] * 0.8, "y": box["height"] / 2})
+    assert 78 <= int(field(touched).input_value()) <= 82
+    touched.context.close()
