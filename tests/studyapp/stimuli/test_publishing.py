@@ -11,7 +11,7 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, Publication, allow_origin, publish, remove
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
-from studyapp.web.media_store import FILE, Place, Published, digests_of, read_published
+from studyapp.web.media_store import FILE, Place, PublishedVideo, digests_of, read_published
 from tests.support.servers.s3_stand_in import BUCKET, SECRET, Store, forget_keys
 from tests.support.studies.tiny_study import write_pair_video
 
@@ -26,14 +26,14 @@ def silent(_done: int, _total: int) -> None:
     """Show nothing."""
 
 
-def published_of(study: Path) -> Published:
+def videos_of(study: Path) -> dict[str, PublishedVideo]:
     published = read_published(study)
     assert published is not None
-    return published
+    return published.videos
 
 
 def names_of(study: Path) -> set[str]:
-    return {name for video in published_of(study).videos.values() for name in video.names}
+    return {name for video in videos_of(study).values() for name in video.names}
 
 
 def test_every_video_is_stored_as_often_as_anybody_sees_it(
@@ -46,7 +46,7 @@ def test_every_video_is_stored_as_often_as_anybody_sees_it(
     assert names_of(tiny_study) == set(s3_store.objects)
     served = ServedStudy.read(tiny_study)
     for content, digest in digests_of(served).items():
-        first, second = published_of(tiny_study).videos[digest].names
+        first, second = videos_of(tiny_study)[digest].names
         own = served.videos[content].file.read_bytes()
         for name in (first, second):
             stored = s3_store.objects[name]
@@ -67,7 +67,7 @@ def test_neither_names_nor_the_order_of_storing_tell_anything(
     for told in (*(pair.file for pair in read_stimuli(tiny_study / "stimuli.json").pairs), SECRET):
         assert told not in record
         assert not [name for name in by_age if told in name]
-    videos = published_of(tiny_study).videos.values()
+    videos = videos_of(tiny_study).values()
     by_record = [video.names[which] for which in (0, 1) for video in videos]
     assert sorted(by_age) == sorted(by_record)
     # By chance once in 10^35: 32 names have so many orders.

@@ -41,6 +41,11 @@ def test_a_template_runs_as_it_is(tmp_path: Path, take: Callable[..., Take], tem
     sizes = defaultdict(set)
     for content, video in ServedStudy.read(folder.root).videos.items():
         sizes[content[0].segment].add(video.file.stat().st_size)
+        segment, speech = content[0].segment, content[0].speech
+        with av.open(str(video.file)) as container:
+            assert bool(container.streams.audio) == (speech is not None)
+        # Of a motion with other speech, the file says so.
+        assert ("@" in video.file.name) == (speech not in (None, segment))
     assert [len(different) for different in sizes.values()] == [1, 1]
     assert not [finding for finding in check(folder) if finding.severity == "error"]
     assert render(folder, processes=1).made == 0
