@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -53,41 +54,33 @@ def test_trials_are_those_that_the_study_plans() -> None:
     assert part.trials.left[own].tolist() == [arm.conditions.index(t.conditions[0]) for t in main]
 
 
-def test_every_comparison_and_question_is_a_test() -> None:
-    part = only(make_study(trials=5))
-
-    assert part.blocks == 4
-    assert part.tests == 4
-    assert part.levels == 5
-
-
-def test_all_pairs_are_tested_with_the_same_participants() -> None:
-    study = make_study(comparisons="all_pairs", participants=6, trials=9)
+@pytest.mark.parametrize(
+    ("keys", "blocks", "conditions", "pairs"),
+    [
+        ({"trials": 5}, 4, 2, [30]),
+        ({"comparisons": "all_pairs", "participants": 6, "trials": 9}, 2, 3, [18, 18, 18]),
+        ({"comparisons": "adaptive", "participants": 6, "trials": 9}, 2, 3, [18, 18, 18]),
+    ],
+)
+def test_every_comparison_and_question_is_a_test(
+    keys: dict[str, Any], blocks: int, conditions: int, pairs: list[int]
+) -> None:
+    study = make_study(**keys)
     part = only(study)
 
-    assert part.trials.conditions == 3
-    assert part.tests == 6
-    counts = [len(part.trials.of_pair(a, b)) for a, b in part.trials.pairs]
-    assert counts == [18, 18, 18]
+    assert (part.blocks, part.tests, part.levels) == (blocks, blocks * len(pairs), 5)
+    assert part.trials.conditions == conditions
+    assert [len(part.trials.of_pair(a, b)) for a, b in part.trials.pairs] == pairs
+    assert any("Adaptive pairs" in note for note in notes_of(study)) == study.follows_votes
 
 
-def test_adaptive_pairs_are_planned_as_even_ones_and_it_is_said() -> None:
-    study = make_study(comparisons="adaptive", participants=6, trials=9)
-
-    assert only(study).tests == 6
-    assert "Adaptive pairs" in notes_of(study)[0]
-
-
-def test_excluded_participants_are_missing() -> None:
-    size = planned(make_study(trials=5), excluded=0.1).size(25, 12)
+def test_excluded_participants_are_missing_unless_they_are_replaced() -> None:
+    assert excluded_by_default(make_study(replace_excluded=True)) == 0
+    share = excluded_by_default(make_study())
+    size = planned(make_study(trials=5), excluded=share).size(25, 12)
 
     assert size.analysed == 22
     assert size.parts[0].trials.analysed == 22
-
-
-def test_who_is_replaced_is_not_missing() -> None:
-    assert excluded_by_default(make_study(replace_excluded=True)) == 0
-    assert excluded_by_default(make_study()) > 0
 
 
 def test_more_segments_are_like_those_there_are() -> None:

@@ -88,9 +88,11 @@ def test_a_study_and_the_table_that_its_report_writes_give_the_same_results(
 def test_a_study_that_nobody_has_answered_is_reported_as_such(
     answered: Answered,
 ) -> None:
-    page = report(answered("mismatch", people=0))
+    page = report(answered("mismatch", people=0), with_motion=True)
 
-    assert "No participant has answered yet" in page.read_text("utf-8")
+    text = page.read_text("utf-8")
+    assert "No participant has answered yet" in text
+    assert "Nobody has compared two conditions yet." in text
     found = results_of(page)
     assert found["study"]["origin"] == "none"
     assert found["remark"]

@@ -138,15 +138,7 @@ def test_files_that_were_changed_are_refused(
         read_answers(copy, "participants")
 
 
-def test_a_database_beside_answers_that_were_passed_on_is_refused(answered: Answered) -> None:
-    folder = answered("pairwise")
-    folder.shared_answers.mkdir()
-
-    with pytest.raises(InputError, match="both a database and answers from another lab"):
-        read_answers(folder, "participants")
-
-
-def test_what_was_passed_on_is_not_exported_again(
+def test_what_was_passed_on_is_not_exported_again_and_stands_beside_no_database(
     passed_on: tuple[StudyFolder, Path], tmp_path: Path
 ) -> None:
     copy = StudyFolder(passed_on[1] / "sourcedata" / "study")
@@ -155,26 +147,27 @@ def test_what_was_passed_on_is_not_exported_again(
         with pytest.raises(InputError, match="comes from another lab"):
             again()
     assert list(tmp_path.iterdir()) == []
+    both = StudyFolder(Path(shutil.copytree(copy.root, tmp_path / "both")))
+    both.responses.touch()
+    with pytest.raises(InputError, match="both a database and answers from another lab"):
+        read_answers(both, "participants")
 
 
-def test_nothing_is_written_over(answered: Answered, tmp_path: Path) -> None:
-    folder = answered("pairwise")
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "precious").write_text("mine")
+def test_nothing_is_written_over_or_without_a_participant(
+    answered: Answered, finished_study: Callable[[str], Path], tmp_path: Path
+) -> None:
+    folder, out = answered("pairwise"), tmp_path / "out"
+    out.mkdir()
+    (out / "precious").write_text("mine")
 
     with pytest.raises(InputError, match="this folder is not empty"):
-        share(folder, tmp_path / "out")
+        share(folder, out)
     with pytest.raises(InputError, match="within the study"):
         share(folder, folder.root / "out")
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["precious"]
-
-
-def test_a_study_in_which_nobody_took_part_is_not_passed_on(
-    finished_study: Callable[[str], Path], tmp_path: Path
-) -> None:
     with pytest.raises(InputError, match="nobody has taken part"):
-        share(StudyFolder(finished_study("rating")), tmp_path / "out")
-    assert list(tmp_path.iterdir()) == []
+        share(StudyFolder(finished_study("rating")), tmp_path / "new")
+    assert [path.name for path in out.iterdir()] == ["precious"]
+    assert not (tmp_path / "new").exists()
 
 
 LICENSED = '\n[video]\nbody = "licensed/smplx.npz"\nexpression_matrix = "{matrix}"\n'
