@@ -20,7 +20,7 @@ from studyapp.preflight.shown_video_checks import (
     weight_of,
 )
 from studyapp.preflight.sound_checks import silent_share, sound_findings
-from studyapp.study.design.trial import PlannedTrial, Stimulus
+from studyapp.study.design.trial import Content, PlannedTrial, Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media
 from tests.studyapp.conftest import OwnStudy
@@ -123,7 +123,7 @@ def test_videos_of_catch_trials_that_look_alike_are_found(own_study: OwnStudy) -
 
 def test_a_page_loads_its_own_videos_and_those_of_the_next() -> None:
     (segment,) = make_segments(["neutral"])
-    shown = {name: (Stimulus.own(name, segment.name),) for name in "abc"}
+    shown: dict[str, Content] = {name: (Stimulus.own(name, segment.name),) for name in "abc"}
     plan = [
         PlannedTrial(position=0, kind="main", segment=segment, videos=(shown[a], shown[b]))
         for a, b in ("ab", "bc", "aa")

@@ -27,12 +27,3 @@ def test_what_researchers_decide_comes_after_the_rules_of_the_file_and_is_never_
     assert marks == [("incomplete", False), ("catch", False), ("researcher", True)]
     assert [rule.name for rule in found.planned] == ["incomplete", "catch"]
     assert found.notes == (f"Researchers excluded 2 participants by hand, {when}",)
-
-
-def test_a_rule_that_was_changed_stays_planned_as_it_was() -> None:
-    found = study_exclusions((Incomplete(), FailedCatch(more_than=0)), STATED)
-
-    assert [rule.description for rule in found.planned] == [
-        "did not finish",
-        "failed more than 1 catch trial",
-    ]

@@ -9,6 +9,7 @@ from pathlib import Path
 import av
 import pytest
 
+from motion.clip import moving_channels
 from motion.errors import InputError
 from studyapp.preflight.check import check
 from studyapp.session.served_study import ServedStudy
@@ -16,6 +17,7 @@ from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.render_plan import RenderPlan
 from studyapp.stimuli.rendering import render
+from studyapp.stimuli.shown_motion import read_motion_shown
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from studyapp.study.study_file import new_study
@@ -25,6 +27,8 @@ from tests.support.studies.finished_study import PROTOCOLS
 
 pytestmark = pytest.mark.slow
 
+FROZEN = ("face", "lower_body", "root")
+
 
 @pytest.mark.parametrize("template", PROTOCOLS)
 def test_a_template_runs_as_it_is(tmp_path: Path, take: Callable[..., Take], template: str) -> None:
@@ -32,8 +36,12 @@ def test_a_template_runs_as_it_is(tmp_path: Path, take: Callable[..., Take], tem
     new_study(folder.definition, template=template, name="study")
     with edited(folder.definition) as document:
         document["video"].update({"size": 64, "frame_rate": 10})
+        document["freeze"] = FROZEN
     import_take(folder, take(speech=2.0, motion=2.0, segment=1.0))
     generate(folder)
+    shown = read_motion_shown(folder, folder.study(), tuple(folder.segments()))
+    assert not any(moving_channels(clip) & {*FROZEN} for clip in shown.values())
+    assert any("hands" in moving_channels(clip) for clip in shown.values())
 
     count = render(folder, processes=1)
 
@@ -47,7 +55,10 @@ def test_a_template_runs_as_it_is(tmp_path: Path, take: Callable[..., Take], tem
         # Of a motion with other speech, the file says so.
         assert ("@" in video.file.name) == (speech not in (None, segment))
     assert [len(different) for different in sizes.values()] == [1, 1]
-    assert not [finding for finding in check(folder) if finding.severity == "error"]
+    findings = check(folder)
+    assert not [finding for finding in findings if finding.severity == "error"]
+    telling = [finding for finding in findings if finding.name == "channel-tells-apart"]
+    assert not any(finding.what.startswith(FROZEN) for finding in telling)
     assert render(folder, processes=1).made == 0
     pictures = defaultdict(set)
     for clip in read_stimuli(folder.stimuli).clips:

@@ -7,16 +7,11 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from PIL import Image
 
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
-from renderer.figures.strip import Moment
-from renderer.look import BACKGROUND
-from studyapp.stimuli.figures.grids import write_condition_grid
 from studyapp.stimuli.figures.material import FigureMaterial
-from studyapp.stimuli.figures.stills import Choice, Print, write_overlay
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
 from tests.support.command_line import refused, run
@@ -43,12 +38,6 @@ def study(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
     return folder
 
 
-def figures_in(path: Path) -> NDArray[np.bool_]:
-    with Image.open(path) as image:
-        pixels = np.asarray(image.convert("RGB")).astype(int)
-    return np.asarray(np.abs(pixels - BACKGROUND).max(axis=-1) > 20)
-
-
 def test_a_still_has_the_requested_size(study: StudyFolder, tmp_path: Path) -> None:
     path = tmp_path / "still.png"
     moment = ("--segment", SEGMENT, "--condition", "ground_truth", "--at", 0.9)
@@ -60,6 +49,18 @@ def test_a_still_has_the_requested_size(study: StudyFolder, tmp_path: Path) -> N
     with Image.open(path) as image:
         assert (image.size, image.mode) == ((400, 200), "RGBA")
         assert image.getpixel((0, 0))[3] == 0  # type: ignore[index]
+
+
+def test_a_slow_grid_lasts_longer(study: StudyFolder, tmp_path: Path) -> None:
+    shown = ("--condition", "rule_based", "--condition", "ground_truth", "--skeleton", "over")
+    path = tmp_path / "grid.mp4"
+    options = ("--segment", SEGMENT, *shown, "--size", 64, "--slow", 0.5, "--output", path)
+    run("figure", "grid", study.root, *options)
+    with av.open(str(path)) as video:
+        stream = video.streams.video[0]
+        assert sum(1 for _ in video.decode(stream)) == 20
+        assert stream.average_rate == 10
+        assert stream.width == 128
 
 
 def test_a_strip_of_the_compared_conditions_is_reproducible(
@@ -91,30 +92,6 @@ def test_conditions_can_have_other_labels_which_are_distinct(study: StudyFolder)
     run(*command, *variations, f"{clip}=seed 2")
     assert "'seed 1'" in refused(*command, *variations, f"{clip}=seed 1")
     assert "at most 7" in refused(*command, *(f"--motion={clip}={k}" for k in range(8)))
-
-
-def test_an_overlay_shows_where_variations_differ(study: StudyFolder, tmp_path: Path) -> None:
-    alone, both = tmp_path / "alone.png", tmp_path / "both.png"
-    moments = (Moment(seconds=0.9),)
-    for path, conditions in ((alone, ("ground_truth",)), (both, ("ground_truth", "rule_based"))):
-        choice = Choice(segment=SEGMENT, conditions=conditions, moments=moments)
-        printed = Print(inches=1.5, clear=False, whole=True, closeup=False, outputs=(path,))
-        write_overlay(study, choice, printed, motions=())
-    seen = [figures_in(path)[:400] for path in (alone, both)]
-    assert seen[1].sum() > 1.03 * seen[0].sum()
-
-
-def test_a_slow_grid_lasts_longer(study: StudyFolder, tmp_path: Path) -> None:
-    path = tmp_path / "grid.mp4"
-    write_condition_grid(
-        study, segment=SEGMENT, conditions=("rule_based", "ground_truth"), speed=0.5,
-        skeleton="over", size=64, closeup=False, output=path,
-    )  # fmt: skip
-    with av.open(str(path)) as video:
-        stream = video.streams.video[0]
-        assert sum(1 for _ in video.decode(stream)) == 20
-        assert stream.average_rate == 10
-        assert stream.width == 128
 
 
 @pytest.mark.parametrize(

@@ -63,18 +63,22 @@ def test_a_question_that_cannot_be_asked_is_refused(keys: dict[str, Any], said: 
         asked(**keys)
 
 
-def test_names_are_not_used_twice_and_only_the_entrance_turns_people_away() -> None:
-    yes = {"name": "q", "text": "?", "choices": ["yes", "no"]}
-    with pytest.raises(ValidationError, match="the same name"):
-        Form.model_validate({"eligibility": [yes], "closing": [yes]})
-    with pytest.raises(ValidationError, match="under eligibility, consent and comprehension"):
-        Form.model_validate({"closing": [{**yes, "eligible": ["yes"]}]})
+YES = {"name": "q", "text": "?", "choices": ["yes", "no"]}
 
 
-@pytest.mark.parametrize("eligible", [[], ["yes", "no"]])
-def test_a_question_about_the_instructions_can_be_answered_rightly_and_wrongly(
-    eligible: list[str],
-) -> None:
-    question = {"name": "q", "text": "?", "choices": ["yes", "no"], "eligible": eligible}
-    with pytest.raises(ValidationError, match="comprehension question 'q'"):
-        Form.model_validate({"comprehension": [question]})
+@pytest.mark.parametrize(
+    ("form", "said"),
+    [
+        ({"eligibility": [YES], "closing": [YES]}, "the same name"),
+        (
+            {"closing": [YES | {"eligible": ["yes"]}]},
+            "under eligibility, consent and comprehension",
+        ),
+        # A question about the instructions can be answered rightly and wrongly.
+        ({"comprehension": [YES]}, "comprehension question 'q'"),
+        ({"comprehension": [YES | {"eligible": ["yes", "no"]}]}, "comprehension question 'q'"),
+    ],
+)
+def test_a_form_that_cannot_be_filled_in_is_refused(form: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValidationError, match=said):
+        Form.model_validate(form)

@@ -15,49 +15,36 @@ from tests.support.studies.made_study import make_study
 CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}
 
 
-def problems(**recruitment: Any) -> str:
-    with pytest.raises(ValidationError) as refused:
-        make_study(recruitment=recruitment)
-    return str(refused.value)
-
-
-def test_one_failed_check_costs_pay_in_short_studies_only() -> None:
-    assert "not enough to refuse pay" in problems(unpaid_failed_checks=1)
-    short = make_study(
-        page={"consent": "You agree.", "minutes": 4}, recruitment={"unpaid_failed_checks": 1}
-    )
-    assert short.recruitment.outcome(1) == "failed_attention"
-
-
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("keys", "said"),
     [
+        ({"unpaid_failed_checks": 1}, "not enough to refuse pay"),
         (
-            {"completed": "DONE-ALL-99"},
+            {"prolific": CODES | {"completed": "DONE-ALL-99"}},
             "prolific.completed: the code contains the word",
         ),
-        ({"screened_out": "kx7qm2pwtr"}, "two outcomes have the same code"),
-        ({"screened_out_reward": 10}, "or neither"),
-        ({"reward": 9, "screened_out_reward": 9, "screened_out_places": 5}, "less than reward"),
+        ({"prolific": CODES | {"screened_out": "kx7qm2pwtr"}}, "two outcomes have the same code"),
+        ({"prolific": {"screened_out_reward": 10}}, "or neither"),
+        (
+            {"prolific": {"reward": 9, "screened_out_reward": 9, "screened_out_places": 5}},
+            "less than reward",
+        ),
+        ({"pay": {"amount": "2,50", "currency": "EUR"}}, "pattern"),
+        ({"pay": {"currency": "euro"}}, "pattern"),
+        ({"pay": {"amount": "2.50"}}, "recruitment.pay: an amount needs a currency"),
+        ({"pay": {"hourly_minimum": "12.00"}}, "recruitment.pay: an amount needs a currency"),
     ],
 )
-def test_what_cannot_be_right_for_prolific_is_said(changes: dict[str, Any], said: str) -> None:
-    assert said in problems(channel="prolific", prolific=CODES | changes)
+def test_codes_and_pay_that_cannot_be_right_are_refused(keys: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValidationError) as refused:
+        make_study(recruitment=keys)
+    assert said in str(refused.value)
 
 
-@pytest.mark.parametrize(
-    "pay",
-    [
-        {"amount": "2,50", "currency": "EUR"},
-        {"amount": "2.5", "currency": "EUR"},
-        {"currency": "euro"},
-        {"amount": "2.50"},
-        {"hourly_minimum": "12.00"},
-    ],
-)
-def test_pay_that_cannot_be_reckoned_with_is_refused(pay: dict[str, str]) -> None:
-    with pytest.raises(ValidationError, match=r"recruitment\.pay|pattern"):
-        make_study(recruitment={"pay": pay})
+def test_one_failed_check_costs_pay_in_short_studies() -> None:
+    page = {"consent": "You agree.", "minutes": 4}
+    short = make_study(page=page, recruitment={"unpaid_failed_checks": 1})
+    assert short.recruitment.outcome(1) == "failed_attention"
 
 
 GUESSABLE = "KX7QM2P AAAAAAAAAA ABABABABAB COMPLETED7X prolific-42 K1234567X9 XQWERTY79K 9876PWTRKX"

@@ -2,29 +2,15 @@ from __future__ import annotations
 
 import pytest
 
-from motion.errors import InputError
 from studyapp.study.settings.reading import PROTOCOLS, parse_text
 from studyapp.study.settings.rehearsal import Rehearsal, stated_strength
-from studyapp.study.settings.study import Study
 from studyapp.study.template_language import render_template
-
-
-def template(protocol: str) -> str:
-    return render_template(f"{protocol}.toml")
-
-
-def read(keys: str) -> Study:
-    text = template("pairwise")
-    head, tail = (
-        text[: text.index("[rehearsal]")],
-        text[text.index("# What the attentive really") :],
-    )
-    return parse_text(f"{head}[rehearsal]\n{keys}\n{tail}", where="study.toml")
+from tests.support.studies.made_study import make_study
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_every_template_writes_down_what_would_hold_without_it(protocol: str) -> None:
-    text = template(protocol)
+    text = render_template(f"{protocol}.toml")
     assert parse_text(text, where="study.toml").rehearsal == Rehearsal()
     commented = text[text.index("# [rehearsal.strength]") : text.index("# What participants read")]
     stated = "\n".join(
@@ -37,28 +23,9 @@ def test_every_template_writes_down_what_would_hold_without_it(protocol: str) ->
 
 
 def test_a_number_alone_is_that_of_every_question_that_is_not_named() -> None:
-    stated = read(
-        'strength = { rule_based = 1, mismatched = { emotion = 0.25, "*" = -1 } }'
-    ).rehearsal
-    assert stated_strength(stated.strength, "rule_based", "emotion") == 1
-    assert stated_strength(stated.strength, "mismatched", "emotion") == 0.25
-    assert stated_strength(stated.strength, "mismatched", "synchronisation") == -1
-    assert stated_strength(stated.strength, "broken", "emotion") is None
-
-
-@pytest.mark.parametrize(
-    ("keys", "named"),
-    [
-        ("careless = 1.5", "rehearsal.careless"),
-        ("careless = 0.9\nhasty = 0.5", "add up to .* more than 1"),
-        ("sleeping = 0.1", "rehearsal.sleeping: unknown key"),
-        ("strength = { elsewhere = 1 }", "rehearsal.strength: unknown condition 'elsewhere'"),
-        ("strength = { rule_based = { taste = 1 } }", "unknown question 'taste'"),
-        ("strength = { rule_based = 'high' }", "strength.rule_based: must be a number, or a table"),
-        ("strength = { rule_based = nan }", "finite number"),
-        ("own_speech = { rule_based = 99 }", "rehearsal.own_speech.rule_based"),
-    ],
-)
-def test_what_cannot_be_simulated_is_named(keys: str, named: str) -> None:
-    with pytest.raises(InputError, match=named):
-        read(keys)
+    stated = {"rule_based": 1, "mismatched": {"emotion": 0.25, "*": -1}}
+    strength = make_study(rehearsal={"strength": stated}).rehearsal.strength
+    assert stated_strength(strength, "rule_based", "emotion") == 1
+    assert stated_strength(strength, "mismatched", "emotion") == 0.25
+    assert stated_strength(strength, "mismatched", "rhythm") == -1
+    assert stated_strength(strength, "broken", "emotion") is None

@@ -37,8 +37,6 @@ def changed(path: Path, **changes: Any) -> Path:
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"referenze": "x", "trials": -1}, "greater than or equal to 1"),
-        ({"referenze": "x", "trials": -1}, "referenze: unknown key"),
         ({"video__colour": "red"}, "video.colour: unknown key"),
         *(
             ({"video__background": colour}, "video.background")
@@ -54,18 +52,21 @@ def changed(path: Path, **changes: Any) -> Path:
         ({"conditions__rule_based__generator": "magic"}, "unknown generator 'magic'"),
         ({"conditions__mismatched__source": "nobody"}, "source 'nobody' is not another condition"),
         ({"conditions__rule_based__source": "mismatched"}, "source has no effect here"),
-        ({"conditions__a b__generator": "static"}, "conditions.a b"),
         ({"conditions__broken__generator": "static"}, "must not be one of the conditions"),
         ({"conditions__rule_based__generator": "diffsheg"}, "'diffsheg' needs a checkpoint"),
         ({"conditions__rule_based__checkpoint": "a.pt"}, "checkpoint is given, but nothing"),
         ({"conditions__mismatched__speaker": 2}, "speaker is given, but nothing there uses it"),
         ({"catch__generator": "diffsheg"}, "a network such as 'diffsheg' cannot"),
-        ({"catch__against": "nobody"}, "catch.against 'nobody'"),
         (
             {"conditions__mismatched__label": "rule based"},
             "conditions.mismatched: 'rule_based' is also called 'rule based'",
         ),
-        ({"watching__coverage": 1.5}, "watching.coverage"),
+        ({"rehearsal__careless": 1.5}, "rehearsal.careless"),
+        ({"rehearsal__careless": 0.9, "rehearsal__hasty": 0.5}, "add up to 1.62"),
+        ({"rehearsal__strength": {"elsewhere": 1}}, "unknown condition 'elsewhere'"),
+        ({"rehearsal__strength": {"rule_based": {"taste": 1}}}, "unknown question 'taste'"),
+        ({"rehearsal__strength": {"rule_based": "high"}}, "must be a number, or a table"),
+        ({"rehearsal__own_speech": {"rule_based": 99}}, "rehearsal.own_speech.rule_based"),
         ({"format": 2}, "format"),
         (
             {
