@@ -6,11 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import pytest
 
 from analysis.report.sections.answer import answer
 from analysis.results.pairwise import PairwiseResults
-from analysis.results.report import TableReport
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import THRESHOLDS, report_of
 
@@ -40,29 +38,18 @@ def leaderboard(spread: float, *, seed: int, votes: int = 500, each: int = 3) ->
     )
 
 
-@pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> TableReport:
-    return report_of(leaderboard(1.8, seed=2), "pairwise", tmp_path_factory.mktemp("leaderboard"))
+def test_what_single_pairs_do_not_decide_is_decided_by_strengths(tmp_path: Path) -> None:
+    results = report_of(leaderboard(1.8, seed=2), "pairwise", tmp_path).results
+    assert isinstance(results, PairwiseResults)
+    pairs = [comparison.decision.p_holm < 0.05 for comparison in results.comparisons]
+    strengths = [contrast.p_holm < 0.05 for contrast in results.contrasts]
+    fit = results.bradley_terry.of_set(None)["quality"]
+    ranks = {c.condition: (c.best or 0, c.worst or 99) for c in fit.conditions}
 
-
-def test_what_single_pairs_do_not_decide_is_decided_by_strengths(report: TableReport) -> None:
-    found = report.results
-    assert isinstance(found, PairwiseResults)
-    pairs = [one.decision.p_holm < 0.05 for one in found.comparisons]
-    strengths = [one.p_holm < 0.05 for one in found.contrasts]
-
-    assert found.decided_by == "strengths"
+    assert results.decided_by == "strengths"
     assert len(pairs) == len(strengths) == PAIRS
     assert sum(pairs) < 3
     assert sum(strengths) > 6
-
-
-def test_the_best_and_the_worst_have_no_rank_in_common(report: TableReport) -> None:
-    found = report.results
-    assert isinstance(found, PairwiseResults)
-    fitted = found.bradley_terry.of_set(None)["quality"]
-    ranks = {one.condition: (one.best or 0, one.worst or 99) for one in fitted.conditions}
-
     assert ranks["system-0"][1] < ranks["system-7"][0]
     assert ranks["system-0"][0] == 1
 

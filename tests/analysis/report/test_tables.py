@@ -41,15 +41,13 @@ def test_a_table_is_laid_out_as_booktabs_wants_it() -> None:
     assert r"{\footnotesize The larger one is bold.\par}" in lines
 
 
-def test_a_remark_stands_before_the_caption() -> None:
-    assert r"\caption{{[}rehearsal{]} Answers in \%.}" in booktabs(TABLE, remark="[rehearsal]")
-
-
-def test_a_long_table_breaks_over_pages() -> None:
+def test_a_long_table_breaks_over_pages_and_letters_pdflatex_lacks_are_announced() -> None:
     text = booktabs(replace(TABLE, rows=TABLE.rows * LONGEST))
     assert r"\begin{longtable}{lrrr}" in text
     assert text.index(r"\endhead") < text.index(r"ours\_1")
     assert "longtable" in text.splitlines()[0]
+    assert "LuaLaTeX" in booktabs(replace(TABLE, caption="条件"))
+    assert "LuaLaTeX" not in booktabs(replace(TABLE, caption="é"))
 
 
 @pytest.mark.parametrize("sign", [chr(k) for k in range(33, 127) if not chr(k).isalnum()])
@@ -66,8 +64,3 @@ def test_every_environment_and_brace_is_closed() -> None:
         plain = re.sub(r"\\[{}]", "", text)
         assert plain.count("{") == plain.count("}")
         assert re.findall(r"\\begin\{(\w+)\}", text) == re.findall(r"\\end\{(\w+)\}", text)[::-1]
-
-
-def test_letters_that_pdflatex_cannot_print_are_announced() -> None:
-    assert "LuaLaTeX" in booktabs(replace(TABLE, caption="条件"))
-    assert "LuaLaTeX" not in booktabs(replace(TABLE, caption="é"))

@@ -31,6 +31,8 @@ from analysis.stats.clustered_mean import clustered_mean
         (wording.quantity, 0.01234, "0.0123"),
         (wording.quantity, -2.5, "−2.50"),
         (wording.quantity, 1e-15, "0"),
+        (wording.number, -0.004, "0.00"),
+        (wording.number, -0.006, "−0.01"),
         (wording.quantity, math.nan, "–"),
     ],
 )
@@ -38,21 +40,6 @@ def test_shares_p_values_and_quantities_have_sensible_digits(
     formatted: Callable[[float], str], value: float, text: str
 ) -> None:
     assert formatted(value) == text
-
-
-def test_a_heading_keeps_capitals_of_its_own() -> None:
-    assert wording.heading("fit_to_GT") == "Fit to GT"
-
-
-def test_a_number_that_rounds_to_zero_has_no_sign() -> None:
-    assert wording.fixed(-0.0004, 3) == "0.000"
-    assert wording.fixed(-0.0006, 3) == "−0.001"
-
-
-def test_decimals_follow_the_smallest_value_that_is_none() -> None:
-    assert wording.decimals([13.9, 265.0], digits=2) == 0
-    assert wording.decimals([0.059, 0.0, math.nan, 0.037], digits=2) == 3
-    assert wording.decimals([], digits=2) == 0
 
 
 def test_an_estimate_has_its_interval_or_the_reason_why_not() -> None:
@@ -66,7 +53,8 @@ def test_an_estimate_has_its_interval_or_the_reason_why_not() -> None:
         assert wording.share_words(estimate).replace(wording.NO_BREAK, " ") == words
 
 
-def test_counts_and_places_are_written_as_people_say_them() -> None:
+def test_names_counts_and_places_are_written_as_people_say_them() -> None:
+    assert wording.heading("fit_to_GT") == "Fit to GT"
     assert wording.count(1, "segment") == "1 segment"
     assert wording.count(2016, "answer") == "2,016 answers"
     assert [wording.ordinal(place) for place in (1, 2, 3, 4, 11, 12, 13, 21, 22)] == [

@@ -37,7 +37,9 @@ def answered(tmp_path: Path) -> Answered:
     return read
 
 
-def test_a_clear_preference_is_named_with_its_interval_and_what_it_rests_on(tmp_path: Path) -> None:
+def test_a_preference_is_named_with_the_estimate_that_decides_and_what_it_rests_on(
+    tmp_path: Path,
+) -> None:
     table = pairwise_table(("ours", "other"), effects=(3.0, 0.0), participants=14, segments=8)
     report = report_of(table, "pairwise", tmp_path)
 
@@ -50,41 +52,40 @@ def test_a_clear_preference_is_named_with_its_interval_and_what_it_rests_on(tmp_
     assert "14 of 14 participants and 1 segment of 1 speaker; nobody was excluded" in basis
     assert limits.startswith("This says nothing about other systems")
 
+    table = pairwise_table(("ours", "other"), effects=(1.0, 0.0), participants=20, segments=20)
+    modelled = report_of(table, "pairwise", tmp_path)
+    [comparison] = modelled.results.comparisons  # type: ignore[union-attr]
+    assert comparison.decision.by == "clmm"
+    log_odds = f"(log-odds {abs(comparison.clmm.estimate):.2f}, 95% interval ["
+    assert log_odds in answer(modelled, subject_of(modelled))[0]
 
-def test_what_is_not_decided_is_not_called_equal(answered: Answered) -> None:
-    table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=10, segments=8)
-    effect, sure = answered(table, "pairwise")
+
+def test_what_is_not_decided_is_not_called_equal_unless_a_margin_was_stated(
+    answered: Answered,
+) -> None:
+    table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=40, segments=20)
+
+    effect, certainty_words = answered(table, "pairwise")
+    within, _ = answered(table, "pairwise", margin=0.2)
 
     assert effect.startswith("The test is not significant")
-    assert "no evidence that two conditions are equally good" in sure
+    assert "no evidence that two conditions are equally good" in certainty_words
+    assert within.endswith("; equivalent within 0.2: twin and ours on emotion.")
 
 
-def test_what_is_equivalent_within_the_margin_is_named(answered: Answered) -> None:
-    table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=40, segments=20)
-    effect, _ = answered(table, "pairwise", margin=0.2)
-
-    assert effect.endswith("; equivalent within 0.2: twin and ours on emotion.")
-
-
-def test_where_everybody_agrees_the_sign_test_decides_and_the_answer_says_so(
+def test_where_everybody_agrees_the_sign_test_decides_and_the_answer_says_so_once(
     answered: Answered,
 ) -> None:
-    table = pairwise_table(("ours", "other"), participants=6, effects=(0.0, 0.0))
+    table = pairwise_table(
+        ("ours", "other"), ("emotion", "rhythm"), participants=9, effects=(0.0, 0.0)
+    )
     table["response"] = (table["left"] == "ours").map({True: 1, False: 5})
-    effect, sure = answered(table, "pairwise")
+    fewer = table[(table["question"] != "rhythm") | (table["participant"] != "p00")]
+    effect, certainty_words = answered(fewer, "pairwise")
 
     assert effect.startswith("Participants preferred ours to other on emotion (share of ")
-    assert "1 test uses the share of participants, because the usual test cannot be used" in sure
-
-
-def test_why_the_win_share_decides_is_said_once_however_many_answered_each_question(
-    answered: Answered,
-) -> None:
-    table = pairwise_table(questions=("emotion", "rhythm"), participants=8)
-    fewer = table[(table["question"] != "rhythm") | (table["participant"] != "p00")]
-    basis = answered(fewer, "pairwise")[1]
-
-    assert basis.count("because the usual test cannot be used") == 1
+    replaced = "tests use the share of participants, because the usual test cannot be used"
+    assert certainty_words.count(replaced) == 1
 
 
 @pytest.mark.parametrize(
@@ -105,23 +106,16 @@ def test_why_the_win_share_decides_is_said_once_however_many_answered_each_quest
             mismatch_table(participants=40, segments=12),
             "truth with its own speech to truth with another's speech on fits",
         ),
-        (
-            "pairwise",
-            pairwise_table(("worse", "better"), effects=(0.0, 3.0), participants=14, segments=8),
-            "Participants preferred better to worse",
-        ),
         ("ranking", ranking_table(participants=4).assign(rank=1), "No test could be run: every "),
     ],
 )
 def test_each_protocol_is_answered_by_its_own_measure(
     answered: Answered, protocol: str, table: pd.DataFrame, words: str
 ) -> None:
-    assert words in answered(table, protocol)[0]
-
-
-def test_the_omnibus_test_of_rankings_is_reported(answered: Answered) -> None:
-    table = ranking_table(participants=16, segments=10)
-    assert "All conditions tested together: on realism (F(2, " in answered(table, "ranking")[1]
+    effect, certainty_words = answered(table, protocol)
+    assert words in effect
+    tested_together = "All conditions tested together: on realism (F(2, " in certainty_words
+    assert tested_together == (words.startswith("preferred") and protocol == "ranking")
 
 
 def test_rankings_of_sets_that_were_never_compared_are_refused_with_both_named(
@@ -138,17 +132,6 @@ def test_rankings_of_sets_that_were_never_compared_are_refused_with_both_named(
     effect = answer(report, subject_of(report))[0]
 
     assert "never compared with one another, not even through others: a and b | c and d" in effect
-
-
-def test_the_model_decides_with_its_own_estimate_quoted(tmp_path: Path) -> None:
-    table = pairwise_table(("ours", "other"), effects=(1.0, 0.0), participants=20, segments=20)
-    report = report_of(table, "pairwise", tmp_path)
-
-    effect = answer(report, subject_of(report))[0]
-
-    [one] = report.results.comparisons  # type: ignore[union-attr]
-    assert one.decision.by == "clmm"
-    assert f"(log-odds {abs(one.clmm.estimate):.2f}, 95% interval [" in effect
 
 
 def test_of_many_conditions_strengths_decide_and_an_interval_that_does_not_is_explained(
@@ -197,69 +180,45 @@ def test_the_first_sentence_names_the_largest_and_counts_the_others(
     answered: Answered, effects: tuple[float, ...], end: str
 ) -> None:
     table = pairwise_table(("a", "b", "c"), effects=effects, participants=20, segments=8)
-    effect, sure = answered(table, "pairwise")
+    effect, certainty_words = answered(table, "pairwise")
 
     assert effect.endswith(end)
     assert effect.count(" preferred ") == 1
-    assert sure.startswith("Also preferred: ")
+    assert certainty_words.startswith("Also preferred: ")
 
 
-def test_a_rehearsal_says_that_no_person_answered(tmp_path: Path) -> None:
-    report = report_of(pairwise_table(participants=4), "pairwise", tmp_path)
-
-    effect, _, limits = answer(report, subject_of(report, origin="rehearsal"))
-
-    assert "imulated raters" in effect + limits
-    assert "This says nothing about what people prefer" in limits
-
-
-def test_a_study_with_open_places_says_how_many(tmp_path: Path) -> None:
-    report = report_of(pairwise_table(participants=4), "pairwise", tmp_path)
-    flow = Flow(
-        arm="", places=9, opened=5, withdrawn=1, earlier=0, completed=4, answered=4, removed=(),
-        analysed=4,
-    )  # fmt: skip
-    unfinished = replace(report, flow=(flow,))
-
-    assert "4 of 9 places are filled" in answer(unfinished, subject_of(report))[-1]
-    assert "places" not in answer(unfinished, subject_of(report, origin="rehearsal"))[-1]
-
-
-def test_study_sessions_that_ended_unwatched_are_counted_among_the_participants(
+def test_open_places_unwatched_study_sessions_and_people_screened_out_are_counted(
     tmp_path: Path,
 ) -> None:
     report = report_of(pairwise_table(participants=4), "pairwise", tmp_path)
     flow = Flow(
-        arm="", places=9, opened=7, withdrawn=0, earlier=0, unwatched=2, completed=4, answered=4,
+        arm="", places=9, opened=7, withdrawn=1, earlier=0, unwatched=2, completed=4, answered=4,
         removed=(), analysed=4,
     )  # fmt: skip
-
-    words, unflawed = (
-        section.paragraphs
-        for found in (replace(report, flow=(flow,)), report)
-        if (section := flow_section(found, subject_of(found)))
-    )
-
-    assert any(text.startswith("2 study sessions ended before the last trial") for text in words)
-    assert not any("ended before the last trial" in text for text in unflawed)
-
-
-def test_those_who_were_screened_out_stand_before_those_who_started(tmp_path: Path) -> None:
-    report = report_of(pairwise_table(participants=4), "pairwise", tmp_path)
     counts = {"eligibility": 3, "consent": 0, "comprehension": 1}
-    screened = replace(report, screened_out=counts)
+    unfinished = replace(report, flow=(flow,), screened_out=counts)
+    subject = subject_of(report)
 
-    section = flow_section(screened, subject_of(report))
-
-    assert flow_line(screened, subject_of(report)).startswith("Participants: 4 screened out, ")
+    assert "4 of 9 places are filled" in answer(unfinished, subject)[-1]
+    assert flow_line(unfinished, subject).startswith("Participants: 4 screened out, ")
+    section, finished = (flow_section(each, subject) for each in (unfinished, report))
     assert section is not None
+    assert finished is not None
     assert section.paragraphs[0].startswith(
         "4 people were screened out before the trials: 3 by the questions about eligibility"
     )
-    assert "screened out" not in flow_line(report, subject_of(report))
+    unwatched = "2 study sessions ended before the last trial"
+    assert any(text.startswith(unwatched) for text in section.paragraphs)
+    assert not any("ended before the last trial" in text for text in finished.paragraphs)
+    assert "screened out" not in flow_line(report, subject)
+    *_, limits = answer(unfinished, subject_of(report, origin="rehearsal"))
+    assert "This says nothing about what people prefer" in limits
+    assert "places" not in limits
 
 
-def test_excluded_participants_are_counted_in_answer_and_flow(tmp_path: Path) -> None:
+def test_excluded_participants_are_counted_in_the_answer_and_the_flow_with_their_reasons(
+    tmp_path: Path,
+) -> None:
     table = pd.concat(
         [
             pairwise_table(participants=6),
@@ -274,6 +233,9 @@ def test_excluded_participants_are_counted_in_answer_and_flow(tmp_path: Path) ->
     assert flow_line(report, subject_of(report)) == (
         "Participants: 6 answered − 1 failed more than 1 catch trial = 5 analysed."
     )
+    flow, reasons = flow_section(report, subject_of(report)).tables  # type: ignore[union-attr]
+    assert [cell.text for cell in flow.rows[0]] == ["all", "6", "1", "5"]
+    assert [cell.text for cell in reasons.rows[0]] == ["p00", "2 catch trials failed"]
 
 
 @pytest.mark.parametrize("protocol", TABLES)

@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from analysis.report.content import FigureText, Section
-from analysis.report.page import take_first_picture
 from analysis.report.sections.heterogeneity import effects, heterogeneity_section
 from analysis.report.sections.preferences import pairwise_groups, preference_pictures
 from analysis.results.pairwise import PairwiseResults
@@ -82,14 +81,6 @@ def test_where_there_is_no_number_no_cell_and_no_note_says_nan(
             assert not table.groups or sum(span for _, span in table.groups) == len(table.header)
 
 
-def test_the_first_figure_is_taken_out_of_its_section(sections: Sections) -> None:
-    for found in sections.values():
-        picture, rest = take_first_picture(found)
-        assert picture is found[0].pictures[0]
-        assert rest[0].pictures == found[0].pictures[1:]
-    assert take_first_picture(()) == (None, [])
-
-
 def test_effects_are_taken_apart_by_emotion_and_few_segments_are_descriptive(
     analyse: Analyse,
 ) -> None:
@@ -104,22 +95,14 @@ def test_effects_are_taken_apart_by_emotion_and_few_segments_are_descriptive(
     said = drawn(section.pictures[0]).get_text()
     assert "all emotions" in said
     assert said.index("anger") < said.index("joy")
-    assert [row[2].text for row in section.tables[0].rows] == ["emotion", "segment"]
-
-
-@pytest.mark.parametrize(("participants", "folded"), [(8, ""), (1, "No test could be run")])
-def test_a_table_without_any_test_is_folded_away_and_says_why(
-    analyse: Analyse, participants: int, folded: str
-) -> None:
-    table = pairwise_table(("ours", "other"), effects=(1, 0), participants=participants)
-    report = analyse("pairwise", table)
-
-    section = heterogeneity_section(report, subject_of(report))
-
-    assert section is not None
     (tests,) = section.tables
-    assert tests.secondary == folded
-    assert bool(folded) == any("no test" in note for note in tests.notes)
+    assert [row[2].text for row in tests.rows] == ["emotion", "segment"]
+    assert not tests.secondary
+    alone = analyse("pairwise", table[table["participant"] == "p00"])
+    untested = heterogeneity_section(alone, subject_of(alone))
+    assert untested is not None
+    assert untested.tables[0].secondary == "No test could be run"
+    assert any("no test" in note for note in untested.tables[0].notes)
 
 
 def test_effects_are_seen_from_the_reference(analyse: Analyse) -> None:

@@ -74,15 +74,11 @@ def column(table: Table, heading: str) -> list[str]:
     return [f"{m}{row[place].text}" for m, row in zip(marks, table.rows, strict=True)]
 
 
-def test_the_protocols_paper_gives_the_table_its_columns_and_blocks() -> None:
-    (table,) = tables(scores(network_names.FMD, [math.nan, 324.7, 1055.5, 9e4]))
+def test_a_papers_table_has_its_columns_and_ranks_no_recorded_or_broken_motion() -> None:
+    (table,) = tables(scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95], better="higher"))
     assert table.groups == (("", 1), ("Holistic", 1), ("Expression", 2), ("Gesture", 5))
     assert table.header[:3] == ("condition", "FMD ↓", "FED ↓")
     assert table.name == "metrics-diffsheg"
-
-
-def test_recorded_motion_stands_first_and_that_of_catch_trials_last_and_neither_is_ranked() -> None:
-    (table,) = tables(scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95], better="higher"))
     assert [row[0].text for row in table.rows] == ["ground truth", "ours", "camn", "broken"]
     assert column(table, "BA ↑") == ["0.900", "*0.800", "_0.700", "0.950"]
 
@@ -106,15 +102,12 @@ def test_generative_conditions_are_marked_in_diffshegs_blocks_where_it_is_stated
     assert "Gen" not in without.header
 
 
-def test_a_missing_score_is_a_dash_with_its_reason_in_a_footnote_and_no_number() -> None:
+def test_a_missing_score_is_a_dash_and_footnotes_give_reasons_and_remarks() -> None:
     (table,) = tables(scores(network_names.FMD, [math.nan, 3.0, 4.0, 5.0], reason="is itself"))
     assert column(table, "FMD ↓")[0] == "–\xa0(a)"
     assert table.rows[0][1].value is None
     assert "(a) holistic FMD of ground truth: is itself." in table.notes
     assert any("gesture PCM" in note and "not measured" in note for note in table.notes)
-
-
-def test_recorded_motion_without_a_distance_and_remarks_are_explained_in_footnotes() -> None:
     fmd = scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0], remark="n < 2d")[1:]
     (table,) = tables(fmd, scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95]))
     notes = " ".join(table.notes)
@@ -122,48 +115,29 @@ def test_recorded_motion_without_a_distance_and_remarks_are_explained_in_footnot
     assert "holistic FMD of ours, camn and broken: n < 2d." in notes
 
 
-def test_other_metrics_follow_and_those_that_mean_nothing_alone_stay_in_the_files() -> None:
-    found = tables(
+def test_other_metrics_follow_in_tables_that_fit_a_page_and_details_stay_in_the_files() -> None:
+    paper, *others, missing = tables(
         scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0]),
-        scores("jerk (hands)", [1.0, 3.0, 4.0, 5.0]),
         scores("beat alignment by chance (beat)", [0.1, 0.1, 0.1, 0.1]),
-    )
-    assert [table.header[1:] for table in found[1:]] == [("jerk (hands) ↓",)]
-
-
-def test_many_metrics_are_shared_out_to_tables_that_fit_a_page() -> None:
-    found = tables(*(scores(f"metric {k}", [1.0, 2.0, 3.0, 4.0]) for k in range(8)))
-    assert [len(table.header) for table in found] == [5, 5]
-    assert len({table.name for table in found}) == 2
-
-
-def test_metrics_without_any_score_are_listed_with_the_reason() -> None:
-    found = tables(
-        scores("jerk (hands)", [1.0, 3.0, 4.0, 5.0]),
+        *(scores(f"metric {number}", [1.0, 2.0, 3.0, 4.0]) for number in range(8)),
         scores("new metric", [math.nan] * 4, reason="no network: train one"),
     )
-    assert [cell.text for cell in found[-1].rows[0]] == ["new metric", "no network: train one"]
+    assert paper.name == "metrics-diffsheg"
+    assert [name for table in others for name in table.header[1:]] == [
+        f"metric {number} ↓" for number in range(8)
+    ]
+    assert [len(table.header) for table in others] == [5, 5]
+    assert len({table.name for table in others}) == 2
+    assert [cell.text for cell in missing.rows[0]] == ["new metric", "no network: train one"]
 
 
-def test_files_that_could_not_be_used_are_named_without_their_folders() -> None:
+def test_what_was_not_measured_and_what_gestures_were_taken_for_is_shown() -> None:
     metrics = StudyMetrics(
         frame_rate=30.0,
         clips=(),
         conditions=(),
         skipped=(SkippedFile(what="the file is cut off", where="/a/b/x.npz", remedy="Copy it"),),
         remarks=("no beat alignment without speech: 1 of 2 segments (a)",),
-    )
-    assert metrics_not_tabled(metrics) == (
-        "No beat alignment without speech: 1 of 2 segments (a).",
-        "Not used: x.npz: the file is cut off.",
-    )
-
-
-def test_confusions_show_what_gestures_were_taken_for() -> None:
-    metrics = StudyMetrics(
-        frame_rate=30.0,
-        clips=(),
-        conditions=(),
         confusions=(
             EmotionConfusion(
                 condition="ours",
@@ -173,6 +147,10 @@ def test_confusions_show_what_gestures_were_taken_for() -> None:
                 counts=((1, 3),),
             ),
         ),
+    )
+    assert metrics_not_tabled(metrics) == (
+        "No beat alignment without speech: 1 of 2 segments (a).",
+        "Not used: x.npz: the file is cut off.",
     )
     (table,) = confusion_tables(metrics)
     assert column(table, "anger") == ["*3"]

@@ -40,20 +40,18 @@ def test_sets_are_kept_apart(sections: Sections) -> None:
     assert len(names) == len(set(names))
 
 
-def test_parts_of_a_bar_are_as_wide_as_scores_were_given(
-    results: RatingResults, sections: Sections
+def test_parts_of_a_bar_are_as_wide_as_scores_were_given_and_places_reached(
+    results: RatingResults, ranking_results: RankingResults, sections: Sections
 ) -> None:
     picture = named_picture(sections["rating"][0], "ratings-set-1")
-    conditions = [c for c in results.conditions if c.set == "1"]
-    for row, one in enumerate(conditions):
-        expected = [100 * count / one.n for count in one.counts.values()]
-        assert bar(picture, row, 5)[1] == pytest.approx(expected, abs=0.05)
-
-
-def test_the_legend_says_what_the_scores_are_called(sections: Sections) -> None:
-    said = " ".join(words(named_picture(sections["rating"][0], "ratings-set-1")))
-    for label in SCALE:
-        assert label in said
+    for row, rated in enumerate(c for c in results.conditions if c.set == "1"):
+        percents = [100 * count / rated.n for count in rated.counts.values()]
+        assert bar(picture, row, 5)[1] == pytest.approx(percents, abs=0.05)
+    picture = named_picture(sections["ranking"][0], "places")
+    best_first = sorted(ranking_results.conditions, key=lambda c: c.mean_rank.estimate)
+    for row, ranked in enumerate(best_first):
+        percents = list(ranked.rank_percent.values())
+        assert bar(picture, row, 3)[1] == pytest.approx(percents, abs=0.05)
 
 
 def test_cumulative_curves_are_the_shares_that_reach_a_score(
@@ -87,13 +85,14 @@ def test_contrasts_lead_with_paired_differences_corrected_by_holm(
     assert named_picture(sections["rating"][0], "contrasts-set-1")
 
 
-def test_scales_that_differ_are_said_under_the_figure(
-    results: RatingResults,
+def test_scores_have_their_labels_in_the_legend_or_where_they_differ_in_the_caption(
+    results: RatingResults, sections: Sections
 ) -> None:
+    legend = " ".join(words(named_picture(sections["rating"][0], "ratings-set-1")))
+    assert [label for label in SCALE if label not in legend] == []
     conditions = [c for c in results.conditions if c.set == "1"]
     twice = [*conditions, *(replace(c, question="sync") for c in conditions)]
-    labels = {"match": SCALE, "sync": tuple("abcde")}
-    (picture,) = distribution_pictures(twice, labels)
+    (picture,) = distribution_pictures(twice, {"match": SCALE, "sync": tuple("abcde")})
     assert "Sync: 1 a, 2 b, 3 c, 4 d, 5 e." in picture.caption
     assert "1 (worst)" in words(picture)
 
@@ -104,26 +103,10 @@ def ranking_results(ranked: TableReport) -> RankingResults:
     return ranked.results
 
 
-@pytest.fixture(scope="module")
-def ranking_section(sections: Mapping[str, tuple[Section, ...]]) -> Section:
-    (found,) = sections["ranking"]
-    return found
-
-
-def test_parts_of_a_bar_are_as_wide_as_places_were_reached(
-    ranking_results: RankingResults, ranking_section: Section
-) -> None:
-    picture = named_picture(ranking_section, "places")
-    for row, one in enumerate(
-        sorted(ranking_results.conditions, key=lambda c: c.mean_rank.estimate)
-    ):
-        expected = list(one.rank_percent.values())
-        assert bar(picture, row, 3)[1] == pytest.approx(expected, abs=0.05)
-
-
 def test_mean_ranks_first_places_and_worths_stand_in_one_section(
-    ranking_results: RankingResults, ranking_section: Section
+    ranking_results: RankingResults, sections: Sections
 ) -> None:
+    (ranking_section,) = sections["ranking"]
     assert [picture.name for picture in ranking_section.pictures] == ["places", "worths"]
     for row, one in zip(
         named_table(ranking_section, "ranks").rows, ranking_results.conditions, strict=True

@@ -80,16 +80,6 @@ def test_every_protocol_has_its_method_its_diagnostics_and_its_limits(
     assert "One speaker says nothing about other speakers." in texts[2]
 
 
-def test_the_flow_adds_up(tmp_path: Path) -> None:
-    table = pd.concat([pairwise_table(participants=6), catch_rows("p00", "ll", (5, 5))])
-    report = report_of(table, "pairwise", tmp_path)
-
-    flow, reasons = flow_section(report, subject_of(report)).tables  # type: ignore[union-attr]
-
-    assert [cell.text for cell in flow.rows[0]] == ["all", "6", "1", "5"]
-    assert [cell.text for cell in reasons.rows[0]] == ["p00", "2 catch trials failed"]
-
-
 def test_a_rehearsals_truth_is_held_against_estimates_of_either_direction(tmp_path: Path) -> None:
     report = report_of(pairwise_table(("ours", "other"), effects=(1.0, 0.0)), "pairwise", tmp_path)
     share = report.results.comparisons[0].win_share  # type: ignore[union-attr]
@@ -148,24 +138,15 @@ def test_looks_are_told_on_the_first_screen_in_the_methods_and_in_a_section(tmp_
     subject = subject_of(seen)
     assert answer(seen, subject)[-1].startswith(SENTENCE)
     assert SENTENCE in " ".join(methods_section(seen, subject).paragraphs)
+    many = [looked(number) for number in range(1, MOST_LOOKS + 51)]
+    busy = looks_section(replace(report, looks=looks_before(many, finished=999, answers=9990)))
+    assert busy is not None
+    numbers = f"{MOST_LOOKS + 50} numbers of finished participants from 1 to {MOST_LOOKS + 50}"
+    assert numbers in busy.paragraphs[0]
+    assert len(busy.tables[0].rows) == MOST_LOOKS
+    assert f"The last {MOST_LOOKS} rows of {MOST_LOOKS + 50}" in busy.tables[0].notes[1]
     assert looks_section(report) is None
     assert "looked at" not in " ".join((*answer(report, subject), *certainty(report, subject)))
-
-
-def test_many_looks_are_counted_and_the_last_ones_shown(tmp_path: Path) -> None:
-    report = report_of(pairwise_table(participants=6), "pairwise", tmp_path)
-    many = [looked(number) for number in range(1, MOST_LOOKS + 51)]
-    seen = replace(report, looks=looks_before(many, finished=999, answers=9990))
-
-    section = looks_section(seen)
-
-    assert section is not None
-    assert (
-        f"{MOST_LOOKS + 50} numbers of finished participants from 1 to {MOST_LOOKS + 50}"
-        in (section.paragraphs[0])
-    )
-    assert len(section.tables[0].rows) == MOST_LOOKS
-    assert f"The last {MOST_LOOKS} rows of {MOST_LOOKS + 50}" in section.tables[0].notes[1]
 
 
 def subject_with_stills(*conditions: str, **settings: Any) -> Subject:
@@ -192,62 +173,49 @@ def stills(*conditions: str, **settings: Any) -> Section:
     return section
 
 
-def test_each_condition_is_a_row_and_each_moment_a_column_with_words_for_every_picture() -> None:
-    section = stills("ours", "theirs")
+def test_each_condition_is_a_row_of_stills_with_words_for_every_picture() -> None:
+    section = stills("ours", "<b>theirs</b>")
     (strip,) = section.pictures
     assert strip.svg.count("<img ") == 4
-    assert 'alt="theirs after 1.2 seconds"' in strip.svg
+    assert 'alt="ours after 1.2 seconds"' in strip.svg
     assert '<th scope="col">0.4 s</th>' in strip.svg
     assert '<th scope="row">ours</th>' in strip.svg
+    assert "<b>" not in strip.svg
     assert "“Put them into <detention>.”" in section.paragraphs[0]
 
 
-def test_a_condition_without_video_is_named() -> None:
-    assert stills("ours").paragraphs[1] == ("There is no readable video of this segment of theirs.")
-
-
-def test_without_stills_the_reason_stands_in_their_place_and_a_table_has_no_such_section() -> None:
-    section = stills(no_stills="There are no videos yet.")
-    assert section.paragraphs == ("There are no videos yet.",)
+def test_a_condition_without_stills_is_named_and_a_sentence_says_why_there_are_none() -> None:
+    assert stills("ours").paragraphs[1] == "There is no readable video of this segment of theirs."
+    assert stills(no_stills="There are no videos yet.").paragraphs == ("There are no videos yet.",)
     assert stills_section(subject_with_stills()) is None
 
 
-def test_names_cannot_become_markup() -> None:
-    assert "<b>" not in stills("<b>ours</b>").pictures[0].svg
-
-
-def with_and_without(folder: Path, protocol: str, *, below: float = 0.9) -> Section | None:
-    """Return the section on a table where p01 watched half, which an exploratory rule minds."""
-    table = TABLES[protocol](participants=5, segments=4)
-    table["watched"] = np.where(table["participant"] == "p01", 0.5, 1)
-    report = report_of(table, protocol, folder, exclude=[watched_less(below)])
-    return sensitivity_section(report, subject_of(report))
-
-
 @pytest.mark.parametrize("protocol", list(TABLES))
-def test_all_three_groups_stand_side_by_side_where_a_rule_is_exploratory(
+def test_numbers_with_and_without_exclusions_stand_side_by_side(
     tmp_path: Path, protocol: str
 ) -> None:
-    found = with_and_without(tmp_path, protocol)
-    assert found is not None
-    [table] = found.tables
-    assert [name for name, _ in table.groups[1:]] == ["analysed", "as planned", "nobody excluded"]
-    for row in table.rows:
-        assert len(row) == len(table.header)
+    table = TABLES[protocol](participants=5, segments=4)
+    left_out = table["participant"] == "p01"
+    table["watched"] = np.where(left_out, 0.5, 1)
+    exploratory, planned, nobody = (
+        sensitivity_section(report, subject_of(report))
+        for report in (
+            report_of(table, protocol, tmp_path, exclude=[watched_less(0.9)]),
+            report_of(table.assign(excluded=left_out), protocol, tmp_path),
+            report_of(table, protocol, tmp_path, exclude=[watched_less(0.1)]),
+        )
+    )
+    assert nobody is None
+    assert planned is not None
+    assert exploratory is not None
+    (table_of_three,), (table_of_two,) = exploratory.tables, planned.tables
+    assert [name for name, _ in table_of_two.groups[1:]] == ["analysed", "nobody excluded"]
+    groups = ["analysed", "as planned", "nobody excluded"]
+    assert [name for name, _ in table_of_three.groups[1:]] == groups
+    for row in table_of_three.rows:
+        assert len(row) == len(table_of_three.header)
         assert [row[place].text for place in (2, 4, 6)] == ["4", "5", "5"]
         assert row[4:6] == row[6:8]
-
-
-def test_there_is_no_section_where_nobody_is_left_out(tmp_path: Path) -> None:
-    assert with_and_without(tmp_path, "rating", below=0.1) is None
-
-
-def test_as_planned_is_not_shown_where_it_is_what_is_analysed(tmp_path: Path) -> None:
-    table = TABLES["ranking"](participants=5, segments=4)
-    report = report_of(table.assign(excluded=table["participant"] == "p01"), "ranking", tmp_path)
-    found = sensitivity_section(report, subject_of(report))
-    assert found is not None
-    assert [name for name, _ in found.tables[0].groups[1:]] == ["analysed", "nobody excluded"]
 
 
 @pytest.mark.parametrize("reference", ["ours", "other"])
