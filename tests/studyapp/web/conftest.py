@@ -21,14 +21,7 @@ Serve = Callable[..., Flask]
 
 
 @pytest.fixture
-def tiny_study(tiny_study: Path, empty_sqlite: Path) -> Path:
-    """Return the study with an empty database of the newest schema: making one takes longer."""
-    shutil.copyfile(empty_sqlite, tiny_study / "responses.db")
-    return tiny_study
-
-
-@pytest.fixture
-def serve(tiny_study: Path, clock: SetClock) -> Iterator[Serve]:
+def serve(tiny_study: Path, clock: SetClock, empty_sqlite: Path) -> Iterator[Serve]:
     """Return a function that makes an application, on a clock that the test moves.
 
     It takes changes of the study file, as `redefine` does, another `folder` than the tiny study's,
@@ -40,6 +33,8 @@ def serve(tiny_study: Path, clock: SetClock) -> Iterator[Serve]:
             *changes: tuple[str, str], folder: Path = tiny_study, added: str = "", **options: Any
         ) -> Flask:
             redefine(folder, *changes, added=added)
+            if not (folder / "responses.db").exists():
+                shutil.copyfile(empty_sqlite, folder / "responses.db")  # making one takes longer
             app = create_app(folder, **options)
             site = site_of(app)
             closing.callback(site.database.close)

@@ -1,7 +1,8 @@
-"""What the application sets up: its clock, how many reports it takes, and windows' names."""
+"""What the application does for everybody: health, protection, faults, and excess reports."""
 
 from __future__ import annotations
 
+import re
 import resource
 import signal
 import threading
@@ -10,7 +11,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from flask import Flask
+from flask import Flask, abort
+from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
+from werkzeug.exceptions import default_exceptions
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
@@ -20,9 +24,10 @@ from studyapp.web.protection import AT_ONCE, KEPT, Pace
 from tests.studyapp.web.visitor import WATCHED, Visitor
 from tests.support.studies.taking_part_steps import SetClock
 
+WEB = Path(__file__).parents[3] / "studyapp" / "web"
+
 
 def test_a_study_that_cannot_be_served_leaves_no_database(tiny_study: Path) -> None:
-    (tiny_study / "responses.db").unlink()
     (tiny_study / "stimuli.json").write_text("{", "utf-8")
 
     with pytest.raises(InputError, match=r"stimuli\.json"):
@@ -30,28 +35,96 @@ def test_a_study_that_cannot_be_served_leaves_no_database(tiny_study: Path) -> N
     assert not (tiny_study / "responses.db").exists()
 
 
-def accepted(pace: Pace, seconds: float, *, per_second: float) -> int:
-    """Return how many reports were accepted that came at even distances, from one participant."""
-    moments = [number / per_second for number in range(int(seconds * per_second))]
-    return sum(pace.seconds_to_wait("one", moment) == 0 for moment in moments)
+def test_every_answer_is_protected_and_no_page_is_kept(app: Flask, clock: SetClock) -> None:
+    visitor = Visitor(app, clock).enrol().begin()
+    pages = ("/", "/nowhere", "/take/nobody", visitor.address, "/research/log-in")
+    for address in (*pages, "/static/style.css"):
+        headers = app.test_client().get(address, buffered=True).headers
+        policy = headers["Content-Security-Policy"]
+        assert (headers["Referrer-Policy"], headers["X-Frame-Options"]) == ("no-referrer", "DENY")
+        assert headers["X-Content-Type-Options"] == "nosniff"
+        for rule in ("default-src 'none'", "frame-ancestors 'none'", "form-action 'self'"):
+            assert rule in policy
+        assert not re.search("unsafe|mturk", policy)
+        assert (headers["Cache-Control"] == "no-store") is (address in pages)
+        assert ("Set-Cookie" in headers) is ("research" in address)
 
 
-def test_a_page_can_report_in_four_windows_for_an_hour() -> None:
-    every_two_seconds_and_at_each_end = 0.5 + 0.2
+@pytest.mark.parametrize(
+    "template", sorted((WEB / "templates").rglob("*.html")), ids=lambda p: p.name
+)
+def test_pages_hold_no_inline_script_or_style_and_ask_nobody_else(template: Path) -> None:
+    text = template.read_text("utf-8")
 
-    per_second = 4 * every_two_seconds_and_at_each_end
-    assert accepted(Pace(), 3600, per_second=per_second) == int(3600 * per_second)
+    assert not re.search(r"<style|\sstyle=|\son[a-z]+=|javascript:|https?://", text)
+    assert all("src=" in tag for tag in re.findall(r"<script[^>]*>", text))
 
 
-def test_nobody_else_has_to_wait_however_many_names_are_made_up() -> None:
+def test_a_windows_name_does_not_hold_the_address(app: Flask, clock: SetClock) -> None:
+    visitor = Visitor(app, clock).enrol()
+    token = visitor.address.rsplit("/", 1)[1]
+
+    name = visitor.page().value("#elsewhere", "data-window")
+
+    assert name == window_name(token)
+    assert not any(name[at : at + 6] in token for at in range(len(name) - 5))
+
+
+def test_a_request_that_is_too_large_is_refused(app: Flask) -> None:
+    answer = app.test_client().post("/", data={"visit": "x" * 70_000})
+
+    assert answer.status_code == 413
+    assert "too much" in answer.text
+
+
+def test_only_a_failure_of_ours_is_called_ours_and_logged_without_the_address(
+    app: Flask, caplog: pytest.LogCaptureFixture
+) -> None:
+    @app.get("/fails/<int:status>/<token>")
+    def fails(status: int, token: str) -> str:
+        if status == 500:
+            raise ZeroDivisionError
+        abort(status)
+
+    for status in default_exceptions:
+        answer = app.test_client().get(f"/fails/{status}/s3cret")
+        assert answer.status_code == status
+        assert ("went wrong on our side" in answer.text) == (status >= 500), status
+        assert re.search(r"(is|are) stored|is lost|[Gg]o back", answer.text), status
+        assert "ZeroDivisionError" not in answer.text
+    assert "ZeroDivisionError" in caplog.text
+    assert "s3cret" not in caplog.text
+
+
+def test_while_the_database_is_away_pages_ask_for_patience(
+    app: Flask, caplog: pytest.LogCaptureFixture
+) -> None:
+    gone = OperationalError("SELECT token", {"token": "secret"}, Exception("gone\nmore"), True)
+    errors = iter([gone, PoolTimeoutError("no connection was free")])
+
+    @app.get("/away")
+    def away() -> str:
+        raise next(errors)
+
+    for _ in range(2):
+        answer = app.test_client().get("/away")
+        assert answer.status_code == 503
+        assert "What you answered before is stored" in answer.text
+    assert not re.search("secret|Traceback", caplog.text)
+
+
+def test_a_page_can_report_in_four_windows_for_an_hour_and_nobody_waits_for_others() -> None:
     pace = Pace()
+    every_two_seconds_and_at_each_end = 0.5 + 0.2
+    reports = int(3600 * 4 * every_two_seconds_and_at_each_end)
+    assert {pace.seconds_to_wait("four", 3600 * n / reports) for n in range(reports)} == {0.0}
+
     for _ in range(AT_ONCE):
-        pace.seconds_to_wait("one", 0.0)
+        pace.seconds_to_wait("one", 3600.0)
+    others = {pace.seconds_to_wait(f"{number}", 3600.0) for number in range(KEPT + 10)}
 
-    waits = [pace.seconds_to_wait(f"{number}", 0.0) for number in range(KEPT + 10)]
-
-    assert set(waits) == {0.0}
-    assert pace.seconds_to_wait("one", 0.0) > 0
+    assert others == {0.0}
+    assert pace.seconds_to_wait("one", 3600.0) > 0
 
 
 def test_what_is_too_much_is_refused_before_it_is_read_and_stops_nobody_else(
@@ -71,16 +144,6 @@ def test_what_is_too_much_is_refused_before_it_is_read_and_stops_nobody_else(
     assert flooding.client.get(flooding.address).status_code == 200
     monkeypatch.setattr("studyapp.web.app.time.monotonic", lambda: 8.0)
     flooding.watch()
-
-
-def test_a_windows_name_does_not_hold_the_address(app: Flask, clock: SetClock) -> None:
-    visitor = Visitor(app, clock).enrol()
-    token = visitor.address.rsplit("/", 1)[1]
-
-    named = visitor.page().value("#elsewhere", "data-window")
-
-    assert named == window_name(token)
-    assert not any(named[at : at + 6] in token for at in range(len(named) - 5))
 
 
 @contextmanager

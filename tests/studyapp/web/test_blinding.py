@@ -21,7 +21,6 @@ from werkzeug.test import TestResponse
 from studyapp.database.tables import Trial
 from studyapp.web.site import attach, site_of
 from tests.studyapp.web.conftest import Serve
-from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
 from tests.support.studies.taking_part_steps import SetClock
 
@@ -32,40 +31,39 @@ SECRETS = re.compile(
 LOADED = select(Trial).order_by(Trial.position).options(selectinload(Trial.videos))
 TOKEN = re.compile(r"[A-Za-z0-9_-]{32}")
 STATIC = Path(__file__).parents[3] / "studyapp" / "web" / "static"
-
-
-def everything(response: TestResponse) -> str:
-    return f"{response.headers}\n{response.get_data(as_text=True)}"
-
-
-def visible_secrets(text: str) -> list[str]:
-    return SECRETS.findall(TOKEN.sub("", text))
-
-
 LABELLED = ("[conditions.mismatched]", '[conditions.mismatched]\nlabel = "Ours (full)"')
+
+Request = Callable[[], TestResponse]
+
+
+def trial_requests(visitor: Visitor) -> dict[str, Request]:
+    """Return the requests with which a browser takes the present trial, by name and in order."""
+    page, client = visitor.page(), visitor.client
+    visitor.clock.advance(seconds=4)
+    watched = page.value("#pair", "data-watched-url")
+    data = {"trial": page.trial, **ANSWERS}
+    return {
+        "page": partial(client.get, visitor.address),
+        "video": partial(client.get, page.value("#pair", "src"), buffered=True),
+        "watched": partial(client.post, watched, json=WATCHED),
+        "answered": partial(client.post, page.action, data=data),
+    }
 
 
 def test_no_page_or_header_tells_a_condition_segment_or_kind(serve: Serve, clock: SetClock) -> None:
-    app = serve(LABELLED)
-    visitor = Visitor(app, clock)
-    seen = [everything(visitor.client.get("/"))]
-    visitor.enrol()
-    seen.append(everything(visitor.client.get(visitor.address)))
+    visitor = Visitor(serve(LABELLED), clock)
+    seen = [visitor.client.get("/")]
+    seen.append(visitor.client.get(visitor.enrol().address))
     visitor.begin()
     for _ in range(6):
-        answer = visitor.client.get(visitor.address)
-        seen.append(everything(answer))
-        page = PageReader(answer.text)
-        clock.advance(seconds=4)
-        visitor.client.get(page.value("#pair", "src"), buffered=True)
-        watched = page.value("#pair", "data-watched-url")
-        seen.append(everything(visitor.client.post(watched, json=WATCHED)))
-        data = {"trial": page.trial, **ANSWERS}
-        seen.append(everything(visitor.client.post(page.action, data=data)))
-    seen.append(everything(visitor.client.get(visitor.address)))
+        requests = trial_requests(visitor)
+        video = requests.pop("video")()
+        seen += [request() for request in requests.values()]
+        assert SECRETS.findall(TOKEN.sub("", str(video.headers))) == []
+    seen.append(visitor.client.get(visitor.address))
 
-    for text in seen:
-        assert visible_secrets(text) == []
+    for answer in seen:
+        assert SECRETS.findall(TOKEN.sub("", f"{answer.headers}\n{answer.text}")) == []
 
 
 @pytest.mark.parametrize("script", sorted(STATIC.iterdir()), ids=lambda path: path.name)
@@ -105,16 +103,12 @@ def withdrawn(visitor: Visitor) -> None:
     assert visitor.client.post(f"{visitor.address}/withdraw").status_code == 303
 
 
-def not_begun(visitor: Visitor) -> None:
-    visitor.page()
-
-
 OVER: list[tuple[Callable[[Visitor], Any], int]] = [
     (settled, 0),
     (completed, 0),
     (completed, 5),
     (withdrawn, 0),
-    (not_begun, 0),
+    (Visitor.page, 0),
     (Visitor.begin, 2),
     (Visitor.begin, 5),
 ]
@@ -154,7 +148,7 @@ def test_a_token_whose_time_is_not_now_is_like_none_at_all(
         assert "X-Accel-Redirect" not in answers[0].headers
 
 
-def steps(request: Callable[[], TestResponse]) -> list[str]:
+def steps(request: Request) -> list[str]:
     """Return which functions of the study app run, one after the other, to answer a request.
 
     Left out is what is done once for each trial before: it tells the position alone.
@@ -177,27 +171,14 @@ def test_the_same_is_done_for_every_kind_of_trial_and_every_condition(
     app: Flask, clock: SetClock
 ) -> None:
     visitor = Visitor(app, clock).enrol().begin()
-    done: dict[str, list[list[str]]] = {"page": [], "video": [], "watched": [], "answered": []}
     kinds = [trial.kind for trial in stored_in(app, LOADED)]
     visitor.page()
-    for _ in kinds:
-        page = visitor.page()
-        clock.advance(seconds=4)
-        watched = page.value("#pair", "data-watched-url")
-        data = {"trial": page.trial, **ANSWERS}
-        requests = {
-            "page": partial(visitor.client.get, visitor.address),
-            "video": partial(visitor.client.get, page.value("#pair", "src"), buffered=True),
-            "watched": partial(visitor.client.post, watched, json=WATCHED),
-            "answered": partial(visitor.client.post, page.action, data=data),
-        }
-        for name, request in requests.items():
-            done[name].append(steps(request))
+    taken = [
+        {name: steps(request) for name, request in trial_requests(visitor).items()} for _ in kinds
+    ]
 
     # The first page draws what later ones know, and the last trial has none to fetch ahead.
     middle = slice(1, -1)
-    assert "catch" in kinds[middle]
-    assert "main" in kinds[middle]
-    for name, each in done.items():
-        assert each[1], name
-        assert all(ran == each[1] for ran in each[middle]), name
+    assert {"catch", "main"} <= set(kinds[middle])
+    assert all(taken[1].values())
+    assert all(trial == taken[1] for trial in taken[middle])

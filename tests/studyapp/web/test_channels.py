@@ -9,15 +9,13 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.database.tables import Place, ScreenOut, StudySession, StudyVersion, Trial
+from studyapp.database.tables import ScreenOut, StudySession, StudyVersion, Trial
 from studyapp.recruitment.invitations import make_invitations
-from studyapp.study.settings.study import Study
 from studyapp.web.participants.recruiter_names import COOKIE
 from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.test_entrance import submit
-from tests.studyapp.web.visitor import Visitor, stored_in
+from tests.studyapp.web.visitor import Visitor, is_nobody_stored, stored_in, submit
 from tests.support.studies.asked_forms import COMPREHENSION, FORM
 from tests.support.studies.taking_part_steps import SetClock
 
@@ -34,10 +32,10 @@ PROLIFIC = "\n".join(
     )
 )
 MTURK = '[recruitment]\nchannel = "mturk"\n'
-WRONG = {"form:judged": "the clothes"}
 INVITATIONS = '[recruitment]\nchannel = "invitations"\n'
 BY_PROLIFIC = "?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1"
 BY_MTURK = "?workerId=w1&hitId=h1&assignmentId=a1&turkSubmitTo=https%3A%2F%2Fwww.mturk.com"
+PREVIEW = "?assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE&hitId=h1"
 
 ServeWith = Callable[[str], Flask]
 
@@ -48,27 +46,29 @@ def serve_with(serve: Serve) -> ServeWith:
     return lambda more: serve(added=more)
 
 
-def last_page(visitor: Visitor) -> PageReader:
-    """Answer everything; return the page with the code."""
-    for page in visitor.begin().take_trials():
-        assert all(code not in page.text for code in CODES.values())
-    return visitor.page()
-
-
 def shown_code(page: PageReader) -> str:
     return page.one("#completion-code").get_text(strip=True)
+
+
+def comes_again(visitor: Visitor, query: str) -> Visitor:
+    """Let the same browser come by another address."""
+    again = Visitor(visitor.app, visitor.clock)
+    again.client = visitor.client
+    return again.enrol(query)
 
 
 def test_who_finishes_is_led_back_to_prolific_with_the_code(
     serve_with: ServeWith, clock: SetClock
 ) -> None:
-    page = last_page(Visitor(serve_with(PROLIFIC), clock).enrol(BY_PROLIFIC))
+    visitor = Visitor(serve_with(PROLIFIC), clock).enrol(BY_PROLIFIC)
+    for page in visitor.begin().take_trials():
+        assert all(code not in page.text for code in CODES.values())
 
-    assert shown_code(page) == CODES["completed"]
-    assert page.value("#leave", "href") == (
-        f"https://app.prolific.com/submissions/complete?cc={CODES['completed']}"
-    )
-    assert all(CODES[other] not in str(page.soup) for other in ("screened_out", "failed_attention"))
+    last = visitor.page()
+    assert shown_code(last) == CODES["completed"]
+    address = f"https://app.prolific.com/submissions/complete?cc={CODES['completed']}"
+    assert last.value("#leave", "href") == address
+    assert all(CODES[other] not in last.text for other in ("screened_out", "failed_attention"))
 
 
 def test_failed_attention_checks_are_counted_from_the_answers(
@@ -79,8 +79,9 @@ def test_failed_attention_checks_are_counted_from_the_answers(
     page = visitor.begin().page()
     while not page.soup.select("#completion-code"):
         visitor.watch()
-        (trial,) = stored_in(app, select(Trial).where(Trial.token == page.trial))
-        wrong = {} if trial.instructed is None else _other_than(trial.instructed)
+        (instructed,) = stored_in(app, select(Trial.instructed).where(Trial.token == page.trial))
+        other = "2" if instructed == 1 else "1"
+        wrong = {} if instructed is None else {"rhythm": other, "emotion": other}
         assert visitor.post(page, **wrong)[0] == 303
         page = visitor.page()
 
@@ -88,24 +89,18 @@ def test_failed_attention_checks_are_counted_from_the_answers(
     assert "asked you to choose a particular answer" in page.text
 
 
-def _other_than(value: int) -> dict[str, str]:
-    other = "1" if value != 1 else "2"
-    return {"rhythm": other, "emotion": other}
-
-
 def test_another_study_in_the_address_makes_no_other_participant(
     serve_with: ServeWith, clock: SetClock
 ) -> None:
-    app = serve_with(PROLIFIC)
-    first = Visitor(app, clock).enrol(BY_PROLIFIC)
+    first = Visitor(serve_with(PROLIFIC), clock).enrol(BY_PROLIFIC)
 
-    again = Visitor(app, clock)
-    again.client = first.client
-    again.enrol(BY_PROLIFIC.replace("p1", "P1").replace("s1", "s2").replace("x1", "x2"))
+    again = comes_again(
+        first, BY_PROLIFIC.replace("p1", "P1").replace("s1", "s2").replace("x1", "x2")
+    )
 
     assert again.address == first.address
-    (known,) = stored_in(app, select(StudySession))
-    assert (known.recruiter_study, known.recruiter_session) == ("s2", "x2")
+    (row,) = stored_in(first.app, select(StudySession))
+    assert (row.recruiter_study, row.recruiter_session) == ("s2", "x2")
 
 
 def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
@@ -114,9 +109,8 @@ def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
     app = serve_with(PROLIFIC)
     owner = Visitor(app, clock).enrol(BY_PROLIFIC)
     stranger = app.test_client()
-    page = PageReader(stranger.get("/?PROLIFIC_PID=p1").text)
 
-    answer = submit(stranger, page)
+    answer = submit(stranger, PageReader(stranger.get("/?PROLIFIC_PID=p1").text))
 
     assert answer.status_code == 403
     assert "another browser" in answer.text
@@ -125,8 +119,7 @@ def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
     assert Visitor(app, clock).enrol(BY_PROLIFIC).address == owner.address
     cookie = owner.client.get_cookie(COOKIE.name("tiny"))
     assert cookie is not None
-    assert cookie.http_only
-    assert cookie.same_site == "Lax"
+    assert (cookie.http_only, cookie.same_site) == (True, "Lax")
 
 
 def test_where_links_are_signed_no_other_name_counts(
@@ -138,7 +131,7 @@ def test_where_links_are_signed_no_other_name_counts(
 
     monkeypatch.setattr("studyapp.web.participants.recruiter_names.signed_names", fake_signed_names)
     app = serve_with(PROLIFIC + 'signed_for = "study.example.org"\n')
-    client = app.test_client()
+    client, stranger = app.test_client(), app.test_client()
 
     page = PageReader(client.get("/?prolific_token=signed&PROLIFIC_PID=victim").text)
     first = submit(client, page)
@@ -146,22 +139,50 @@ def test_where_links_are_signed_no_other_name_counts(
     assert first.status_code == 303
     for made_up in (f"/{BY_PROLIFIC}", f"/{BY_PROLIFIC}&prolific_token=made-up"):
         assert client.get(made_up).status_code == 403
-    stranger = app.test_client()
     assert stranger.post("/", data={"PROLIFIC_PID": "p1", "SESSION_ID": "x1"}).status_code == 403
     # A new browser, another submission: the signature shows who it is.
     again = PageReader(stranger.get("/?prolific_token=signed").text)
     assert submit(stranger, again).location == first.location
-    (known,) = stored_in(app, select(StudySession))
-    assert known.recruiter_participant == "p1"
+    assert stored_in(app, select(StudySession.recruiter_participant)) == ["p1"]
 
 
-def test_nobody_is_let_in_whom_nobody_named(serve_with: ServeWith) -> None:
-    client = serve_with(PROLIFIC).test_client()
+OTHER_SITES = (
+    *("https://evil.example", "http://www.mturk.com", "https://www.mturk.com.evil.example"),
+    *("https://www.mturk.com@evil.example", "https://www.mturk.com/../x", "javascript:alert(1)"),
+)
 
-    for query in ("", "?STUDY_ID=s1"):
-        assert client.get(f"/{query}").status_code == 403
-    assert client.post("/", data={"visit": "x" * 30}).status_code == 403
-    assert client.get(f"/{BY_PROLIFIC}").status_code == 200
+
+@pytest.mark.parametrize(
+    ("channel", "addresses"),
+    [
+        (PROLIFIC, ["", "?STUDY_ID=s1", "?visit=" + "x" * 30]),
+        (INVITATIONS, ["", "?invitation=made-up", BY_PROLIFIC]),
+        # Nothing is ever handed in to another site.
+        (MTURK, [BY_MTURK.replace("https%3A%2F%2Fwww.mturk.com", site) for site in OTHER_SITES]),
+        (MTURK, ["", PREVIEW]),
+    ],
+    ids=["prolific", "invitations", "other sites", "mturk"],
+)
+def test_nobody_is_let_in_whom_the_channel_does_not_name(
+    serve_with: ServeWith, channel: str, addresses: list[str]
+) -> None:
+    app = serve_with(channel)
+    client = app.test_client()
+
+    for query in addresses:
+        names = dict(pair.split("=", 1) for pair in query[1:].split("&") if pair)
+        assert client.post("/", data=names).status_code == 403
+        if query != PREVIEW:
+            assert client.get(f"/{query}").status_code == 403
+    assert is_nobody_stored(app)
+
+
+def test_a_preview_offers_no_start(serve_with: ServeWith) -> None:
+    answer = serve_with(MTURK).test_client().get(f"/{PREVIEW}")
+
+    assert answer.status_code == 200
+    assert "preview" in answer.text
+    assert PageReader(answer.text).soup.select("form, script") == []
 
 
 def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(
@@ -170,16 +191,15 @@ def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(
     app = serve_with(PROLIFIC + FORM)
     client = app.test_client()
     first = PageReader(client.get(f"/{BY_PROLIFIC}").text)
-    assert CODES["screened_out"] not in str(first.soup)
+    assert CODES["screened_out"] not in first.text
 
     answer = submit(client, first, adult="no")
 
     page = PageReader(answer.text)
-    assert answer.status_code == 403
-    assert shown_code(page) == CODES["screened_out"]
     assert page.value("#leave", "href").endswith(f"cc={CODES['screened_out']}")
     assert "only that you were here" in page.text
     for again in (
+        answer,
         client.get(f"/{BY_PROLIFIC}"),
         client.get(f"/{BY_PROLIFIC.replace('s1', 's2')}"),
         submit(client, first, adult="yes"),
@@ -187,46 +207,10 @@ def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(
     ):
         assert again.status_code == 403
         assert shown_code(PageReader(again.text)) == CODES["screened_out"]
-    (stored,) = stored_in(app, select(ScreenOut))
-    assert stored.participant == "p1"
+    assert stored_in(app, select(ScreenOut.participant)) == ["p1"]
     (version,) = stored_in(app, select(StudyVersion))
     assert (version.screened_by_eligibility, version.screened_by_consent) == (1, 0)
-    assert not stored_in(app, select(StudySession))
-    assert not stored_in(app, select(Place).where(Place.study_session_id.is_not(None)))
-
-
-@pytest.mark.parametrize(
-    "site",
-    [
-        "https://evil.example",
-        "http://www.mturk.com",
-        "https://www.mturk.com.evil.example",
-        "https://www.mturk.com@evil.example",
-        "https://www.mturk.com/../x",
-        "javascript:alert(1)",
-    ],
-)
-def test_nothing_is_ever_handed_in_to_another_site(serve_with: ServeWith, site: str) -> None:
-    client = serve_with(MTURK).test_client()
-    names = {"workerId": "w1", "hitId": "h1", "assignmentId": "a1", "turkSubmitTo": site}
-
-    assert client.get("/", query_string=names).status_code == 403
-    assert client.post("/", data=names).status_code == 403
-
-
-def test_a_preview_takes_no_place_and_offers_no_start(serve_with: ServeWith) -> None:
-    app = serve_with(MTURK)
-    client = app.test_client()
-
-    answer = client.get("/?assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE&hitId=h1")
-
-    page = PageReader(answer.text)
-    assert answer.status_code == 200
-    assert "preview" in page.text
-    assert page.soup.select("form, script") == []
-    assert client.post("/", data={"assignmentId": "ASSIGNMENT_ID_NOT_AVAILABLE"}).status_code == 403
-    assert not stored_in(app, select(StudySession))
-    assert not stored_in(app, select(Place).where(Place.study_session_id.is_not(None)))
+    assert is_nobody_stored(app)
 
 
 def test_a_worker_comes_back_by_another_assignment_of_the_study(
@@ -234,27 +218,21 @@ def test_a_worker_comes_back_by_another_assignment_of_the_study(
 ) -> None:
     app = serve_with(MTURK)
     first = Visitor(app, clock).enrol(BY_MTURK)
-    other = BY_MTURK.replace("hitId=h1", "hitId=h2").replace("assignmentId=a1", "assignmentId=a2")
-
+    other = BY_MTURK.replace("h1", "h2").replace("a1", "a2")
     clock.advance(minutes=46)
 
     again = Visitor(app, clock).enrol(other.replace("w1", "W1"))
 
     assert again.address == first.address
-    page = last_page(again)
+    list(again.begin().take_trials())
+    page = again.page()
     form = page.one("#leave")
-    assert (form["method"], form["action"]) == (
-        "post",
-        "https://www.mturk.com/mturk/externalSubmit",
-    )
+    address = "https://www.mturk.com/mturk/externalSubmit"
+    assert (form["method"], form["action"]) == ("post", address)
     fields = {str(i["name"]): str(i["value"]) for i in form.select("input")}
     assert fields == {"assignmentId": "a2", "completionCode": shown_code(page)}
-    third = Visitor(app, clock)
-    third.client = again.client
-    assert (
-        third.enrol(other.replace("a2", "a3")).page().value("#leave [name=assignmentId]", "value")
-        == "a2"
-    )
+    third = comes_again(again, other.replace("a2", "a3")).page()
+    assert third.value("#leave [name=assignmentId]", "value") == "a2"
 
 
 def test_only_mechanical_turk_may_show_the_study_in_a_frame(serve_with: ServeWith) -> None:
@@ -276,34 +254,22 @@ def test_only_mechanical_turk_may_show_the_study_in_a_frame(serve_with: ServeWit
 def test_an_invitation_lets_one_in_and_looking_at_it_uses_nothing_up(
     serve_with: ServeWith, clock: SetClock
 ) -> None:
-    app = serve_with(INVITATIONS)
-    (token,) = make_invitations(site_of(app).database, 1, clock)
-    curious = app.test_client()
-    for _ in range(3):
-        assert curious.get(f"/?invitation={token}").status_code == 200
-    assert not stored_in(app, select(StudySession))
-
-    first = Visitor(app, clock).enrol(f"?invitation={token}")
-    assert Visitor(app, clock).enrol(f"?invitation={token}").address == first.address
-    for query in ("", "?invitation=made-up", BY_PROLIFIC):
-        answer = curious.get(f"/{query}")
-        assert answer.status_code == 403
-        assert "invitation" in PageReader(answer.text).heading
-
-
-def test_who_did_not_understand_the_instructions_cannot_come_back_by_the_same_invitation(
-    serve_with: ServeWith, clock: SetClock
-) -> None:
     app = serve_with(INVITATIONS + COMPREHENSION)
     (token,) = make_invitations(site_of(app).database, 1, clock)
-    visitor = Visitor(app, clock).enrol(f"?invitation={token}")
+    query = f"?invitation={token}"
+    for _ in range(3):
+        assert app.test_client().get(f"/{query}").status_code == 200
+    assert is_nobody_stored(app)
 
-    tries = [visitor.client.post(f"{visitor.address}/begin", data=WRONG) for _ in range(2)]
+    first = Visitor(app, clock).enrol(query)
 
+    assert Visitor(app, clock).enrol(query).address == first.address
+    # Who did not understand the instructions cannot come back by it.
+    wrong = {"form:judged": "the clothes"}
+    tries = [first.client.post(f"{first.address}/begin", data=wrong) for _ in range(2)]
     assert [answer.status_code for answer in tries] == [422, 403]
-    assert app.test_client().get(f"/?invitation={token}").status_code == 403
-    (version,) = stored_in(app, select(StudyVersion))
-    assert version.screened_by_comprehension == 1
+    assert app.test_client().get(f"/{query}").status_code == 403
+    assert stored_in(app, select(StudyVersion.screened_by_comprehension)) == [1]
 
 
 def test_a_rehearsal_needs_no_recruiter(serve: Serve, tmp_path: Path) -> None:
@@ -313,6 +279,4 @@ def test_a_rehearsal_needs_no_recruiter(serve: Serve, tmp_path: Path) -> None:
         database_url=f"sqlite:///{tmp_path / 'rehearsal.db'}",
     )
 
-    study: Study = site_of(app).study
-    assert study.recruitment.channel == "link"
     assert app.test_client().get("/").status_code == 200

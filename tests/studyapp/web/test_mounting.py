@@ -78,31 +78,20 @@ def test_researchers_log_in_and_look_at_every_page_below_the_path(
     assert {"", "study-sessions", "preview", "newcomers", "changes", "researchers"} <= researched
 
 
-def test_who_must_log_in_first_is_led_back_below_the_path(below: Flask) -> None:
-    answer = below.test_client().get(f"{PREFIX}/research/changes")
-
-    assert answer.location == f"{PREFIX}/research/log-in?next=/research/changes"
-
-
-def test_the_path_itself_leads_on_with_what_a_recruiter_added(below: Flask) -> None:
-    answer = below.test_client().get(f"{PREFIX}?PROLIFIC_PID=p1&STUDY_ID=s%26")
-
+def test_nothing_lies_beside_the_path_but_health_and_the_path_leads_on(below: Flask) -> None:
+    client = below.test_client()
+    for path in ("/", "/research/", "/studies", "/studies/one2/", "/static/x"):
+        answer = client.get(path)
+        assert answer.status_code == 404
+        assert answer.headers["Referrer-Policy"] == "no-referrer"
+    # Health checks come past the proxy too.
+    assert client.get("/healthz").status_code == client.get(f"{PREFIX}/healthz").status_code == 200
+    # What a recruiter added stays.
+    answer = client.get(f"{PREFIX}?PROLIFIC_PID=p1&STUDY_ID=s%26")
     assert answer.status_code == 308
     assert answer.headers["Location"] == f"{PREFIX}/?PROLIFIC_PID=p1&STUDY_ID=s%26"
-
-
-@pytest.mark.parametrize("path", ["/", "/research/", "/studies", "/studies/one2/", "/static/x"])
-def test_nothing_lies_beside_the_path(below: Flask, path: str) -> None:
-    answer = below.test_client().get(path)
-
-    assert answer.status_code == 404
-    assert answer.headers["Referrer-Policy"] == "no-referrer"
-
-
-def test_health_is_asked_past_the_proxy_too(below: Flask) -> None:
-    client = below.test_client()
-
-    assert client.get("/healthz").status_code == client.get(f"{PREFIX}/healthz").status_code == 200
+    login = client.get(f"{PREFIX}/research/changes").location
+    assert login == f"{PREFIX}/research/log-in?next=/research/changes"
 
 
 @pytest.mark.parametrize(

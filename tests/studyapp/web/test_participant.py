@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 import pytest
@@ -14,7 +13,7 @@ from studyapp.database.tables import FormAnswer, Trial
 from studyapp.web.protection import AT_ONCE
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.visitor import Visitor, stored_in
+from tests.studyapp.web.visitor import Visitor, stored_in, submit
 from tests.support.studies.asked_forms import FORM, SCALE
 from tests.support.studies.taking_part_steps import SetClock
 
@@ -28,8 +27,8 @@ def visitor(app: Flask, clock: SetClock) -> Visitor:
 def test_a_trial_asks_of_its_emotion_and_preselects_nothing(app: Flask, visitor: Visitor) -> None:
     page = visitor.page()
 
-    (trial,) = stored_in(app, select(Trial).where(Trial.position == 1))
-    assert page.one(".emotion").get_text() == trial.emotion
+    (emotion,) = stored_in(app, select(Trial.emotion).where(Trial.position == 1))
+    assert page.words(".emotion") == emotion
     assert page.checked() == {}
     labels = [label.get_text(strip=True) for label in page.soup.select(".scale label")]
     assert labels == ["clearly A", "slightly A", "no difference", "slightly B", "clearly B"] * 2
@@ -69,48 +68,58 @@ def test_a_report_of_watching_that_is_none_is_refused(visitor: Visitor) -> None:
         assert visitor.client.post(address, data=body).status_code == 422, body
 
 
-def instructions(app: Flask) -> str:
-    text = Visitor(app, SetClock()).enrol().page().text
-    return re.sub(r"\s+", " ", text)
-
-
-GENERATED = (
-    ("[conditions.rule_based]", '[conditions.rule_based]\ngenerator = "rule_based"'),
-    (
-        "[conditions.mismatched]",
-        '[conditions.mismatched]\ngenerator = "mismatched"\nsource = "rule_based"',
-    ),
+GENERATED = ("[conditions.rule_based]", '[conditions.rule_based]\ngenerator = "rule_based"')
+MISMATCHED = (
+    "[conditions.mismatched]",
+    '[conditions.mismatched]\ngenerator = "mismatched"\nsource = "rule_based"',
 )
+FROZEN = ('title = "G', 'freeze = ["face", "root"]\ntitle = "G')
 
 
-def test_instructions_say_that_no_motion_is_recorded_where_all_of_it_is_generated(
-    serve: Serve, tiny_study: Path, tmp_path: Path
+@pytest.mark.parametrize(
+    ("changes", "sentences", "unsaid"),
+    [
+        ((GENERATED, MISMATCHED), ("made by a computer", "gestures, not the face"), "kept still"),
+        ((GENERATED,), (), "made by a computer"),
+        (
+            (FROZEN,),
+            (
+                "Some pairs come more than once",
+                "Kept still on purpose in every video: the face and whole-body movement",
+            ),
+            "practice",
+        ),
+    ],
+    ids=["generated", "brought", "frozen"],
+)
+def test_instructions_follow_the_study_and_never_tell_which_trials_are_practice(
+    serve: Serve,
+    clock: SetClock,
+    changes: tuple[tuple[str, str], ...],
+    sentences: tuple[str, ...],
+    unsaid: str,
 ) -> None:
-    urls = (f"sqlite:///{tmp_path / name}.db" for name in ("brought", "recorded"))
-    generated = instructions(serve(*GENERATED))
-    assert "made by a computer" in generated
-    assert "Judge the gestures, not the face" in generated
-    assert "kept still" not in generated
-    assert "practice" not in generated
-    brought = (GENERATED[1][1], GENERATED[1][0])
-    assert "made by a computer" not in instructions(serve(brought, database_url=next(urls)))
+    visitor = Visitor(serve(*changes), clock).enrol()
+    text = visitor.page().words()
+
+    assert [sentence for sentence in sentences if sentence not in text] == []
+    for page in (text, visitor.begin().page().words()):
+        assert unsaid not in page
+        assert "ractice" not in page
+
+
+def test_instructions_call_nothing_made_by_a_computer_where_motion_is_recorded(
+    serve: Serve, clock: SetClock, tiny_study: Path
+) -> None:
     stimuli = tiny_study / "stimuli.json"
     stimuli.write_text(stimuli.read_text("utf-8").replace("rule_based", "ground_truth"), "utf-8")
     recorded = serve(
-        (GENERATED[0][1], "[conditions.ground_truth]"),
+        MISMATCHED,
+        ("[conditions.rule_based]", "[conditions.ground_truth]"),
         ('"rule_based"', '"ground_truth"'),
-        database_url=next(urls),
     )
-    assert "made by a computer" not in instructions(recorded)
 
-
-def test_instructions_follow_the_study(serve: Serve) -> None:
-    app = serve(('title = "G', 'freeze = ["face", "root"]\ntitle = "G'))
-    text = instructions(app)
-    assert "ractice" not in text
-    assert "ractice" not in Visitor(app, SetClock()).enrol().begin().page().text
-    assert "Some pairs come more than once" in text
-    assert "Kept still on purpose in every video: the face and whole-body movement" in text
+    assert "made by a computer" not in Visitor(recorded, clock).enrol().page().words()
 
 
 def test_what_the_study_file_says_is_shown_as_text_never_as_markup(
@@ -142,52 +151,25 @@ def test_what_the_study_file_says_is_shown_as_text_never_as_markup(
         assert page.soup.select("[onload]") == []
 
 
-@pytest.fixture
-def form_app(serve: Serve) -> Flask:
-    """Return the application of a study that asks about its participants."""
-    return serve(added=FORM + SCALE)
-
-
-def stored_answers(app: Flask) -> dict[str, str]:
-    return {answer.question: answer.value for answer in stored_in(app, select(FormAnswer))}
-
-
-@pytest.fixture
-def address(form_app: Flask) -> str:
-    """Return where somebody who is eligible goes on."""
-    client = form_app.test_client()
-    visit = PageReader(client.get("/").text).value("[name=visit]", "value")
-    return client.post("/", data={"visit": visit, "form:adult": "yes"}).location or ""
-
-
-def test_questions_are_asked_before_the_instructions_and_can_be_corrected(
-    form_app: Flask, address: str
-) -> None:
-    client = form_app.test_client()
+def test_questions_are_asked_before_the_instructions_and_can_be_corrected(serve: Serve) -> None:
+    app = serve(added=FORM + SCALE)
+    client = app.test_client()
+    consent = submit(client, PageReader(client.get("/").text), adult="yes").text
+    address = submit(client, PageReader(consent)).location
     page = PageReader(client.get(address).text)
     labels = [label.get_text(strip=True) for label in page.soup.select(".scale label")]
     assert labels == ["1 – never", "2", "3 – every day"]
 
-    answers = {"form:age": "12", "form:work": "", "form:often": "3"}
-    refused = client.post(page.action, data=answers)
+    # Lines are counted as the browser counts them: this is not longer than 2000.
+    lines = "x" * 1990 + "\r\n" * 5 + "x" * 5
+    refused = submit(client, page, age="12", work=lines, often="3")
     refused_page = PageReader(refused.text)
     assert refused.status_code == 422
     assert refused_page.value('[name="form:age"]', "value") == "12"
     assert refused_page.checked() == {"form:often": "3"}
 
-    accepted = client.post(page.action, data=answers | {"form:age": "21"})
-    assert accepted.status_code == 303
-    assert stored_answers(form_app) == {"adult": "yes", "age": "21", "work": "", "often": "3"}
+    assert submit(client, page, age="21", work=lines, often="3").status_code == 303
+    stored = {answer.question: answer.value for answer in stored_in(app, select(FormAnswer))}
+    expected = {"adult": "yes", "age": "21", "work": lines.replace("\r\n", "\n"), "often": "3"}
+    assert stored == expected
     assert PageReader(client.get(address).text).heading == "What you will do"
-
-
-def test_lines_are_counted_and_stored_as_the_browser_counts_them(
-    form_app: Flask, address: str
-) -> None:
-    client = form_app.test_client()
-    page = PageReader(client.get(address).text)
-    lines = "x" * 1990 + "\r\n" * 5 + "x" * 5
-
-    client.post(page.action, data={"form:age": "21", "form:work": lines, "form:often": "3"})
-
-    assert stored_answers(form_app)["work"] == lines.replace("\r\n", "\n")

@@ -56,22 +56,9 @@ def test_whom_prolific_signed_is_believed_however_long_they_read_the_first_pages
     assert len(fetched) == 1
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"aud": "other.example.org"},
-        {"exp": time.time() - 7200},
-        {"prolific": {"PROLIFIC_PID": ""}},
-        {"prolific": "p1"},
-    ],
-)
-def test_what_was_signed_for_another_purpose_is_not_believed(
-    private_key: RSAPrivateKey, fetched: list[int], changes: dict[str, Any]
+def test_nothing_that_prolific_did_not_sign_for_this_purpose_is_believed(
+    private_key: RSAPrivateKey, fetched: list[int]
 ) -> None:
-    assert signed_names(signed(private_key, **changes), HOST) is None
-
-
-def test_nobody_else_can_sign(private_key: RSAPrivateKey, fetched: list[int]) -> None:
     claims = {"aud": HOST, "exp": time.time() + 60, "prolific": NAMES}
     made_up = generate_private_key(public_exponent=65537, key_size=2048)
 
@@ -79,11 +66,15 @@ def test_nobody_else_can_sign(private_key: RSAPrivateKey, fetched: list[int]) ->
         "",
         "no.token.atall",
         "x" * 5000,
+        signed(made_up),
+        signed(private_key, aud="other.example.org"),
+        signed(private_key, exp=time.time() - 7200),
+        signed(private_key, prolific={"PROLIFIC_PID": ""}),
+        signed(private_key, prolific="p1"),
         jwt.encode(claims, "", algorithm="none", headers={"kid": "one"}),
         jwt.encode(claims, HOST * 2, algorithm="HS256", headers={"kid": "one"}),
-        jwt.encode(claims, made_up, algorithm="RS256", headers={"kid": "one"}),
     ):
-        assert signed_names(token, HOST) is None
+        assert signed_names(token, HOST) is None, token
 
 
 def test_made_up_keys_do_not_make_the_server_ask_prolific_each_time(

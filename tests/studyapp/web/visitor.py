@@ -9,8 +9,9 @@ from bs4 import Tag
 from flask import Flask
 from flask.testing import FlaskClient
 from sqlalchemy import Select, select
+from werkzeug.test import TestResponse
 
-from studyapp.database.tables import StudySession
+from studyapp.database.tables import Place, StudySession
 from studyapp.web.site import site_of
 from tests.studyapp.web.page_reader import PageReader
 from tests.support.studies.taking_part_steps import SetClock
@@ -40,9 +41,7 @@ class Visitor:
         self.address = ""
 
     def enrol(self, query: str = "") -> Visitor:
-        consent = PageReader(self.client.get(f"/{query}").text)
-        hidden = {str(i["name"]): str(i["value"]) for i in consent.soup.select("[type=hidden]")}
-        answer = self.client.post(consent.action, data=hidden)
+        answer = submit(self.client, PageReader(self.client.get(f"/{query}").text))
         assert answer.status_code == 303
         self.address = answer.location
         return self
@@ -112,6 +111,18 @@ class Visitor:
         token = self.address.rsplit("/", 1)[1]
         query = select(StudySession.sound_digits).where(StudySession.token == token)
         return stored_in(self.app, query)[0]
+
+
+def submit(client: FlaskClient, page: PageReader, **answers: str) -> TestResponse:
+    """Send the form of `page` with what it carries along, and answers by their question."""
+    hidden = {str(i["name"]): str(i["value"]) for i in page.soup.select("[type=hidden]")}
+    fields = {f"form:{name}": value for name, value in answers.items()}
+    return client.post(page.action, data=hidden | fields)
+
+
+def is_nobody_stored(app: Flask) -> bool:
+    held = select(Place.id).where(Place.study_session_id.is_not(None))
+    return not stored_in(app, held) and not stored_in(app, select(StudySession.id))
 
 
 def is_hidden(page: PageReader, name: str) -> bool:

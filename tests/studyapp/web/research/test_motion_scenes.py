@@ -11,7 +11,7 @@ from flask import Flask
 
 from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.folder import StudyFolder
-from studyapp.web.research.motion_scenes import Scene, scenes_of, scenes_of_trial
+from studyapp.web.research.motion_scenes import scenes_of_trial
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.studyapp.web.visitor import Visitor
@@ -51,35 +51,32 @@ def test_a_trial_of_a_participant_is_turned_around_without_its_conditions(
     assert [name for name in CONDITIONS if name in page_and_scene] == []
 
 
-def test_a_previewed_trial_is_turned_around_by_the_names_that_its_list_tells(
-    viewer: ResearchBrowser,
+def test_a_previewed_trial_names_its_conditions_and_says_which_motion_is_missing(
+    viewer: ResearchBrowser, tiny_study: Path
 ) -> None:
+    def remove(condition: str) -> None:
+        for number in range(4):
+            StudyFolder(tiny_study).clip(condition, f"take-{number}").unlink()
+
     assert f"{PREVIEW}/motion" in viewer.get(f"{PREVIEW}/").text
     names = [clip["name"] for clip in scene(viewer, f"{PREVIEW}/motion")["clips"]]
     assert [name[:3] for name in names] == ["A: ", "B: "]
     assert {name[3:] for name in names} == {"rule based", "mismatched"}
-
-
-def test_what_is_not_there_is_said_beside_what_is(
-    viewer: ResearchBrowser, tiny_study: Path
-) -> None:
-    for number in range(4):
-        StudyFolder(tiny_study).clip("mismatched", f"take-{number}").unlink()
+    remove("mismatched")
     packed = scene(viewer, f"{PREVIEW}/motion")
     assert [clip["name"][3:] for clip in packed["clips"]] == ["rule based"]
     assert [note[3:] for note in packed["notes"]] == ["mismatched: there is no motion file."]
-    for number in range(4):
-        StudyFolder(tiny_study).clip("rule_based", f"take-{number}").unlink()
-    nothing = scene(viewer, SESSION)
-    assert nothing == {
+    remove("rule_based")
+    assert scene(viewer, SESSION) == {
         "problem": "There is no motion to play. A: there is no motion file. "
         "B: there is no motion file."
     }
 
 
-@pytest.mark.parametrize(
-    "address",
-    [
+def test_there_is_nothing_beside_trials_and_the_viewers_own_files_which_browsers_keep(
+    viewer: ResearchBrowser,
+) -> None:
+    for address in (
         f"{SESSION}/1",
         "/research/study-sessions/1/7/motion",
         "/research/study-sessions/1/7/motion/0",
@@ -87,15 +84,8 @@ def test_what_is_not_there_is_said_beside_what_is(
         f"{PREVIEW}/motion/1",
         "/research/viewer/page.py",
         "/research/viewer/avatars/nobody",
-    ],
-)
-def test_there_is_nothing_beside_trials_and_the_viewers_own_files(
-    viewer: ResearchBrowser, address: str
-) -> None:
-    assert viewer.client.get(address).status_code == 404
-
-
-def test_browsers_keep_what_all_pages_share(viewer: ResearchBrowser) -> None:
+    ):
+        assert viewer.client.get(address).status_code == 404, address
     for name in ("three.min.js", "viewer.js", "viewer.css", "avatars/alex"):
         answer = viewer.client.get(f"/research/viewer/{name}", buffered=True)
         assert answer.status_code == 200
@@ -106,20 +96,13 @@ def content(condition: str, speech: str | None = "s") -> Content:
     return (Stimulus(condition=condition, segment="s", speech=speech),)
 
 
-def by_letter(letter: str, shown: Stimulus) -> str:
-    return letter
+def test_what_is_heard_alike_plays_side_by_side_as_far_as_it_fits() -> None:
+    def clips(players: dict[int, Content]) -> list[tuple[str | None, str]]:
+        scenes = scenes_of_trial(players, lambda letter, _: letter[0])
+        return [(scene.speech, "".join(scene.labels)) for scene in scenes]
 
-
-def test_what_is_heard_differently_plays_apart() -> None:
-    reference, players = {0: content("real")}, {1: content("ours"), 2: content("ours", "other")}
-    assert scenes_of_trial(reference | players, by_letter) == [
-        Scene(segment="s", speech="s", clips=(("Reference", "real"), ("A", "ours"))),
-        Scene(segment="s", speech="other", clips=(("B", "ours"),)),
-    ]
-    silent = scenes_of_trial({1: content("ours", None), 2: content("real", None)}, by_letter)
-    assert [(each.speech, each.labels) for each in silent] == [(None, ("A", "B"))]
-
-
-def test_more_than_fit_side_by_side_play_one_below_the_other() -> None:
-    clips = [(str(number), "ours") for number in range(8)]
-    assert [len(each.clips) for each in scenes_of("s", "s", clips)] == [6, 2]
+    other = {0: content("real"), 1: content("ours"), 2: content("ours", "other")}
+    assert clips(other) == [("s", "RA"), ("other", "B")]
+    assert clips({1: content("ours", None), 2: content("real", None)}) == [(None, "AB")]
+    many = {number: content("ours") for number in range(1, 9)}
+    assert clips(many) == [("s", "ABCDEF"), ("s", "GH")]

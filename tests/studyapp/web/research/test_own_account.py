@@ -9,7 +9,6 @@ from dataclasses import replace
 import pyotp
 import pytest
 from flask import Flask
-from flask.testing import FlaskClient
 
 from studyapp.database.engine import Database
 from studyapp.researchers.attempts import MAX_ATTEMPTS_PER_NAME
@@ -23,55 +22,46 @@ from tests.support.researchers_at_hand import PASSWORD
 from tests.support.studies.taking_part_steps import SetClock
 
 NAME = COOKIE.name("tiny")
+COMMON = {"password": "password1234", "again": "password1234"}
 
 
 def test_the_first_owner_comes_in_by_the_printed_link_alone(
     app: Flask, stored: Database, clock: SetClock, browser: ResearchBrowser
 ) -> None:
-    token = first_owner_link(stored, clock)
-    address = f"/research/join/{token}"
+    address = f"/research/join/{first_owner_link(stored, clock)}"
     fields = {"name": "Ada", "password": PASSWORD, "again": PASSWORD}
     assert "an owner" in browser.get(address).heading
+    for refused in ({"again": "another one entirely"}, COMMON):
+        assert browser.post(address, **fields | refused).status_code == 422
 
-    differing = browser.post(address, **(fields | {"again": "another one entirely"}))
-    common = browser.post(
-        address, **(fields | {"password": "password1234", "again": "password1234"})
-    )
-    joined = browser.post(address, **fields)
-    again = ResearchBrowser(app).client.get(address)
+    assert browser.post(address, **fields).status_code == 303
 
-    assert (differing.status_code, common.status_code) == (422, 422)
-    assert joined.status_code == 303
     assert browser.get("/research/").heading == "Progress"
-    assert again.status_code == 404
+    again = ResearchBrowser(app).get(address, status=404)
     assert "this link does not work" in again.text.casefold()
 
 
-def test_a_login_gets_a_cookie_that_nobody_has_seen_before(
-    log_in: LogIn, browser: ResearchBrowser
-) -> None:
+def with_cookie(app: Flask, token: str) -> ResearchBrowser:
+    """Return another browser that has a cookie with `token`."""
+    browser = ResearchBrowser(app)
+    browser.client.set_cookie(NAME, token, path="/research")
+    return browser
+
+
+def test_logging_in_draws_a_new_cookie_and_logging_out_makes_it_worthless(log_in: LogIn) -> None:
     log_in("owner")
     planted = "p" * 43
-    browser.client.set_cookie(NAME, planted, path="/research")
+    browser = with_cookie(log_in.app, planted)
 
     assert browser.log_in("Ada").status_code == 303
 
-    assert browser.cookies[NAME] != planted
-    other = ResearchBrowser(browser.client.application)
-    other.client.set_cookie(NAME, planted, path="/research")
-    assert other.client.get("/research/").status_code == 303
-
-
-def test_logging_out_makes_the_cookie_worthless(log_in: LogIn) -> None:
-    viewer = log_in("viewer")
-    token = viewer.cookies[NAME]
-
-    assert viewer.post("/research/log-out").location == LOGIN
-
-    thief = ResearchBrowser(log_in.app)
-    thief.client.set_cookie(NAME, token, path="/research")
-    assert thief.client.get("/research/").status_code == 303
-    assert viewer.cookies[NAME] != token
+    token = browser.cookies[NAME]
+    assert token != planted
+    assert with_cookie(log_in.app, planted).client.get("/research/").status_code == 303
+    assert with_cookie(log_in.app, token).client.get("/research/").status_code == 200
+    assert browser.post("/research/log-out").location == LOGIN
+    assert with_cookie(log_in.app, token).client.get("/research/").status_code == 303
+    assert browser.cookies[NAME] != token
 
 
 @pytest.mark.parametrize(("scheme", "prefix"), [("http", ""), ("https", ""), ("https", "/jury")])
@@ -80,49 +70,35 @@ def test_the_cookie_is_for_researchers_pages_alone(log_in: LogIn, scheme: str, p
     base = {"wsgi.url_scheme": scheme, "SCRIPT_NAME": prefix}
     client = log_in.app.test_client()
     page = PageReader(client.get(LOGIN, environ_overrides=base).text)
-    action = page.action
-    assert action == f"{prefix}{LOGIN}"
-    code = page.value("main [name=form_code]", "value")
+    assert page.action == f"{prefix}{LOGIN}"
+    cookie = client.get_cookie(NAME, path=f"{prefix}/research")
+    assert cookie is not None
 
     answer = client.post(
         LOGIN,
-        data={"name": "Ada", "password": PASSWORD, "form_code": code},
-        environ_overrides=base | {"HTTP_COOKIE": f"{NAME}={cookie_of(client, prefix)}"},
+        data={
+            "name": "Ada",
+            "password": PASSWORD,
+            "form_code": page.value("main [name=form_code]", "value"),
+        },
+        environ_overrides=base | {"HTTP_COOKIE": f"{NAME}={cookie.value}"},
     )
 
     assert answer.location == f"{prefix}/research/"
     parts = set(answer.headers["Set-Cookie"].split("; ")[1:])
     expected = {"HttpOnly", "SameSite=Lax", f"Path={prefix}/research"}
     assert parts == expected | ({"Secure"} if scheme == "https" else set())
+    # Studies on one host do not share it.
+    assert COOKIE.name("another") != NAME
 
 
-def cookie_of(client: FlaskClient, prefix: str) -> str:
-    cookie = client.get_cookie(NAME, path=f"{prefix}/research")
-    assert cookie is not None
-    return cookie.value
-
-
-def test_two_studies_on_one_host_do_not_share_a_cookie() -> None:
-    assert COOKIE.name("one") != COOKIE.name("other")
-
-
-LED_TO = [
-    ("/research/study-sessions?standing=stale", "/research/study-sessions?standing=stale"),
-    ("/research/rehearsal/", "/research/rehearsal/"),
-    ("", "/research/"),
-    ("https://evil.example/research/", "/research/"),
-    ("//evil.example/research/", "/research/"),
-    ("/research//evil.example", "/research/"),
-    ("/research/\\evil.example", "/research/"),
-    ("/research/../take/x", "/research/"),
-    ("/research/%2e%2e/", "/research/"),
-    ("/research/\r\nSet-Cookie: a=b", "/research/"),
-    ("javascript:alert(1)", "/research/"),
-    ("/researchers", "/research/"),
-    ("/", "/research/"),
-    ("/research/log-out", "/research/"),
-    ("/research/" + "a" * 600, "/research/"),
-]
+OWN = ("/research/study-sessions?standing=stale", "/research/rehearsal/")
+NOT_OURS = (
+    *("", "https://evil.example/research/", "//evil.example/research/", "/research//evil.example"),
+    *("/research/\\evil.example", "/research/../take/x", "/research/%2e%2e/"),
+    *("/research/\r\nSet-Cookie: a=b", "javascript:alert(1)", "/researchers", "/"),
+    *("/research/log-out", "/research/" + "a" * 600),
+)
 
 
 def test_after_logging_in_one_is_led_to_pages_of_ours_alone(
@@ -130,37 +106,28 @@ def test_after_logging_in_one_is_led_to_pages_of_ours_alone(
 ) -> None:
     log_in("owner")
 
-    for wanted, led_to in LED_TO:
-        assert browser.log_in("Ada", next=wanted).location == led_to, wanted
-        answer = browser.client.get(LOGIN, query_string={"next": wanted})
-        assert answer.location == led_to, wanted
+    for page in (*OWN, *NOT_OURS):
+        led_to = page if page in OWN else "/research/"
+        assert browser.log_in("Ada", next=page).location == led_to, page
+        answer = browser.client.get(LOGIN, query_string={"next": page})
+        assert answer.location == led_to, page
         browser.post("/research/log-out")
 
 
-def test_unknown_names_and_wrong_passwords_are_told_the_same(
+def test_refused_logins_are_told_the_same_until_there_were_too_many(
     browser: ResearchBrowser, log_in: LogIn
 ) -> None:
     log_in("owner")
-
-    wrong = browser.log_in("Ada", "wrong wrong wrong")
-    unknown = browser.log_in("Eve", PASSWORD)
-
+    wrong, unknown = browser.log_in("Ada", "wrong wrong wrong"), browser.log_in("Eve", PASSWORD)
     assert wrong.status_code == unknown.status_code == 403
     assert wrong.text.replace("Ada", "") == unknown.text.replace("Eve", "")
     assert list(wrong.headers.keys()) == list(unknown.headers.keys())
 
-
-def test_too_many_attempts_are_refused_with_how_long_to_wait(
-    browser: ResearchBrowser, log_in: LogIn
-) -> None:
-    log_in("owner")
     for _ in range(MAX_ATTEMPTS_PER_NAME):
         browser.log_in("Ada", "wrong")
-
     refused = browser.log_in("Ada")
 
-    assert refused.status_code == 429
-    assert refused.headers["Retry-After"] == "900"
+    assert (refused.status_code, refused.headers["Retry-After"]) == (429, "900")
     assert "15 minutes" in refused.text
 
 
@@ -183,6 +150,12 @@ def test_attempts_behind_a_proxy_are_counted_by_who_asks_it(
     assert address("127.0.0.1", "198.51.100.1") == "127.0.0.1"
 
 
+def invited(owner: ResearchBrowser) -> str:
+    """Invite a viewer, and return the link as its page shows it."""
+    page = PageReader(owner.post("/research/researchers/invite", role="viewer").text)
+    return page.value("a[href*='/research/join/']", "href")
+
+
 def test_nothing_secret_is_logged(
     browser: ResearchBrowser,
     log_in: LogIn,
@@ -191,23 +164,18 @@ def test_nothing_secret_is_logged(
 ) -> None:
     caplog.set_level(logging.DEBUG)
     owner = log_in("owner")
-    link = re.search(
-        r"join/([\w-]+)", owner.post("/research/researchers/invite", role="viewer").text
-    )
-    assert link is not None
-    browser.get(f"/research/join/{link[1]}")
+    link = invited(owner)
+    browser.get(link)
     browser.log_in("Ada", "a wrong secret phrase")
-    monkeypatch.setattr(
-        "studyapp.web.research.own_account.find_link", lambda *_: 1 / 0
-    )  # a failure of ours
+    # A failure of ours.
+    monkeypatch.setattr("studyapp.web.research.own_account.find_link", lambda *_: 1 / 0)
     log_in.app.config["PROPAGATE_EXCEPTIONS"] = False
 
-    failed = browser.client.get(f"/research/join/{link[1]}")
+    assert "ZeroDivisionError" not in browser.get(link, status=500).text
 
-    assert failed.status_code == 500
-    assert "ZeroDivisionError" not in failed.text
     assert "ZeroDivisionError" in caplog.text
-    for secret in (PASSWORD, "a wrong secret phrase", link[1], *owner.cookies.values()):
+    token = link.rpartition("/")[2]
+    for secret in (PASSWORD, "a wrong secret phrase", token, *owner.cookies.values()):
         assert secret not in caplog.text
 
 
@@ -216,8 +184,7 @@ def test_a_changed_password_is_asked_for_from_then_on(log_in: LogIn) -> None:
     new = "seven quiet bicycles"
     fields = {"old": PASSWORD, "password": new, "again": new}
 
-    common = {"password": "password1234", "again": "password1234"}
-    for refused in ({"old": "x"}, {"again": "x"}, common):
+    for refused in ({"old": "x"}, {"again": "x"}, COMMON):
         assert viewer.post("/research/account", **(fields | refused)).status_code == 422
     assert viewer.post("/research/account", **fields).status_code == 303
 
@@ -233,10 +200,7 @@ def test_what_a_request_calls_the_host_stands_in_no_link(log_in: LogIn, origin: 
     attach(log_in.app, replace(site_of(log_in.app), origin=origin))
     owner.client.environ_base["HTTP_HOST"] = "evil.example.com"
 
-    page = owner.post("/research/researchers/invite", role="viewer").text
-
-    assert "evil" not in page
-    assert re.search(rf'href="{origin}/research/join/[\w-]+"', page)
+    assert re.fullmatch(rf"{origin}/research/join/[\w-]+", invited(owner))
 
 
 ADDRESS = "/research/account/second-factor"
@@ -245,16 +209,15 @@ ADDRESS = "/research/account/second-factor"
 def test_a_researcher_turns_it_on_by_a_picture_and_logs_in_with_a_code(log_in: LogIn) -> None:
     browser = log_in("owner")
     page = browser.get(ADDRESS)
-    secret = str(page.one("[name=secret]")["value"])
+    secret = page.value("[name=secret]", "value")
     assert page.soup.select("svg path")
     assert "style=" not in str(page.soup.select("svg")[0])
     code = pyotp.TOTP(secret).at(log_in.clock.now())
 
     refused = browser.post(ADDRESS, secret=secret, code="000000", password=PASSWORD)
-    assert refused.status_code == 422
     done = browser.post(ADDRESS, secret=secret, code=code, password=PASSWORD)
 
-    assert done.status_code == 200
+    assert (refused.status_code, done.status_code) == (422, 200)
     recovery = re.findall(r"<code>([a-z2-7-]{19})</code>", done.text)
     assert len(recovery) == 8
     assert "code of your device" in browser.get("/research/account").text

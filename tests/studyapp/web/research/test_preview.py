@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator
-from contextlib import closing
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -13,11 +12,10 @@ from flask import Flask
 from sqlalchemy import func, select
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import Base, Place, StudySession
+from studyapp.database.tables import Base
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
-from studyapp.web.app import create_app
 from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
@@ -26,25 +24,14 @@ from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.studyapp.web.visitor import Visitor
 from tests.support.researchers_at_hand import joined
 from tests.support.studies.finished_study import PROTOCOLS
+from tests.support.studies.stored import opened
 from tests.support.studies.taking_part_steps import SetClock
 
 OWN = ("action", "src", "data-watched-url", "data-watched", "data-following", "data-next-batch")
 """What belongs to one participant or address."""
 
-
-@pytest.fixture
-def protocol_app(
-    finished_study: Callable[[str], Path],
-    request: pytest.FixtureRequest,
-    tmp_path: Path,
-    empty_sqlite: Path,
-) -> Iterator[Flask]:
-    path = tmp_path / "responses.db"
-    path.write_bytes(empty_sqlite.read_bytes())
-    app = create_app(finished_study(request.param), database_url=sqlite_url(path))
-    site = site_of(app)
-    with closing(site.database):
-        yield app
+MARK = "This is a test participation"
+CHANGED_BY_LOGGING_IN = {"researchers", "researcher_logins", "login_attempts", "audit_lines"}
 
 
 def open_as_owner(app: Flask) -> tuple[ResearchBrowser, Database]:
@@ -53,6 +40,15 @@ def open_as_owner(app: Flask) -> tuple[ResearchBrowser, Database]:
     browser = ResearchBrowser(app)
     browser.log_in("Ada")
     return browser, database
+
+
+def rows(database: Database) -> dict[str, int | None]:
+    with database.reading() as session:
+        return {
+            table.name: session.scalar(select(func.count()).select_from(table))
+            for table in Base.metadata.sorted_tables
+            if table.name not in CHANGED_BY_LOGGING_IN
+        }
 
 
 def trial_part(page: PageReader) -> str:
@@ -70,26 +66,26 @@ def test_the_page_is_the_one_that_a_participant_gets(app: Flask, clock: SetClock
     browser, _ = open_as_owner(app)
     participant = Visitor(app, clock).enrol().begin()
 
-    for position in range(1, 7):
-        seen = participant.page()
+    for position, seen in enumerate(participant.take_trials(), start=1):
         previewed = browser.get(f"/research/preview/0/1/{position}/")
         assert trial_part(previewed) == trial_part(seen)
         assert f"Trial {position} of 6 · about" in previewed.one(".progress").get_text()
         assert "Preview: nothing is stored" in previewed.one("header").get_text()
-        participant.watch()
-        assert participant.post(seen)[0] == 303
     assert browser.client.get("/research/preview/0/1/7/").status_code == 404
 
 
-@pytest.mark.parametrize("protocol_app", PROTOCOLS, indirect=True)
-def test_every_trial_of_every_protocol_can_be_walked_through(protocol_app: Flask) -> None:
-    browser, database = open_as_owner(protocol_app)
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_every_trial_of_every_protocol_can_be_walked_through(
+    serve: Serve, finished_study: Callable[[str], Path], tmp_path: Path, protocol: str
+) -> None:
+    url = sqlite_url(tmp_path / "walked.db")
+    browser, database = open_as_owner(serve(folder=finished_study(protocol), database_url=url))
     before = rows(database)
     listed = browser.get("/research/preview")
-    positions = [str(link["href"]) for link in listed.soup.select("tbody a")]
-    assert positions
+    addresses = [str(link["href"]) for link in listed.soup.select("tbody a")]
+    assert addresses
 
-    for number, address in enumerate(positions):
+    for address, following in zip(addresses, [*addresses[1:], None], strict=True):
         page = browser.get(address)
         for video in page.soup.select("video"):
             part = browser.client.get(
@@ -105,15 +101,10 @@ def test_every_trial_of_every_protocol_can_be_walked_through(protocol_app: Flask
                 "next_batch": 4,
                 "stored": True,
             }
-        style = page.soup.select("link[rel=stylesheet]")[0]["href"]
-        assert browser.client.get(str(style), buffered=True).status_code == 200
+        style = str(page.soup.select("link[rel=stylesheet]")[0]["href"])
+        assert browser.client.get(style, buffered=True).status_code == 200
         sent = browser.client.post(page.action, data={"trial": page.trial})
-        last = number == len(positions) - 1
-        assert sent.location == (
-            "/research/preview?" + sent.location.partition("?")[2]
-            if last
-            else positions[number + 1]
-        )
+        assert sent.location == (following or f"/research/preview?{sent.location.split('?')[1]}")
         scripted = browser.client.post(page.action, headers={"Accept": "application/json"})
         assert scripted.get_json() == {"next": sent.location}
 
@@ -123,18 +114,10 @@ def test_every_trial_of_every_protocol_can_be_walked_through(protocol_app: Flask
 def test_what_there_is_not_cannot_be_previewed(app: Flask) -> None:
     browser, _ = open_as_owner(app)
     for rest in (
-        "9/1/1/",
-        "0/0/1/",
-        "0/10000/1/",
-        "0/1/0/",
-        "0/1/1/media/0.mp4",
-        "0/1/9/media/1.mp4",
-        "0/99999999/1/",
-        "0/1/1/media/..%2f0.mp4",
-        "0/1/1/static/..%2f..%2f..%2fapp.py",
-        "0/1/1/static/../app.py",
-        "0/1/1/static/%2e%2e/app.py",
-        "0/1/1/static//etc/passwd",
+        *("9/1/1/", "0/0/1/", "0/10000/1/", "0/1/0/", "0/99999999/1/"),
+        *("0/1/1/media/0.mp4", "0/1/9/media/1.mp4", "0/1/1/media/..%2f0.mp4"),
+        *("0/1/1/static/..%2f..%2f..%2fapp.py", "0/1/1/static/../app.py"),
+        *("0/1/1/static/%2e%2e/app.py", "0/1/1/static//etc/passwd"),
     ):
         assert browser.client.get(f"/research/preview/{rest}").status_code == 404, rest
     odd = browser.get("/research/preview?arm=nonsense&place=99999999999")
@@ -152,19 +135,6 @@ def test_a_preview_names_conditions_to_researchers_alone(serve: Serve) -> None:
     page = browser.get("/research/preview/0/1/1/")
     assert not re.search("rule.based|Ours", page.one("main").get_text())
     assert app.test_client().get("/research/preview/0/1/1/media/1.mp4").status_code == 303
-
-
-MARK = "This is a test participation"
-CHANGED_BY_LOGGING_IN = {"researchers", "researcher_logins", "login_attempts", "audit_lines"}
-
-
-def rows(database: Database) -> dict[str, int | None]:
-    with database.reading() as session:
-        return {
-            table.name: session.scalar(select(func.count()).select_from(table))
-            for table in Base.metadata.sorted_tables
-            if table.name not in CHANGED_BY_LOGGING_IN
-        }
 
 
 def test_a_researcher_takes_the_whole_study_marked_on_every_page_and_takes_no_place(
@@ -194,16 +164,13 @@ def test_there_is_a_place_for_every_test_and_all_are_erased(
     for _ in range(places + 1):
         token = make_test_participation(tiny_study, served, log_in.clock, by="Ada")
         Visitor(serve(is_test=True), log_in.clock).enrol(f"?invitation={token}")
-    database = Database.open(sqlite_url(StudyFolder(tiny_study).tries))
-    with database.reading() as session:
-        assert session.scalar(select(func.count(StudySession.id))) == places + 1
+    with opened(StudyFolder(tiny_study).tries) as database:
+        assert rows(database)["study_sessions"] == places + 1
 
-    assert log_in("analyst").post("/research/try/erase").status_code == 303
+        assert log_in("analyst").post("/research/try/erase").status_code == 303
 
-    with database.reading() as session:
-        assert session.scalar(select(func.count(StudySession.id))) == 0
-        assert session.scalar(select(func.count(Place.id))) == 0
-    database.close()
+        erased = rows(database)
+    assert (erased["study_sessions"], erased["places"]) == (0, 0)
 
 
 def test_without_a_link_there_is_nothing_to_try(app: Flask, serve: Serve) -> None:

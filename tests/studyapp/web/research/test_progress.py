@@ -6,42 +6,48 @@ import shutil
 from contextlib import closing
 from pathlib import Path
 
-import pytest
-
-from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
 from studyapp.session.arrivals import Arrival
 from studyapp.session.intake import intake_changes
 from studyapp.session.screening import note_screen_out
-from studyapp.session.served_study import ServedStudy
-from studyapp.session.versions import open_study
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
-from tests.support.studies.taking_part_steps import Participant, SetClock
+from tests.support.studies.taking_part_steps import Participant, taking_part
+
+LIST = "/research/study-sessions"
 
 
-def test_what_is_counted_leads_to_those_counted(people: list[Participant], log_in: LogIn) -> None:
+def test_what_is_counted_leads_to_those_counted_and_names_nobody(
+    people: list[Participant], log_in: LogIn
+) -> None:
     viewer = log_in("viewer")
+    assert "screened out" not in viewer.get("/research/").text
+    for name in ("p1", "p1", "p2"):
+        arrival = Arrival(recruiter_participant=name)
+        note_screen_out(log_in.stored, arrival, "eligibility", log_in.clock, named=True)
 
     page = viewer.get("/research/")
 
-    truth = page.words(".truth")
-    assert truth == (
+    assert page.words(".truth") == (
         "1 of 4 places done 1 active 0 stale 2 open Too few have finished recently for a forecast"
     )
     links = [str(link["href"]) for link in page.soup.select("#live a")]
     assert len(links) > 6
     for link in links:
         number = page.soup.select(f'#live a[href="{link}"]')[0].get_text().split()[0]
-        listed = viewer.get(link).one("p[role=status]").get_text()
-        assert listed.startswith(f"{number} study session"), link
+        assert viewer.get(link).words("p[role=status]").startswith(f"{number} study session"), link
+    assert "2 people were screened out before the trials: 2 by the questions about" in page.text
+    assert "p1" not in page.text
+    curve = page.one(".completions svg")
+    assert curve["aria-label"] == "1 of 4 places are done."
+    assert len(str(curve.select("polyline")[1]["points"]).split()) > 2
 
 
 def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(
     people: list[Participant], log_in: LogIn
 ) -> None:
     viewer = log_in("viewer")
-    page = viewer.get("/research/study-sessions")
+    page = viewer.get(LIST)
 
     def numbers(page: PageReader) -> list[str]:
         return [row.get_text() for row in page.soup.select("tbody th")]
@@ -55,7 +61,7 @@ def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(
     # Who has reached no check comes last either way.
     failures = viewer.get(page.value("thead a[href*=failures]", "href"))
     assert numbers(failures) == ["1", "2"]
-    assert viewer.client.get("/research/study-sessions?order=token").status_code == 404
+    assert viewer.client.get(f"{LIST}?order=token").status_code == 404
 
 
 def test_owners_alone_find_and_sort_participants_by_what_a_recruiter_calls_them(
@@ -64,15 +70,15 @@ def test_owners_alone_find_and_sort_participants_by_what_a_recruiter_calls_them(
     with log_in.stored.writing() as session:
         session.get_one(StudySession, 2).recruiter_participant = "5d33f9"
     owner, analyst = log_in("owner"), log_in("analyst")
-    called, listed = "/research/study-sessions?called=5d33f9", "/research/study-sessions"
+    called, order = f"{LIST}?called=5d33f9", f"{LIST}?order=recruiter"
 
-    assert owner.client.get(called).location == f"{listed}/2"
-    assert "No study session has" in analyst.get(called).soup.get_text()
-    assert "5d33f9" in owner.get(f"{listed}?order=recruiter").soup.get_text()
-    for address in (listed, f"{listed}/2"):
+    assert owner.client.get(called).location == f"{LIST}/2"
+    assert "No study session has" in analyst.get(called).text
+    for address in (order, f"{LIST}/2"):
+        assert "5d33f9" in owner.get(address).text
+    for address in (LIST, f"{LIST}/2"):
         assert "5d33f9" not in analyst.get(address).text + log_in("viewer").get(address).text
-    assert "5d33f9" in owner.get(f"{listed}/2").text
-    assert analyst.client.get(f"{listed}?order=recruiter").status_code == 404
+    assert analyst.client.get(order).status_code == 404
 
 
 def test_what_happened_leads_to_the_video_it_was_about(
@@ -80,74 +86,43 @@ def test_what_happened_leads_to_the_video_it_was_about(
 ) -> None:
     viewer = log_in("viewer")
 
-    page = viewer.get("/research/study-sessions/1")
+    page = viewer.get(f"{LIST}/1")
 
     links = [str(link["href"]) for link in page.soup.select(".events a[href$='.mp4']")]
     assert len(links) >= 6
     for link in links:
         with closing(viewer.client.get(link)) as answer:
             assert (answer.status_code, answer.mimetype) == (200, "video/mp4"), link
-    assert viewer.client.get("/research/study-sessions/1/1/9.mp4").status_code == 404
-
-
-def test_the_overview_draws_places_done_over_time(
-    log_in: LogIn, request: pytest.FixtureRequest
-) -> None:
-    assert not log_in("viewer").get("/research/").soup.select(".completions")
-    request.getfixturevalue("people")
-
-    curve = log_in("analyst").get("/research/").one(".completions svg")
-
-    assert curve["aria-label"] == "1 of 4 places are done."
-    assert len(str(curve.select("polyline")[1]["points"]).split()) > 2
-
-
-def test_the_overview_counts_who_was_screened_out_and_names_nobody(
-    stored: Database, log_in: LogIn, clock: SetClock
-) -> None:
-    viewer = log_in("viewer")
-    assert "screened out" not in viewer.get("/research/").text
-
-    for name in ("p1", "p1", "p2"):
-        arrival = Arrival(recruiter_participant=name)
-        note_screen_out(stored, arrival, "eligibility", clock, named=True)
-
-    text = viewer.get("/research/").text
-    assert "2 people were screened out before the trials: 2 by the questions about" in text
-    assert "p1" not in text
+    assert viewer.client.get(f"{LIST}/1/1/9.mp4").status_code == 404
 
 
 def test_a_rehearsal_is_shown_apart_and_is_not_changed(
     people: list[Participant], log_in: LogIn, tiny_study: Path, empty_sqlite: Path
 ) -> None:
-    viewer = log_in("viewer")
+    viewer, path = log_in("viewer"), tiny_study / "rehearsal.db"
     assert viewer.client.get("/research/rehearsal/").status_code == 404
-    (tiny_study / "rehearsal.db").write_bytes(b"this is not a database" * 100)
+    path.write_bytes(b"this is not a database" * 100)
     damaged = viewer.get("/research/rehearsal/", status=409)
     assert "Run 'motionjury rehearse' again." in damaged.soup.get_text()
-    path = shutil.copyfile(empty_sqlite, tiny_study / "rehearsal.db")
-    rehearsed = Database.open(sqlite_url(path))
-    served = ServedStudy.read(tiny_study)
-    open_study(rehearsed, served, log_in.clock)
-    Participant(rehearsed, served, log_in.clock).enrol().begin()
-    rehearsed.close()
+    shutil.copyfile(empty_sqlite, path)
+    with taking_part(tiny_study, "rehearsal.db") as simulated:
+        simulated.enrol().begin()
     before = path.read_bytes()
 
     page = viewer.get("/research/rehearsal/")
 
-    assert "simulated" in page.one(".ribbon").get_text()
+    assert "simulated" in page.words(".ribbon")
     assert "0 of 4 places done 1 active" in page.words(".truth")
-    assert {str(link["href"]).split("?")[0] for link in page.soup.select("#live a")} == {
-        "/research/rehearsal/study-sessions"
-    }
+    links = {str(link["href"]).split("?")[0] for link in page.soup.select("#live a")}
+    assert links == {"/research/rehearsal/study-sessions"}
     assert "simulated" in viewer.get("/research/rehearsal/study-sessions/1").text
     assert path.read_bytes() == before
 
 
 def test_no_page_says_what_was_answered(people: list[Participant], log_in: LogIn) -> None:
     owner = log_in("owner")
-    for address in ("/research/", "/research/study-sessions", "/research/study-sessions/1"):
-        text = PageReader(owner.get(address).text).one("main").get_text().lower()
+    for address in ("/research/", LIST, f"{LIST}/1"):
+        text = owner.get(address).words("main").lower()
         for word in ("rhythm", "prefer", "win", "rated"):
             assert word not in text, address
 
@@ -170,7 +145,7 @@ def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(log_in: LogI
 
     assert "closed to new participants" in analyst.get("/research/").text
     assert "0 of 6 places done 1 active" in analyst.get("/research/").words(".truth")
-    assert "a video stalls <b>" in analyst.get(newcomers).soup.get_text()
+    assert "a video stalls <b>" in analyst.get(newcomers).words()
     changes = [
         (change.state, change.more_places, change.researcher)
         for change in intake_changes(log_in.stored)
