@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import tomllib
 from collections.abc import Mapping
 from dataclasses import is_dataclass
@@ -18,21 +16,6 @@ from generators.learned_settings import ModelSettings
 from generators.registry import TRAINABLE, find_trainable, load_generator, needs_model
 from generators.s2ue import config as s2ue
 from motion.errors import InputError
-
-
-def test_naming_the_generators_imports_none() -> None:
-    program = (
-        "import sys\n"
-        "from generators.registry import generator_names\n"
-        "generator_names()\n"
-        "homes = ('rule_based', 'static', 'mismatched', 'broken', 'diffsheg.generate')\n"
-        "print([m for m in sys.modules if m.startswith(tuple('generators.' + h for h in homes))],\n"
-        "      [m for m in ('torch', 'transformers', 'librosa', 'OpenGL') if m in sys.modules])"
-    )
-    message = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert message.stdout.split("\n")[0] == "[] []"
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:

@@ -25,26 +25,31 @@ from tests.training.takes import take_named
 from training import features
 from training.data.beat import read_beat_bvh
 from training.data.folders import read_takes
-from training.data.take import Feature, Kind, Take
-from training.spaces.beat import UPPER_BODY_JOINTS, body_values
+from training.data.take import Kind, Take
+from training.spaces.beat import UPPER_BODY_JOINTS
 from training.speech_features.hubert import Hubert, stand_in
 from training.speech_features.speech_frames import extract_all_frames
 from training.speech_features.word_vectors import StandIn
 
 ARM = UPPER_BODY_JOINTS.index("RightArm")
 
+WIDTHS = {
+    "beat": {"gesture": 141, "expression": 51, "mel": 128, "hubert": 1024, "semantic": 1},
+    "show": {"gesture": 129, "expression": 103, "mel": 128, "hubert": 1024},
+}
+
 # Features are kept for as long as their version is the same. Where a change is wanted, raise the
 # version in the module and write its new numbers here.
-BEAT = {
-    "1": {
+GOLDEN = {
+    ("beat", "1"): {
         "gesture": -0.04054,
         "expression": 0.06909,
         "mel": -0.0282,
         "hubert": 0.55207,
         "semantic": 0.0,
-    }
+    },
+    ("show", "1"): {"gesture": 0.01257, "expression": 0.0, "mel": 5e-05, "hubert": 0.6102},
 }
-SHOW = {"1": {"gesture": 0.01257, "expression": 0.0, "mel": 5e-05, "hubert": 0.6102}}
 
 
 @pytest.fixture
@@ -60,59 +65,23 @@ def hubert() -> Hubert:
     return stand_in()
 
 
-def named(dataset: str, hubert: Hubert, frame_rate: float = 15) -> dict[str, Feature]:
-    return {one.name: one for one in training_features(dataset, hubert, frame_rate)}
-
-
-def test_beats_features_are_as_wide_and_long_as_the_network_wants(
-    take: Take, hubert: Hubert
-) -> None:
-    expected = {"gesture": 141, "expression": 51, "mel": 128, "hubert": 1024, "semantic": 1}
-    result = {name: one.compute(take) for name, one in named("beat", hubert).items()}
-    assert {name: values.shape for name, values in result.items()} == {
-        name: (30, width) for name, width in expected.items()
-    }
-    assert {values.dtype for values in result.values()} == {np.dtype(np.float32)}
-
-
-def test_shows_features_are_as_wide_and_long_as_the_network_wants(
-    tmp_path: Path, hubert: Hubert
-) -> None:
-    write_smplx(tmp_path / "a.npz", 2)
-    write_clicks(tmp_path / "a.wav", 2)
-    (take,) = read_takes(tmp_path).takes
-    widths = {name: one.compute(take).shape for name, one in named("show", hubert, 30).items()}
-    assert widths == {
-        "gesture": (60, 129),
-        "expression": (60, 103),
-        "mel": (60, 128),
-        "hubert": (60, 1024),
-    }
-
-
-def test_features_that_come_out_otherwise_have_another_version(
+def test_features_have_the_networks_width_and_otherwise_another_version(
     take: Take, tmp_path: Path, hubert: Hubert
 ) -> None:
     write_smplx(tmp_path / "show" / "a.npz", 2, moments=(1,))
     write_clicks(tmp_path / "show" / "a.wav", 2)
     (show,) = read_takes(tmp_path / "show").takes
-    for dataset, one, golden in (("beat", take, BEAT), ("show", show, SHOW)):
-        result = {
-            name: fingerprint(feature.compute(one))[0]
-            for name, feature in named(dataset, hubert).items()
+    for dataset, one in (("beat", take), ("show", show)):
+        extractors = {feature.name: feature for feature in training_features(dataset, hubert, 15)}
+        computed = {name: feature.compute(one) for name, feature in extractors.items()}
+        assert {name: values.shape for name, values in computed.items()} == {
+            name: (30, width) for name, width in WIDTHS[dataset].items()
         }
-        assert result == pytest.approx(golden[features.VERSION], abs=1e-4)
-
-
-def test_features_of_another_data_set_are_refused(hubert: Hubert) -> None:
-    with pytest.raises(InputError, match=r"'ted'.*Use 'beat' or 'show'"):
-        training_features("ted", hubert, 15)
-
-
-def test_recorded_frames_are_unchanged(take: Take) -> None:
-    motion = read_beat_bvh(take)
-    recorded = body_values(replace(motion, values=motion.values[::8]))
-    np.testing.assert_allclose(features.beat_gesture(15).compute(take), recorded, atol=1e-6)
+        assert {values.dtype for values in computed.values()} == {np.dtype(np.float32)}
+        result = {name: fingerprint(values)[0] for name, values in computed.items()}
+        assert result == pytest.approx(GOLDEN[dataset, features.VERSION], abs=1e-4)
+    other = features.hubert_features(15, replace(hubert, identity="another"))
+    assert other.version != extractors["hubert"].version
 
 
 def test_frames_between_recorded_ones_lie_on_the_shortest_turn(take: Take) -> None:
@@ -130,6 +99,32 @@ def test_frames_between_recorded_ones_lie_on_the_shortest_turn(take: Take) -> No
 def test_a_take_without_a_face_is_refused_by_what_is_missing(take: Take) -> None:
     with pytest.raises(InputError, match=r"no facial weights.*2_scott_0_9_9\.json"):
         features.beat_expression(15).compute(replace(take, face=None))
+    with pytest.raises(InputError, match=r"no facial weights.*--ablation without_face"):
+        computed("beat", replace(take, face=None), faces=True)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "rate", "promised", "sound", "frame_rate"),
+    [(2, 15, 240, 2.1, 15), (2, 120, 241, 2, 120), (3, 120, 600, 5, None)],
+    ids=["thinned out", "a row fewer than declared", "truncated"],
+)
+def test_motion_is_read_at_the_rate_that_fits_the_sound_or_refused(
+    tmp_path: Path,
+    seconds: float,
+    rate: int,
+    promised: int,
+    sound: float,
+    frame_rate: float | None,
+) -> None:
+    write_beat_motion(tmp_path / "2_scott_0_9_9.bvh", seconds, (1,), rate, promised=promised)
+    write_clicks(tmp_path / "2_scott_0_9_9.wav", sound)
+    (take,) = read_takes(tmp_path).takes
+    if frame_rate is None:
+        with pytest.raises(InputError, match=r"360 rows.*the sound lasts 5\.00 s"):
+            read_beat_bvh(take)
+    else:
+        assert read_beat_bvh(take).frame_rate == frame_rate
+        assert len(features.beat_gesture(15).compute(take)) == 30
 
 
 def test_annotated_gestures_have_their_score_and_others_none(take: Take, tmp_path: Path) -> None:
@@ -138,35 +133,6 @@ def test_annotated_gestures_have_their_score_and_others_none(take: Take, tmp_pat
     scored = features.semantic_scores(15).compute(replace(take, semantic=path))
     np.testing.assert_allclose(scored[:, 0], [0] * 8 + [0.8] * 7 + [0] * 15, atol=1e-6)
     assert not features.semantic_scores(15).compute(take).any()
-
-
-def test_thinned_out_motion_is_read_at_the_rate_that_fits_the_sound(tmp_path: Path) -> None:
-    write_beat_motion(tmp_path / "2_scott_0_9_9.bvh", 2, (1,), 15, promised=240)
-    write_clicks(tmp_path / "2_scott_0_9_9.wav", 2.1)
-    (take,) = read_takes(tmp_path).takes
-    assert read_beat_bvh(take).frame_rate == 15
-    assert len(features.beat_gesture(15).compute(take)) == 30
-
-
-def test_a_row_more_or_less_than_the_header_declares_is_accepted(tmp_path: Path) -> None:
-    write_beat_motion(tmp_path / "2_scott_0_9_9.bvh", 2, (1,), promised=241)
-    write_clicks(tmp_path / "2_scott_0_9_9.wav", 2)
-    (take,) = read_takes(tmp_path).takes
-    assert read_beat_bvh(take).frame_rate == 120
-
-
-def test_truncated_motion_is_refused(tmp_path: Path) -> None:
-    write_beat_motion(tmp_path / "2_scott_0_9_9.bvh", 3, (1,), promised=600)
-    write_clicks(tmp_path / "2_scott_0_9_9.wav", 5)
-    (take,) = read_takes(tmp_path).takes
-    with pytest.raises(InputError, match=r"360 rows.*the sound lasts 5\.00 s"):
-        features.beat_gesture(15).compute(take)
-
-
-def test_versions_depend_on_the_speech_network() -> None:
-    one = stand_in()
-    other = replace(one, identity="another")
-    assert features.hubert_features(15, one).version != features.hubert_features(15, other).version
 
 
 def test_speech_is_heard_as_while_generating(take: Take, hubert: Hubert) -> None:
@@ -204,8 +170,3 @@ def test_ted_gesture_is_turned_into_our_axes_and_has_a_still_face(tmp_path: Path
     np.testing.assert_allclose(result["motion"][7, :27], standing()[:27], atol=1e-5)
     assert not result["motion"][:, 27:].any()
     assert len(np.unique(result["words"], axis=0)) == 2
-
-
-def test_a_take_of_beat_without_a_face_is_refused_with_a_remedy(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"no facial weights.*--ablation without_face"):
-        computed("beat", ted_take(tmp_path), faces=True)

@@ -30,13 +30,6 @@ def test_latents_of_speech_do_not_depend_on_the_batch(model: SpeechModel) -> Non
         torch.testing.assert_close(result[1:2], getattr(alone, name), msg=name)
 
 
-def test_the_reconstruction_is_that_of_the_three_latents(model: SpeechModel) -> None:
-    with torch.inference_mode():
-        one, other = (model(torch.full((1, 64, 32), value)) for value in (0.0, 1.0))
-        swapped = model.decoder(one.content, other.emotion, one.style)
-    assert not torch.allclose(swapped, one.reconstruction)
-
-
 @pytest.mark.parametrize("classified", ["tokens", "latent"])
 def test_the_emotions_classifier_may_be_the_latent_itself(
     classified: Literal["tokens", "latent"],

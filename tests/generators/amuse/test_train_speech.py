@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import pytest
 import torch
@@ -19,23 +20,31 @@ from tests.generators.amuse.test_speech import SMALL
 from tests.generators.amuse.toy_speech import toy_speech
 from tests.generators.one_device import require_one_device
 from training.corpus.request import CorpusRequest, claim_folder
+from training.data.feature_cache import PreparedTakes
 from training.data.take import TakeFolder
 
 Learn = Callable[..., TrainedGenerator]
 
+TOY_SPEECH: Final = toy_speech()
+TWO_TEXTS_HELD_OUT: Final = toy_speech(held_out=2)
+
 
 @pytest.fixture(name="learn")
 def _learn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
-    prepared = toy_speech()
     small = replace(
         SPEECH_PRESETS["tiny"], network=replace(SMALL, frames=100, patch_stride=16), seconds=1
     )
     monkeypatch.setattr("generators.amuse.train_speech.SPEECH_PRESETS", {"tiny": small})
-    monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: prepared)
 
     def train(
-        steps: int, out: Path, folder: Path = tmp_path, rate: float = 3e-3, **choices: str
+        steps: int,
+        out: Path,
+        prepared: PreparedTakes = TOY_SPEECH,
+        folder: Path = tmp_path,
+        rate: float = 3e-3,
+        **choices: str,
     ) -> TrainedGenerator:
+        monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: prepared)
         takes = tuple(replace(take, speech=folder / take.speech) for take in prepared.takes)
         request = TrainingRequest(
             takes=TakeFolder(kind="beat", takes=takes, speakers=("ann", "bob")),
@@ -50,18 +59,11 @@ def _learn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
     return train
 
 
-def _hold_out_two_texts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "generators.learned.prepare", lambda *given, **options: toy_speech(held_out=2)
-    )
-
-
 def test_it_learns_to_take_apart_speech_of_texts_it_never_heard(
-    learn: Learn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    learn: Learn, tmp_path: Path
 ) -> None:
-    _hold_out_two_texts(monkeypatch)
     out = tmp_path / "speech.safetensors"
-    outcome = learn(60, out)
+    outcome = learn(60, out, TWO_TEXTS_HELD_OUT)
     network = load_speech(out)
     result = network.training["held_out"]
     assert result["emotion accuracy"] == result["emotion F1"] == 1
@@ -85,15 +87,9 @@ def test_it_learns_to_take_apart_speech_of_texts_it_never_heard(
     ("ablation", "told", "left_out"), [("style_only", "sty", "emo"), ("emotion_only", "emo", "sty")]
 )
 def test_an_ablation_learns_and_swaps_only_what_it_takes_apart(
-    learn: Learn,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    ablation: str,
-    told: str,
-    left_out: str,
+    learn: Learn, tmp_path: Path, ablation: str, told: str, left_out: str
 ) -> None:
-    _hold_out_two_texts(monkeypatch)
-    outcome = learn(1, tmp_path / "out.safetensors", ablation=ablation)
+    outcome = learn(1, tmp_path / "out.safetensors", TWO_TEXTS_HELD_OUT, ablation=ablation)
     result = load_speech(tmp_path / "out.safetensors").training["held_out"]
     log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()
     assert f'"{told}"' in log[0]
@@ -103,27 +99,22 @@ def test_an_ablation_learns_and_swaps_only_what_it_takes_apart(
     assert outcome.sentences[1].count("with another's") == 2
 
 
-def test_held_out_texts_of_one_speaker_leave_cross_reconstruction_out(
-    learn: Learn, tmp_path: Path
-) -> None:
-    outcome = learn(1, tmp_path / "out.safetensors")
-    result = load_speech(tmp_path / "out.safetensors").training["held_out"]
-    assert result.keys().isdisjoint({"xcon", "xemo", "xsty", "self of fours"})
-    assert "no two speakers speak two held-out texts in one emotion" in outcome.sentences[1]
-
-
 def test_the_encoders_set_out_from_the_weights_of_a_folder(learn: Learn, tmp_path: Path) -> None:
     network = SpeechEncoder(replace(SMALL, frames=100)).transformer
     network.save_pretrained(tmp_path / "ast")
     out = tmp_path / "out.safetensors"
     # A tiny learning rate leaves them almost unchanged.
-    learn(1, out, encoder_weights=str(tmp_path / "ast"), rate=1e-12)
+    outcome = learn(1, out, encoder_weights=str(tmp_path / "ast"), rate=1e-12)
     learned = load_speech(out)
     assert isinstance(learned.model, SpeechModel)
     for encoder in (learned.model.content, learned.model.emotion, learned.model.style):
         for name, value in network.state_dict().items():
             torch.testing.assert_close(encoder.transformer.state_dict()[name], value)
     assert str(learned.training["encoder_weights"]).startswith("ast (sha256 ")
+    assert learned.training["held_out"].keys().isdisjoint({"xcon", "xemo", "xsty"})
+    assert "no two speakers speak two held-out texts in one emotion" in outcome.sentences[1]
+    with pytest.raises(InputError, match="no encoders that could take weights"):
+        learn(1, out, ablation="mfcc", encoder_weights=str(tmp_path / "ast"))
 
 
 @pytest.mark.parametrize("ablation", [None, "mfcc"])
@@ -132,11 +123,6 @@ def test_it_is_computed_where_its_device_is(
 ) -> None:
     choices = {} if ablation is None else {"ablation": ablation}
     require_one_device(monkeypatch, lambda: learn(1, tmp_path / "out.safetensors", **choices))
-
-
-def test_an_autoencoder_takes_no_weights_of_encoders(learn: Learn, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no encoders that could take weights"):
-        learn(1, tmp_path / "out", ablation="mfcc", encoder_weights=str(tmp_path))
 
 
 def test_an_autoencoder_can_stand_in_for_the_speech_model(learn: Learn, tmp_path: Path) -> None:
@@ -149,18 +135,14 @@ def test_an_autoencoder_can_stand_in_for_the_speech_model(learn: Learn, tmp_path
 
 
 def test_recordings_without_a_known_speaker_for_validation_are_refused(
-    learn: Learn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    learn: Learn, tmp_path: Path
 ) -> None:
-    prepared = toy_speech()
     strangers = tuple(
         replace(take, speaker="eve") if take.split == "validation" else take
-        for take in prepared.takes
-    )
-    monkeypatch.setattr(
-        "generators.learned.prepare", lambda *given, **options: replace(prepared, takes=strangers)
+        for take in TOY_SPEECH.takes
     )
     with pytest.raises(InputError, match="no recording for validation is by a speaker"):
-        learn(1, tmp_path / "out.safetensors")
+        learn(1, tmp_path / "out.safetensors", replace(TOY_SPEECH, takes=strangers))
 
 
 @pytest.mark.parametrize("shared", [True, False])
@@ -170,7 +152,7 @@ def test_a_corpus_whose_speakers_share_no_texts_is_refused(
     claim_folder(tmp_path / "corpus", CorpusRequest(sentences=32, shared_passages=shared))
     out = tmp_path / "out.safetensors"
     if shared:
-        learn(1, out, tmp_path / "corpus")
+        learn(1, out, folder=tmp_path / "corpus")
         return
     with pytest.raises(InputError, match=r"texts of their own.*--shared-passages"):
-        learn(1, out, tmp_path / "corpus")
+        learn(1, out, folder=tmp_path / "corpus")

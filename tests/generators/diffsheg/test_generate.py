@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from generators.diffsheg.generate import DiffSheg
-from generators.diffsheg.network_file import write_network
+from generators.diffsheg.network_file import MotionNetwork, write_network
 from generators.interface import SpeechSegment
 from generators.learned_settings import DiffShegSettings
 from motion.audio import write_wav
@@ -24,7 +24,6 @@ from training.spaces.beat import beat_clip
 from training.spaces.smplx_bodies import show_clip
 from training.speakers import Speakers
 from training.speech_features.hubert import stand_in
-from training.speech_features.speech_frames import StreamWindow
 
 Speak = Callable[..., SpeechSegment]
 
@@ -39,18 +38,25 @@ def model(tmp_path: Path) -> DiffShegSettings:
     return DiffShegSettings(checkpoint=written_network(tmp_path / "small.safetensors"))
 
 
-def test_the_provenance_names_network_and_stand_ins(model: DiffShegSettings, speak: Speak) -> None:
-    clip = DiffSheg(model.model_copy(update={"speaker": 2})).generate(
-        speak("one", 2.0), seed=3, frame_rate=30
+def test_the_provenance_names_network_sampling_and_stand_ins(
+    model: DiffShegSettings, speak: Speak
+) -> None:
+    progress: list[tuple[int, int]] = []
+    changes = {"speaker": 2, "sampling": "plain", "steps": 10, "overlap": 6}
+    clip = DiffSheg(model.model_copy(update=changes)).generate(
+        speak("one", 6.0), seed=3, frame_rate=30, on_part=lambda *far: progress.append(far)
     )
+    assert progress == [(28, 90), (56, 90), (84, 90), (90, 90)]
     facts = clip.provenance
     assert facts["checkpoint_sha256"] == hashlib.sha256(model.checkpoint.read_bytes()).hexdigest()
     assert facts["checkpoint"] == "small.safetensors"
     assert facts["dataset"] == "beat"
     assert facts["speaker"] == "2"
-    assert "25 steps, overlap 6" in facts["sampling"]
+    assert facts["sampling"].startswith("10 steps, overlap 6, entry 6, jump length 3, jump count 1")
     assert "windows of 34 frames at 15 fps" in facts["config"]
     assert "stand-in for HuBERT" in facts["stand_ins"]
+    windows = [facts[f"window_{name}"] for name in ("frames", "overlap", "frame_rate")]
+    assert windows == ["34", "6", "15"]
 
 
 def test_face_and_body_move_and_hips_and_legs_stand_still(
@@ -77,59 +83,13 @@ def test_a_network_of_show_moves_jaw_and_expressions(tmp_path: Path, speak: Spea
     assert "relaxed hands" in clip.provenance["stand_ins"]
 
 
-def test_the_speech_decides_the_motion(model: DiffShegSettings, speak: Speak) -> None:
-    clips = [made(model, speak("one", 2.0, "neutral", number)) for number in range(2)]
-    assert (clips[0].poses != clips[1].poses).any()
-
-
-def test_sampling_can_be_chosen_and_is_quoted(model: DiffShegSettings, speak: Speak) -> None:
-    chosen = {"sampling": "plain", "steps": 10, "overlap": 2}
-    clip = made(model, speak("one", 1.0), **chosen)
-    assert clip.provenance["sampling"].startswith("10 steps, overlap 2, entry 6")
-    assert "jump count 1" in clip.provenance["sampling"]
-    windows = [clip.provenance[f"window_{name}"] for name in ("frames", "overlap", "frame_rate")]
-    assert windows == ["34", "2", "15"]
-
-
-def test_a_long_clip_reports_its_progress(model: DiffShegSettings, speak: Speak) -> None:
-    progress: list[tuple[int, int]] = []
-    DiffSheg(model).generate(
-        speak("one", 6.0), seed=3, frame_rate=30, on_part=lambda *far: progress.append(far)
-    )
-    assert progress == [(28, 90), (56, 90), (84, 90), (90, 90)]
-
-
-def test_long_speech_is_encoded_in_windows_and_recorded_so(
-    model: DiffShegSettings, speak: Speak, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    speech = speak("one", 5.0)
-    whole = made(model, speech)
-    assert whole.provenance["heard"] == "as a whole"
-    monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 2.0)
-    window = StreamWindow(past=1, ahead=1.0, at_once=2)
-    monkeypatch.setattr("training.speech_features.speech_frames.LONG_SPEECH_WINDOW", window)
-    clip = made(model, speech)
-    assert clip.provenance["heard"] == "2 s at once with 1 s before and 1 s ahead"
-    assert len(clip) == len(whole)
-    assert (clip.poses != whole.poses).any()
-
-
-@pytest.fixture
-def named(tmp_path: Path) -> DiffShegSettings:
-    """Return a network with names of its speakers and of its speech network."""
-    network = replace(
-        small_network(),
-        speakers=Speakers(("ada", "bo"), small("beat").speakers),
-        hubert=stand_in().identity,
-    )
-    write_network(tmp_path / "named.safetensors", network)
-    return DiffShegSettings(checkpoint=tmp_path / "named.safetensors")
-
-
 def test_without_a_named_speaker_the_network_moves_as_the_segments(
-    named: DiffShegSettings, speak: Speak
+    tmp_path: Path, speak: Speak
 ) -> None:
-    speech = speak("one", 1.0)
+    speakers = Speakers(("ada", "bo"), small("beat").speakers)
+    network = replace(small_network(), speakers=speakers, hubert=stand_in().identity)
+    write_network(tmp_path / "named.safetensors", network)
+    named, speech = DiffShegSettings(checkpoint=tmp_path / "named.safetensors"), speak("one", 1.0)
     clips = [
         made(named, replace(speech, segment=replace(speech.segment, speaker=name)))
         for name in ("ada", "bo")
@@ -141,29 +101,36 @@ def test_without_a_named_speaker_the_network_moves_as_the_segments(
     assert f"speaker {stranger['speaker']} for who is heard" in stranger["stand_ins"]
 
 
-def test_a_network_that_learned_from_another_hubert_is_refused(
-    tmp_path: Path, speak: Speak
-) -> None:
-    path = tmp_path / "other.safetensors"
-    write_network(path, replace(small_network(), hubert="sha256 of another"))
-    with pytest.raises(InputError, match="trained with features of sha256 of another"):
-        made(DiffShegSettings(checkpoint=path), speak("one", 1.0))
-
-
-def test_an_unknown_speaker_is_refused(model: DiffShegSettings, speak: Speak) -> None:
-    with pytest.raises(InputError, match="no speaker 31") as refusal:
-        made(model, speak("one", 1.0), speaker=31)
-    assert "from 1 to 30" in str(refusal.value.remedy)
-
-
-def test_a_network_whose_motion_is_not_finite_is_refused(tmp_path: Path, speak: Speak) -> None:
+def diverged() -> MotionNetwork:
     network = small_network()
     for weight in network.denoiser.parameters():
         weight.fill_(float("nan"))
-    write_network(tmp_path / "diverged.safetensors", network)
-    model = DiffShegSettings(checkpoint=tmp_path / "diverged.safetensors")
-    with pytest.raises(InputError, match="not finite"):
-        made(model, speak("one", 1.0))
+    return network
+
+
+@pytest.mark.parametrize(
+    ("network", "changes", "message"),
+    [
+        (replace(small_network(), hubert="sha256 of another"), {}, "features of sha256 of another"),
+        (small_network(), {"speaker": 31}, "no speaker 31.*from 1 to 30"),
+        (diverged(), {}, "not finite"),
+    ],
+    ids=["another hubert", "unknown speaker", "diverged"],
+)
+def test_a_network_that_cannot_be_used_is_refused(
+    network: MotionNetwork,
+    changes: dict[str, object],
+    message: str,
+    tmp_path: Path,
+    speak: Speak,
+) -> None:
+    write_network(tmp_path / "other.safetensors", network)
+    with pytest.raises(InputError, match=message):
+        made(
+            DiffShegSettings(checkpoint=tmp_path / "other.safetensors"),
+            speak("one", 1.0),
+            **changes,
+        )
 
 
 @pytest.mark.parametrize("dataset", ["beat", "show"])
@@ -184,14 +151,6 @@ def test_streamed_clips_equal_the_clip_of_the_whole_speech(
         np.testing.assert_array_equal(joined, getattr(whole, channel))
     assert pieces[0].provenance["heard"] == "1 s at once with 4 s before and 1 s ahead"
     assert pieces[0].provenance["seed"] == "3"
-
-
-def test_speech_of_less_than_a_frame_of_the_network_gives_a_clip(
-    model: DiffShegSettings, speak: Speak
-) -> None:
-    speech = speak("one", 1.0)
-    short = replace(speech, audio=speech.audio.cut(0, 0.02))
-    assert len(DiffSheg(model).generate(short, seed=3, frame_rate=60)) == 1
 
 
 PAGE = Path(__file__).parents[3] / "docs" / "diffsheg.md"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -11,7 +12,6 @@ import numpy as np
 import pytest
 import torch
 from safetensors.torch import save_file
-from torch import Tensor
 
 from generators.diffsheg import load_released
 from generators.diffsheg.config import BEAT
@@ -80,21 +80,14 @@ def stats(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_bodys_values_come_first_and_then_the_faces(stats: Path) -> None:
+def test_the_bodys_values_come_first_and_then_the_faces_which_may_have_a_folder_of_their_own(
+    stats: Path,
+) -> None:
+    (stats / "facial52").mkdir()
+    (stats / "json_mean.npy").rename(stats / "facial52" / "json_mean.npy")
     result = read_normalisation(stats, SMALL)
     assert result.mean.tolist() == [0.0, 1.0, 2.0, 0.1, 0.2]
     assert result.std.tolist() == [1.0, 0.0, 2.3e-8, 0.5, 0.25]
-
-
-def test_the_faces_files_may_lie_in_a_folder_of_their_own(stats: Path) -> None:
-    expected = read_normalisation(stats, SMALL)
-    (stats / "facial52").mkdir()
-    for name in ("json_mean.npy", "json_std.npy"):
-        (stats / name).rename(stats / "facial52" / name)
-    assert read_normalisation(stats, SMALL).mean.tolist() == expected.mean.tolist()
-
-
-def test_a_missing_file_is_named(stats: Path) -> None:
     (stats / "json_std.npy").unlink()
     with pytest.raises(InputError, match=r"json_std\.npy: .*no such file"):
         read_normalisation(stats, SMALL)
@@ -140,27 +133,13 @@ def test_the_forward_pass_is_that_of_the_released_network(dataset: str, tmp_path
     assert float((result - expected).abs().max() / expected.abs().max()) < 1e-4
 
 
-def _saved(weights: dict[str, Tensor], path: Path) -> Path:
-    if path.suffix == ".safetensors":
-        save_file(weights, path)
-    else:
-        torch.save(weights, path)
-    return path
-
-
-@pytest.mark.parametrize("name", ["net.pt", "net.safetensors"])
+@pytest.mark.parametrize(("name", "save"), [("a.pt", torch.save), ("a.safetensors", save_file)])
+@pytest.mark.parametrize("key", ["out.weight", "encoder.out.weight"])
 def test_weights_are_read_from_both_kinds_of_file_also_under_the_key_encoder(
-    name: str, tmp_path: Path
+    name: str, save: Callable[..., None], key: str, tmp_path: Path
 ) -> None:
-    for key in ("out.weight", "encoder.out.weight"):
-        file = _saved({key: torch.ones(2)}, tmp_path / name)
-        assert read_weights(file)["out.weight"].tolist() == [1, 1]
-
-
-def test_another_network_is_refused_with_the_weights_that_do_not_fit(tmp_path: Path) -> None:
-    file = _saved({"encoder_exp.out.bias": torch.ones(7)}, tmp_path / "net.pt")
-    with pytest.raises(InputError, match=r"missing .*of another shape .*\(7,\) instead of \(51,\)"):
-        load_released(file, dataset="beat")
+    save({key: torch.ones(2)}, tmp_path / name)
+    assert read_weights(tmp_path / name)["out.weight"].tolist() == [1, 1]
 
 
 class _Trap:
@@ -172,21 +151,19 @@ def test_a_pickle_that_runs_code_is_refused_unrun(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "net.pt").write_bytes(pickle.dumps({"encoder": _Trap()}, protocol=2))
-    with pytest.raises(InputError, match="not a file of network weights"):
-        load_released(tmp_path / "net.pt")
+    trap = pickle.dumps({"encoder": _Trap()}, protocol=2)
+    for content in (trap, b"", b"no network", b"\x80\x02garbage"):
+        (tmp_path / "net.pt").write_bytes(content)
+        with pytest.raises(InputError, match="not a file of network weights"):
+            load_released(tmp_path / "net.pt")
     assert not Path("sprung").exists()
 
 
-@pytest.mark.parametrize("content", [b"", b"no network", b"\x80\x02garbage"])
-def test_a_file_other_than_a_checkpoint_is_refused(content: bytes, tmp_path: Path) -> None:
-    (tmp_path / "net.pt").write_bytes(content)
-    with pytest.raises(InputError, match="not a file of network weights"):
-        load_released(tmp_path / "net.pt")
-
-
-def test_a_checkpoint_that_is_not_there_and_an_unknown_dataset_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no such file"):
+def test_another_network_is_refused_with_the_weights_that_do_not_fit(tmp_path: Path) -> None:
+    torch.save({"encoder_exp.out.bias": torch.ones(7)}, tmp_path / "net.pt")
+    with pytest.raises(InputError, match=r"missing .*of another shape .*\(7,\) instead of \(51,\)"):
         load_released(tmp_path / "net.pt")
     with pytest.raises(InputError, match="not released for 'ted'"):
         load_released(tmp_path / "net.pt", dataset="ted")
+    with pytest.raises(InputError, match="no such file"):
+        load_released(tmp_path / "gone.pt")

@@ -30,12 +30,6 @@ def vowel(formants: tuple[float, float], seconds: float = 1.0) -> np.ndarray:
     return 0.1 * wave
 
 
-def test_the_jaw_opens_for_the_voice_and_not_for_the_pause() -> None:
-    jaw = mouth(np.concatenate([vowel((700, 1200)), np.zeros(RATE), vowel((700, 1200))]))["jawOpen"]
-    assert jaw[8:22].min() > 0.1
-    assert jaw[38:52].max() < 0.01
-
-
 def test_vowels_shape_the_lips() -> None:
     shapes = mouth(np.concatenate([vowel((750, 1100)), vowel((300, 2200)), vowel((320, 650))]))
     open_vowel, spread, rounded = slice(8, 22), slice(38, 52), slice(68, 82)

@@ -90,15 +90,17 @@ def test_the_strongest_accents_are_met_by_a_stop_of_the_hands(clips: Clips, emot
     assert np.mean(met) > 1.6 * np.mean(by_chance)
 
 
-def test_a_real_voice_is_met_above_chance(shared_data: Path) -> None:
+def test_hands_and_jaw_follow_a_real_voice(shared_data: Path) -> None:
     audio = read_audio(shared_data / "2_scott_0_2_2.wav").cut(0, 30)
     clip = generate(as_segment(audio, "neutral"))
-    accents = prosody(audio, RATE)
-    moments, strong = stops(clip), accents.accents[accents.prominence > 0.4]
+    heard = prosody(audio, RATE)
+    moments, strong = stops(clip), heard.accents[heard.prominence > 0.4]
     shifts = np.random.default_rng(0).uniform(1, 29, 100)
     chance = np.mean([share_near((moments + shift) % 30, strong) for shift in shifts])
-    assert share_near(moments, strong) > 0.6
-    assert share_near(moments, strong) > 2 * chance
+    assert share_near(moments, strong) > max(0.6, 2 * chance)
+    jaw = arkit_of(clip)[:, arkit_index("jawOpen")]
+    assert np.corrcoef(jaw, heard.energy)[0, 1] > 0.5
+    assert jaw[heard.energy < 0.1].mean() < 0.03
 
 
 @pytest.fixture(scope="module")
@@ -107,26 +109,27 @@ def body() -> PenetrableBody:
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_forearms_and_hands_sink_into_no_thigh_and_hardly_into_clothes(
+def test_limbs_sink_into_nothing_and_move_smoothly_and_feet_stay(
     clips: Clips, body: PenetrableBody, emotion: str
 ) -> None:
-    depths = body.depths(clips[emotion, 1][1])
+    clip = clips[emotion, 1][1]
+    depths, joints = body.depths(clip), joints_of(clip)
     assert depths.max() < 0.01
     assert depths.mean() < 0.001
-
-
-@pytest.mark.parametrize("emotion", EMOTIONS)
-def test_it_moves_smoothly_and_is_never_quite_still(clips: Clips, emotion: str) -> None:
-    _, clip = clips[emotion, 1]
-    joints = joints_of(clip)
+    hands = ("wrist", "middle1", "middle3", "index3", "pinky3")
+    left, right = (
+        joints[:, [joint_index(f"{side}_{part}") for part in hands]] for side in ("left", "right")
+    )
+    assert np.linalg.norm(left[:, :, None] - right[:, None], axis=-1).min() > 0.03
     speed = np.linalg.norm(np.diff(joints, axis=0), axis=2) * RATE
     assert speed[:, WRISTS].max() < 5
     assert speed[:, joint_index("head")].max() < 0.6
     for part in (*WRISTS, joint_index("head"), joint_index("spine3")):
         slowest_second = np.convolve(speed[:, part], np.ones(RATE) / RATE, "valid").min()
         assert slowest_second > 0.001
-    turning = np.abs(np.diff(clip.poses, axis=0)).max()
-    assert turning < 0.8
+    assert np.abs(np.diff(clip.poses, axis=0)).max() < 0.8
+    for ankle in (joint_index("left_ankle"), joint_index("right_ankle")):
+        assert np.ptp(joints[:, ankle], axis=0).max() < 0.012
 
 
 def test_anger_and_joy_move_more_than_neutral_and_sadness_less(clips: Clips) -> None:
@@ -170,14 +173,6 @@ def test_each_emotion_shows_its_own_face_more_than_any_other_does(
     assert max(strengths, key=lambda other: strengths[other]) == emotion
 
 
-def test_the_jaw_follows_the_voice(shared_data: Path) -> None:
-    audio = read_audio(shared_data / "2_scott_0_2_2.wav").cut(0, 10)
-    clip = generate(as_segment(audio, "neutral"))
-    jaw, energy = arkit_of(clip)[:, arkit_index("jawOpen")], prosody(audio, RATE).energy
-    assert np.corrcoef(jaw, energy)[0, 1] > 0.5
-    assert jaw[energy < 0.1].mean() < 0.03
-
-
 def test_the_head_nods_on_strong_accents(clips: Clips) -> None:
     speech, clip = clips["neutral", 0]
     accents = prosody(speech.audio, RATE)
@@ -191,31 +186,6 @@ def test_the_head_nods_on_strong_accents(clips: Clips) -> None:
 def test_silence_is_stood_through_without_gestures() -> None:
     clip = generate(as_segment(Audio(np.zeros(5 * 16000, np.float32), 16000), "anger"))
     assert wrist_speed(clip).max() < 0.15
-
-
-def test_the_feet_do_not_slide(clips: Clips) -> None:
-    joints = joints_of(clips["happiness", 1][1])
-    for name in ("left_ankle", "right_ankle"):
-        foot = joints[:, joint_index(name)]
-        assert np.ptp(foot, axis=0).max() < 0.012
-
-
-def test_segments_move_differently_under_one_seed(speak: Speak) -> None:
-    one, other = (generate(speak(name, 4.0)) for name in ("a", "b"))
-    assert np.abs(one.poses - other.poses).max() > 0.1
-
-
-@pytest.mark.parametrize("emotion", EMOTIONS)
-def test_the_hands_do_not_pass_through_each_other(clips: Clips, emotion: str) -> None:
-    parts = ("wrist", "middle1", "middle3", "index3", "pinky3")
-    for seed in SEEDS:
-        joints = joints_of(clips[emotion, seed][1])
-        left, right = (
-            joints[:, [joint_index(f"{side}_{part}") for part in parts]]
-            for side in ("left", "right")
-        )
-        distances = np.linalg.norm(left[:, :, None] - right[:, None], axis=-1)
-        assert distances.min() > 0.03
 
 
 FRAME_RATE = 15.0
@@ -238,8 +208,6 @@ def fingers_and_rests(clip: MotionClip) -> tuple[float, float]:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_neutral_hands_move_and_rest_like_recorded_ones(shared_data: Path, seed: int) -> None:
     audio = read_audio(shared_data / "2_scott_0_103_103.wav").cut(0, 30)
-    segment = Segment(name="a", wav="a.wav", start=0, end=30, speaker="a", emotion="neutral")
-    speech = SpeechSegment(segment=segment, audio=audio)
-    fingers, resting = fingers_and_rests(RuleBased().generate(speech, seed=seed, frame_rate=30))
+    fingers, resting = fingers_and_rests(generate(as_segment(audio, "neutral"), seed))
     assert 13 < fingers < 24
     assert resting < 0.23

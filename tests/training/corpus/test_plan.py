@@ -15,20 +15,6 @@ def test_the_default_corpus_is_as_documented() -> None:
     assert len(takes) == 8 * 16 * 2
     assert Counter(take.emotion for take in takes) == dict.fromkeys(EMOTIONS, 32)
     assert Counter(take.split for take in takes) == {"train": 144, "validation": 12, "test": 100}
-
-
-def test_training_hears_neither_held_out_speakers_nor_unheard_sentences() -> None:
-    takes = list(planned_takes(CorpusRequest(speakers=10, sentences=24, takes=3)))
-    learned = [take for take in takes if take.split != "test"]
-    tested = [take for take in takes if take.split == "test"]
-    assert {take.speaker.number for take in learned} == set(range(1, 9))
-    texts = {take.text for take in learned}
-    assert not any(take.text in texts for take in tested if take.unheard)
-    assert not any(take.unheard or take.held_out_speaker for take in learned)
-
-
-def test_testing_has_takes_of_heard_and_unheard_sentences_and_of_held_out_speakers() -> None:
-    takes = list(planned_takes(CorpusRequest()))
     texts = {take.text for take in takes if take.split == "train"}
     kinds = {
         (take.text in texts, take.unheard, take.held_out_speaker)
@@ -37,6 +23,15 @@ def test_testing_has_takes_of_heard_and_unheard_sentences_and_of_held_out_speake
     }
     assert {(True, False, False), (False, True, False)} <= kinds
     assert {held_out for *_, held_out in kinds} == {True, False}
+
+
+def test_training_hears_neither_held_out_speakers_nor_unheard_sentences() -> None:
+    takes = list(planned_takes(CorpusRequest(speakers=10, sentences=24, takes=3)))
+    learned = [take for take in takes if take.split != "test"]
+    assert {take.speaker.number for take in learned} == set(range(1, 9))
+    texts = {take.text for take in learned}
+    assert not any(take.text in texts for take in takes if take.unheard)
+    assert not any(take.unheard or take.held_out_speaker for take in learned)
 
 
 def test_a_speaker_moves_the_same_in_corpora_of_any_size() -> None:
@@ -85,21 +80,10 @@ def test_of_shared_passages_the_same_texts_are_held_out_of_all_speakers() -> Non
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_81_passages_differ_and_the_first_nine_share_no_sentence(emotion: str) -> None:
-    assert len({passage(emotion, number) for number in range(81)}) == 81
-    assert passage(emotion, 81) == passage(emotion, 0)
-    told = "".join(passage(emotion, number) for number in range(9))
-    assert all(
-        told.count(text) <= 1
-        for text in (text for part in SENTENCES[emotion].values() for text in part)
-    )
-
-
-@pytest.mark.parametrize("emotion", EMOTIONS)
-def test_texts_reserved_for_testing_are_in_no_other_passage(emotion: str) -> None:
-    kept = [text for part in SENTENCES[emotion].values() for text in part[-RESERVED_SENTENCES:]]
-    told = "".join(passage(emotion, number) for number in range(81))
-    assert not any(text in told for text in kept)
+def test_passages_differ_and_those_for_testing_share_no_sentence_with_others(emotion: str) -> None:
+    passages = {passage(emotion, number) for number in range(81)}
     unheard = {passage(emotion, number, unheard=True) for number in range(RESERVED_SENTENCES**2)}
-    assert len(unheard) == RESERVED_SENTENCES**2
-    assert all(any(text in one for text in kept) for one in unheard)
+    assert (len(passages), len(unheard)) == (81, RESERVED_SENTENCES**2)
+    reserved = [text for part in SENTENCES[emotion].values() for text in part[-RESERVED_SENTENCES:]]
+    assert not any(text in told for text in reserved for told in passages)
+    assert all(any(text in told for text in reserved) for told in unheard)

@@ -14,7 +14,7 @@ from training.data.beat import BeatName
 from training.data.folders import read_takes
 from training.data.split_list import read_split_list
 from training.data.splitting import held_out_recordings, split_by_hash
-from training.data.take import TakeFolder
+from training.data.take import Split, TakeFolder
 
 NAMES = ("2_scott_0_9_9", "2_scott_0_10_10", "2_scott_0_11_11")
 
@@ -127,49 +127,21 @@ def test_hashes_split_as_documented_in_any_order(names: set[str]) -> None:
     assert number["train"] == len(names) - 2 * kept
 
 
-def test_each_label_gives_up_its_share_and_keeps_one() -> None:
-    recordings = [f"r{n}" for n in range(12)]
-    labels = ["calm"] * 10 + ["rare", "rare"]
-    kept_back = held_out_recordings(recordings, labels, share=0.2, seed=0)
-    assert len(kept_back & set(recordings[:10])) == 2
-    assert len(kept_back & set(recordings[10:])) == 1
-
-
-def test_a_label_of_one_recording_stays_to_be_learned_from() -> None:
-    assert held_out_recordings(["a", "b"], ["x", "y"], share=0.2, seed=0) == frozenset()
-    assert held_out_recordings(["a", "a"], ["x", "x"], share=0.2, seed=0) == frozenset()
-
-
-def test_the_clips_of_a_recording_are_kept_back_together() -> None:
-    recordings = ["a"] * 5 + ["b"] * 5
-    assert len(held_out_recordings(recordings, [""] * 10, share=0.5, seed=0)) == 1
-
-
-def test_the_seed_decides_and_the_order_of_clips_does_not() -> None:
-    recordings = [f"r{n}" for n in range(40)]
-    labels = ["x"] * 40
+def test_each_label_keeps_back_its_share_of_whole_recordings_whatever_their_order() -> None:
+    recordings = [f"r{number // 2}" for number in range(24)]
+    labels = ["calm"] * 20 + ["rare"] * 4
     drawn = held_out_recordings(recordings, labels, share=0.2, seed=0)
-    assert drawn == held_out_recordings(recordings[::-1], labels, share=0.2, seed=0)
+    assert (len(drawn & set(recordings[:20])), len(drawn & set(recordings[20:]))) == (2, 1)
+    assert drawn == held_out_recordings(recordings[::-1], labels[::-1], share=0.2, seed=0)
     assert drawn != held_out_recordings(recordings, labels, share=0.2, seed=1)
+    # A label of one recording stays to be learned from.
+    assert held_out_recordings(["a", "a", "b"], ["x", "x", "y"], share=0.2, seed=0) == frozenset()
 
 
-def named(name: str) -> BeatName:
-    result = BeatName.parse(name)
-    assert result is not None
-    return result
-
-
-def test_a_name_holds_speaker_type_and_texts() -> None:
-    name = named("12_zhao_2_1_8")
-    assert (name.number, name.speaker, name.recording_type) == (12, "zhao", 2)
-    assert (name.start, name.end) == (1, 8)
-
-
-@pytest.mark.parametrize(
-    "name", ["scott", "2_scott_0_1", "2_scott_0_1_1_mirrored", "scott_2_0_1_1", "2_scott_0_1_b"]
-)
-def test_other_names_are_not_parsed(name: str) -> None:
-    assert BeatName.parse(name) is None
+def published(name: str) -> Split | None:
+    parsed = BeatName.parse(name)
+    assert parsed is not None
+    return parsed.published_split
 
 
 @pytest.mark.parametrize(
@@ -181,27 +153,23 @@ def test_other_names_are_not_parsed(name: str) -> None:
         *(("0_119_119", ""), ("0_57_72", ""), ("1_3_3", "")),
     ],
 )
-def test_texts_determine_the_emotion(texts: str, emotion: str) -> None:
-    assert named(f"2_scott_{texts}").emotion == emotion
+def test_the_name_of_a_recording_determines_speaker_and_emotion(texts: str, emotion: str) -> None:
+    name = BeatName.parse(f"12_zhao_{texts}")
+    assert name is not None
+    assert (name.number, name.speaker, name.emotion) == (12, "zhao", emotion)
+    for other in (f"zhao_{texts}", f"12_zhao_{texts}_mirrored", f"12_zhao_{texts}b", "12_zhao_0_1"):
+        assert BeatName.parse(other) is None
 
 
-def test_splits_of_four_hours_are_as_many_minutes_as_published() -> None:
-    speeches = Counter(named(f"2_scott_0_{text}_{text}").published_split for text in range(1, 119))
+def test_the_published_rule_splits_by_as_many_minutes_as_published_and_recordings_whole() -> None:
+    speeches = Counter(published(f"2_scott_0_{text}_{text}") for text in range(1, 119))
     assert speeches == {"train": 88, "validation": 15, "test": 15}
-    talks = [named(f"2_scott_1_{text}_{text}").published_split for text in range(1, 13)]
+    talks = [published(f"2_scott_1_{text}_{text}") for text in range(1, 13)]
     assert talks == ["test", *["train"] * 10, "validation"]
-
-
-def test_splits_of_one_hour_keep_recordings_whole() -> None:
     there = [*range(1, 17), 65, 66, 73, 74, 81, 82, 87, 88, 95, 96, 103, 104, 111, 112, 118]
-    splits = {text: named(f"5_stewart_0_{text}_{text}").published_split for text in there}
+    splits = {text: published(f"5_stewart_0_{text}_{text}") for text in there}
     assert [text for text in there if splits[text] == "validation"] == [5, 6, 7, 8]
     tested = [1, 2, 3, 4, 65, 73, 81, 87, 95, 103, 111]
     assert [text for text in there if splits[text] == "test"] == tested
-
-
-@pytest.mark.parametrize(
-    "name", ["12_zhao_2_1_1", "2_scott_0_1_8", "31_eve_0_1_1", "2_a_0_119_119"]
-)
-def test_the_published_rule_covers_no_other_recordings(name: str) -> None:
-    assert named(name).published_split is None
+    others = ("12_zhao_2_1_1", "2_scott_0_1_8", "31_eve_0_1_1", "2_a_0_119_119")
+    assert [published(name) for name in others] == [None] * 4

@@ -52,13 +52,6 @@ def degrees_apart(one: MotionClip, other: MotionClip) -> dict[str, float]:
     return dict(zip(JOINT_NAMES, angles.max(axis=0), strict=True))
 
 
-def moved(**turned: tuple[float, float, float]) -> np.ndarray:
-    body = np.zeros((1, 47, 3))
-    for name, turn in turned.items():
-        body[0, UPPER_BODY_JOINTS.index(name)] = turn
-    return body.reshape(1, 141)
-
-
 def test_the_recording_lies_where_the_released_means_and_deviations_say(
     recording: BvhMotion,
 ) -> None:
@@ -94,11 +87,9 @@ def test_the_idealised_skeleton_moves_as_the_speakers_own(recording: BvhMotion) 
 def test_values_survive_the_way_over_angles_about_axes() -> None:
     rng = np.random.default_rng(2)
     body = rng.uniform(-1.5, 1.5, (20, 141))
-    np.testing.assert_allclose(body_values(upper_body_motion(body, 15)), body, atol=1e-9)
-
-
-def test_a_turn_with_ambiguous_angles_is_accepted() -> None:
-    body = moved(RightForeArm=(0, np.pi / 2, 0))
+    # At a right angle about y several angles mean the same turn.
+    body[0] = 0
+    body[0, 3 * UPPER_BODY_JOINTS.index("RightForeArm") + 1] = np.pi / 2
     np.testing.assert_allclose(body_values(upper_body_motion(body, 15)), body, atol=1e-7)
 
 
@@ -111,24 +102,6 @@ def test_the_zero_pose_stands_upright_with_level_arms() -> None:
         assert arm[0] * sign / np.linalg.norm(arm) > 0.99
     assert at["head"][1] - at["left_ankle"][1] > 1.3
     assert at["left_ankle"][1] == pytest.approx(REST_JOINTS[joint_index("left_ankle")][1], abs=0.02)
-
-
-@pytest.mark.parametrize(("side", "sign"), [("Left", 1), ("Right", -1)])
-def test_arms_and_fingers_of_each_side_move_on_their_own_side(side: str, sign: int) -> None:
-    down = (0.0, 0.0, -sign * np.pi / 2)
-    clip = beat_clip(with_still_face(moved(**{f"{side}Arm": down, f"{side}HandIndex1": down})), 15)
-    joints, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    own = side.lower()
-    other = "right" if own == "left" else "left"
-    arm = {
-        one: joints[0, joint_index(f"{one}_wrist")] - joints[0, joint_index(f"{one}_shoulder")]
-        for one in (own, other)
-    }
-    assert arm[own][1] < -0.4
-    assert abs(arm[other][1]) < 0.05
-    bent = np.degrees(np.linalg.norm(clip.poses[0], axis=1))
-    assert bent[joint_index(f"{own}_index1")] > 60
-    assert bent[joint_index(f"{other}_index1")] < 20
 
 
 def test_facial_weights_are_arkits_and_stay_weights() -> None:
