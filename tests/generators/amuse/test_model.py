@@ -37,23 +37,6 @@ def test_motion_and_latents_do_not_depend_on_the_others_of_a_batch() -> None:
         torch.testing.assert_close(together[alone], expected)
 
 
-def test_the_noise_found_hangs_on_every_condition_and_on_the_step() -> None:
-    denoiser = Denoiser(SMALL).eval()
-    z, content, emotion, style = torch.randn(1, 1, 16), *torch.randn(3, 1, 1, 8).abs()
-    timestep = torch.tensor(3)
-    with torch.inference_mode():
-        eps = denoiser(z, timestep, content, emotion, style)
-        for changed in (
-            (timestep + 500, content, emotion, style),
-            (timestep, content + 1, emotion, style),
-            (timestep, content, emotion + 1, style),
-            (timestep, content, emotion, style + 1),
-            (timestep, emotion, content, style),
-        ):
-            assert not torch.allclose(denoiser(z, *changed), eps, atol=1e-4)
-    assert eps.shape == z.shape
-
-
 def test_the_noise_follows_from_a_predicted_velocity(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

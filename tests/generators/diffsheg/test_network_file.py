@@ -19,26 +19,11 @@ from generators.diffsheg.network_file import (
     load_network,
     read_normalisation,
     read_weights,
-    write_network,
 )
 from motion.errors import InputError
-from tests.generators.diffsheg.small_network import small, small_network
+from tests.generators.diffsheg.small_network import small
 from tests.generators.reference_weights import REFERENCE, reference_weights
 from training.weights_file import write_weights
-
-
-@pytest.mark.parametrize("dataset", ["beat", "show"])
-def test_a_network_written_is_read_back(tmp_path: Path, dataset: str) -> None:
-    original = small_network(dataset)
-    write_network(tmp_path / "network.safetensors", original)
-    result = load_network(tmp_path / "network.safetensors", "beat", None)
-    assert result.dataset == dataset
-    assert result.denoiser.config == original.denoiser.config
-    assert not result.denoiser.training
-    np.testing.assert_array_equal(result.normalisation.mean, original.normalisation.mean)
-    np.testing.assert_array_equal(result.normalisation.std, original.normalisation.std)
-    weights = original.denoiser.state_dict()
-    assert all(torch.equal(one, weights[n]) for n, one in result.denoiser.state_dict().items())
 
 
 def test_a_released_checkpoint_without_its_means_is_refused(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from torch import Tensor
 
-from generators.diffsheg.config import CLEAN, FLOWS, PRESETS, SAMPLINGS, Flow, Sampling
+from generators.diffsheg.config import FLOWS, PRESETS, SAMPLINGS, Flow, Sampling
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.sampling import (
     Estimate,
@@ -174,14 +174,3 @@ def test_everything_happens_where_the_network_is() -> None:
 def test_a_named_sampling_asks_the_network_as_often_as_documented(name: str, asked: int) -> None:
     walk = SAMPLINGS[name].later_walk
     assert sum(there < here for here, there in pairwise(walk)) == asked
-
-
-@given(st.integers(1, 4), st.sampled_from([1, 2, 5, 10, 25, 50]))
-def test_every_walk_goes_step_by_step_to_where_no_noise_is_left(count: int, steps: int) -> None:
-    sampling = Sampling(steps=steps, jump_count=count)
-    walk = sampling.later_walk
-    assert walk[0] == max(walk) == sampling.entry - 1 < steps
-    assert walk[-1] == CLEAN
-    assert CLEAN not in walk[:-1]
-    assert all(abs(here - there) == 1 for here, there in pairwise(walk))
-    assert sampling.first_walk == (*reversed(range(steps)), CLEAN)

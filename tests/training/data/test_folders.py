@@ -77,22 +77,30 @@ def test_incomplete_takes_of_beat_are_named_and_skipped(tmp_path: Path) -> None:
         assert any(what in text and remedy in text for text in said(result)), what
 
 
-def test_flat_folders_of_beat_are_read_without_hidden_files(tmp_path: Path) -> None:
-    beat_take(tmp_path, "2_scott_0_9_9")
-    touch(tmp_path / "._2_scott_0_9_9.bvh", tmp_path / ".cache" / "2_scott_0_10_10.bvh")
-    result = read_takes(tmp_path)
-    assert [take.name for take in result.takes] == ["2_scott_0_9_9"]
-    assert not result.skipped
-
-
-def test_links_to_folders_are_followed_once(tmp_path: Path) -> None:
+def test_hidden_files_are_passed_over_and_links_to_folders_followed_once(tmp_path: Path) -> None:
     beat_take(tmp_path / "disk", "2_scott_0_9_9")
+    touch(tmp_path / "disk" / "._2_scott_0_9_9.bvh")
+    touch(tmp_path / "disk" / ".cache" / "2_scott_0_10_10.bvh")
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "2").symlink_to(tmp_path / "disk")
     (tmp_path / "disk" / "back").symlink_to(tmp_path / "data")
     result = read_takes(tmp_path / "data")
     assert [take.name for take in result.takes] == ["2_scott_0_9_9"]
     assert not result.skipped
+
+
+def test_a_transcript_is_a_text_or_a_table_with_the_columns_of_one(tmp_path: Path) -> None:
+    for name in ("2_scott_0_9_9", "2_scott_0_10_10", "2_scott_0_11_11"):
+        beat_take(tmp_path, name)
+    touch(tmp_path / "2_scott_0_9_9.lab")
+    (tmp_path / "2_scott_0_10_10.csv").write_text("0,3,neutral\n")
+    (tmp_path / "2_scott_0_11_11.csv").write_text("word,start,end\n")
+    transcripts = [take.transcript for take in read_takes(tmp_path).takes]
+    assert transcripts == [
+        None,
+        tmp_path / "2_scott_0_11_11.csv",
+        tmp_path / "2_scott_0_9_9.lab",
+    ]
 
 
 def test_beat2_is_read_as_downloaded(tmp_path: Path) -> None:
@@ -109,26 +117,21 @@ def test_beat2_is_read_as_downloaded(tmp_path: Path) -> None:
     assert not result.skipped
 
 
-def test_folders_of_smplx_motion_are_speakers(tmp_path: Path) -> None:
+def test_folders_of_smplx_motion_are_speakers_and_damaged_archives_skipped(tmp_path: Path) -> None:
     for speaker in ("anna", "ben"):
-        smplx_take(tmp_path / speaker, f"{speaker} talks")
+        for name in ("talks well", "bad", "other"):
+            smplx_take(tmp_path / speaker, f"{speaker} {name}")
+        bad = tmp_path / speaker / f"{speaker} bad.npz"
+        bad.write_bytes(bad.read_bytes()[:1000])
+        np.savez(tmp_path / speaker / f"{speaker} other.npz", trans=np.zeros((3, 3)))
     result = read_takes(tmp_path)
-    assert result.speakers == ("anna", "ben")
-    assert [take.speaker for take in result.takes] == ["anna", "ben"]
+    assert [take.speaker for take in result.takes] == list(result.speakers) == ["anna", "ben"]
     assert all(" " not in take.name for take in result.takes)
-
-
-def test_damaged_archives_are_named_and_skipped(tmp_path: Path) -> None:
-    for name in ("good", "bad", "other"):
-        smplx_take(tmp_path, name)
-    whole = (tmp_path / "bad.npz").read_bytes()
-    (tmp_path / "bad.npz").write_bytes(whole[: len(whole) // 2])
-    np.savez(tmp_path / "other.npz", trans=np.zeros((3, 3)))
-    result = read_takes(tmp_path)
-    assert [take.name for take in result.takes] == ["good"]
-    bad, other = said(result)
-    assert "bad.npz: the file is not an .npz archive, or is truncated" in bad
-    assert "other.npz: the file holds no poses" in other
+    for speaker, (bad_error, other) in zip(
+        ("anna", "ben"), zip(*[iter(said(result))] * 2, strict=True), strict=True
+    ):
+        assert f"{speaker} bad.npz: the file is not an .npz archive, or is truncated" in bad_error
+        assert f"{speaker} other.npz: the file holds no poses" in other
 
 
 def show_clip(folder: Path, *, motion: bool = True) -> None:
@@ -191,7 +194,12 @@ def test_pickles_are_never_opened_and_the_way_out_is_named(tmp_path: Path) -> No
     assert not (tmp_path / "sprung").exists()
 
 
-def test_ted_is_read_as_plain_arrays_by_split_and_talk(tmp_path: Path) -> None:
+def test_ted_is_read_as_plain_arrays_by_split_and_talk_and_not_from_its_database(
+    tmp_path: Path,
+) -> None:
+    touch(tmp_path / "lmdb_train" / "data.mdb", tmp_path / "lmdb_train" / "lock.mdb")
+    with pytest.raises(InputError, match=r"pickled.*docs/data\.md"):
+        read_takes(tmp_path)
     for split, talk in (("train", "talk1"), ("val", "talk2"), ("test", "talk3")):
         write_ted(tmp_path / split / talk / "0.npz", 1)
         write_clicks(tmp_path / split / talk / "0.wav", 1)
@@ -199,12 +207,6 @@ def test_ted_is_read_as_plain_arrays_by_split_and_talk(tmp_path: Path) -> None:
     assert result.kind == "ted"
     assert result.speakers == ("talk1", "talk2", "talk3")
     assert [take.split for take in result.takes] == ["train", "validation", "test"]
-
-
-def test_teds_database_is_refused_with_the_way_out(tmp_path: Path) -> None:
-    touch(tmp_path / "lmdb_train" / "data.mdb", tmp_path / "lmdb_train" / "lock.mdb")
-    with pytest.raises(InputError, match=r"pickled.*docs/data\.md"):
-        read_takes(tmp_path)
 
 
 def test_a_folder_of_several_layouts_asks_which(tmp_path: Path) -> None:
@@ -225,18 +227,6 @@ def test_folders_without_recordings_are_refused(tmp_path: Path) -> None:
         read_takes(tmp_path, kind="beat")
     with pytest.raises(InputError, match="no layout 'genea'"):
         read_takes(tmp_path, kind="genea")
-
-
-def test_transcripts_are_found_beside_the_motion(tmp_path: Path) -> None:
-    beat_take(tmp_path, "2_scott_0_9_9", ".lab")
-    beat_take(tmp_path, "2_scott_0_10_10")
-    beat_take(tmp_path, "2_scott_0_11_11")
-    (tmp_path / "2_scott_0_10_10.csv").write_text("0,3,neutral\n")
-    (tmp_path / "2_scott_0_11_11.csv").write_text("word,start,end\n")
-    result = {take.name: take.transcript for take in read_takes(tmp_path).takes}
-    assert result["2_scott_0_9_9"] == tmp_path / "2_scott_0_9_9.lab"
-    assert result["2_scott_0_10_10"] is None
-    assert result["2_scott_0_11_11"] == tmp_path / "2_scott_0_11_11.csv"
 
 
 DOCS = Path(__file__).parents[3] / "docs" / "data.md"

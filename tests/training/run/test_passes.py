@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from motion.errors import InputError
-from tests.training.lines import ENTRIES, VALUES, LineTask, files_of_run
+from tests.training.lines import ENTRIES, VALUES, files_of_run
+from tests.training.plain_lines import PlainLine, PlainNetwork
 from training.config import TrainingConfig
 from training.run.batches import step_rows
 from training.run.group import Group
@@ -24,8 +25,8 @@ from training.run.passes import Pass
 from training.run.records import RunFolder
 from training.weights_file import read_weights
 
-JUDGE = Pass(name="judge", parts=("judge",), learning_rate=0.005)
-MAKER = Pass(name="maker", parts=("maker", "last"))
+FOLLOWER = Pass(name="follower", parts=("idle",), learning_rate=0.005)
+LEADER = Pass(name="leader", parts=("common", "rare"))
 CONFIG = TrainingConfig(
     steps=9,
     batch_size=8,
@@ -33,58 +34,34 @@ CONFIG = TrainingConfig(
     optimizer="adam",
     gradient_clip=None,
     validate_every=4,
-    passes=(JUDGE, MAKER),
+    passes=(FOLLOWER, LEADER),
 )
 
 
-class Rivals(nn.Module):
-    """One makes lines, the other distinguishes them from true ones."""
-
-    def __init__(self, *, chance: bool) -> None:
-        super().__init__()
-        layers = (nn.BatchNorm1d(8), nn.Dropout(0.3)) if chance else ()
-        self.maker = nn.Sequential(nn.Linear(3, 8), *layers, nn.Tanh())
-        self.last = nn.Linear(8, 1)
-        self.judge = nn.Sequential(nn.Linear(4, 8), nn.Tanh(), nn.Linear(8, 1))
-
-    def forward(self, entries: Tensor) -> Tensor:
-        result: Tensor = self.last(self.maker(entries))
-        return result
-
-
 @dataclass(frozen=True, kw_only=True)
-class Rivalry(LineTask[Rivals]):
-    chance: bool = True
-
-    def network(self) -> Rivals:
-        return Rivals(chance=self.chance)
+class Following(PlainLine):
+    """A layer learns to say what the others say, which learn a line."""
 
     def losses_of(
-        self, name: str, network: Rivals, rows: NDArray[np.int64]
+        self, name: str, network: PlainNetwork, rows: NDArray[np.int64]
     ) -> Mapping[str, Tensor]:
         entries, values = ENTRIES[torch.from_numpy(rows)], VALUES[torch.from_numpy(rows)]
         if self.chance:
             entries = entries + 0.1 * torch.randn(len(rows), 3)
-        made = network(entries)
-        made_up = network.judge(torch.cat([entries, made], dim=1))
-        if name == "judge":
-            frozen = not any(weight.requires_grad for weight in network.maker.parameters())
+        result = network(entries, torch.from_numpy(rows) >= 0)
+        if name == "follower":
+            frozen = not any(weight.requires_grad for weight in network.common.parameters())
             assert frozen or not torch.is_grad_enabled()
-            real = network.judge(torch.cat([entries, values], dim=1))
-            return {"loss": (real - 1).square().mean() + made_up.square().mean()}
-        fit = nn.functional.mse_loss(made, values)
-        return {"loss": fit + (made_up - 1).square().mean(), "fit": fit}
-
-    def validation(self, network: Rivals) -> Mapping[str, float]:
-        return {"loss": float(nn.functional.mse_loss(network(ENTRIES[32:]), VALUES[32:]))}
+            return {"loss": nn.functional.mse_loss(network.idle(entries), result)}
+        return {"loss": nn.functional.mse_loss(result, values), "size": result.abs().mean()}
 
 
-def learner_of(config: TrainingConfig, *, chance: bool = False) -> Learner[Rivals]:
+def learner_of(config: TrainingConfig, *, normed: bool = False) -> Learner[PlainNetwork]:
     torch.manual_seed(0)
-    return Learner(Rivalry(chance=chance), config, Group("cpu"))
+    return Learner(Following(chance=normed, normed=normed), config, Group("cpu"))
 
 
-def state(learner: Learner[Rivals]) -> dict[str, Tensor]:
+def state(learner: Learner[PlainNetwork]) -> dict[str, Tensor]:
     return {
         name.removeprefix("network."): tensor.clone()
         for name, tensor in learner.tensors().items()
@@ -99,87 +76,86 @@ def moved(before: dict[str, Tensor], after: dict[str, Tensor]) -> set[str]:
 def test_two_passes_equal_two_optimizers() -> None:
     learner = learner_of(CONFIG)
     torch.manual_seed(0)
-    task = Rivalry(chance=False)
+    task = Following(chance=False)
     plain = task.network()
-    judges = torch.optim.Adam(plain.judge.parameters(), lr=0.005)
-    makers = torch.optim.Adam([*plain.maker.parameters(), *plain.last.parameters()], lr=0.02)
+    leading = [*plain.common.parameters(), *plain.rare.parameters()]
+    follower = torch.optim.Adam(plain.idle.parameters(), lr=0.005)
+    leader = torch.optim.Adam(leading, lr=0.02)
     for step in range(6):
         told = learner.learn(step)
         rows = step_rows(step, 32, 8, 0)
-        for name, optimizer, others in (
-            ("judge", judges, (plain.maker, plain.last)),
-            ("maker", makers, (plain.judge,)),
-        ):
-            plain.requires_grad_(True)
-            for other in others:
-                other.requires_grad_(False)
+        for name, optimizer in (("follower", follower), ("leader", leader)):
+            for weight in leading:
+                weight.requires_grad_(name == "leader")
             optimizer.zero_grad()
             losses = task.losses_of(name, plain, rows)
             torch.autograd.backward(losses["loss"])
             optimizer.step()
             assert told[name] == pytest.approx(float(losses["loss"].detach()), rel=1e-5)
-        assert told["loss"] == told["judge"]
-        assert set(told) == {"loss", "judge", "maker", "fit"}
+        assert told["loss"] == told["follower"]
+        assert set(told) == {"loss", "follower", "leader", "size"}
     for name, weight in plain.state_dict().items():
         torch.testing.assert_close(state(learner)[name], weight, rtol=1e-5, atol=1e-6)
 
 
 def test_a_pass_has_its_rhythm_and_its_rate() -> None:
-    learner = learner_of(replace(CONFIG, passes=(MAKER, replace(JUDGE, every=3, first=1))))
+    learner = learner_of(replace(CONFIG, passes=(LEADER, replace(FOLLOWER, every=3, first=1))))
     changed = []
     for step in range(6):
         before = state(learner)
         told = learner.learn(step)
-        changed.append("judge" in moved(before, state(learner)))
-        assert ("judge" in told, "loss" in told) == (step in (1, 4), True)
+        changed.append("idle" in moved(before, state(learner)))
+        assert ("follower" in told, "loss" in told) == (step in (1, 4), True)
     assert changed == [False, True, False, False, True, False]
-    assert learner.learning_rates(0) == {"learning_rate_maker": 0.02}
-    assert learner.learning_rates(4) == {"learning_rate_maker": 0.02, "learning_rate_judge": 0.005}
+    rates = {"learning_rate_leader": 0.02, "learning_rate_follower": 0.005}
+    assert learner.learning_rates(0) == {"learning_rate_leader": 0.02}
+    assert learner.learning_rates(4) == rates
 
 
 def test_untaught_parts_are_frozen_with_their_statistics_and_without_dropout() -> None:
-    stages = (replace(MAKER, parts=("maker", "last"), end=3), replace(JUDGE, first=3))
-    learner = learner_of(replace(CONFIG, passes=stages, ema_decay=0.5), chance=True)
+    stages = (replace(LEADER, end=3), replace(FOLLOWER, first=3))
+    learner = learner_of(replace(CONFIG, passes=stages, ema_decay=0.5), normed=True)
     seen = []
     for step in range(6):
         before = state(learner)
-        mean = learner.network.get_buffer("maker.1.running_mean").clone()
+        mean = learner.network.get_buffer("common.1.running_mean").clone()
         learner.learn(step)
         seen.append(moved(before, state(learner)))
-        assert learner.network.get_buffer("maker.1.running_mean").equal(mean) == (step >= 3)
-        assert learner._network.maker[2].training == (step < 3)
-    assert seen == [{"maker", "last"}] * 3 + [{"judge"}] * 3
+        assert learner.network.get_buffer("common.1.running_mean").equal(mean) == (step >= 3)
+        assert learner._network.common[3].training == (step < 3)
+    assert seen == [{"common", "rare"}] * 3 + [{"idle"}] * 3
     assert all(weight.requires_grad for weight in learner._network.parameters())
 
 
-STAGED = replace(
-    CONFIG,
-    accumulate=2,
-    ema_decay=0.8,
-    weight_decay=0.1,
-    optimizer="adamw",
-    gradient_clip=0.5,
-    passes=(replace(MAKER, end=5), replace(JUDGE, every=2), replace(MAKER, name="late", first=5)),
-)
-
-
 def test_a_run_in_passes_and_stages_goes_on_to_the_same_bytes(tmp_path: Path) -> None:
-    parts = files_of_run(Rivalry(), STAGED, tmp_path / "parts", 1, 5, 8)
-    assert parts == files_of_run(Rivalry(), STAGED, tmp_path / "whole")
+    config = replace(
+        CONFIG,
+        accumulate=2,
+        ema_decay=0.8,
+        weight_decay=0.1,
+        optimizer="adamw",
+        gradient_clip=0.5,
+        passes=(
+            replace(LEADER, end=5),
+            replace(FOLLOWER, every=2),
+            replace(LEADER, name="late", first=5),
+        ),
+    )
+    parts = files_of_run(Following(normed=True), config, tmp_path / "parts", 1, 5, 8)
+    assert parts == files_of_run(Following(normed=True), config, tmp_path / "whole")
 
 
 def test_weights_are_chosen_among_those_of_the_last_stage(tmp_path: Path) -> None:
     beginning: list[Tensor] = []
 
-    class Forgetful(Rivalry):
-        """Measures how far the judge is from its beginning: least before it learns."""
+    class Forgetful(Following):
+        """Measures how far the follower is from its beginning: least before it learns."""
 
-        def validation(self, network: Rivals) -> Mapping[str, float]:
-            weight = network.judge.get_parameter("0.weight")
-            beginning.append(weight.clone())
-            return {"moved": float((weight - beginning[0]).abs().sum())}
+        def validation(self, network: PlainNetwork) -> Mapping[str, float]:
+            beginning.append(network.idle.weight.clone())
+            return {"moved": float((beginning[-1] - beginning[0]).abs().sum())}
 
-    stages = (replace(MAKER, end=5), replace(JUDGE, learning_rate=0.1, first=5))
+    stages = (replace(LEADER, end=5), replace(FOLLOWER, learning_rate=0.1, first=5))
     config = replace(CONFIG, passes=stages, validate_every=1)
     trained = train(Forgetful(), config, RunFolder(tmp_path))
     lines = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
@@ -192,13 +168,13 @@ def test_weights_are_chosen_among_those_of_the_last_stage(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("passes", "message"),
     [
-        ((replace(MAKER, parts=("painter",)),), r"trains 'painter'.*parts: maker, last, judge"),
-        ((replace(MAKER, every=2),), "no pass is made in step 2 of 9"),
-        ((replace(MAKER, end=4), replace(JUDGE, first=5)), "no pass is made in step 5 of 9"),
+        ((replace(LEADER, parts=("painter",)),), r"trains 'painter'.*parts: common, rare, idle"),
+        ((replace(LEADER, every=2),), "no pass is made in step 2 of 9"),
+        ((replace(LEADER, end=4), replace(FOLLOWER, first=5)), "no pass is made in step 5 of 9"),
     ],
 )
 def test_passes_that_do_not_fit_the_network_or_the_steps_are_refused(
     passes: tuple[Pass, ...], message: str, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match=message):
-        train(Rivalry(), replace(CONFIG, passes=passes), RunFolder(tmp_path))
+        train(Following(), replace(CONFIG, passes=passes), RunFolder(tmp_path))

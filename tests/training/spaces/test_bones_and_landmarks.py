@@ -9,11 +9,11 @@ from scipy.spatial.transform import Rotation
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import ARKIT_NAMES, MotionClip
 from motion.formats.ted_npz import BONES, JOINT_NAMES
-from motion.points.clip_from_points import clip_from_points
 from motion.skeleton import JOINT_COUNT, REST_JOINTS, forward_kinematics, joint_index
 from training.spaces.bones_and_landmarks import (
     BONE_LENGTHS,
     BONE_VALUES,
+    bone_and_landmark_clip,
     bone_and_landmark_values,
     joint_tensors,
     joints_from_directions,
@@ -36,6 +36,11 @@ def clip(turned: float = 0.0) -> MotionClip:
 def test_directions_from_the_front_are_units_from_which_joints_are_built_again() -> None:
     values = bone_and_landmark_values(clip(), FACE)
     assert values.shape == (5, BONE_VALUES + 3 * FACE.count)
+    np.testing.assert_allclose(values[0, BONE_VALUES:], 0, atol=1e-7)
+    again = bone_and_landmark_values(bone_and_landmark_clip(values, 15.0, FACE), FACE)
+    arms = np.arange(BONE_VALUES).reshape(-1, 3)[[4, 5, 7, 8]].ravel()
+    np.testing.assert_allclose(again[:, arms], values[:, arms], atol=0.02)
+    np.testing.assert_allclose(again[:, BONE_VALUES:], values[:, BONE_VALUES:], atol=2e-3)
     directions = values[:, :BONE_VALUES].reshape(5, len(BONES), 3)
     np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1)
     joints = forward_kinematics(clip().poses, np.zeros((5, 3)), REST_JOINTS)[0]
@@ -49,25 +54,3 @@ def test_directions_from_the_front_are_units_from_which_joints_are_built_again()
     np.testing.assert_allclose(with_units(stretched).numpy(), values, atol=1e-6)
     turned = bone_and_landmark_values(clip(2.0), FACE)
     np.testing.assert_allclose(turned, values, atol=1e-6)
-
-
-def test_landmarks_are_shifts_from_the_neutral_face() -> None:
-    shifts = bone_and_landmark_values(clip(), FACE)[:, BONE_VALUES:]
-    np.testing.assert_allclose(shifts[0], 0, atol=1e-7)
-    np.testing.assert_allclose(shifts, FACE.shifts(clip()).reshape(5, -1), atol=1e-7)
-    assert bone_and_landmark_values(clip(), None).shape == (5, BONE_VALUES)
-
-
-def test_the_clip_of_values_has_the_same_values() -> None:
-    values = bone_and_landmark_values(clip(), FACE)
-    again = clip_from_points(
-        joints_from_directions(values[:, :BONE_VALUES].reshape(5, -1, 3)).astype(np.float32),
-        JOINT_NAMES,
-        15.0,
-        body=FACE.body,
-        landmarks=values[:, BONE_VALUES:].reshape(5, -1, 3).astype(np.float32),
-    )
-    result = bone_and_landmark_values(again, FACE)
-    arms = np.arange(BONE_VALUES).reshape(-1, 3)[[4, 5, 7, 8]].ravel()
-    np.testing.assert_allclose(result[:, arms], values[:, arms], atol=0.02)
-    np.testing.assert_allclose(result[:, BONE_VALUES:], values[:, BONE_VALUES:], atol=2e-3)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from transformers import ASTConfig, ASTForAudioClassification, ASTModel, DeiTConfig, DeiTModel
+from transformers import ASTConfig, ASTModel, DeiTConfig, DeiTModel
 
 from generators.amuse.config import SPEECH_PRESETS
 from generators.amuse.speech import SpeechEncoder, ast_config
@@ -23,15 +23,6 @@ from training.speech_features.spectrogram_transformer import (
 )
 
 CONFIG = ast_config(SMALL)
-
-
-def test_a_classifiers_transformer_is_taken_without_its_classes(tmp_path: Path) -> None:
-    classifier = ASTForAudioClassification(CONFIG)
-    classifier.save_pretrained(tmp_path)
-    weights = read_ast_weights(tmp_path, CONFIG)
-    expected = classifier.audio_spectrogram_transformer.state_dict()
-    assert weights.keys() == expected.keys()
-    assert all(torch.equal(weights[name], expected[name]) for name in expected)
 
 
 def test_a_network_for_images_becomes_one_for_sound(tmp_path: Path) -> None:
