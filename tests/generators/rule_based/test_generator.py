@@ -97,7 +97,7 @@ def test_hands_and_jaw_follow_a_real_voice(shared_data: Path) -> None:
     moments, strong = stops(clip), heard.accents[heard.prominence > 0.4]
     shifts = np.random.default_rng(0).uniform(1, 29, 100)
     chance = np.mean([share_near((moments + shift) % 30, strong) for shift in shifts])
-    assert share_near(moments, strong) > max(0.6, 2 * chance)
+    assert share_near(moments, strong) > max(0.6, 2 * float(chance))
     jaw = arkit_of(clip)[:, arkit_index("jawOpen")]
     assert np.corrcoef(jaw, heard.energy)[0, 1] > 0.5
     assert jaw[heard.energy < 0.1].mean() < 0.03
