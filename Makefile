@@ -47,7 +47,7 @@ test: export PYTHONDONTWRITEBYTECODE =
 # Three processes run tests on two cores, since browsers and servers often wait; more threads would only wait for each other.
 test: export OMP_NUM_THREADS = 1
 test: export OPENBLAS_NUM_THREADS = 1
-test: setup-browser setup-database setup-proxies  ## Run all tests, the ones in a real browser included.
+test: setup-browser setup-engines setup-database setup-proxies  ## Run all tests, the ones in real browsers included.
 	$(BIN)/pytest -n 3 --dist loadfile --no-loadscope-reorder --max-worker-restart 0
 
 check: $(VENV)/.developed  ## Check format, lint, types and layers.
@@ -122,7 +122,7 @@ screens: setup-browser  ## Take every page of every protocol, in every size, lig
 	SCREENSHOTS=$(CURDIR)/screens $(BIN)/pytest -q tests/functional/test_every_page_in_browser.py
 
 engines: setup-engines  ## Take part in a study and watch it in Firefox and WebKit, and take every page.
-	ENGINES=1 SCREENSHOTS=$(CURDIR)/screens $(BIN)/pytest -q tests/functional/test_engines.py
+	SCREENSHOTS=$(CURDIR)/screens $(BIN)/pytest -q tests/functional/test_engines.py
 
 command-pages: $(VENV)/.developed  ## Bring docs/commands up to date with the commands' options.
 	$(BIN)/python -m tools.handbook.command_pages
