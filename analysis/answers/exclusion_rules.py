@@ -122,16 +122,16 @@ class Removed:
 
     Attributes
     ----------
-    outcomes : tuple of RuleOutcome
-        One a rule, in the order of application.
-    reasons : dict of str to str
+    rules : tuple of RuleOutcome
+        In the order in which they were applied.
+    exclusions : dict of str to str
         Each participant removed, and why: rule after rule, by name within each.
     removed_by : dict of str to int
-        The place in `outcomes` of the rule that removed each.
+        The place in `rules` of the rule that removed each.
     """
 
-    outcomes: tuple[RuleOutcome, ...]
-    reasons: dict[str, str]
+    rules: tuple[RuleOutcome, ...]
+    exclusions: dict[str, str]
     removed_by: dict[str, int]
 
 
@@ -367,7 +367,7 @@ def apply_rules(
         reasons |= removed
         removed_by |= dict.fromkeys(removed, place)
         remaining = [facts for facts, reason in judged if not reason]
-    return Removed(outcomes=tuple(outcomes), reasons=reasons, removed_by=removed_by)
+    return Removed(rules=tuple(outcomes), exclusions=reasons, removed_by=removed_by)
 
 
 def _remark(rule: ExclusionRule, reached: int, unknown: int) -> str:

@@ -12,7 +12,7 @@ import pandas as pd
 from analysis.answers.exclusion_rules import (
     ExclusionRule,
     KnownFacts,
-    RuleOutcome,
+    Removed,
     apply_rules,
     failed_catch_trials,
     marked,
@@ -28,17 +28,11 @@ EVERYBODY: Final = ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LeftOut:
+class LeftOut(Removed):
     """The answers with and without the participants whom the rules exclude.
 
     Attributes
     ----------
-    exclusions : dict of str to str
-        Each participant left out, and the reason.
-    removed_by : dict of str to int
-        The place in `rules` of the rule that removed each.
-    rules : tuple of RuleOutcome
-        In the order in which they were applied.
     planned_exclusions : dict of str to str
         Participants excluded by the rules that were settled before answers could be seen, and the
         reason; the same as `exclusions` where no rule is exploratory.
@@ -50,9 +44,6 @@ class LeftOut:
         How many participants there are in the table, and how many were kept.
     """
 
-    exclusions: dict[str, str]
-    removed_by: dict[str, int]
-    rules: tuple[RuleOutcome, ...]
     planned_exclusions: dict[str, str]
     kept: pd.DataFrame
     analysed: pd.DataFrame
@@ -98,18 +89,16 @@ def leave_out(
     participants = facts_of(table, known)
     removed = apply_rules(participants, rules)
     shown = table.shown
-    stays = ~shown["participant"].isin(list(removed.reasons))
+    stays = ~shown["participant"].isin(list(removed.exclusions))
     counts = shown["kind"].isin(ANALYSED_KINDS)
     return LeftOut(
-        exclusions=removed.reasons,
-        removed_by=removed.removed_by,
-        rules=removed.outcomes,
-        planned_exclusions=apply_rules(participants, planned).reasons,
+        **vars(removed),
+        planned_exclusions=apply_rules(participants, planned).exclusions,
         kept=shown[stays].reset_index(drop=True),
         analysed=shown[stays & counts].reset_index(drop=True),
         everyone=shown[counts].reset_index(drop=True),
         recruited=len(table.participants),
-        attentive=len(table.participants) - len(removed.reasons),
+        attentive=len(table.participants) - len(removed.exclusions),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -111,8 +111,20 @@ def answers_in(
     answers = _answers(layout, checking, kinds[used])
     if layout.answered_once:
         answers["trial"] = _repeated_alone(answers, layout)
-    _refuse_contradictions(layout, checking, answers)
-    _refuse_unjudged(checking, answers)
+    if layout.distinct is not None:
+        left, right = (answers[name].astype(object) for name in layout.distinct)
+        checking.refuse(
+            checking.analysed & (left == right).to_numpy(bool),
+            layout.distinct[1],
+            lambda _: layout.contradiction,
+            "Correct the row, or remove it",
+        )
+    checking.refuse(
+        np.asarray((answers["kind"] == "catch") & answers["correct_side"].isna(), bool),
+        "correct_side",
+        lambda _: "a catch trial has no correct side",
+        "Write left or right into it, or remove the row",
+    )
     if scale is not None:
         low, high = scale
         values = answers["value"].to_numpy(np.float64)
@@ -131,6 +143,7 @@ def answers_in(
     )
     for column in layout.conditions:
         answers[column.name] = answers[column.name].cat.set_categories(list(conditions))
+    has_scale = scale is not None or bool(order.scales)
     questions = _ordered(_appearing(answers[["question"]], analysed), order.questions)
     return AnswerTable(
         protocol=layout.protocol,
@@ -141,22 +154,7 @@ def answers_in(
         conditions=conditions,
         questions=questions,
         sets=_ordered(_appearing(answers[["set"]], analysed), order.sets),
-        notes=_notes(
-            cells,
-            kinds,
-            layout,
-            unanswered=int(answers["value"].isna().sum()),
-            # Of a ranking it is enough to ask for the place of one condition.
-            duplicates=0
-            if "trial" in cells.rows or layout.answered_once
-            else _count_duplicates(answers),
-            oddity=_oddity(
-                answers, analysed, layout, has_scale=scale is not None or bool(order.scales)
-            ),
-            unasked=0
-            if layout.answered_once and asked.any()
-            else int(((kinds == "attention") & ~asked).sum()),
-        ),
+        notes=tuple(_notes(cells, kinds, asked, layout, answers, analysed, has_scale)),
     )
 
 
@@ -186,26 +184,6 @@ def _answers(layout: Layout, checking: Checking, kinds: NDArray[np.object_]) -> 
             "seconds": checking.numbers(_COLUMN["response_seconds"]),
             "watched": checking.numbers(_COLUMN["watched"]),
         }
-    )
-
-
-def _refuse_contradictions(layout: Layout, checking: Checking, answers: pd.DataFrame) -> None:
-    if layout.distinct is not None:
-        left, right = (answers[name].astype(object) for name in layout.distinct)
-        checking.refuse(
-            checking.analysed & (left == right).to_numpy(bool),
-            layout.distinct[1],
-            lambda _: layout.contradiction,
-            "Correct the row, or remove it",
-        )
-
-
-def _refuse_unjudged(checking: Checking, answers: pd.DataFrame) -> None:
-    checking.refuse(
-        np.asarray((answers["kind"] == "catch") & answers["correct_side"].isna(), bool),
-        "correct_side",
-        lambda _: "a catch trial has no correct side",
-        "Write left or right into it, or remove the row",
     )
 
 
@@ -278,40 +256,38 @@ def _reason(text: str) -> str:
 def _notes(
     cells: Cells,
     kinds: NDArray[np.object_],
+    asked: Rows,
     layout: Layout,
-    *,
-    unanswered: int,
-    unasked: int,
-    duplicates: int,
-    oddity: str,
-) -> tuple[str, ...]:
-    notes = [oddity] if oddity else []
-    if duplicates:
-        notes.append(
-            f"{_rows(duplicates)} the same as an earlier one, and no column trial tells "
+    answers: pd.DataFrame,
+    analysed: Rows,
+    has_scale: bool,
+) -> Iterator[str]:
+    if oddity := _oddity(answers, analysed, layout, has_scale=has_scale):
+        yield oddity
+    unanswered = answers["value"].isna()
+    tells_apart = "trial" in cells.rows or layout.answered_once
+    if not tells_apart and (repeated := int(answers[~unanswered].duplicated().sum())):
+        yield (
+            f"{_rows(repeated)} the same as an earlier one, and no column trial tells "
             "presentations apart: each counts as an answer of its own. Is the table joined with "
             "itself?"
         )
     if cells.ignored:
-        notes.append(f"Columns that are not read: {', '.join(cells.ignored)}.")
-    if unanswered:
-        notes.append(f"{_rows(unanswered)} without a {layout.value.name} left out.")
-    if unasked:
-        notes.append(
+        yield f"Columns that are not read: {', '.join(cells.ignored)}."
+    if unanswered.any():
+        yield f"{_rows(int(unanswered.sum()))} without a {layout.value.name} left out."
+    unasked = int(((kinds == "attention") & ~asked).sum())
+    # Of a ranking it is enough to ask for the place of one condition.
+    if unasked and not (layout.answered_once and asked.any()):
+        yield (
             f"{_rows(unasked)} of attention checks left out; the table does not say what they ask "
             "for, so that they exclude nobody by themselves."
         )
     if not layout.has_sides and (catch := int((kinds == "catch").sum())):
-        notes.append(
+        yield (
             f"{_rows(catch)} of catch trials left out; a {layout.protocol} has no correct side, "
             "so that they exclude nobody by themselves."
         )
-    return tuple(notes)
-
-
-def _count_duplicates(answers: pd.DataFrame) -> int:
-    """Return how many rows repeat an earlier one."""
-    return int(answers[answers["value"].notna()].duplicated().sum())
 
 
 def _oddity(answers: pd.DataFrame, analysed: Rows, layout: Layout, *, has_scale: bool) -> str:

@@ -12,7 +12,7 @@ from scipy.stats import norm
 
 from analysis.planning.grid import Cell, Runner, Task, estimate_minutes, limit_effort
 from analysis.planning.part import Opinions, Size, describe_effect
-from analysis.planning.power import Effort
+from analysis.planning.power import Effort, Power
 
 WANTED: Final = 0.8
 """The power that a plan aims at."""
@@ -138,14 +138,13 @@ class Plan:
         """Names of the study's parts."""
         return tuple(power.part for power in self.cells[0].powers)
 
-    def cell(self, participants: int, items: int, effect: float) -> Cell | None:
-        """Return one of the cells."""
-        for cell in self.cells:
-            if cell.size.numbers == (participants, items) and all(
-                power.effect == effect for power in cell.powers
-            ):
-                return cell
-        return None
+    def power(self, part: int, participants: int, items: int, effect: float) -> Power:
+        """Return what one of the cells says of a part, by its place."""
+        return next(
+            cell.powers[part]
+            for cell in self.cells
+            if cell.size.numbers == (participants, items) and cell.powers[part].effect == effect
+        )
 
 
 def plan(request: Request, runner: Runner) -> Plan:

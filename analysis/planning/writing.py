@@ -107,16 +107,11 @@ def power_lines(plan: Plan) -> Iterator[str]:
         yield f"{f'{part}, ' if part else ''}participants x segments".ljust(_WIDE) + head
         for items in plan.request.items:
             for participants in plan.request.participants:
-                cells = [plan.cell(participants, items, effect) for effect in effects]
-                powers = [
-                    with_error(cell.powers[number])
-                    if cell is not None and not cell.powers[number].reason
-                    else "-"
-                    for cell in cells
-                ]
+                powers = [plan.power(number, participants, items, effect) for effect in effects]
+                columns = ["-" if power.reason else with_error(power) for power in powers]
                 size = f"{participants} x {items}"
                 mark = " (as it stands)" if plan.request.own == (participants, items) else ""
-                yield (size + mark).ljust(_WIDE) + "".join(f"{power:>14}" for power in powers)
+                yield (size + mark).ljust(_WIDE) + "".join(f"{column:>14}" for column in columns)
 
 
 _DASHES: Final = ("-", "--", "-.", ":")
@@ -174,8 +169,7 @@ def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
     axes.axhline(WANTED, color=SOFT, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1)
     people, own_size = sorted(set(plan.request.participants)), _own_size(plan)
     for place, items in enumerate(plan.request.items):
-        cells = [plan.cell(count, items, effect) for count in people]
-        powers = [cell.powers[number] for cell in cells if cell is not None]
+        powers = [plan.power(number, count, items, effect) for count in people]
         values = [power.power for power in powers]
         colour, _ = series_style(place)
         axes.add_line(_line(place, people, values))
@@ -323,7 +317,7 @@ def _saturated(plan: Plan, number: int) -> Iterator[_Saturated]:
     for effect in plan.request.effects:
         for items in plan.request.items:
             for enough, larger in pairwise(sorted(plan.request.participants)):
-                before, after = (_power(plan, number, p, items, effect) for p in (enough, larger))
+                before, after = (plan.power(number, p, items, effect) for p in (enough, larger))
                 gain = after.power - before.power
                 is_little = gain / math.log2(larger / enough) < LITTLE
                 if not (SEEN < after.power < WANTED and is_little):
@@ -331,7 +325,7 @@ def _saturated(plan: Plan, number: int) -> Iterator[_Saturated]:
                 others = [
                     (other, power.power)
                     for other in sorted(plan.request.items)
-                    for power in (_power(plan, number, enough, other, effect),)
+                    for power in (plan.power(number, enough, other, effect),)
                     if other > items and power.power - before.power > max(gain, 2 * power.error)
                 ]
                 add = others[0] if others else None
@@ -362,10 +356,3 @@ def _alone(plan: Plan, number: int) -> Power | None:
     powers = [cell.powers[number] for cell in plan.cells if cell.size.numbers == size]
     differing = [power for power in powers if power.power - power.alone > APART]
     return max(differing, key=lambda power: power.power - power.alone, default=None)
-
-
-def _power(plan: Plan, number: int, participants: int, items: int, effect: float) -> Power:
-    cell = plan.cell(participants, items, effect)
-    if cell is None:
-        raise LookupError(f"{participants} x {items} was not simulated")
-    return cell.powers[number]

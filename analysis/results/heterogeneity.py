@@ -83,27 +83,18 @@ def cells(
     """
     order = np.argsort(levels, kind="stable")
     present, starts = np.unique(levels[order], return_index=True)
-    return tuple(
-        _cell(names[level], values[rows], participants[rows], segments[rows], null, limits)
-        for level, rows in zip(present, np.split(order, starts[1:]), strict=True)
-    )
-
-
-def _cell(
-    name: str,
-    values: Floats,
-    participants: Codes,
-    segments: Codes,
-    null: float,
-    limits: tuple[float, float],
-) -> Cell:
-    mean = clustered_mean(values, participants, segments, null=null, limits=limits)
-    count = mean.segments
-    if descriptive := count <= FEW:
-        untested = f"{count} segment{'s' * (count > 1)}: {UNTESTED}"
-        remark = "; ".join(filter(None, (untested, mean.remark)))
-        mean = replace(mean, p_value=math.nan, remark=remark)
-    return Cell(**vars(mean), level=name, descriptive=descriptive)
+    effects = []
+    for level, rows in zip(present, np.split(order, starts[1:]), strict=True):
+        mean = clustered_mean(
+            values[rows], participants[rows], segments[rows], null=null, limits=limits
+        )
+        count = mean.segments
+        if descriptive := count <= FEW:
+            untested = f"{count} segment{'s' * (count > 1)}: {UNTESTED}"
+            remark = "; ".join(filter(None, (untested, mean.remark)))
+            mean = replace(mean, p_value=math.nan, remark=remark)
+        effects.append(Cell(**vars(mean), level=names[level], descriptive=descriptive))
+    return tuple(effects)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -188,8 +188,8 @@ class Answers:
         How many categories there are, and how their thresholds are made.
     fixed : ndarray, shape (N, k)
         Covariates; without an intercept, for which the thresholds stand.
-    layout : Layout or None
-        Groups of the random effects, the largest grouping first; None where there are none.
+    layout : Layout
+        Groups of the random effects, the largest grouping first.
     multipliers : tuple of ndarray, shape (N,)
         For each grouping, what an answer's random effect is multiplied with.
     """
@@ -197,7 +197,7 @@ class Answers:
     codes: NDArray[np.intp]
     thresholds: Thresholds
     fixed: Floats
-    layout: Layout | None
+    layout: Layout
     multipliers: tuple[Floats, ...]
 
     @property
@@ -230,15 +230,15 @@ class Likelihood:
         Standardised modes of the random effects.
     settled : bool
         Whether the modes were found.
-    information : Information or None
-        Of the random effects at their modes; None where there are none.
+    information : Information
+        Of the random effects at their modes.
     """
 
     value: float
     gradient: Floats
     modes: Floats
     settled: bool
-    information: Information | None = None
+    information: Information
 
 
 def likelihood(answers: Answers, parameters: Floats, start: Likelihood | None = None) -> Likelihood:
@@ -253,18 +253,16 @@ def likelihood(answers: Answers, parameters: Floats, start: Likelihood | None = 
     start : Likelihood, optional
         Of parameters nearby: where the way to the modes begins, and what leads it at first.
     """
-    if answers.layout is None:
-        return _fixed_only(answers, parameters)
     _, _, deviations = answers.split(parameters)
     scaled = [sd * m for sd, m in zip(deviations, answers.multipliers, strict=True)]
-    modes, point, settled = _mode(answers, answers.layout, parameters, scaled, start)
+    modes, point, settled = _mode(answers, parameters, scaled, start)
     information = Information.of(answers.layout, scaled, point.weights)
     value = point.log_probability.sum() - 0.5 * modes @ modes - 0.5 * information.log_determinant
-    gradient = _gradient(answers, answers.layout, parameters, scaled, modes, point, information)
+    gradient = _gradient(answers, parameters, scaled, modes, point, information)
     return Likelihood(float(value), gradient, modes, settled, information)
 
 
-def _at(answers: Answers, parameters: Floats, random: Floats | float) -> Interval:
+def _at(answers: Answers, parameters: Floats, random: Floats) -> Interval:
     free, effects, _ = answers.split(parameters)
     thresholds = answers.thresholds.values(free)
     eta = answers.fixed @ effects + random
@@ -273,30 +271,15 @@ def _at(answers: Answers, parameters: Floats, random: Floats | float) -> Interva
     return Interval(lower, upper)
 
 
-def _fixed_only(answers: Answers, parameters: Floats) -> Likelihood:
-    point = _at(answers, parameters, 0.0)
-    none = np.zeros(len(answers.codes))
-    gradient = np.concatenate(
-        [
-            _by_thresholds(answers, parameters, point, none, none),
-            answers.fixed.T @ point.slope,
-        ]
-    )
-    return Likelihood(float(point.log_probability.sum()), gradient, np.empty(0), True)
-
-
 def _mode(
-    answers: Answers,
-    layout: Layout,
-    parameters: Floats,
-    scaled: Sequence[Floats],
-    start: Likelihood | None,
+    answers: Answers, parameters: Floats, scaled: Sequence[Floats], start: Likelihood | None
 ) -> tuple[Floats, Interval, bool]:
     """Climb to the mode of the random effects by Newton's method; halve a step that leads down.
 
     The second derivatives cost more than a step, and change little from one to the next: they
     are computed anew only where a step shows that they do not lead straight to the mode.
     """
+    layout = answers.layout
 
     def height(effects: Floats) -> tuple[float, Interval]:
         point = _at(answers, parameters, _summed(scaled, layout.spread(effects)))
@@ -327,7 +310,6 @@ def _mode(
 
 def _gradient(
     answers: Answers,
-    layout: Layout,
     parameters: Floats,
     scaled: Sequence[Floats],
     modes: Floats,
@@ -335,6 +317,7 @@ def _gradient(
     information: Information,
 ) -> Floats:
     """Differentiate the log-likelihood, the log-determinant and, through both, the mode."""
+    layout = answers.layout
     directions = information.directions(scaled)
     leverage = _summed(scaled, directions)
     pull = layout.spread(

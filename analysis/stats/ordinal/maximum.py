@@ -193,16 +193,14 @@ def _gradient_unit(answers: Answers) -> float:
     known better.
     """
     count = len(answers.codes)
-    independent = min(answers.layout.sizes) if answers.layout is not None else count
-    return math.sqrt(independent) / count
+    return math.sqrt(min(answers.layout.sizes)) / count
 
 
 def free_parameters(answers: Answers, parameters: Floats) -> NDArray[np.bool_]:
     """Tell which parameters are not at a boundary."""
     _, _, deviations = answers.split(parameters)
     free = np.ones(len(parameters), bool)
-    if answers.terms:
-        free[-answers.terms :] = np.abs(deviations) >= BOUNDARY
+    free[-answers.terms :] = np.abs(deviations) >= BOUNDARY
     return free
 
 
@@ -229,13 +227,11 @@ def _part(answers: Answers) -> Answers:
     chosen = np.arange(len(answers.codes))
     most = int(PART * len(chosen))
     layout = answers.layout
-    while layout is not None and len(chosen) > most:
+    while len(chosen) > most:
         largest = int(np.argmax(layout.sizes))
         drawn = chance.permutation(layout.sizes[largest]) % 2 == 0
         of_drawn = drawn[layout.groups[largest]]
         chosen, layout = chosen[of_drawn], layout.part(of_drawn)
-    if layout is None:
-        chosen = np.sort(chance.choice(len(chosen), most, replace=False))
     return replace(
         answers,
         codes=answers.codes[chosen],
@@ -255,7 +251,8 @@ class _Climb:
     def at(self, parameters: Floats) -> Likelihood:
         current = likelihood(self.answers, parameters, self.last)
         if not np.isfinite(current.value):
-            return Likelihood(-np.inf, np.zeros_like(parameters), current.modes, False)
+            none = np.zeros_like(parameters)
+            return replace(current, value=-np.inf, gradient=none, settled=False)
         self.last = current
         return current
 

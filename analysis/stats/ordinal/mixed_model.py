@@ -95,7 +95,7 @@ class OrdinalFit:
 def fit(
     answers: Sequence[int] | NDArray[np.integer],
     covariates: Mapping[str, Sequence[float] | Floats],
-    random: Sequence[RandomEffect] = (),
+    random: Sequence[RandomEffect],
     *,
     errors: bool = True,
     begin: Beginning | None = None,
@@ -112,7 +112,7 @@ def fit(
     covariates : mapping of name to sequence, shape (N,)
         Fixed effects, without an intercept; none follows from the others.
     random : sequence of RandomEffect
-        Crossed random effects.
+        Crossed random effects, at least one.
     errors : bool
         Whether standard errors are wanted. A model that only another is compared with needs none,
         and is fitted in half the time.
@@ -172,11 +172,12 @@ def _data(
         or [np.empty((len(codes), 0))]
     )
     ordered = sorted(random, key=lambda effect: -len(np.unique(effect.groups)))
+    groups = [np.unique(effect.groups, return_inverse=True)[1] for effect in ordered]
     data = Answers(
         codes=codes.astype(np.intp),
         thresholds=Thresholds(len(categories)),
         fixed=fixed,
-        layout=_layout(ordered),
+        layout=Layout(tuple(groups), tuple(int(codes.max()) + 1 for codes in groups)),
         multipliers=tuple(
             np.ones(len(codes)) if effect.multiplier is None else effect.multiplier
             for effect in ordered
@@ -192,15 +193,6 @@ def likelihood_ratio(full: OrdinalFit, reduced: OrdinalFit) -> tuple[float, int,
     if freedom < 1 or full.answers != reduced.answers:
         raise ValueError("the models are not nested")
     return statistic, freedom, float(stats.chi2.sf(statistic, freedom))
-
-
-def _layout(random: Sequence[RandomEffect]) -> Layout | None:
-    if not random:
-        return None
-    codes = [np.unique(effect.groups, return_inverse=True)[1] for effect in random]
-    return Layout(
-        tuple(code.astype(np.intp) for code in codes), tuple(int(c.max()) + 1 for c in codes)
-    )
 
 
 def _result(

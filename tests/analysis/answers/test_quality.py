@@ -25,26 +25,18 @@ def test_medians_are_those_of_participants_and_half_of_them_is_too_fast() -> Non
     assert (nothing.reason, nothing.missing, nothing.too_fast) == ("no response times", 1, {})
 
 
-def answer_rows(**answers: dict[str, list[float]]) -> pd.DataFrame:
-    """Return answers: participant to question to values, shuffled between participants."""
-    rows = [
-        (turn, participant, question, value)
-        for participant, questions in answers.items()
-        for question, values in questions.items()
-        for turn, value in enumerate(values)
-    ]
-    rows.sort(key=lambda row: row[0])
-    return pd.DataFrame(rows, columns=["turn", "participant", "question", "value"])
-
-
-def test_everybody_is_looked_at_alone() -> None:
-    result = straight_lining(
-        answer_rows(p={"a": [1, 1, 1, 2], "b": [1, 2, 2, 1]}, q={"a": [2, 2], "b": [2]})
+def test_everybody_is_looked_at_alone_in_the_order_of_appearance() -> None:
+    answers = pd.DataFrame(
+        {
+            "participant": pd.Categorical(list("qppppqppppq")),
+            "value": [2, 1, 1, 1, 2, 2, 1, 2, 2, 1, 2],
+        }
     )
-    assert {people: (one.answers, one.share) for people, one in result.items()} == {
-        "p": (8, 5 / 8),
-        "q": (3, 1),
-    }
+    result = straight_lining(answers)
+    assert [(name, same.answers, same.share) for name, same in result.items()] == [
+        ("q", 3, 1),
+        ("p", 8, 5 / 8),
+    ]
 
 
 @pytest.fixture

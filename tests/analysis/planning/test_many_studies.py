@@ -65,14 +65,3 @@ def test_a_difference_counts_as_found_where_the_better_one_comes_out_ahead() -> 
 
     assert detection_shares(tested, decided, (True, False), effect=0.4).tolist() == [1.0, 0.0]
     assert detection_shares(tested, decided, (True, False), effect=0.0).tolist() == [1.0, 1.0]
-
-
-def test_the_same_seed_draws_the_same_companies() -> None:
-    chance = np.random.default_rng(2)
-    pool = chance.random((50, 2)) / 10
-    company = FamilyRest((pool,), (3,))
-
-    first, again = (decided_by_holm(pool, company, 7) for _ in range(2))
-
-    assert first == pytest.approx(again)
-    assert set(np.unique(first)) - {0.0, 1.0}

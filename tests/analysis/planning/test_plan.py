@@ -154,10 +154,8 @@ def test_where_participants_add_little_segments_are_recommended_if_they_add_more
 
 def test_the_smallest_difference_lies_where_the_power_is_reached(made: Plan) -> None:
     (one,) = made.smallest
-    own = made.cell(10, 6, 0.5)
-    assert own is not None
 
-    assert own.powers[0].power < 0.8
+    assert made.power(0, 10, 6, 0.5).power < 0.8
     assert 0.6 < one.effect < 4
     assert "wins" in one.in_answers
 

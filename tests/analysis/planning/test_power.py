@@ -59,13 +59,6 @@ def test_larger_effects_are_found_more_often_and_nothing_in_at_most_a_twentieth(
     assert much > 0.6
 
 
-def test_more_participants_and_more_segments_find_more() -> None:
-    few = power(PAIRS, 8, 6, 0.5).power
-
-    assert power(PAIRS, 16, 6, 0.5).power > few
-    assert power(PAIRS, 8, 12, 0.5).power > few
-
-
 def test_more_tests_are_corrected_more_also_of_rankings() -> None:
     six = power(replace(PAIRS, questions=6), 12, 10, 0.6)
     rankings = power(replace(KINDS[2], questions=3), 12, 10, 0.9)

@@ -83,16 +83,6 @@ def test_agreement_does_not_tell_which_way_people_answer(protocol: str, tmp_path
     assert bare == mirrored
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_too_few_answers_give_no_interval_and_say_why(protocol: str, tmp_path: Path) -> None:
-    table, left_out = given(protocol, tmp_path, TABLES[protocol](participants=1))
-
-    numbers = headline_numbers(table, left_out.analysed)
-    assert {number.reason for number in numbers} == {"one participant"}
-    [agreed] = agreed_so_far(table, left_out)
-    assert agreed.estimate != agreed.estimate and agreed.reason
-
-
 def with_and_without(
     folder: Path, protocol: str, *rules: ExclusionRule, table: pd.DataFrame | None = None
 ) -> tuple[Sensitivity, ...]:

@@ -32,16 +32,6 @@ def test_the_gradient_is_the_derivative() -> None:
     np.testing.assert_allclose(likelihood(answers, at).gradient, numeric, rtol=1e-5, atol=1e-5)
 
 
-def test_without_random_effects_it_is_the_exact_likelihood() -> None:
-    codes, fixed = np.array([0, 1, 1]), np.array([[0.0], [1.0], [-1.0]])
-    made = Answers(codes, Thresholds(2), fixed, None, ())
-
-    result = likelihood(made, np.array([0.3, 0.5]))
-
-    expected = np.log(expit(0.3)) + np.log(expit(0.5 - 0.3)) + np.log(expit(-0.5 - 0.3))
-    assert result.value == pytest.approx(expected)
-
-
 def test_it_is_near_the_integral_over_a_random_effect() -> None:
     codes = np.array([0, 1, 1, 0, 1, 1, 1, 0] * 5)
     layout = Layout((np.zeros(40, int),), (1,))

@@ -26,34 +26,21 @@ def test_it_agrees_with_ordinal_for_r() -> None:
     ]
 
     mixed, without_methods = fit(scores, covariates, random), fit(scores, {}, random)
-    fixed = fit(scores, covariates)
 
-    clmm, clm = expected["clmm"], expected["clm_no_random_logit"]
+    clmm = expected["clmm"]
     assert mixed.converged
     assert not mixed.remark
     for name in covariates:
         assert mixed.estimates[name] == pytest.approx(clmm["beta"][f"method{name}"], abs=1e-4)
         assert mixed.standard_errors[name] == pytest.approx(clmm["se"][f"method{name}"], rel=1e-3)
         assert mixed.wald_p(name) == pytest.approx(clmm["p"][f"method{name}"], rel=1e-2)
-        assert fixed.estimates[name] == pytest.approx(clm["beta"][f"method{name}"], abs=1e-5)
     assert mixed.log_likelihood == pytest.approx(clmm["loglik"], abs=1e-4)
-    assert fixed.log_likelihood == pytest.approx(clm["loglik"], abs=1e-6)
     assert mixed.thresholds == pytest.approx(list(clmm["theta"].values()), abs=1e-3)
     assert mixed.deviations["participant"] == pytest.approx(clmm["sd_participant"], abs=1e-3)
     assert mixed.deviations["item"] == pytest.approx(clmm["sd_item"], abs=1e-3)
     statistic, freedom, _ = likelihood_ratio(mixed, without_methods)
     assert statistic == pytest.approx(clmm["lrt_chisq_method"], abs=1e-3)
     assert freedom == 3
-
-
-def test_it_finds_what_was_put_in() -> None:
-    made = made_answers(participants=60, items=60)
-
-    result = fit(made.values, {"side": made.side}, made.slopes)
-
-    assert abs(result.estimates["side"] - 0.4) < 3 * result.standard_errors["side"]
-    assert result.deviations["participant"] == pytest.approx(0.6, abs=0.2)
-    assert result.deviations["item"] == pytest.approx(0.45, abs=0.2)
 
 
 @pytest.mark.parametrize("size", [(8, 3), (22, 24)])
@@ -71,18 +58,16 @@ def test_a_fit_without_errors_has_the_same_likelihood(size: tuple[int, int]) -> 
 def test_many_answers_begun_from_a_part_of_them_end_at_the_same_maximum(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    made = made_answers(100, 80)
+    made = made_answers(60, 50)
     whole = fit(made.values, {"side": made.side}, made.slopes)
 
     monkeypatch.setattr("analysis.stats.ordinal.maximum.MANY", 1000)
     begun = fit(made.values, {"side": made.side}, made.slopes)
-    fixed = fit(made.values, {"side": made.side})
 
     assert begun.converged
     assert begun.log_likelihood == pytest.approx(whole.log_likelihood, abs=1e-5)
     assert begun.estimates["side"] == pytest.approx(whole.estimates["side"], abs=1e-4)
     assert begun.standard_errors["side"] == pytest.approx(whole.standard_errors["side"], rel=2e-3)
-    assert fixed.converged
 
 
 def test_a_variance_at_its_boundary_is_said() -> None:
@@ -112,7 +97,7 @@ def test_separated_answers_are_said_and_have_no_p() -> None:
 @pytest.mark.parametrize("answers", [[], [2, 2, 2]])
 def test_nothing_to_fit_is_said(answers: list[int]) -> None:
     with pytest.raises(InputError, match="ordinal model needs"):
-        fit(answers, {})
+        fit(answers, {}, ())
 
 
 def fitted(made: MadeAnswers, *, mirrored: bool = False) -> OrdinalFit:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -8,8 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy import stats
+from statsmodels.stats.weightstats import DescrStatsW
 
-from analysis.stats.one_sample_tests import pooled_tests, sign_test, signed_rank
+from analysis.stats.one_sample_tests import (
+    equivalence,
+    equivalence_of_means,
+    pooled_tests,
+    sign_test,
+    signed_rank,
+)
+from motion.errors import InputError
 
 
 def by_all_signs(values: NDArray[np.float64]) -> float:
@@ -24,7 +33,7 @@ def by_all_signs(values: NDArray[np.float64]) -> float:
 
 @settings(max_examples=60)
 @given(st.lists(st.integers(-3, 3), min_size=1, max_size=9).filter(any))
-def test_with_ties_and_zeros_it_is_what_all_signs_give(values: list[float]) -> None:
+def test_with_ties_and_zeros_signed_ranks_give_what_all_signs_do(values: list[float]) -> None:
     result = signed_rank(np.array(values) / 7)
     assert result.p_value == pytest.approx(by_all_signs(np.array(values)))
 
@@ -36,7 +45,7 @@ def test_very_many_values_are_taken_for_normal() -> None:
     assert result.p_value == result.normal_p == pytest.approx(expected.pvalue)
 
 
-def test_it_is_what_the_plain_tests_give() -> None:
+def test_pooled_tests_are_the_plain_ones() -> None:
     answers = np.random.default_rng(1).integers(-2, 3, 600)
     result = pooled_tests(answers)
     wins, losses = int((answers > 0).sum()), int((answers < 0).sum())
@@ -54,3 +63,41 @@ def test_six_above_and_one_below_worked_by_hand() -> None:
 
 def test_a_mean_that_is_zero_but_for_rounding_is_zero() -> None:
     assert sign_test(np.array([0.1 + 0.2 - 0.3, -1.0])).estimate == 0
+
+
+def test_equivalence_agrees_with_another_implementation() -> None:
+    differences = np.random.default_rng(3).normal(0.1, 0.5, 40)
+    expected = DescrStatsW(differences)
+    result = equivalence_of_means(differences, 0.3)
+    assert result.p_value == pytest.approx(expected.ttost_mean(-0.3, 0.3)[0])
+    assert (result.low, result.high) == pytest.approx(expected.tconfint_mean(alpha=0.1))
+    assert (result.verdict, result.n, result.df) == ("equivalent", 40, 39)
+
+
+@pytest.mark.parametrize(
+    ("estimate", "error", "verdict"),
+    [
+        (0.0, 0.1, "equivalent"),
+        (0.2, 0.05, "equivalent and different"),
+        (0.9, 0.1, "different"),
+        (0.2, 0.3, "undecided"),
+    ],
+)
+def test_equivalence_tells_four_cases_apart(estimate: float, error: float, verdict: str) -> None:
+    assert equivalence(estimate, error, 0.5).verdict == verdict
+
+
+@given(st.floats(-2, 2), st.floats(0.01, 2), st.floats(0.01, 2), st.floats(1, 200))
+def test_it_is_equivalent_where_the_interval_lies_within_the_margins(
+    estimate: float, error: float, margin: float, df: float
+) -> None:
+    result = equivalence(estimate, error, margin, df=df)
+    within = -margin < result.low and result.high < margin
+    if abs(result.p_value - 0.05) > 1e-9:
+        assert within == (result.p_value < 0.05) == result.verdict.startswith("equivalent")
+
+
+@pytest.mark.parametrize("margin", [0, -0.1, math.nan, math.inf])
+def test_a_margin_that_is_not_above_zero_is_refused(margin: float) -> None:
+    with pytest.raises(InputError, match="the margin of equivalence is"):
+        equivalence(0.0, 0.1, margin)

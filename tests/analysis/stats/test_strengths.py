@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy import stats
 from statsmodels.discrete.discrete_model import Logit
@@ -10,8 +13,52 @@ from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
 from analysis.stats.clustered_mean import ONE_SEGMENT, TWO_WAY
 from analysis.stats.strength_differences import MIXED, TwoWayErrors, omnibus, rank_intervals
-from analysis.stats.strength_models import Votes, bradley_terry
+from analysis.stats.strength_models import BradleyTerry, Votes, bradley_terry, plackett_luce
+from tests.analysis.reference import REFERENCE, with_reference
+from tests.analysis.results.made_tables import ranking_table
 from tests.analysis.stats.named_votes import votes_of
+
+SYSTEMS = ("GT", "A", "B", "C", "D", "E")
+
+
+@pytest.fixture
+def votes() -> Votes:
+    rows = pd.read_csv(REFERENCE / "comparisons.csv")
+    return votes_of(
+        list(rows["left"]),
+        list(rows["right"]),
+        list(np.sign(rows["pref_left"])),
+        list(rows["participant"]),
+        conditions=SYSTEMS,
+    )
+
+
+def expected(name: str) -> dict[str, Any]:
+    result: dict[str, Any] = json.loads((REFERENCE / "bradley_terry.json").read_text("utf-8"))[name]
+    return result
+
+
+def from_the_first(fit: BradleyTerry) -> list[float]:
+    """Return the clustered errors of the differences from the first condition."""
+    own = np.diagonal(fit.covariance)
+    return list(np.sqrt(own + own[0] - 2 * fit.covariance[0])[1:])
+
+
+@with_reference
+@pytest.mark.parametrize("name", ["davidson", "davidson_left_effect"])
+def test_strengths_and_clustered_errors_agree_with_the_reference(votes: Votes, name: str) -> None:
+    wanted = expected(name)
+    result = bradley_terry(votes, left_effect=name == "davidson_left_effect")
+
+    assert result.strengths == pytest.approx([wanted["centred"][c] for c in SYSTEMS], abs=1e-6)
+    assert from_the_first(result) == pytest.approx(
+        list(wanted["se_cluster_participant_CR0"].values()), rel=1e-4
+    )
+    assert result.log_likelihood == pytest.approx(wanted["loglik"], abs=1e-6)
+    for ours, theirs in (("tie", "log_nu"), ("left", "left_logit")):
+        if theirs in wanted:
+            assert getattr(result, ours) == pytest.approx(wanted[theirs], abs=1e-6)
+    assert result.n == 1800
 
 
 def made_votes(taste: float = 1.0, luck: float = 1.0) -> Votes:
@@ -31,6 +78,82 @@ def made_votes(taste: float = 1.0, luck: float = 1.0) -> Votes:
         participant=people,
         segment=items,
     )
+
+
+def with_ties() -> Votes:
+    votes = made_votes()
+    return replace(votes, outcome=np.where(np.arange(len(votes.outcome)) % 5, votes.outcome, 0))
+
+
+def test_strengths_add_up_to_zero_and_swapping_sides_turns_the_left_effect() -> None:
+    votes = with_ties()
+    swapped = replace(votes, left=votes.right, right=votes.left, outcome=-votes.outcome)
+
+    one, other = bradley_terry(votes), bradley_terry(swapped)
+
+    assert one.strengths.sum() == pytest.approx(0, abs=1e-9)
+    assert other.strengths == pytest.approx(one.strengths, abs=1e-8)
+    assert other.left == pytest.approx(-one.left, abs=1e-8)
+
+
+def test_one_participant_has_strengths_but_no_clustered_errors_and_says_so() -> None:
+    votes = with_ties()
+    alone = bradley_terry(replace(votes, participant=np.zeros_like(votes.left), segment=votes.left))
+
+    assert not alone.reason
+    assert "one participant" in alone.remark
+    assert np.isfinite(alone.strengths).all()
+    assert np.isfinite(alone.errors_by_model).all()
+    assert np.isnan(alone.errors).all()
+    assert np.isnan(alone.errors_two_way).all()
+    assert np.isnan(alone.tie_error)
+    assert not bradley_terry(votes).remark
+
+
+def as_rankings(votes: Votes) -> pd.DataFrame:
+    """Return each vote as a ranking of two, ties as equal ranks."""
+    shown = np.column_stack([votes.left, votes.right]).ravel()
+    return pd.DataFrame(
+        {
+            "ranking": np.repeat(np.arange(len(votes.left)), 2),
+            "participant": np.repeat(votes.participant, 2),
+            "segment": np.repeat(votes.segment, 2),
+            "condition": np.array(votes.conditions)[shown],
+            "rank": 1 + np.column_stack([votes.outcome < 0, votes.outcome > 0]).ravel(),
+        }
+    )
+
+
+def test_of_two_conditions_plackett_and_luces_model_is_davidsons_with_ties() -> None:
+    votes = with_ties()
+
+    pairs = bradley_terry(votes, left_effect=False)
+    ranked = plackett_luce(as_rankings(votes), votes.conditions)
+
+    assert ranked.strengths == pytest.approx(pairs.strengths, abs=1e-8)
+    assert ranked.errors == pytest.approx(pairs.errors, rel=1e-6)
+    assert ranked.errors_two_way == pytest.approx(pairs.errors_two_way, rel=1e-3)
+    assert ranked.ties[2] == pytest.approx(pairs.tie, abs=1e-8)
+    assert ranked.log_likelihood == pytest.approx(pairs.log_likelihood)
+
+
+def test_only_the_order_of_ranks_counts_and_the_last_choice_of_one_says_nothing() -> None:
+    two = as_rankings(votes_of(["a", "b"], ["b", "a"], [1, 1], ["P", "Q"]))
+    for table in (two, two.assign(rank=two["rank"] * 10)):
+        assert plackett_luce(table, "ab").log_likelihood == pytest.approx(2 * np.log(0.5))
+
+
+def test_worths_that_were_put_in_are_found_also_where_rankings_leave_conditions_out() -> None:
+    whole = ranking_table(participants=20, segments=40)
+    whole["ranking"] = whole.index // 3
+    left_out = (whole["ranking"] % 3 == 0) & (whole["condition"] == "ours")
+    for table in (whole, whole[~left_out]):
+        result = plackett_luce(table, ("truth", "ours", "static"))
+
+        assert result.strengths == pytest.approx([0.8, 0, -0.8], abs=0.2)
+        assert result.strengths.sum() == pytest.approx(0, abs=1e-9)
+        assert (result.errors > 0).all()
+        assert (result.n, result.participants) == (800, 20)
 
 
 def test_errors_agree_with_those_of_a_logistic_regression() -> None:
