@@ -5,17 +5,13 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import pytest
 
-from analysis.answers.participants import LeftOut
-from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.engine import Database
 from studyapp.researchers.audit import latest_changes
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.analysed_tasks import analysed_tasks
-from studyapp.results.answers import read_answers
 from studyapp.results.export.tables import pseudonyms
 from studyapp.results.export.writing import export
 from studyapp.results.report import report
@@ -56,20 +52,8 @@ def exclude(folder: StudyFolder, name: str, *options: str, reason: str = REASON)
     return run("exclude", folder.root, name, "--reason", reason, *options)
 
 
-def results(folder: StudyFolder) -> dict[str, Any]:
-    document: dict[str, Any] = json.loads(
-        report(folder).with_name("results.json").read_text("utf-8")
-    )
-    return document
-
-
-def left_out(folder: StudyFolder) -> LeftOut:
-    return analysed_tasks(folder.study(), read_answers(folder, "participants"))[0].left_out
-
-
 def reasons(database: Database) -> list[str]:
-    reasons = read_once(database, stored_answers).study_sessions["excluded_because"]
-    return [str(reason) for reason in reasons]
+    return list(read_once(database, stored_answers).study_sessions["excluded_because"])
 
 
 def test_a_participant_is_excluded_and_reinstated_by_number_or_pseudonym(
@@ -92,31 +76,28 @@ def test_a_participant_is_excluded_and_reinstated_by_number_or_pseudonym(
         ]
 
 
-def test_an_exclusion_needs_a_reason_and_a_known_participant(
-    folder: StudyFolder,
-) -> None:
-    run("exclude", folder.root, "1", status=2)
-    unknown = "there is no study session"
+def test_only_a_known_participant_is_excluded_and_no_database_is_made(folder: StudyFolder) -> None:
     for name in ("77", "p" * 17, "-", ""):
         given = ("exclude", folder.root, "--reason", "asleep", "--", name)
-        assert unknown in run(*given, status=1)
-    folder.responses.rename(folder.root / "elsewhere.db")
-    assert unknown in run("exclude", folder.root, "1", "--reason", "asleep", status=1)
+        assert "there is no study session" in run(*given, status=1)
+    folder.responses.unlink()
+    run("exclude", folder.root, "1", "--reason", "asleep", status=1)
+    run("forget", folder.root, "somebody", "--yes")
 
     assert not folder.responses.exists()
 
 
-def test_the_report_applies_exclusions_by_hand_after_the_rules_and_marks_them(
+def test_report_and_export_apply_exclusions_by_hand_after_the_rules_and_mark_them(
     folder: StudyFolder, tmp_path: Path
 ) -> None:
     for name in ("2", "4"):
         exclude(folder, name)
-    database = Database.open(sqlite_url(folder.responses))
-    add_places(database, ServedStudy.read(folder.root), SetClock(), 3, by="Ada", reason="more")
-    database.close()
+    with opened(folder.responses) as database:
+        served = ServedStudy.read(folder.root)
+        add_places(database, served, SetClock(), 3, by="Ada", reason="more")
     places = sum(arm.places for arm in folder.study().arms)
 
-    document = results(folder)
+    document = json.loads(report(folder).with_name("results.json").read_text("utf-8"))
 
     rule = document["rules"][-1]
     assert (rule["rule"], rule["removed"], rule["exploratory"]) == ("researcher", 1, True)
@@ -131,22 +112,18 @@ def test_the_report_applies_exclusions_by_hand_after_the_rules_and_marks_them(
     page = (folder.report / "report.html").read_text("utf-8")
     assert "1 participant whom the earlier rules would have kept was excluded by hand" in page
     assert "excluded by a researcher (exploratory)" in page
-    (folder.shared_answers).mkdir(parents=True)
-    passed_on = run("exclude", folder.root, "1", "--reason", "asleep", status=1)
-    assert "comes from another lab" in passed_on
-
-
-def test_the_export_marks_answers_that_were_excluded_by_hand(
-    folder: StudyFolder, tmp_path: Path
-) -> None:
-    exclude(folder, "2")
 
     export(folder, tmp_path / "answers.csv")
 
     people = pd.read_csv(tmp_path / "answers_participants.csv").set_index("study_session")
     exclusion = [people.loc[2, f"exclusion_{field}"] for field in ("rule", "kind", "reason")]
+    # What a spreadsheet would compute is quoted.
     assert exclusion == ["researcher", "by hand", f"'{REASON}"]
     answers = pd.read_csv(tmp_path / "answers.csv")
     assert not answers.loc[answers["study_session"] == 2, "analysed"].any()
     log = pd.read_csv(tmp_path / "answers_log.csv")
-    assert log[["event", "reason"]].iloc[-1].tolist() == ["participant_excluded", f"'{REASON}"]
+    by_hand = log[log["event"] == "participant_excluded"]
+    assert by_hand["reason"].tolist() == [f"'{REASON}"] * 2
+    folder.shared_answers.mkdir(parents=True)
+    passed_on = run("exclude", folder.root, "1", "--reason", "asleep", status=1)
+    assert "comes from another lab" in passed_on

@@ -62,29 +62,3 @@ def test_finished_videos_have_catch_trials_if_flawed_ones_are_promised(tmp_path:
     flawed, none = (read_study(tmp_path / name / "study.toml") for name in ("with", "without"))
     assert (flawed.catch.videos, flawed.catch.trials) == (True, 3)
     assert (none.catch.trials, none.attention.trials) == (0, 2)
-
-
-@pytest.mark.parametrize(
-    ("options", "error"),
-    [
-        (["--condition", "ours"], "does not say where its motion comes from"),
-        (["--condition", "ours=magic", "--condition", "b=files"], "unknown source 'magic'"),
-        (["--condition", "a=mismatched", "--condition", "b=files"], "needs the condition"),
-        (["--condition", "a=files", "--condition", "a=files"], "given twice"),
-        (["--condition", "a=files"], "one condition cannot be compared"),
-        (["--condition", "a=diffsheg", "--condition", "b=files"], "needs its weights"),
-        (["--recruit", "prolific"], "must be told the pay (--pay) and the minutes (--minutes)"),
-        (["--pay", "2.50"], "needs a currency"),
-        (["--pay", "much EUR"], "'much' is not an amount"),
-    ],
-)
-def test_invalid_options_are_refused_and_nothing_is_written(
-    tmp_path: Path, options: list[str], error: str
-) -> None:
-    assert error in run("init", tmp_path / "s", *options, status=1)
-    assert not (tmp_path / "s" / "study.toml").exists()
-
-
-def test_an_existing_study_is_never_overwritten(tmp_path: Path) -> None:
-    run("init", tmp_path / "s")
-    assert "already exists" in run("init", tmp_path / "s", status=1)

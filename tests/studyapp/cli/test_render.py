@@ -102,30 +102,19 @@ def test_motions_stand_side_by_side_on_one_page_six_in_a_row(tmp_path: Path) -> 
     assert sources == {f"#{script['id']}" for script in page.find_all("script", id=True)}
 
 
-def test_a_motion_is_converted_to_glb_and_bvh_with_its_speech(tmp_path: Path) -> None:
-    motion = write_motion(tmp_path / "a.npz", 1.0)
+def test_motions_are_converted_with_their_speech_and_none_is_overwritten(tmp_path: Path) -> None:
+    motions = [write_motion(tmp_path / name / "a.npz", 1.0) for name in ("ours", "theirs")]
     speech = write_speech(tmp_path / "a.wav", 0.5)
-    given = ("--speech", speech, "--as", "glb", "--as", "bvh")
-    run("preview", motion, *given, "--out", tmp_path / "out")
-    names = {"a.glb", "a.bvh", "a-speech.wav"}
-    assert {path.name for path in (tmp_path / "out").iterdir()} == names
-    assert read_audio(tmp_path / "out" / "a-speech.wav").duration == pytest.approx(0.5)
-    scene = trimesh.load_scene(tmp_path / "out" / "a.glb")
+    out = tmp_path / "out"
+    run("preview", *motions, "--speech", speech, "--as", "glb", "--as", "bvh", "--out", out)
+    endings = (".glb", ".bvh", "-speech.wav")
+    names = {f"{name}-a{ending}" for name in ("ours", "theirs") for ending in endings}
+    assert {path.name for path in out.iterdir()} == names
+    assert read_audio(out / "ours-a-speech.wav").duration == pytest.approx(0.5)
+    scene = trimesh.load_scene(out / "ours-a.glb")
     assert scene.graph.get("pelvis")[0][1, 3] > 0.5
-    assert read_motion(tmp_path / "out" / "a.bvh").duration == pytest.approx(0.5)
-
-
-def test_files_of_the_same_name_are_distinguished_by_their_folders(tmp_path: Path) -> None:
-    motions = [write_motion(tmp_path / name / "a.npz", 0.2) for name in ("ours", "theirs")]
-    run("preview", *motions, "--as", "bvh", "--out", tmp_path / "out")
-    written = {path.name for path in (tmp_path / "out").iterdir()}
-    assert written == {"ours-a.bvh", "theirs-a.bvh"}
-
-
-def test_a_motion_is_never_overwritten_by_its_conversion(tmp_path: Path) -> None:
-    motion = write_motion(tmp_path / "a.npz", 0.2)
-    arguments = ("preview", "--as", "bvh", "--out", tmp_path)
-    run(*arguments, motion)
-    before = (tmp_path / "a.bvh").read_bytes()
-    assert "Choose another folder (--out)" in refused(*arguments, tmp_path / "a.bvh")
-    assert (tmp_path / "a.bvh").read_bytes() == before
+    assert read_motion(out / "ours-a.bvh").duration == pytest.approx(0.5)
+    before = (out / "ours-a.bvh").read_bytes()
+    again = refused("preview", "--as", "bvh", "--out", out, out / "ours-a.bvh")
+    assert "Choose another folder (--out)" in again
+    assert (out / "ours-a.bvh").read_bytes() == before

@@ -65,25 +65,3 @@ def test_a_family_or_scale_that_does_not_fit_is_refused(
 ) -> None:
     assert error in report(tmp_path, protocol, *arguments, status=1)
     assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "error"),
-    [
-        ([], "there is nothing to report"),
-        (["--responses", "a.csv", "--out", "out"], "--protocol is missing"),
-        (["--responses", "a.csv", "--out", "o", "--protocol", "rating"], "no such file"),
-        (
-            ["{study}", "--out", "o", "--margin", "1"],
-            "--out, --margin cannot be given with a study",
-        ),
-    ],
-)
-def test_missing_and_conflicting_options_are_refused(
-    arguments: list[str], error: str, tmp_path: Path
-) -> None:
-    (tmp_path / "study.toml").touch()
-
-    given = [each.replace("{study}", str(tmp_path)) for each in arguments]
-
-    assert error in run("report", *given, status=1)

@@ -8,7 +8,7 @@ import pytest
 from analysis.evaluators.evaluator import load_evaluator
 from motion.formats import write_clip
 from tests.analysis.evaluators.swinging import SWINGS, swinging
-from tests.support.command_line import refused, run
+from tests.support.command_line import run
 from tests.support.short_training import short_training
 from training.device import torch_threads
 
@@ -51,17 +51,3 @@ def test_a_network_that_learned_nothing_says_so(recorded: Path, tmp_path: Path) 
     given = ("motion", "--data", recorded, "--config", "tiny", "--steps", 1, "--seed", 3)
     shown = run("train", "evaluator", *given, "--out", tmp_path / "m.safetensors")
     assert "The network is no better than that baseline" in shown
-
-
-@pytest.mark.parametrize(
-    ("arguments", "error"),
-    [
-        (("dance", "--data", "."), "'dance' is not one of"),
-        (("motion",), "Missing option '--data'"),
-        (("motion", "--data", "nowhere"), "nowhere: there is no such folder"),
-        (("face", "--data", ".", "--channels", "both"), "--channels is for the kind motion"),
-        (("motion", "--data", ".", "--learning-rate", "0"), "0<x<=1"),
-    ],
-)
-def test_invalid_arguments_are_refused(arguments: tuple[str, ...], error: str) -> None:
-    assert error in refused("train", "evaluator", *arguments)

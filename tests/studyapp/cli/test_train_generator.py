@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from generators.registry import find_trainable, generator_names, trainable_names
-from motion.errors import InputError
+from generators.registry import find_trainable, trainable_names
 from motion.formats import read_clip
 from tests.support.command_line import run
 from tests.support.short_training import short_training
@@ -27,21 +26,6 @@ def test_every_generator_that_learns_is_listed_beside_the_feature_networks() -> 
     for name in trainable_names():
         assert find_trainable(name).summary[:40] in shown
         run("train", name, "--help")
-
-
-def test_a_generator_that_does_not_learn_cannot_be_trained() -> None:
-    assert "static" in generator_names()
-    run("train", "static", status=2)
-    with pytest.raises(InputError, match=r"static does not learn.*Train one of diffsheg"):
-        find_trainable("static")
-
-
-def test_a_file_without_its_run_is_not_overwritten(tmp_path: Path) -> None:
-    out = tmp_path / "precious.safetensors"
-    out.write_bytes(b"mine")
-    shown = run("train", "diffsheg", "--data", tmp_path, "--out", out, status=1)
-    assert "this file exists, but not the run" in shown
-    assert out.read_bytes() == b"mine"
 
 
 @pytest.mark.slow

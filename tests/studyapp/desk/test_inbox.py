@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import io
-import threading
 from collections import namedtuple
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -16,7 +16,6 @@ from studyapp.desk.lab import Lab
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.desk.job_watching import wait_until_ended
 from tests.studyapp.web.research.research_browser import ResearchBrowser
-from tests.support.studies.takes import write_motion
 
 CONTENT = bytes(range(256)) * 40
 
@@ -46,111 +45,86 @@ def files(folder: StudyFolder) -> list[str]:
     return sorted(path.relative_to(folder.root).as_posix() for path in paths if path.is_file())
 
 
-def test_pieces_become_the_file(inbox: Inbox, folder: StudyFolder) -> None:
-    file = upload()
-    assert inbox.received(file) == 0
-    for start in range(0, len(CONTENT), 3000):
-        assert inbox.append(file, start, CONTENT[start : start + 3000]) == min(
-            start + 3000, len(CONTENT)
-        )
-    assert files(folder) == ["inbox/take.wav"]
-    assert (folder.inbox / "take.wav").read_bytes() == CONTENT
-    assert inbox.received(file) == len(CONTENT)
-
-
 def test_an_upload_goes_on_where_it_stopped_even_after_a_crash(folder: StudyFolder) -> None:
-    Inbox(folder).append(upload(condition="ours", name="take.npz"), 0, CONTENT[:5000])
+    file = upload(condition="ours", name="take.npz")
+    Inbox(folder).append(file, 0, CONTENT[:5000])
     again = Inbox(folder)
     (partial,) = (folder.inbox / "ours").iterdir()
     # The server died while it wrote a piece.
-    with partial.open("ab") as file:
-        file.write(CONTENT[5000:5100])
-    rest = upload(condition="ours", name="take.npz")
-    assert again.received(rest) == 5100
+    with partial.open("ab") as written:
+        written.write(CONTENT[5000:5100])
     assert again.files() == [
         InboxFile(condition="ours", name="take.npz", received=5100, size=len(CONTENT))
     ]
-    again.append(rest, 5100, CONTENT[5100:])
+    # A file that was changed begins anew.
+    for changed in ({"changed": 1_700_000_000_001}, {"size": 9999}):
+        assert again.received(upload(condition="ours", name="take.npz", **changed)) == 0
+    assert again.received(file) == 5100
+    again.append(file, 5100, CONTENT[5100:])
+    assert files(folder) == ["inbox/ours/take.npz"]
     assert (folder.inbox / "ours" / "take.npz").read_bytes() == CONTENT
 
 
-def test_a_file_that_was_changed_begins_anew(inbox: Inbox, folder: StudyFolder) -> None:
+def test_a_piece_at_another_place_or_of_another_size_is_refused(inbox: Inbox) -> None:
     inbox.append(upload(), 0, CONTENT[:5000])
-    assert inbox.received(upload(changed=1_700_000_000_001)) == 0
-    assert inbox.received(upload(size=9999)) == 0
-
-
-@pytest.mark.parametrize("offset", [0, 4999, 5001])
-def test_a_piece_at_another_place_is_refused_with_the_right_one(inbox: Inbox, offset: int) -> None:
-    inbox.append(upload(), 0, CONTENT[:5000])
-    with pytest.raises(WrongOffsetError) as refused:
-        inbox.append(upload(), offset, CONTENT[offset : offset + 100])
-    assert refused.value.offset == 5000
+    for offset in (0, 4999, 5001):
+        with pytest.raises(WrongOffsetError) as refused:
+            inbox.append(upload(), offset, CONTENT[offset : offset + 100])
+        assert refused.value.offset == 5000
+    for piece in (b"", CONTENT[5000:] + b"!"):
+        with pytest.raises(InputError, match="bytes came of"):
+            inbox.append(upload(), 5000, piece)
     assert inbox.received(upload()) == 5000
 
 
 def test_a_piece_that_comes_twice_at_once_is_stored_once(inbox: Inbox, folder: StudyFolder) -> None:
     inbox.append(upload(), 0, CONTENT[:2000])
-    done: list[str] = []
 
-    def send_piece() -> None:
+    def store_piece(_number: int) -> bool:
         try:
-            inbox.append(upload(), 2000, CONTENT[2000:])
-            done.append("stored")
+            return inbox.append(upload(), 2000, CONTENT[2000:]) > 0
         except (WrongOffsetError, InputError):
-            done.append("refused")
+            return False
 
-    threads = [threading.Thread(target=send_piece) for _ in range(8)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert done.count("stored") == 1
+    with ThreadPoolExecutor(8) as pool:
+        assert sum(pool.map(store_piece, range(8))) == 1
     assert (folder.inbox / "take.wav").read_bytes() == CONTENT
 
 
-@pytest.mark.parametrize("piece", [b"", CONTENT + b"!"])
-def test_nothing_and_more_than_the_rest_are_refused(inbox: Inbox, piece: bytes) -> None:
-    with pytest.raises(InputError, match="bytes came of"):
-        inbox.append(upload(), 0, piece)
-    assert inbox.received(upload()) == 0
-
-
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("field", "values", "message"),
     [
-        *(
-            ({"name": name}, "cannot be called")
-            for name in ("../take.wav", ".hidden.wav", "a\\b.wav", "a\0.wav", "b" * 200 + ".wav")
-        ),
-        *(
-            ({"name": name}, "neither speech, motion nor a video")
-            for name in ("run.py", "take.pkl", "take.wav.exe")
-        ),
-        *(
-            ({"condition": condition}, "not a usable condition name")
-            for condition in ("..", "../../elsewhere", "/etc")
-        ),
-        ({"size": 0}, "is empty"),
-        ({"size": 100_001}, "is too large"),
+        ("name", ("../take.wav", ".hidden.wav", "a\\b.wav", "a\0.wav", "b" * 200), "be called"),
+        ("name", ("run.py", "take.pkl", "take.wav.exe"), "neither speech, motion nor a video"),
+        ("condition", ("..", "../../elsewhere", "/etc"), "not a usable condition name"),
+        ("size", (0,), "is empty"),
+        ("size", (100_001,), "is too large"),
     ],
 )
 def test_what_can_never_be_brought_in_is_refused_at_once(
-    inbox: Inbox, folder: StudyFolder, changes: dict[str, object], message: str
+    inbox: Inbox, folder: StudyFolder, field: str, values: tuple[object, ...], message: str
 ) -> None:
-    with pytest.raises(InputError, match=message):
-        inbox.received(upload(**changes))
-    with pytest.raises(InputError, match=message):
-        inbox.append(upload(**changes), 0, b"x")
+    for value in values:
+        with pytest.raises(InputError, match=message):
+            inbox.received(upload(**{field: value}))
+        with pytest.raises(InputError, match=message):
+            inbox.append(upload(**{field: value}), 0, b"x")
     assert files(folder) == []
 
 
-def test_another_file_of_a_name_never_takes_the_place_of_one(inbox: Inbox) -> None:
+def test_another_file_of_a_name_takes_the_place_of_one_only_once_it_is_removed(
+    inbox: Inbox, folder: StudyFolder
+) -> None:
+    inbox.append(upload(name="other.wav"), 0, CONTENT)
+    inbox.append(upload(changed=5), 0, CONTENT[:10])
     inbox.append(upload(), 0, CONTENT)
     other = upload(changed=1_800_000_000_000)
     with pytest.raises(InputError, match=r"another take\.wav is here already"):
         inbox.append(other, 0, CONTENT)
     inbox.remove("", "take.wav")
+    assert files(folder) == ["inbox/other.wav"]
+    with pytest.raises(InputError):
+        inbox.remove("", "../study.toml")
     assert inbox.append(other, 0, CONTENT) == len(CONTENT)
 
 
@@ -161,16 +135,6 @@ def test_the_disk_keeps_room_for_answers(inbox: Inbox, monkeypatch: pytest.Monke
     with pytest.raises(InputError, match=r"no room for take\.wav"):
         inbox.append(upload(), 0, CONTENT[:10])
     assert inbox.received(upload()) == 0
-
-
-def test_whole_and_partial_files_are_removed(inbox: Inbox, folder: StudyFolder) -> None:
-    inbox.append(upload(), 0, CONTENT[:10])
-    inbox.append(upload(changed=5), 0, CONTENT[:10])
-    inbox.append(upload(name="other.wav"), 0, CONTENT)
-    inbox.remove("", "take.wav")
-    assert files(folder) == ["inbox/other.wav"]
-    with pytest.raises(InputError):
-        inbox.remove("", "../study.toml")
 
 
 TINY = "/research/studies/tiny/"
@@ -192,8 +156,8 @@ def send_piece(
 
 
 @pytest.fixture
-def motion(tmp_path: object, motion_file: Callable[..., object]) -> bytes:
-    return write_motion(tmp_path / "motion.npz", 2.0).read_bytes()  # type: ignore[operator]
+def motion(motion_file: Callable[..., Path]) -> bytes:
+    return motion_file(2.0).read_bytes()
 
 
 def test_pieces_come_one_after_another_and_a_wrong_one_is_told_the_place(

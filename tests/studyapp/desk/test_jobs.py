@@ -41,15 +41,8 @@ def processes_of(study: Path) -> list[int]:
     return processes
 
 
-def wait_for_nobody(study: Path) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while processes_of(study):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-
-
-def test_a_command_that_succeeds_is_done_with_its_log_and_its_archive(
-    jobs: Path, tiny_study: Path
+def test_a_command_that_succeeds_leaves_its_archive_and_one_that_fails_its_own_words(
+    jobs: Path,
 ) -> None:
     begin(jobs, "researchers", ".", "list", packed="speech")
     standing = wait_until_ended(jobs)
@@ -58,42 +51,38 @@ def test_a_command_that_succeeds_is_done_with_its_log_and_its_archive(
     assert "prints a link" in job_log(jobs, "try", most=10_000)
     with zipfile.ZipFile(jobs / "try" / "speech.zip") as archive:
         assert "speech/segments.csv" in archive.namelist()
-
-
-def test_a_command_that_fails_says_so_with_its_own_words(jobs: Path) -> None:
     begin(jobs, "nothing", packed="speech")
     standing = wait_until_ended(jobs)
     assert (standing.state, standing.job.status) == ("failed", 2)
     assert "No such command 'nothing'" in job_log(jobs, "try", most=10_000)
     assert not (jobs / "try" / "speech.zip").exists()
+    (jobs / "try" / "job.json").write_text('{"kind": "of another version", "pid": 3}')
+    assert job_standings(jobs) == {}
 
 
-def test_one_job_of_a_study_runs_at_a_time_and_stops_when_asked(
-    jobs: Path, tiny_study: Path
-) -> None:
+def test_one_job_of_a_study_runs_at_a_time_and_stops_when_asked(jobs: Path) -> None:
     begin(jobs, *SLOW)
     with pytest.raises(InputError, match="another job"):
         begin(jobs, "check", kind="other")
     assert list(job_standings(jobs)) == ["try"]
-    # Another process tells the same.
-    code = (
-        "import sys; from pathlib import Path; from studyapp.desk.jobs import job_standings; "
-        "print(job_standings(Path(sys.argv[1]))['try'].state)"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code, str(jobs)], capture_output=True, text=True, check=True
-    )
-    assert done.stdout == "running\n"
     wait_until_under_way(jobs)
     stop_job(jobs, "try", by="Grace")
     assert job_standings(jobs)["try"].state in ("stopping", "stopped")
     standing = wait_until_ended(jobs)
     assert (standing.state, standing.job.stopped_by) == ("stopped", "Grace")
-    assert "Run the same command again to continue" in job_log(jobs, "try", most=10_000)
     with pytest.raises(InputError, match="not running"):
         stop_job(jobs, "try", by="Grace")
     begin(jobs, "nothing", kind="other")
     assert wait_until_ended(jobs, "other").state == "failed"
+
+
+def running_processes(study: Path) -> list[int]:
+    """Wait until a job's command runs in a study, and return its processes."""
+    deadline = time.monotonic() + PATIENCE
+    while not (running := processes_of(study)):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    return running
 
 
 def test_a_job_outlives_the_server_that_began_it(jobs: Path, tiny_study: Path) -> None:
@@ -107,10 +96,7 @@ def test_a_job_outlives_the_server_that_began_it(jobs: Path, tiny_study: Path) -
     server = subprocess.run([sys.executable, "-c", code, str(jobs)], process_group=0, check=False)
     assert server.returncode == -signal.SIGKILL
     assert wait_for(jobs, "running").job.by == "Ada"
-    deadline = time.monotonic() + PATIENCE
-    while not (running := processes_of(tiny_study)):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    running = running_processes(tiny_study)
     assert all(os.getpriority(os.PRIO_PROCESS, each) >= 10 for each in running)
     left = f"{PROCESSES}={max(1, len(os.sched_getaffinity(0)) - 1)}\0".encode()
     assert all(left in Path(f"/proc/{each}/environ").read_bytes() for each in running)
@@ -118,17 +104,17 @@ def test_a_job_outlives_the_server_that_began_it(jobs: Path, tiny_study: Path) -
     stop_job(jobs, "try", by="Ada")
     assert wait_until_ended(jobs).state == "stopped"
     assert "Run the same command again to continue" in job_log(jobs, "try", most=10_000)
-    wait_for_nobody(tiny_study)
+    deadline = time.monotonic() + PATIENCE
+    while processes_of(tiny_study):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
 
 
 def test_what_was_killed_is_told_from_what_ended_and_keeps_no_other_job_away(
     jobs: Path, tiny_study: Path
 ) -> None:
     begin(jobs, *SLOW)
-    deadline = time.monotonic() + PATIENCE
-    while not (running := processes_of(tiny_study)):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    running = running_processes(tiny_study)
     (supervisor,) = {_parent(each) for each in running} - set(running)
     os.kill(supervisor, signal.SIGKILL)
     # The command itself goes on, and the study is busy as long as it does.
@@ -143,9 +129,3 @@ def test_what_was_killed_is_told_from_what_ended_and_keeps_no_other_job_away(
 
 def _parent(process: int) -> int:
     return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
-
-
-def test_a_job_of_another_version_is_none(jobs: Path) -> None:
-    (jobs / "try").mkdir(parents=True)
-    (jobs / "try" / "job.json").write_text('{"kind": "try", "pid": 3}')
-    assert job_standings(jobs) == {}

@@ -58,7 +58,7 @@ def write_finding(folder: StudyFolder, where: str, what: str) -> None:
     path.write_text(json.dumps({"format": 1, "findings": [finding]}), "utf-8")
 
 
-def test_the_table_says_what_is_there_missing_and_bad(
+def test_the_table_says_what_is_there_missing_and_bad_unless_it_was_brought_anew(
     folder: StudyFolder, ada: ResearchBrowser
 ) -> None:
     write_finding(folder, "motion/mismatched/take-1.npz", "the archive is damaged")
@@ -69,22 +69,15 @@ def test_the_table_says_what_is_there_missing_and_bad(
     assert set(table_cells.values()) == {"video", "bad", "missing"}
     page = ada.get(f"{MATERIAL}/mismatched/take-1")
     assert "The archive is damaged. Do it." in page.text
-
-
-def test_what_was_brought_anew_since_the_check_is_not_bad(
-    folder: StudyFolder, ada: ResearchBrowser
-) -> None:
-    write_finding(folder, "motion/mismatched/take-1.npz", "the archive is damaged")
     os.utime(folder.root / RECORD, (1, 1))
     assert cells(ada.get(MATERIAL))["take-1", "mismatched"] == "motion"
-
-
-def test_what_is_wrong_with_a_pair_is_told_of_both_sides(
-    folder: StudyFolder, ada: ResearchBrowser
-) -> None:
+    # What is wrong with a pair is told of both sides.
     write_finding(folder, read_stimuli(folder.stimuli).pairs[0].file, "has no sound")
     table_cells = cells(ada.get(MATERIAL))
     assert table_cells["take-0", "rule based"] == table_cells["take-0", "mismatched"] == "bad"
+    shutil.rmtree(folder.speech)
+    assert "the study has no speech yet" in ada.get(MATERIAL).text.lower()
+    ada.get(TINY)
 
 
 def test_a_viewer_plays_a_video_and_is_offered_no_removal(
@@ -149,11 +142,3 @@ def test_a_file_is_removed_for_good_once_somebody_says_so(
         "file removed",
         "motion/mismatched/take-1.npz",
     )
-
-
-def test_a_study_without_speech_says_so(
-    lab: Lab, folder: StudyFolder, ada: ResearchBrowser
-) -> None:
-    shutil.rmtree(folder.speech)
-    assert "the study has no speech yet" in ada.get(MATERIAL).text.lower()
-    ada.get(TINY)

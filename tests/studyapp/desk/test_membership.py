@@ -6,6 +6,7 @@ import shutil
 
 from flask import Flask
 
+from studyapp.database.engine import Database
 from studyapp.desk.lab import Lab
 from studyapp.desk.studies import LabStudy
 from studyapp.researchers.account import list_accounts, remove_access
@@ -33,11 +34,15 @@ def test_a_study_that_nobody_owns_is_taken_over_once_and_by_an_owner_of_the_desk
     assert [each.name for each in list_accounts(tiny.database)] == ["Ada"]
 
 
-def test_who_belongs_to_a_study_opens_it_without_another_password(ada: ResearchBrowser) -> None:
+def test_who_belongs_to_a_study_opens_it_without_another_password_until_logging_out(
+    ada: ResearchBrowser,
+) -> None:
     assert "tiny" in ada.get("/research/").text
     answer = ada.post(f"{TINY}open", way="researchers")
     assert answer.headers["Location"] == f"{INSIDE}researchers"
     assert "Ada (you)" in ada.get(f"{INSIDE}researchers").text
+    ada.post("/research/log-out")
+    assert ada.client.get(INSIDE).status_code == 303
 
 
 def test_an_owner_of_the_desk_sees_no_study_of_others(
@@ -48,14 +53,6 @@ def test_an_owner_of_the_desk_sees_no_study_of_others(
     grace.get(TINY, 404)
     assert grace.post(f"{TINY}open").status_code == 404
     assert grace.client.get(INSIDE, follow_redirects=True).status_code == 404
-
-
-def test_a_name_is_no_proof(
-    lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
-) -> None:
-    join(tiny.database, lab.clock, invited(lab, tiny), name="Mary", password=PASSWORD)
-    mary = researcher("Mary", "viewer")
-    mary.get(TINY, 404)
 
 
 def test_a_link_of_the_studys_owner_lets_in_whoever_is_logged_in_at_the_desk(
@@ -70,12 +67,12 @@ def test_a_link_of_the_studys_owner_lets_in_whoever_is_logged_in_at_the_desk(
     assert mary.post(answer.request.path, name="Mary").status_code == 404, "works once"
 
 
-def test_an_account_in_a_study_is_brought_by_its_password(
+def test_an_account_in_a_study_is_brought_by_its_password_for_a_name_is_no_proof(
     lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
-    join(tiny.database, lab.clock, invited(lab, tiny), name="Old Mary", password=PASSWORD)
+    join(tiny.database, lab.clock, invited(lab, tiny), name="Mary", password=PASSWORD)
     mary = researcher("Mary", "viewer")
-    fields = {"study": "tiny", "name": "Old Mary"}
+    fields = {"study": "tiny", "name": "Mary"}
     wrong = mary.post("/research/own-account-there", **fields, password="something else")  # noqa: S106
     assert wrong.status_code == 403
     mary.get(TINY, 404)
@@ -83,11 +80,9 @@ def test_an_account_in_a_study_is_brought_by_its_password(
     mary.get(TINY)
 
 
-def test_logging_out_of_the_desk_ends_what_was_opened_from_it(ada: ResearchBrowser) -> None:
-    ada.post(f"{TINY}open")
-    ada.get(INSIDE)
-    ada.post("/research/log-out")
-    assert ada.client.get(INSIDE).status_code == 303
+def shut_out(lab: Lab, database: Database, name: str) -> None:
+    (number,) = (each.id for each in list_accounts(database) if each.name == name)
+    remove_access(database, lab.clock, number, by="Grace")
 
 
 def test_who_is_shut_out_of_the_desk_is_out_of_its_studies(
@@ -95,10 +90,9 @@ def test_who_is_shut_out_of_the_desk_is_out_of_its_studies(
 ) -> None:
     ada.post(f"{TINY}open")
     researcher("Grace", "owner")
-    (number,) = (each.id for each in list_accounts(lab.database) if each.name == "Ada")
-    remove_access(lab.database, lab.clock, number, by="Grace")
-    assert ada.client.get(INSIDE).status_code == 303
-    assert ada.client.get("/research/").status_code == 303
+    shut_out(lab, lab.database, "Ada")
+    for address in (INSIDE, "/research/"):
+        assert ada.client.get(address).status_code == 303
 
 
 def test_who_is_shut_out_of_a_study_does_not_come_back_by_the_desk(
@@ -107,8 +101,7 @@ def test_who_is_shut_out_of_a_study_does_not_come_back_by_the_desk(
     mary = researcher("Mary", "viewer")
     mary.post(f"{TINY}join/{invited(lab, tiny)}", name="Mary")
     mary.post(f"{TINY}open")
-    (number,) = (each.id for each in list_accounts(tiny.database) if each.name == "Mary")
-    remove_access(tiny.database, lab.clock, number, by="Ada")
+    shut_out(lab, tiny.database, "Mary")
     assert mary.client.get(INSIDE).status_code == 303
     mary.get(TINY, 404)
 

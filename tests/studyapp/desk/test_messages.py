@@ -26,10 +26,8 @@ WITHOUT_FIELD = {"--joints"}
 @pytest.mark.parametrize(
     ("message", "at_desk"),
     [
-        ("Bring recordings in with 'motionjury import'", "Bring recordings in with 'Bring in'"),
         ("Run 'motionjury\n  render' again", "Run 'Render' again"),
         ("Name its condition (--condition), or", "Name its condition, or"),
-        ("1 warning (--verbose prints 12 notes).", "1 warning."),
         ("Run 'motionjury forget'", "Run 'motionjury forget'"),
     ],
 )

@@ -1,0 +1,131 @@
+"""Command lines that cannot be done: one sentence each, before anything is written or sent."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+
+import pytest
+
+from studyapp.study.study_file import new_study
+from tests.support.command_line import refused
+from tests.support.studies.takes import write_motion, write_speech
+
+REFUSED: dict[str, dict[str, str]] = {
+    "generate": {
+        "": "give a study folder, or all of --generator",
+        "--generator static": "give a study folder, or all of --generator",
+        "study --generator static": "the generators of a study are set in its study.toml",
+        "--generator static --speech a.wav --speech more/a.wav --out new": "two files of speech",
+        "--generator diffsheg --speech a.wav --out new": "'diffsheg' needs a checkpoint",
+        "--generator broken --speech a.wav --out new": "changes another condition's motion",
+        "--generator static --speech a.wav --out motion": "was not generated here",
+    },
+    "corpus": {
+        "new --sentences 12": "sentences",
+        "new --held-out-speakers 8": "speakers",
+        "new --takes 99": "takes",
+    },
+    "import": {
+        "a.bvh study --condition x --speech a.wav": "--speaker and --emotion",
+        "a.bvh study --condition x --segment 10": "--segment",
+        "a.bvh study --condition x --emotion neutral": "--emotion",
+        "a.bvh study --condition x --fps 0": "--fps",
+        "a.bvh study --condition x --emotion boredom": "'boredom' is not one of",
+        "a.bvh study --condition x --speech torn.wav --speaker a --emotion neutral": "torn.wav",
+    },
+    "init": {
+        "new --condition ours": "does not say where its motion comes from",
+        "new --condition ours=magic --condition b=files": "unknown source 'magic'",
+        "new --condition a=mismatched --condition b=files": "needs the condition",
+        "new --condition a=files --condition a=files": "given twice",
+        "new --condition a=files": "one condition cannot be compared",
+        "new --condition a=diffsheg --condition b=files": "needs its weights",
+        "new --recruit prolific": "must be told the pay (--pay) and the minutes (--minutes)",
+        "new --pay 2.50": "needs a currency",
+        "new --pay 'much EUR'": "'much' is not an amount",
+        "study": "already exists",
+    },
+    "metrics": {
+        "": "give either a study or --generated",
+        "--generated motion --out scores.xlsx": ".csv, .json, .parquet",
+        "--generated motion --preset best": "'best' is not one of",
+        "--generated motion --preset genea --evaluator emage=none.bin": "no such file",
+    },
+    "plan": {
+        "study --participants 6": "(--items, such as",
+        "study --participants 90000 --items 100": "more than 400,000 answers",
+    },
+    "publish-media": {
+        "study https://example.org/bucket": "not the name of a bucket",
+        "study s3://Bucket_1": "not the name of a bucket",
+        "study s3://bucket/../other": "not the name of a bucket",
+        "study s3://bucket --endpoint http://s3.example.org": "only load videos over https",
+        "study s3://bucket --address study.example.org": "not the address of a study",
+    },
+    "report": {
+        "": "there is nothing to report",
+        "--responses a.csv --out new": "--protocol is missing",
+        "--responses none.csv --out new --protocol rating": "no such file",
+        "study --out new --margin 1": "--out, --margin cannot be given with a study",
+    },
+    "train": {
+        "static": "No such command 'static'",
+        "evaluator dance --data .": "'dance' is not one of",
+        "evaluator motion": "Missing option '--data'",
+        "evaluator motion --data nowhere": "nowhere: there is no such folder",
+        "evaluator face --data . --channels both": "--channels is for the kind motion",
+        "evaluator motion --data . --learning-rate 0": "0<x<=1",
+        "diffsheg --data . --out a.wav": "this file exists, but not the run",
+    },
+    "serve": {
+        "study --prefix /one --address https://x.org/two": "does not end with the prefix",
+        "study --prefix /one --address x.org/one": "not the address of a study",
+        "study --prefix /one --address https://x.org/one?a=b": "not the address of a study",
+        "study --prefix /one --address ftp://x.org/one": "not the address of a study",
+    },
+    "export": {
+        "study --out new.xlsx": "neither in .csv nor in .parquet",
+        "study --folder new --with-recruiter-ids": "cannot be given with --folder",
+        "study --folder new --out x.csv": "cannot be given with --folder",
+        "study --with-videos": "for a folder for another lab",
+    },
+    "exclude": {
+        "study 1": "Missing option '--reason'",
+        "study 1 --reason asleep": "there is no study session",
+    },
+    "researchers": {"study list Eve": "unexpected extra argument"},
+    "preview": {
+        "motion/a.npz --as bvh --out new --avatar nobody": "'nobody' is not one of",
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder of a study, speech and motion, in which no command may write."""
+    folder = tmp_path_factory.mktemp("place")
+    new_study(folder / "study" / "study.toml", name="study")
+    write_motion(folder / "motion" / "a.npz", 1.0)
+    for name in ("a.wav", "more/a.wav"):
+        (folder / name).parent.mkdir(exist_ok=True)
+        write_speech(folder / name, 1)
+    for name in ("torn.wav", "a.bvh"):
+        (folder / name).write_text("this is neither sound nor motion")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("command", "options", "error"),
+    [(name, *each) for name, errors in REFUSED.items() for each in errors.items()],
+)
+def test_what_cannot_be_done_is_refused_and_nothing_is_written(
+    place: Path, monkeypatch: pytest.MonkeyPatch, command: str, options: str, error: str
+) -> None:
+    monkeypatch.chdir(place)
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    before = {path: path.stat().st_mtime_ns for path in place.rglob("*")}
+
+    assert error in refused(command, *shlex.split(options))
+
+    assert {path: path.stat().st_mtime_ns for path in place.rglob("*")} == before
