@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -23,69 +23,42 @@ AS_REAL = 1.0
 """How fast the clock runs of a study that is not rehearsed."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class ArrivingCrowd:
     """Attentive participants, each in a thread of their own.
 
     Attributes
     ----------
-    folder : StudyFolder
-        What is served.
-    server : str
-        Where.
-    remark : str
-        What each writes wherever something may be written freely.
-    here : Semaphore
+    come : callable
+        Lets participants of these names come at once; each gives a completion code in the end.
+    at_first_trial : Semaphore
         Released by each who comes to the first trial.
     may_answer : Event
         What they wait for there.
     """
 
-    folder: StudyFolder
-    server: str
-    remark: str
-    eyes: Eyes
-    pool: ThreadPoolExecutor
-    stop: Event
-    at_first_trial: Semaphore = field(default_factory=lambda: Semaphore(0))
-    may_answer: Event = field(default_factory=Event)
-
-    def come(self, names: Sequence[str]) -> list[Future[str]]:
-        """Let participants come at once; each gives a completion code in the end."""
-        return [self.pool.submit(self._take_part, name) for name in names]
-
-    def _take_part(self, name: str) -> str:
-        study = self.folder.study()
-        participant = _Arriving(
-            name=name,
-            study=study,
-            population=replace(default_population(study), kinds={}),
-            seed=7,
-            eyes=self.eyes,
-            speed=AS_REAL,
-            stop=self.stop,
-            crowd=self,
-        )
-        with study_client(self.server) as client:
-            return participant.take_part(client)
+    come: Callable[[Sequence[str]], list[Future[str]]]
+    at_first_trial: Semaphore
+    may_answer: Event
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Arriving(Participant):
-    crowd: ArrivingCrowd
+    remark: str
+    at_first_trial: Semaphore = field(default_factory=lambda: Semaphore(0))
+    may_answer: Event = field(default_factory=Event)
 
     def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
         """Watch in real time, and think in none."""
-        if not self.crowd.may_answer.is_set():
-            self.crowd.at_first_trial.release()
-            self.crowd.may_answer.wait()
+        if not self.may_answer.is_set():
+            self.at_first_trial.release()
+            self.may_answer.wait()
         return super().answer(replace(visit, thinks=0.0), page, judgement)
 
     def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
-        """Write the crowd's remark where one is asked for."""
-        remark = self.crowd.remark
+        """Write the remark where one is asked for."""
         texts = {
-            name: (remark,) if name.endswith("remarks") else values
+            name: (self.remark,) if name.endswith("remarks") else values
             for name, values in answers.items()
         }
         return super().fill(visit, page, texts)
@@ -101,17 +74,28 @@ def arriving_crowd(
         opened(folder.responses) as database,
         ThreadPoolExecutor(at_once, thread_name_prefix="participant") as pool,
     ):
-        crowd = ArrivingCrowd(
-            folder=folder,
-            server=server,
-            remark=remark,
+        first = _Arriving(
+            name="",
+            study=folder.study(),
+            population=replace(default_population(folder.study()), kinds={}),
+            seed=7,
             eyes=Eyes(database),
-            pool=pool,
+            speed=AS_REAL,
             stop=stop,
+            remark=remark,
         )
+
+        def take_part(name: str) -> str:
+            with study_client(server) as client:
+                return replace(first, name=name).take_part(client)
+
         try:
-            yield crowd
+            yield ArrivingCrowd(
+                lambda names: [pool.submit(take_part, name) for name in names],
+                first.at_first_trial,
+                first.may_answer,
+            )
         finally:
             stop.set()
-            crowd.may_answer.set()
+            first.may_answer.set()
             pool.shutdown(cancel_futures=True)

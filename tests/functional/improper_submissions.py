@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import httpx
@@ -22,6 +22,7 @@ from studyapp.web.participants.participant import FORM_FIELD
 from tests.support.studies.stored import everything_stored
 
 PLAYED = {"batch": 0, "intervals": [[0.0, 1.0]]}
+LATER = {**PLAYED, "batch": 999}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,15 +33,15 @@ class Attacker(Participant):
 
     Attributes
     ----------
-    statuses : dict of str to int
-        How each was answered.
+    attempts : set of str
+        What was tried.
     trials : list of (Page, Judgement)
         The trials that were answered.
     attacked : set of str
         Parts of the study.
     """
 
-    statuses: dict[str, int] = field(default_factory=dict)
+    attempts: set[str] = field(default_factory=set)
     trials: list[tuple[Page, Judgement]] = field(default_factory=list)
     attacked: set[str] = field(default_factory=set)
 
@@ -54,26 +55,28 @@ class Attacker(Participant):
         client, target = visit.client, page.target(page.answer_form)
         good = page.fill(page.answer_form, judgement.fields())
         self._report_nonsense(client, page)
-        self.refused("answers before the videos were watched", client, target, good)
-        for token in self._later_trials(good["trial"][0])[:1]:
-            self.refused("a later trial", client, target, {**good, "trial": [token]})
+        self.send(422, "answers before the videos were watched", client, target, good)
+        for later in self._later_trials(good["trial"][0])[:1]:
+            # Trials of another part ask for other answers.
+            status = 409 if later.part == trial.part else 422
+            self.send(status, "a later trial", client, target, {**good, "trial": [later.token]})
         visit.watch(page)
-        for attempt, spoilt in self._spoilt_answers(trial, judgement, good):
-            self.refused(attempt, client, target, spoilt)
+        for status, attempt, spoilt in self._spoilt_answers(trial, judgement, good):
+            self.send(status, attempt, client, target, spoilt)
         self._report_trouble(client, page)
         following = visit.send(page, page.answer_form, judgement.fields())
-        self.harmless("the same answers twice", client, target, good)
+        self.send(200, "the same answers twice", client, target, good)
         other = {**good, **_data(other_answers(judgement))}
-        self.refused("other answers to an answered trial", client, target, other)
+        self.send(409, "other answers to an answered trial", client, target, other)
         return following
 
     def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
         """Fill in the form of `page`; before it, try improper answers, and afterwards it again."""
         good, target = page.fill(page.next_form, answers), page.target(page.next_form)
-        for attempt, spoilt in self._spoilt_forms(page, good):
-            self.refused(attempt, visit.client, target, spoilt)
+        for status, attempt, spoilt in self._spoilt_forms(page, good):
+            self.send(status, attempt, visit.client, target, spoilt)
         following = visit.send(page, page.next_form, answers)
-        self.harmless(f"the form of {page.heading!r} twice", visit.client, target, good)
+        self.send(200, f"the form of {page.heading!r} twice", visit.client, target, good)
         return following
 
     def attack_after_the_end(self, client: httpx.Client) -> None:
@@ -85,18 +88,14 @@ class Attacker(Participant):
         trouble = {"trial": good["trial"], "video": [_videos_that_may_not_play(page)[0]]}
         other = {**good, **_data(other_answers(judgement))}
         nobodys = session.rpartition("/")[0] + "/" + "0" * 32 + "/answers"
-        self.harmless("the last answers again after the end", client, answers, good)
-        self.refused("other answers after the end", client, answers, other)
-        self.refused("trouble after the end", client, f"{session}/unplayable", trouble)
-        self.refused_report(
-            "playing reported after the end",
-            client,
-            page.players[0].watched_address,
-            {**PLAYED, "batch": 999},
-        )
-        self.harmless("beginning after the end", client, f"{session}/begin", {})
-        self.refused("withdrawing after the end", client, f"{session}/withdraw", {})
-        self.refused("answers of nobody", client, nobodys, good)
+        watched = page.players[0].watched_address
+        self.send(200, "the last answers again after the end", client, answers, good)
+        self.send(409, "other answers after the end", client, answers, other)
+        self.send(409, "trouble after the end", client, f"{session}/unplayable", trouble)
+        self.report(409, "playing reported after the end", client, watched, LATER)
+        self.send(200, "beginning after the end", client, f"{session}/begin", {})
+        self.send(409, "withdrawing after the end", client, f"{session}/withdraw", {})
+        self.send(404, "answers of nobody", client, nobodys, good)
 
     def attack(self, other: Attacker, client: httpx.Client) -> None:
         """Mix what belongs to oneself with what belongs to `other`."""
@@ -107,86 +106,90 @@ class Attacker(Participant):
         trouble = {"trial": good["trial"], "video": [_videos_that_may_not_play(their_page)[0]]}
         watched = their_page.players[0].watched_address.rpartition("/")[2]
         session = own_address.rpartition("/")[0]
-        self.refused("answers at another's address", client, theirs, good)
-        self.refused("answers to another's trial", client, own_address, foreign)
-        self.refused("trouble with another's video", client, f"{session}/unplayable", trouble)
-        self.refused_report(
-            "playing reported of another's video",
-            client,
-            f"{session}/watched/{watched}",
-            {**PLAYED, "batch": 999},
-        )
+        address = f"{session}/watched/{watched}"
+        self.send(403, "answers at another's address", client, theirs, good)
+        self.send(403, "answers to another's trial", client, own_address, foreign)
+        self.send(409, "trouble with another's video", client, f"{session}/unplayable", trouble)
+        self.report(403, "playing reported of another's video", client, address, LATER)
 
-    def refused(self, attempt: str, client: httpx.Client, address: str, data: FormData) -> None:
-        """Require that `data` is refused as the client's error, and changes nothing."""
-        assert 400 <= self._sent(attempt, client, address, data=data) < 500, attempt
+    def send(
+        self, status: int, attempt: str, client: httpx.Client, address: str, data: FormData
+    ) -> None:
+        """Require that `data` is answered with a status, and changes nothing."""
+        self._require(status, attempt, lambda: client.post(address, data=data))
 
-    def refused_report(
-        self, attempt: str, client: httpx.Client, address: str, report: Mapping[str, object]
+    def report(
+        self,
+        status: int,
+        attempt: str,
+        client: httpx.Client,
+        address: str,
+        report: Mapping[str, object],
     ) -> None:
         """Require the same of a report of what was played."""
-        assert 400 <= self._sent(attempt, client, address, json=report) < 500, attempt
+        self._require(status, attempt, lambda: client.post(address, json=report))
 
-    def harmless(self, attempt: str, client: httpx.Client, address: str, data: FormData) -> None:
-        """Require that `data` is taken kindly, and changes nothing."""
-        assert self._sent(attempt, client, address, data=data) == httpx.codes.OK, attempt
-
-    def _sent(self, attempt: str, client: httpx.Client, address: str, **sent: object) -> int:
+    def _require(self, status: int, attempt: str, post: Callable[[], httpx.Response]) -> None:
         before = everything_stored(self.eyes.database)
-        self.statuses[attempt] = client.post(address, **sent).status_code  # type: ignore[arg-type]
+        self.attempts.add(attempt)
+        assert post().status_code == status, attempt
         assert everything_stored(self.eyes.database) == before, f"{attempt} was stored"
-        return self.statuses[attempt]
 
-    def _later_trials(self, token: str) -> list[str]:
-        """Return the tokens of the trials that come after the one with `token`."""
+    def _later_trials(self, token: str) -> list[Trial]:
+        """Return the trials that come after the one with `token`."""
         with self.eyes.database.reading() as session:
             shown = session.scalars(select(Trial).where(Trial.token == token)).one()
             trials = shown.study_session.trials
-            return [trial.token for trial in trials if trial.position > shown.position]
+            return [trial for trial in trials if trial.position > shown.position]
 
     def _spoilt_answers(
         self, trial: SeenTrial, judgement: Judgement, good: FormData
-    ) -> Iterator[tuple[str, FormData]]:
-        """Yield what is wrong, and `good` spoilt so."""
+    ) -> Iterator[tuple[int, str, FormData]]:
+        """Yield how it is answered, what is wrong, and `good` spoilt so."""
         first = judgement.asks[0]
         out_of_range = str(max(first.values) + 1)
-        yield "a value that is out of range", {**good, first.field: [out_of_range]}
-        yield "a value that is not a number", {**good, first.field: ["A"]}
+        yield 422, "a value that is out of range", {**good, first.field: [out_of_range]}
+        yield 422, "a value that is not a number", {**good, first.field: ["A"]}
         two = [str(value) for value in first.values[:2]]
-        yield "two values for one question", {**good, first.field: two}
+        yield 422, "two values for one question", {**good, first.field: two}
         for ask in {ask.question: ask for ask in judgement.asks}.values():
             without = {name: values for name, values in good.items() if name != ask.field}
-            yield f"question {ask.question!r} without an answer", without
-        yield "an answer that nobody asked for", {**good, f"{first.question}:99": ["1"]}
+            yield 422, f"question {ask.question!r} without an answer", without
+        yield 422, "an answer that nobody asked for", {**good, f"{first.question}:99": ["1"]}
         reasoned = next((ask for ask in judgement.asks if ask.reasons), first)
-        yield "a reason that is not offered", {**good, reasoned.reasons_field: ["no reason"]}
+        yield 422, "a reason that is not offered", {**good, reasoned.reasons_field: ["no reason"]}
         second = dict.fromkeys(judgement.values, 2)
         if self.study.problem(trial, second):
-            yield "ranks that make no order", {**good, **_data(replace(judgement, values=second))}
-        yield "somebody else's trial", {**good, "trial": ["0" * len(good["trial"][0])]}
+            yield (
+                422,
+                "ranks that make no order",
+                {**good, **_data(replace(judgement, values=second))},
+            )
+        yield 403, "somebody else's trial", {**good, "trial": ["0" * len(good["trial"][0])]}
 
-    def _spoilt_forms(self, page: Page, good: FormData) -> Iterator[tuple[str, FormData]]:
+    def _spoilt_forms(self, page: Page, good: FormData) -> Iterator[tuple[int, str, FormData]]:
         for stage in self.study.form.stages():
             for question in self.study.form.questions_at(stage):
                 name = f"{FORM_FIELD}{question.name}"
-                for attempt, value in _wrong(question) if name in good else ():
-                    yield f"{attempt} to the question {question.name!r}", {**good, name: [value]}
+                for status, attempt, value in _wrong(question) if name in good else ():
+                    what = f"{attempt} to the question {question.name!r}"
+                    yield status, what, {**good, name: [value]}
         if page.sounds:
             (name,) = page.next_form.questions
             others = "".join(str((int(digit) + 1) % 10) for digit in good[name][0])
-            yield "digits that were not spoken", {**good, name: [others]}
-            yield "no digits", {**good, name: [""]}
+            yield 422, "digits that were not spoken", {**good, name: [others]}
+            yield 422, "no digits", {**good, name: [""]}
 
     def _report_nonsense(self, client: httpx.Client, page: Page) -> None:
         address = page.players[0].watched_address
         nobodys = address.rpartition("/")[0] + "/" + "0" * 32
-        for attempt, target, report in (
-            ("playing reported without intervals", address, {"batch": 0}),
-            ("playing reported backwards", address, {"batch": 0, "intervals": [[1.0, 0.5]]}),
-            ("playing reported under a number below 0", address, {**PLAYED, "batch": -1}),
-            ("playing reported of nobody's video", nobodys, PLAYED),
+        for status, attempt, target, report in (
+            (422, "playing reported without intervals", address, {"batch": 0}),
+            (422, "playing reported backwards", address, {"batch": 0, "intervals": [[1.0, 0.5]]}),
+            (422, "playing reported under a number below 0", address, {**PLAYED, "batch": -1}),
+            (403, "playing reported of nobody's video", nobodys, PLAYED),
         ):
-            self.refused_report(attempt, client, target, report)
+            self.report(status, attempt, client, target, report)
 
     def _report_trouble(self, client: httpx.Client, page: Page) -> None:
         token = page.answer_form.trial
@@ -194,8 +197,9 @@ class Attacker(Participant):
         nobodys = "0" * len(token)
         assert len(_videos_that_may_not_play(page)) == len(page.players)
         strange = {"trial": [token], "video": [nobodys]}
-        self.refused("trouble with somebody else's trial", client, target, {"trial": [nobodys]})
-        self.refused("trouble with somebody else's video", client, target, strange)
+        foreign = {"trial": [nobodys]}
+        self.send(403, "trouble with somebody else's trial", client, target, foreign)
+        self.send(422, "trouble with somebody else's video", client, target, strange)
 
 
 def other_answers(judgement: Judgement) -> Judgement:
@@ -212,20 +216,20 @@ def other_answers(judgement: Judgement) -> Judgement:
     return replace(judgement, values=down if dict(judgement.values) == up else up)
 
 
-def _wrong(question: FormQuestion) -> Iterator[tuple[str, str]]:
+def _wrong(question: FormQuestion) -> Iterator[tuple[int, str, str]]:
     """Yield answers that cannot be accepted, or with which nobody can take part."""
     if question.required:
-        yield "no answer", ""
+        yield 422, "no answer", ""
     match question.kind:
         case "text":
-            yield "too long an answer", "x" * (MAX_TEXT_LENGTH + 1)
+            yield 422, "too long an answer", "x" * (MAX_TEXT_LENGTH + 1)
         case "number":
-            yield "too high a number", str(question.high + 1)
+            yield 422, "too high a number", str(question.high + 1)
         case _:
-            yield "an answer that is not offered", "no such answer"
+            yield 422, "an answer that is not offered", "no such answer"
     for choice in question.choices:
         if question.eligible and choice not in question.eligible:
-            yield "an answer that excludes", choice
+            yield 403, "an answer that excludes", choice
 
 
 def _videos_that_may_not_play(page: Page) -> list[str]:

@@ -118,6 +118,7 @@ STUDIES: Final[Mapping[str, Keys]] = {
                     "they move with fitting expression",
                 ],
             ),
+            question("quality", "How good is it?", scale="mean_opinion", reasons=REASONS),
         ],
     },
     "sliders": {
@@ -128,14 +129,6 @@ STUDIES: Final[Mapping[str, Keys]] = {
             question(
                 "fit", "How well does the motion fit the speech?", scale="slider", reasons=REASONS
             ),
-        ],
-    },
-    "opinion": {
-        "protocol": "rating",
-        "attention": None,
-        "sets": [group("all", *THREE, groups=1)],
-        "questions": [
-            question("quality", "How good is the motion?", scale="mean_opinion", reasons=REASONS)
         ],
     },
     "ranking": {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import random
 from collections import Counter
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -59,6 +59,9 @@ class Crowd:
     def answers(self) -> Given:
         return dict(self.ledger.acknowledged)
 
+    async def go_on_together(self, port: int, addresses: list[str]) -> None:
+        await asyncio.gather(*(self.go_on(port, address) for address in addresses))
+
     async def take_part(self, port: int, seed: int) -> None:
         async with Wire(HOST, port) as wire:
             visitor = self.visitor(wire, seed)
@@ -99,10 +102,6 @@ async def backed_up_meanwhile(
     crowd.is_backed_up.set()
     await asyncio.gather(*people)
     return before, made
-
-
-async def together(goers: list[Awaitable[None]]) -> None:
-    await asyncio.gather(*goers)
 
 
 def stored(url: str) -> tuple[Given, list[str], int]:
@@ -164,7 +163,7 @@ def test_a_backup_under_load_holds_every_acknowledged_answer_and_serves_on(
         addresses = [each for each in crowd.addresses if each.rsplit("/", 1)[-1] in unfinished]
         assert len(addresses) == len(unfinished) > 0
         with study_server(copy.root, tmp_path / "said", database_url=urls[1]) as serving:
-            asyncio.run(together([again.go_on(serving.port, each) for each in addresses]))
+            asyncio.run(again.go_on_together(serving.port, addresses))
         assert again.ledger.errors == []
         finished, nobody, _ = stored(urls[1])
         assert nobody == []

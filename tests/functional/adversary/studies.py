@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from motion.files import digest
-from motion.segment import Segment
-from studyapp.stimuli.rendering import equalise_sizes
-from studyapp.stimuli.video_copies import copy_videos
-from studyapp.study.design.trial import Content
+from studyapp.stimuli.rendering import render
 from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import ClipVideo, PairVideo, Stimuli, write_stimuli
-from tests.functional.adversary import unlike_videos as videos
+from tests.functional.adversary.unlike_videos import write_brought, write_motion, write_speech
 from tests.support.studies.finished_study import Keys, brought, group, question, study_file
 
 PAGE: Final = {"consent": "You agree.", "break_every": 2}
@@ -74,82 +69,21 @@ def instructs(name: str) -> bool:
 
 
 def write_study(root: Path, name: str) -> StudyFolder:
-    """Write one of `STUDIES` into `root`, ready to serve, its videos made and copied."""
+    """Write one of `STUDIES` into `root`, its videos rendered or brought, and copied."""
     folder = StudyFolder(root)
     root.mkdir(parents=True)
     keys: Keys = {"participants": 40, "video": VIDEO, "page": PAGE} | STUDIES[name]
     folder.definition.write_text(study_file(**keys), encoding="utf-8")
-    segments = {segment.name: segment for segment in videos.write_speech(folder.speech)}
+    segments = {segment.name: segment for segment in write_speech(folder.speech)}
     study = folder.study()
-    contents = list(study.contents(tuple(segments.values())))
-    if study.is_finished(CONDITIONS[0]):
-        for (shown,) in contents:
+    for shown in {
+        shown for content in study.contents(tuple(segments.values())) for shown in content
+    }:
+        segment = segments[shown.segment]
+        if study.is_finished(CONDITIONS[0]):
             target = finished_video_path(folder.videos, shown)
-            if not target.exists():
-                videos.write_brought(
-                    target, shown.condition, segments[shown.segment], folder.speech
-                )
-        write_stimuli(folder.stimuli, Stimuli())
-    else:
-        write_stimuli(folder.stimuli, _rendered(folder, segments, contents))
-    copy_videos(folder)
-    equalise_sizes(folder)
+            write_brought(target, shown.condition, segment, folder.speech)
+        else:
+            write_motion(folder.clip(shown.condition, segment.name), shown.condition, segment)
+    assert render(folder, processes=1).failures == ()
     return folder
-
-
-def _rendered(
-    folder: StudyFolder, segments: dict[str, Segment], contents: Sequence[Content]
-) -> Stimuli:
-    """Write what `contents` need as rendering does, and return its record."""
-    clips: dict[str, ClipVideo] = {}
-    pairs: dict[str, PairVideo] = {}
-    for content in contents:
-        segment = segments[content[0].segment]
-        if len(content) > 1:
-            pair = _pair(folder, segment, content)
-            pairs[pair.file] = pair
-            continue
-        (shown,) = content
-        made = _clip(folder, segment, shown.condition)
-        clips[made.file] = made
-        if shown.speech not in (None, segment.name):
-            made = _dub(folder, made, segment, segments[str(shown.speech)])
-            clips[made.file] = made
-    return Stimuli(clips=tuple(clips.values()), pairs=tuple(pairs.values()))
-
-
-def _pair(folder: StudyFolder, segment: Segment, content: Content) -> PairVideo:
-    left, right = (shown.condition for shown in content)
-    sides = [folder.videos / ".frames" / f"{side}-{segment.name}.mkv" for side in (left, right)]
-    for side, frames in zip((left, right), sides, strict=True):
-        if not frames.exists():
-            videos.write_frames(frames, side, segment)
-    file = f"videos/pairs/{digest(segment.name, left, right)}.mp4"
-    videos.write_composed(folder.root / file, sides, segment, folder.speech)
-    return PairVideo(
-        segment=segment.name,
-        left=left,
-        right=right,
-        file=file,
-        duration=segment.duration,
-        key=file,
-    )
-
-
-def _clip(folder: StudyFolder, segment: Segment, condition: str) -> ClipVideo:
-    file = f"videos/clips/{condition}/{segment.name}.mp4"
-    if not (folder.root / file).exists():
-        videos.write_clip(folder.root / file, condition, segment, folder.speech)
-    return ClipVideo(
-        segment=segment.name,
-        condition=condition,
-        file=file,
-        duration=segment.duration,
-        key=file,
-    )
-
-
-def _dub(folder: StudyFolder, clip: ClipVideo, segment: Segment, other: Segment) -> ClipVideo:
-    file = clip.file.replace(".mp4", f"@{other.name}.mp4")
-    videos.write_dub(folder.root / file, folder.root / clip.file, segment, other, folder.speech)
-    return clip.model_copy(update={"file": file, "key": file, "speech": other.name})

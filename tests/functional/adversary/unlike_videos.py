@@ -1,8 +1,8 @@
-"""Videos of conditions that move very differently, through the writers of the real pipeline."""
+"""Motion and finished videos of conditions that move very differently."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -14,18 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import Audio, read_audio, write_wav
+from motion.clip import MotionClip
+from motion.formats import write_clip
 from motion.segment import Segment, write_segments
-from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
-from renderer.look import BACKGROUND, Look
-from renderer.loudness import at_common_loudness
-from renderer.pair import write_pair
-from renderer.stream_copy import write_dubbed
+from motion.skeleton import joint_index
+from renderer.encoder import SOUND_RATE
+from renderer.look import BACKGROUND
 
 SIZE: Final = 64
 FRAME_RATE: Final = 10
 SEGMENTS: Final = 9
 EMOTIONS: Final = ("happiness", "anger", "sadness")
-LOOK: Final = Look(size=SIZE, frame_rate=FRAME_RATE)
 
 PICTURE: Final = MappingProxyType({"crf": "18", "bf": "0", "sc_threshold": "0"})
 """How `motionjury check` asks finished videos to be encoded."""
@@ -70,45 +69,19 @@ def pictures(condition: str, segment: Segment) -> Iterator[NDArray[np.uint8]]:
         yield picture
 
 
-def write_clip(path: Path, condition: str, segment: Segment, speech: Path) -> None:
-    """Write one clip with its speech, as the renderer does."""
-    sound = at_common_loudness(
-        read_audio(speech / segment.wav, sample_rate=SOUND_RATE).cut(segment.start, segment.end)
+def write_motion(path: Path, condition: str, segment: Segment) -> None:
+    """Write motion of a body whose arm swings as much as its condition does."""
+    chance = np.random.default_rng([*segment.name.encode(), *condition.encode()])
+    frames = round(segment.duration * FRAME_RATE)
+    poses = np.zeros((frames, 55, 3), np.float32)
+    swing = SWINGS[condition] / 20
+    poses[:, joint_index("left_shoulder"), 2] = swing * np.sin(
+        np.arange(frames) + chance.uniform(0, 6)
     )
-    _write(path, pictures(condition, segment), sound)
-
-
-def write_frames(path: Path, condition: str, segment: Segment) -> None:
-    """Write the frames of one clip without loss, as the renderer does for pairs."""
-    _write(path, pictures(condition, segment), None)
-
-
-def write_dub(path: Path, picture: Path, segment: Segment, other: Segment, speech: Path) -> None:
-    """Write a clip with the speech of another segment, as the renderer does."""
-    write_dubbed(
-        picture=picture,
-        speech=speech / other.wav,
-        start=other.start,
-        end=min(other.end, other.start + segment.duration),
-        seconds=segment.duration,
-        video=path,
-    )
-
-
-def write_composed(path: Path, sides: Sequence[Path], segment: Segment, speech: Path) -> None:
-    """Write two clips side by side, as the renderer does."""
-    left, right = sides
-    write_pair(
-        left=left, right=right, speech=speech / segment.wav, start=segment.start,
-        end=segment.end, video=path, look=LOOK,
-    )  # fmt: skip
-
-
-def _write(path: Path, frames: Iterable[NDArray[np.uint8]], sound: Audio | None) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with VideoWriter(path, SIZE, SIZE, FRAME_RATE, sound) as writer:
-        for frame in frames:
-            writer.write(video_frame(frame))
+    if condition == "broken":
+        poses += chance.normal(0, 0.3, poses.shape)
+    trans = np.zeros((frames, 3), np.float32)
+    write_clip(path, MotionClip(poses=poses, trans=trans, frame_rate=FRAME_RATE))
 
 
 @dataclass(frozen=True, kw_only=True)

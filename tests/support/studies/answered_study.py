@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from studyapp.session.answers import store_answers
 from studyapp.session.shown_trials import ShownTrial
 from tests.support.studies.taking_part_steps import Participant, taking_part
 
@@ -23,26 +22,14 @@ def answer_study(
 
 
 def _take(participant: Participant, chance: np.random.Generator, trials: int | None) -> None:
-    while trials is None or trials > 0:
-        shown = participant.look().trial
-        if shown is None:
-            return
+    while participant.look().trial is not None and trials != 0:
+        shown = participant.watch_all()
         participant.clock.advance(seconds=10)
-        for video in shown.videos:
-            participant.fetch(video.token)
-            participant.report(video.token, (0.0, video.duration))
-        store_answers(
-            participant.database,
-            participant.served,
-            participant.token,
-            shown.token,
-            _answers(shown, chance),
-            participant.clock,
-        )
+        participant.answer(shown.token, _answers(shown, chance))
         trials = None if trials is None else trials - 1
 
 
-def _answers(shown: ShownTrial, chance: np.random.Generator) -> dict[str, list[str]]:
+def _answers(shown: ShownTrial, chance: np.random.Generator) -> dict[str, str]:
     """Return answers by chance: of what is ranked, an order for each question."""
     questions = dict.fromkeys(ask.question for ask in shown.asks)
     orders = {
@@ -53,8 +40,8 @@ def _answers(shown: ShownTrial, chance: np.random.Generator) -> dict[str, list[s
         for ask in shown.asks
     )
     return {
-        ask.field: [
-            str(int(next(orders[ask.question])) + 1 if ranked else int(chance.choice(ask.values)))
-        ]
+        ask.field: str(
+            int(next(orders[ask.question])) + 1 if ranked else int(chance.choice(ask.values))
+        )
         for ask in shown.asks
     }

@@ -6,51 +6,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-import av
 import numpy as np
 
+from motion.audio import Audio
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Stimuli, VideoCopy, write_stimuli
+from tests.support.studies.finished_study import brought, question, study_file
 
 FRAME_RATE: Final = 15
 SIZE: Final = 128
 """Height and width of the picture; what counts for a server is the size of the file."""
 
 CONDITIONS: Final = ("first", "second", "third", "flawed")
-
-STUDY_FILE: Final = """\
-name = "bench"
-title = "Motion and speech"
-protocol = "pairwise"
-comparisons = "all_pairs"
-layout = "players"
-reference = "first"
-participants = {places}
-trials = {trials}
-practice = {practice}
-lease_minutes = 600
-catch = {{ trials = {catch}, condition = "flawed", against = "third", videos = true }}
-
-[conditions.first]
-videos = true
-[conditions.second]
-videos = true
-[conditions.third]
-videos = true
-
-[[questions]]
-name = "rhythm"
-title = "Rhythm"
-text = "In which video do the gestures fit the rhythm of the speech better?"
-
-[[questions]]
-name = "emotion"
-title = "Emotion"
-text = "In which video do the gestures show better what the speaker feels?"
-
-[page]
-consent = "You will watch short videos of an animated speaker."
-"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,8 +45,25 @@ class StudyShape:
 
 def write_fabricated_study(folder: Path, shape: StudyShape) -> None:
     """Write a study of three conditions with two players a page into `folder`, ready to serve."""
-    text = STUDY_FILE.format(
-        places=shape.places, trials=shape.trials, practice=shape.practice, catch=shape.catch
+    text = study_file(
+        "pairwise",
+        participants=shape.places,
+        trials=shape.trials,
+        practice=shape.practice,
+        lease_minutes=600,
+        reference=CONDITIONS[0],
+        conditions=brought(*CONDITIONS[:3]),
+        catch={
+            "trials": shape.catch,
+            "condition": CONDITIONS[3],
+            "against": CONDITIONS[2],
+            "videos": True,
+        },
+        attention=None,
+        questions=[
+            question("rhythm", "Which fits better?"),
+            question("emotion", "Which shows it?"),
+        ],
     )
     (folder / "study.toml").write_text(text, encoding="utf-8")
     video = folder / "video.mp4"
@@ -114,16 +99,13 @@ def _write_copies(files: StudyFolder, video: Path, shape: StudyShape) -> None:
 
 
 def _write_video(path: Path, shape: StudyShape) -> None:
-    """Write a video of H.264, and lengthen its file to the size asked for."""
+    """Write a silent video, and lengthen its file to the size asked for."""
     picture = np.full((SIZE, SIZE, 3), 236, dtype=np.uint8)
-    with av.open(path, "w", options={"movflags": "+faststart"}) as container:
-        stream = container.add_stream("libx264", rate=FRAME_RATE)
-        stream.width = stream.height = SIZE
-        stream.pix_fmt = "yuv420p"
+    silence = Audio(np.zeros(round(shape.seconds * SOUND_RATE), np.float32), SOUND_RATE)
+    with VideoWriter(path, SIZE, SIZE, FRAME_RATE, silence) as writer:
         for index in range(round(shape.seconds * FRAME_RATE)):
             picture[:, index % SIZE] = 90
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
-        container.mux(stream.encode(None))
+            writer.write(video_frame(picture))
     missing = shape.file_bytes - path.stat().st_size
     with path.open("ab") as file:
         file.write(missing.to_bytes(4, "big") + b"free" + bytes(missing - 8))

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import wave
 from collections.abc import Iterable
-from fractions import Fraction
 from pathlib import Path
 
-import av
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.audio import Audio, write_wav
 from motion.segment import Segment, write_segments
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
 from studyapp.study.media import PairVideo, Stimuli, write_stimuli
 
 EMOTIONS = ("happiness", "anger", "sadness", "neutral")
@@ -23,7 +22,6 @@ PAIRS = (
 )
 SECONDS = 2.0
 FRAME_RATE = 15
-SAMPLE_RATE = 48_000
 HEIGHT = 120
 BACKGROUND = 0xEC
 
@@ -70,8 +68,8 @@ presentations of two questions each."""
 def write_tiny_study(folder: Path, *, seconds: float = SECONDS) -> None:
     """Write the study of `STUDY_FILE` into `folder`, with one segment per emotion."""
     (folder / "study.toml").write_text(STUDY_FILE, encoding="utf-8")
-    (folder / "speech").mkdir()
-    _write_speech(folder / "speech" / "take.wav", seconds * len(EMOTIONS))
+    silence = Audio(np.zeros(round(16_000 * seconds * len(EMOTIONS)), np.float32), 16_000)
+    write_wav(folder / "speech" / "take.wav", silence)
     segments = [
         Segment(
             name=f"take-{index}",
@@ -109,27 +107,15 @@ def write_pair_video(path: Path, *, shade: int, seconds: float = SECONDS) -> Non
 
 
 def write_video(path: Path, pictures: Iterable[NDArray[np.uint8]], *, seconds: float) -> None:
-    """Write pictures (height, width, 3) with a tone, as H.264 and AAC in MP4."""
+    """Write pictures (height, width, 3) with a tone, as the renderer does."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with av.open(path, "w", options={"movflags": "+faststart"}) as container:
-        video = container.add_stream("libx264", rate=FRAME_RATE, options={"crf": "28"})
-        audio = container.add_stream("aac", rate=SAMPLE_RATE, layout="mono")
-        for number, picture in enumerate(pictures):
-            if number == 0:
-                video.height, video.width, _ = picture.shape
-                video.pix_fmt = "yuv420p"
-            container.mux(video.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
-        container.mux(video.encode(None))
-        for start in range(0, int(seconds * SAMPLE_RATE), 1024):
-            stop = min(start + 1024, int(seconds * SAMPLE_RATE))
-            tone = 0.1 * np.sin(2 * np.pi * 220 * np.arange(start, stop) / SAMPLE_RATE)
-            sound = av.AudioFrame.from_ndarray(
-                tone.astype(np.float32)[None], format="fltp", layout="mono"
-            )
-            sound.sample_rate, sound.pts = SAMPLE_RATE, start
-            sound.time_base = Fraction(1, SAMPLE_RATE)
-            container.mux(audio.encode(sound))
-        container.mux(audio.encode(None))
+    moments = np.arange(round(seconds * SOUND_RATE)) / SOUND_RATE
+    tone = Audio((0.1 * np.sin(2 * np.pi * 220 * moments)).astype(np.float32), SOUND_RATE)
+    frames = list(pictures)
+    height, width, _ = frames[0].shape
+    with VideoWriter(path, width, height, FRAME_RATE, tone) as writer:
+        for frame in frames:
+            writer.write(video_frame(frame))
 
 
 def _picture(index: int, shade: int) -> NDArray[np.uint8]:
@@ -140,11 +126,3 @@ def _picture(index: int, shade: int) -> NDArray[np.uint8]:
         left = side + HEIGHT // 2 - 10 + direction * swing
         picture[30:110, left : left + 20] = (shade % 200, 90, 140)
     return picture
-
-
-def _write_speech(path: Path, seconds: float) -> None:
-    with wave.open(str(path), "wb") as file:
-        file.setnchannels(1)
-        file.setsampwidth(2)
-        file.setframerate(16_000)
-        file.writeframes(bytes(2 * int(16_000 * seconds)))
