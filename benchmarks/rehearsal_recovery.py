@@ -25,7 +25,6 @@ from analysis.answers.table import PAIRWISE, AnswerTable
 from analysis.results.known_values import KnownValue
 from analysis.results.net_preference import sided
 from analysis.results.preference import win_share
-from motion.files import write_text
 from motion.segment import EMOTIONS, Segment
 from studyapp.rehearsal.simulation.judgement import Conduct, judge
 from studyapp.rehearsal.simulation.population import (
@@ -40,12 +39,11 @@ from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.template_language import render_template
+from tools.markdown import write_part
 
 REHEARSALS: Final = 200
 SEGMENTS_EACH: Final = 3
 """Segments of each emotion, as in AMUSE's study."""
-
-BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -284,9 +282,7 @@ def main(rehearsals: int, page: Path | None) -> None:
     lines = "\n".join(measure(rehearsals))
     click.echo(lines)
     if page is not None:
-        before, rest = page.read_text("utf-8").split(BEGIN)
-        after = rest.split(END)[1]
-        write_text(page, f"{before}{BEGIN}\n{lines}\n{END}{after}")
+        write_part(page, "measured", lines)
 
 
 if __name__ == "__main__":

@@ -41,7 +41,7 @@ from renderer.pair import composed_frames, write_pair
 SECONDS: Final = 4.0
 ROUNDS: Final = 3
 PEER_FRAMES: Final = 30
-"""Frames of the other programs, which are slow; the plain loop loses some 3 MB with each."""
+"""Frames of the plain loop, which is slow and loses some 3 MB with each."""
 
 _CLIPS_PER_PROCESS: Final = 3
 """The first loads libraries, body and shaders, and is not counted."""
@@ -56,8 +56,6 @@ _LABELS: Final = {
     "x264 pair": "x264 and AAC alone, one pair",
     "plain loop": "pair by a plain pyrender loop",
     "mended loop": "the same, shader cache mended",
-    "aitviewer": "pair by aitviewer, 4 x MSAA, not encoded",
-    "blender": "pair by Blender Workbench, FXAA, not encoded",
 }
 
 
@@ -207,9 +205,9 @@ def _print(
         print(f"{'our pair: both sides drawn, composed, ' + label:46} {pair_rate:8.1f}")
     print(f"{f'our composing, {cores} processes':46} {ours['compose']:8.1f}")
     print(
-        "Ratios to other programs take our rate with one process a core, as the others use all"
-        "\ncores. Each clip serves several pairs, so a study's pairs come nearer to composing's"
-        "\nrate. Skinning is counted for us, but not for the others, which get the posed mesh."
+        "Ratios to the plain loop take our rate with one process a core, as it uses all cores."
+        "\nEach clip serves several pairs, so a study's pairs come nearer to composing's rate."
+        "\nSkinning is counted for us, but not for the plain loop, which gets the posed mesh."
     )
     rate = {name: median(run.rate for run in measured) for name, measured in runs.items()}
     composed = zip(runs["compose"], runs["x264 pair"], strict=True)
@@ -219,11 +217,6 @@ def _print(
         "pair_fps_all_cores": ours["pair"],
         "compose_fps_all_cores": ours["compose"],
         "pair_over_plain_loop_one_process": median(pairs) / rate["plain loop"],
-        **{
-            f"pair_over_{name}": ours["pair"] / rate[name]
-            for name in ("aitviewer", "blender")
-            if name in rate
-        },
         "clip_fps": rate["clip"],
         "pair_fps": median(pairs),
         "plain_loop_fps": rate["plain loop"],

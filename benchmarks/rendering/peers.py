@@ -1,21 +1,17 @@
-"""What else draws such pairs, each in a process of its own, with the threads it takes by itself.
+"""A plain loop that draws such pairs, in a process of its own with the threads it takes by itself.
 
-All are given the posed mesh, so that skinning is counted for none of them; it is counted for us.
-aitviewer is run where the environment variable ``AITVIEWER_PYTHON`` names the interpreter of an
-environment that has it, Blender where ``blender`` is on the path.
+It is given the posed mesh, so that skinning is not counted for it; it is counted for us.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 
@@ -26,8 +22,6 @@ from motion.body.surface import surface_colours
 from renderer.framing import Camera, look_at
 from renderer.jobs.local_workers import ONE_THREAD
 from renderer.look import Look
-
-_SCRIPTS: Final = Path(__file__).parent
 
 
 def write_posed_mesh(path: Path, body: BodyModel, camera: Camera, look: Look, frames: int) -> None:
@@ -46,36 +40,20 @@ def write_posed_mesh(path: Path, body: BodyModel, camera: Camera, look: Look, fr
 
 
 def peers(posed_mesh: Path) -> dict[str, Callable[[], Measured]]:
-    """Return each peer that is on this machine, by name: one call is one run."""
-    stock = [sys.executable, "-m", "benchmarks.rendering.stock_loop", str(posed_mesh)]
-    commands = {"plain loop": stock, "mended loop": [*stock, "--mended"]}
-    display = _display()
-    if python := os.environ.get("AITVIEWER_PYTHON"):
-        script = str(_SCRIPTS / "aitviewer_loop.py")
-        commands["aitviewer"] = [*display, python, script, str(posed_mesh)]
-    if blender := shutil.which("blender"):
-        script = str(_SCRIPTS / "blender_loop.py")
-        commands["blender"] = [
-            *display, blender, "--background", "--python", script, "--", str(posed_mesh)
-        ]  # fmt: skip
+    """Return the plain loop, as pyrender is released and with its cache mended: a call is a run."""
+    plain = [sys.executable, "-m", "benchmarks.rendering.stock_loop", str(posed_mesh)]
+    commands = {"plain loop": plain, "mended loop": [*plain, "--mended"]}
     return {name: partial(_run, command) for name, command in commands.items()}
-
-
-def _display() -> list[str]:
-    """Return how to give a program the display that it asks for even to draw offscreen."""
-    wrapper = shutil.which("xvfb-run")
-    return [] if os.environ.get("DISPLAY") or wrapper is None else [wrapper, "--auto-servernum"]
 
 
 def _run(command: list[str]) -> Measured:
     environment = {name: text for name, text in os.environ.items() if name not in ONE_THREAD}
-    done = subprocess.run(  # noqa: S603 - programs named above
+    done = subprocess.run(  # noqa: S603 - our own program
         command, env=environment, capture_output=True, text=True, check=False
     )
-    lines = [line for line in done.stdout.splitlines() if line.startswith('{"frames"')]
-    if done.returncode or not lines:
-        raise RuntimeError(f"{command[0]} failed:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
-    result = json.loads(lines[-1])
+    if done.returncode:
+        raise RuntimeError(f"{command[2]} failed:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+    result = json.loads(done.stdout.splitlines()[-1])
     return Measured(
         rate=result["frames"] / result["seconds"],
         milliseconds=1000 * result["busy"] / result["frames"],

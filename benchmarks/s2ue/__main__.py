@@ -14,7 +14,6 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
-from typing import Final
 
 from benchmarks.s2ue.draws import drawn_together
 from benchmarks.s2ue.measures import seams, speed
@@ -22,12 +21,9 @@ from benchmarks.s2ue.table import table, windows_of
 from generators.s2ue.config import ABLATIONS
 from generators.s2ue.network_file import load_network
 from motion.body.face_landmarks import FaceLandmarks
-from motion.files import write_text
+from tools.markdown import write_part
 from training.data.folders import read_takes
 from training.device import torch_threads
-
-BEGIN: Final = "<!-- ablations: begin -->"
-END: Final = "<!-- ablations: end -->"
 
 
 def main() -> None:
@@ -78,9 +74,7 @@ def main() -> None:
             print(line, flush=True)
             lines.append(line)
     if args.write is not None:
-        before, rest = args.write.read_text("utf-8").split(BEGIN)
-        after = rest.split(END)[1]
-        write_text(args.write, "\n".join([before + BEGIN, *lines, END + after]))
+        write_part(args.write, "ablations", "\n".join(lines))
 
 
 if __name__ == "__main__":

@@ -19,10 +19,10 @@ from typing import Final
 
 from sqlalchemy import select
 
+from benchmarks.server.log_secrets import secrets_in
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial
 from studyapp.rehearsal.bookkeeping import answer_checks
-from tests.support.log_secrets import secrets_in
 from tests.support.servers.databases import Backend, fresh_database
 from tests.support.servers.study_server import HOST, StudyServer, study_server
 from tests.support.servers.visitor import Ledger, StrandedError, Visitor

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from benchmarks.server.log_secrets import secrets_in
+from benchmarks.server.malformed_requests import Known, malformed_requests
 from studyapp.database.engine import Database
-from tests.support.log_secrets import secrets_in
 from tests.support.servers.databases import Backend, fresh_database
-from tests.support.servers.malformed_requests import Known, malformed_requests
 from tests.support.servers.page_scan import seen_form, seen_videos
 from tests.support.servers.study_server import HOST, study_server
 from tests.support.servers.visitor import Ledger, Visitor

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from benchmarks.learned_motion.following import (
     JAW,
     Followed,
-    MeanFollowed,
     Speech,
     follow,
     mean_followed,
@@ -50,18 +49,13 @@ def speech(seed: int) -> Speech:
     )
 
 
-def test_wrists_that_move_as_the_process_says_follow_it() -> None:
+def test_wrists_that_move_as_the_process_says_follow_it_and_still_ones_nothing() -> None:
     spoken = speech(1)
     score = follow(swinging(spoken.wrist_speed, spoken.jaw_open), spoken)
+    still = follow(swinging(np.zeros(FRAMES)), spoken)
     assert score.wrist_speed > 0.95
     assert score.jaw_open == pytest.approx(1, abs=1e-6)
-
-
-def test_what_does_not_move_follows_nothing_and_says_so() -> None:
-    score = follow(swinging(np.zeros(FRAMES)), speech(1))
-    assert math.isnan(score.wrist_speed)
-    assert math.isnan(score.jaw_open)
-    assert math.isnan(score.beats)
+    assert np.isnan([still.wrist_speed, still.jaw_open, still.beats]).all()
 
 
 def test_hands_that_rest_at_the_strokes_of_a_speech_are_aligned_with_them() -> None:
@@ -74,25 +68,15 @@ def test_hands_that_rest_at_the_strokes_of_a_speech_are_aligned_with_them() -> N
     assert follow(resting, elsewhere).strokes < 0
 
 
-def followed(**values: float) -> Followed:
-    return Followed(**{"wrist_speed": 0.0, "jaw_open": 0.0, "beats": 0.0, "strokes": 0.0} | values)
-
-
-def mean_of(values: dict[str, float], groups: dict[str, str]) -> MeanFollowed:
-    scores = {take: followed(wrist_speed=value) for take, value in values.items()}
-    return mean_followed(scores, groups, "wrist_speed")
-
-
-def test_the_mean_lies_in_its_interval_and_leaves_undefined_clips_out() -> None:
-    values = {f"t{number}": 0.1 * number for number in range(10)} | {"still": math.nan}
-    score = mean_of(values, {take: take for take in values})
-    assert score.clips == 10
-    assert score.mean == pytest.approx(0.45)
-    assert score.low < 0.45 < score.high
-
-
-def test_takes_of_one_text_are_drawn_together() -> None:
-    values = {f"t{number}": float(number % 2) for number in range(20)}
-    alone = mean_of(values, {take: take for take in values})
-    together = mean_of(values, {take: str(value) for take, value in values.items()})
+def test_a_mean_leaves_undefined_clips_out_and_draws_takes_of_one_text_together() -> None:
+    values = {f"t{number}": float(number % 2) for number in range(20)} | {"still": math.nan}
+    scores = {
+        take: Followed(wrist_speed=value, jaw_open=0.0, beats=0.0, strokes=0.0)
+        for take, value in values.items()
+    }
+    alone = mean_followed(scores, {take: take for take in values}, "wrist_speed")
+    together = mean_followed(scores, {k: str(v) for k, v in values.items()}, "wrist_speed")
+    assert alone.clips == 20
+    assert alone.mean == pytest.approx(0.5)
+    assert alone.low < 0.5 < alone.high
     assert together.high - together.low > 1.5 * (alone.high - alone.low)

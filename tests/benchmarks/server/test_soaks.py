@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from benchmarks.server.kill_soak import Strain, kill_soak
+from benchmarks.server.log_secrets import secrets_in
 from benchmarks.server.malformed_soak import malformed_soak
 from tests.support.servers.databases import Backend
 from tests.support.servers.throwaway_postgresql import programs
@@ -35,3 +38,21 @@ def test_malformed_requests_neither_fail_nor_leave_anything_behind() -> None:
     assert sum(outcome.answers.values()) == 400
     # They came further than the front door.
     assert {403, 404, 405, 409, 413, 422} <= set(outcome.answers)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Traceback (most recent call last):",
+        "Failed at GET /take/abc",
+        "key Zb3JpcbOb9jXQd0n1_wYc-7uT5kLm8Qa failed",
+        "Invalid request from ip=203.0.113.9",
+        "postgresql://me:word@host/db",
+    ],
+)
+def test_a_secret_in_a_log_is_found_and_none_in_an_ordinary_one(tmp_path: Path, line: str) -> None:
+    log = tmp_path / "log"
+    log.write_text("[2026-01-01 10:00:00 +0000] [1234] [ERROR] Worker (pid:5) was sent SIGKILL!\n")
+    assert secrets_in(log) == ()
+    log.write_text(f"All is well.\n{line}\n")
+    assert len(secrets_in(log)) == 1

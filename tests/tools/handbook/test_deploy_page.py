@@ -17,19 +17,9 @@ from tools.handbook.fenced import fenced_blocks
 TEXT = PAGE.read_text("utf-8")
 
 
-def test_every_file_on_the_page_is_the_one_that_is_written() -> None:
+def test_the_page_shows_every_file_as_it_is_written() -> None:
     assert up_to_date(TEXT) == TEXT
-
-
-def test_every_file_that_is_written_is_on_the_page() -> None:
     assert {block.words[1] for block in shown_files(TEXT)} == {kind.name for kind in KINDS}
-
-
-def test_a_file_changed_by_hand_is_seen() -> None:
-    changed = TEXT.replace("ProtectSystem=strict", "ProtectSystem=no", 1)
-
-    assert changed != TEXT
-    assert up_to_date(changed) == TEXT
 
 
 def commands_on_the_page() -> list[list[str]]:

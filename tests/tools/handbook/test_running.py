@@ -15,53 +15,38 @@ def page_of(script: str, *, info: str = "", printed: str = "text", between: str 
     return f"Before\n\n```sh{info}\n{script}\n```\n{between}```{printed}\nold\n```\n\nAfter\n"
 
 
-def test_what_a_command_prints_is_written_below_it(tmp_path: Path) -> None:
-    page = run_page(page_of("echo one; echo two >&2"), tmp_path)
+def test_commands_run_in_one_folder_and_what_they_print_is_written_below_them(
+    tmp_path: Path,
+) -> None:
+    script = "# One\n" + page_of("echo none") + "# Two\n"
+    script += page_of("echo one > note; echo two >&2") + page_of("cat note; false", info=" fails")
+    elsewhere = page_of("touch ran", info=" elsewhere")
+    apart = page_of("echo new", between="\nAnd this is a file:\n\n")
 
-    assert page == page_of("echo one; echo two >&2").replace("old", "one\ntwo")
+    page = run_page(
+        script + elsewhere + apart + "# Three\n" + page_of("echo 3"),
+        tmp_path,
+        since="# Two",
+        until="# Three",
+    )
 
-
-def test_commands_run_in_one_folder_after_each_other(tmp_path: Path) -> None:
-    page = run_page(page_of("echo kept > note") + page_of("cat note"), tmp_path)
-
-    assert [block.body for block in fenced_blocks(page)][-1] == "kept\n"
-
-
-def test_a_part_of_a_page_is_run_alone(tmp_path: Path) -> None:
-    page = "# One\n" + page_of("echo 1") + "# Two\n" + page_of("echo 2") + "# Three\n"
-    page += page_of("echo 3")
-
-    page = run_page(page, tmp_path, since="# Two", until="# Three")
-
-    assert [b.body for b in fenced_blocks(page) if b.language == "text"] == [
-        "old\n",
-        "2\n",
-        "old\n",
-    ]
-
-
-def test_words_between_a_command_and_a_text_keep_the_text(tmp_path: Path) -> None:
-    page = page_of("echo new", between="\nAnd this is a file:\n\n")
-
-    assert run_page(page, tmp_path) == page
-
-
-def test_what_needs_a_server_or_an_account_is_not_run(tmp_path: Path) -> None:
-    page = page_of("touch ran", info=" elsewhere")
-
-    assert run_page(page, tmp_path) == page
+    printed = [block.body for block in fenced_blocks(page) if block.language == "text"]
+    assert printed == ["old\n", "two\n", "one\n", "old\n", "old\n", "old\n"]
     assert not (tmp_path / "ran").exists()
 
 
-def test_a_failing_command_stops_and_says_why(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no such thing"):
-        run_page(page_of("echo no such thing; false; echo never"), tmp_path)
-
-
-def test_a_command_that_is_expected_to_fail_must_fail(tmp_path: Path) -> None:
-    assert "refused" in run_page(page_of("echo refused; false", info=" fails"), tmp_path)
-    with pytest.raises(InputError, match="expected to fail"):
-        run_page(page_of("true", info=" fails"), tmp_path)
+@pytest.mark.parametrize(
+    ("script", "info", "problem"),
+    [
+        ("echo no such thing; false; echo never", "", "no such thing"),
+        ("true", " fails", "expected to fail"),
+    ],
+)
+def test_a_command_that_fails_or_is_expected_to_and_does_not_stops(
+    tmp_path: Path, script: str, info: str, problem: str
+) -> None:
+    with pytest.raises(InputError, match=problem):
+        run_page(page_of(script, info=info), tmp_path)
 
 
 def test_what_a_reader_sets_in_a_file_is_set_beside_the_rest(tmp_path: Path) -> None:

@@ -10,8 +10,9 @@ from motion.errors import InputError
 from motion.segment import Segment, write_segments
 from studyapp.study.folder import StudyFolder
 from studyapp.study.study_file import new_study
+from tools.markdown import marks, with_part
 from tools.three_systems.line import Line, Took
-from tools.three_systems.page import BEGIN, END, measured, with_measured
+from tools.three_systems.page import measured
 
 PAGE = Path(__file__).parents[3] / "docs" / "three-systems.md"
 
@@ -79,11 +80,11 @@ def test_the_page_shows_what_the_report_found(study: StudyFolder) -> None:
 
 
 def test_the_words_around_what_was_measured_stay() -> None:
-    page = PAGE.read_text("utf-8")
-    before, after = page.split(BEGIN)[0], page.split(END)[1]
-    assert with_measured(page, "new") == f"{before}{BEGIN}\nnew\n{END}{after}"
+    page, (begin, end) = PAGE.read_text("utf-8"), marks("measured")
+    before, after = page.split(begin)[0], page.split(end)[1]
+    assert with_part(page, "measured", "new") == f"{before}{begin}\nnew\n{end}{after}"
     with pytest.raises(InputError, match="no place"):
-        with_measured("another page", "new")
+        with_part("another page", "measured", "new")
 
 
 INIT = ("init", "made", "--template", "three-systems")
