@@ -7,33 +7,26 @@ what `motionjury check --json` prints.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
 from motion.files import write_text
 from studyapp.preflight.finding import CheckRecord, catalogue
+from tools.markdown import table, with_part
 
 DOCS: Final = Path(__file__).resolve().parents[1] / "docs"
-BEGIN, END = "<!-- findings: begin -->", "<!-- findings: end -->"
-
-
-def table() -> Iterator[str]:
-    """Yield the lines of the table of all findings, as Markdown."""
-    yield "| finding | severity | what it means | what to do |"
-    yield "|---|---|---|---|"
-    for place, kinds in catalogue().items():
-        yield f"| **{place}** | | | |"
-        for name, kind in kinds.items():
-            cells = (f"`{name}`", kind.severity, kind.means, kind.remedy or "–")
-            yield f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
 
 
 def with_table(page: str) -> str:
-    """Return `page` with the table between its marks."""
-    before, _, rest = page.partition(BEGIN)
-    _, _, after = rest.partition(END)
-    return f"{before}{BEGIN}\n{chr(10).join(table())}\n{END}{after}"
+    """Return `page` with the table of all findings between its marks."""
+    rows: list[tuple[str, ...]] = []
+    for place, kinds in catalogue().items():
+        rows.append((f"**{place}**", "", "", ""))
+        for name, kind in kinds.items():
+            cells = (f"`{name}`", kind.severity, kind.means, kind.remedy or "–")
+            rows.append(tuple(cell.replace("|", "\\|") for cell in cells))
+    head = ("finding", "severity", "what it means", "what to do")
+    return with_part(page, "findings", table(head, rows))
 
 
 def schema() -> str:

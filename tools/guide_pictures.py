@@ -6,19 +6,14 @@ figure of the report, and the strip of frames.
 
 from __future__ import annotations
 
-import shutil
 import sys
-from contextlib import closing
 from pathlib import Path
 
 from PIL import Image
-from playwright.sync_api import Page, sync_playwright
 
-from studyapp.clock import Clock
-from studyapp.database.engine import Database, sqlite_url
-from studyapp.researchers.links import first_owner_link
 from studyapp.study.folder import StudyFolder
-from tools.pictures import CHROMIUM_FLAGS, DOCS, play_first_trial, served
+from tests.functional.joining import join
+from tools.pictures import DOCS, play_first_trial, served
 
 PICTURES = DOCS / "guide"
 FROM_PROLIFIC = "?PROLIFIC_PID=5f3c1d9e7a2b4c6d8e0f1a2b&STUDY_ID=6a1b2c3d&SESSION_ID=7e8f9a0b"
@@ -27,22 +22,6 @@ QUALITY = 80
 SEGMENT = "1_ada_0_65_65"
 """Of which the guide makes its strip."""
 STRIP_WIDTH = 1100
-PATIENCE = 180_000
-"""Milliseconds that a page may take, also where all processors are busy."""
-
-
-def picture_overview(page: Page, address: str, database: Path) -> None:
-    """Become the study's owner and take the overview of the rehearsal."""
-    with closing(Database.open(sqlite_url(database))) as stored:
-        link = first_owner_link(stored, Clock())
-    page.goto(f"{address}research/join/{link}")
-    page.get_by_label("Your name").fill("Ada Lovelace")
-    for label in ("New password", "Repeat it"):
-        page.get_by_label(label).fill("for this picture only")
-    page.get_by_role("button", name="Join").click()
-    page.goto(f"{address}research/rehearsal/")
-    page.locator(".truth").wait_for()
-    page.screenshot(path=PICTURES / "overview.jpg", quality=QUALITY)
 
 
 def picture_strip(folder: StudyFolder) -> None:
@@ -57,20 +36,19 @@ def main() -> None:
     """Take all pictures of the study ``my-study`` in the folder named on the command line."""
     folder = StudyFolder(Path(sys.argv[1]) / "my-study")
     PICTURES.mkdir(exist_ok=True)
-    chromium = shutil.which("chromium")
-    with served(folder) as (address, database), sync_playwright() as browsers:
-        browser = browsers.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS)
-        page = browser.new_page(viewport={"width": 1366, "height": 768})
-        page.set_default_timeout(PATIENCE)
-        play_first_trial(page, f"{address}{FROM_PROLIFIC}", database)
+    with served(folder) as study:
+        page = study.page
+        play_first_trial(page, f"{study.address}{FROM_PROLIFIC}", study.database)
         page.screenshot(path=PICTURES / "participant.jpg", quality=QUALITY)
-        picture_overview(page, address, database)
+        join(page, study.link)
+        page.goto(f"{study.address}research/rehearsal/")
+        page.locator(".truth").wait_for()
+        page.screenshot(path=PICTURES / "overview.jpg", quality=QUALITY)
         page.set_viewport_size({"width": 1000, "height": 800})
         page.goto((folder.report / "report.html").resolve().as_uri())
         page.locator("figure").first.screenshot(
             path=PICTURES / "preferences.jpg", type="jpeg", quality=QUALITY
         )
-        browser.close()
     picture_strip(folder)
 
 

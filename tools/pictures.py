@@ -7,57 +7,65 @@ of every condition, everyone whom a study can show, and a figure as a paper show
 from __future__ import annotations
 
 import os
-import shutil
 import sqlite3
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import av
-import httpx
 from PIL import Image
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page
 
 from studyapp.database.engine import sqlite_url
-from studyapp.rehearsal.server import free_port
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
+from tests.functional.browsing import commanded, launched
+from tests.functional.looking import LAPTOP
 from tools.avatars.sheet import everyone
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
-CHROMIUM_FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+PATIENCE = 180_000
+"""Milliseconds that a page may take, also where all processors are busy."""
 SEGMENT = "happiness"
 MOMENT = 2.6
 KEY_WORDS = ("house=0.62", "called=1.6", "summer=3.0", "breakfast=4.5", "enormous=5.6", "tree=6.2")
 """Where espeak-ng says them in the segment."""
 
 
+@dataclass(frozen=True)
+class Served:
+    """A study that is served with a database that is thrown away, and a browser's page.
+
+    Attributes
+    ----------
+    address : str
+        Where it is.
+    link : str
+        With which its first owner joins.
+    database : Path
+        Where its answers go.
+    """
+
+    address: str
+    link: str
+    database: Path
+    page: Page
+
+
 @contextmanager
-def served(folder: StudyFolder) -> Iterator[tuple[str, Path]]:
-    """Serve a study with a database that is thrown away; give the address and the database."""
-    port = free_port()
-    address = f"http://127.0.0.1:{port}/"
-    with tempfile.TemporaryDirectory() as scratch:
+def served(folder: StudyFolder) -> Iterator[Served]:
+    """Serve a study, and give it with a page of a browser."""
+    with tempfile.TemporaryDirectory() as scratch, launched() as browser:
         database = Path(scratch) / "pictures.db"
-        server = subprocess.Popen(
-            ["motionjury", "serve", str(folder.root), "--port", str(port), "--workers", "1"],
-            env={**os.environ, "DATABASE_URL": sqlite_url(database)},
-        )
-        try:
-            for _ in range(600):
-                try:
-                    httpx.get(address)
-                    break
-                except httpx.ConnectError:
-                    time.sleep(0.1)
-            yield address, database
-        finally:
-            server.terminate()
-            server.wait()
+        os.environ["DATABASE_URL"] = sqlite_url(database)
+        with commanded("serve", folder.root, "--workers", "1") as (address, link):
+            page = browser.new_page(viewport=LAPTOP)
+            page.set_default_timeout(PATIENCE)
+            yield Served(f"{address}/", link, database, page)
 
 
 def play_first_trial(page: Page, address: str, database: Path) -> None:
@@ -108,16 +116,13 @@ def picture_figure(folder: StudyFolder) -> None:
 def main() -> None:
     """Take all pictures of the study named on the command line."""
     folder = StudyFolder(Path(sys.argv[1]))
-    chromium = shutil.which("chromium")
-    with served(folder) as (address, database), sync_playwright() as browsers:
-        browser = browsers.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS)
-        page = browser.new_page(viewport={"width": 1366, "height": 768})
-        play_first_trial(page, address, database)
+    with served(folder) as study:
+        page = study.page
+        play_first_trial(page, study.address, study.database)
         page.screenshot(path=DOCS / "participant.png")
         page.set_viewport_size({"width": 1280, "height": 800})
         page.goto((folder.report / "report.html").resolve().as_uri())
         page.screenshot(path=DOCS / "report.png")
-        browser.close()
     picture_frames(folder)
     everyone(size=320).save(DOCS / "avatars.png", optimize=True)
     picture_figure(folder)

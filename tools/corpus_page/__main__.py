@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from motion.files import write_text
 from tools.corpus_page.measuring import (
     BEAT,
     MeasuredTake,
@@ -20,11 +19,10 @@ from tools.corpus_page.measuring import (
     read_measured,
     told,
 )
+from tools.markdown import write_part
 
 _STILL = "it does not change"
 _ALONE = "nobody speaks two texts of an emotion"
-
-BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 
 
 def main() -> None:
@@ -41,11 +39,7 @@ def main() -> None:
     if args.write is None:
         print(text)
         return
-    before, _, rest = args.write.read_text(encoding="utf-8").partition(BEGIN)
-    _, mark, after = rest.partition(END)
-    if not mark:
-        raise SystemExit(f"{args.write}: there is no place between {BEGIN} and {END}")
-    write_text(args.write, f"{before}{BEGIN}\n{text}\n{END}{after}")
+    write_part(args.write, "measured", text)
 
 
 def tables(takes: Sequence[MeasuredTake], size: int) -> Iterator[str]:

@@ -18,9 +18,10 @@ import tomlkit
 from motion.errors import InputError
 from motion.files import digest, write_text
 from studyapp.study.folder import StudyFolder
+from tools.markdown import write_part
 from tools.three_systems.line import Line, places
 from tools.three_systems.networks import NETWORKS, Network, evaluators, networks
-from tools.three_systems.page import measured, with_measured
+from tools.three_systems.page import measured
 from tools.three_systems.takes import (
     bring,
     learned_takes,
@@ -73,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if args.write is None:
         print(text)
         return
-    write_text(args.write, with_measured(args.write.read_text("utf-8"), text))
+    write_part(args.write, "measured", text)
     for kind in ("bodies", "faces"):
         picture = args.write.with_name(f"{args.write.stem}-{kind}.png")
         write_picture(line.folder / f"{kind}.png", picture)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 from analysis.report.sections.metric_table import TableColumn
 from analysis.report.sections.metrics import PAPER_TABLES, TITLES
-from motion.errors import InputError, listed
+from motion.errors import listed
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
+from tools.markdown import rendered, table
 from tools.three_systems.line import Took
 from tools.three_systems.networks import Network
 
@@ -32,18 +34,6 @@ _SYSTEMS: Final[Mapping[str, str]] = {
 }
 
 
-BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
-
-
-def with_measured(page: str, measured: str) -> str:
-    """Return the page with what was measured between its marks."""
-    before, _, rest = page.partition(BEGIN)
-    _, mark, after = rest.partition(END)
-    if not mark:
-        raise InputError("the page has no place for what is measured", remedy=f"Put {BEGIN} {END}")
-    return f"{before}{BEGIN}\n{measured}\n{END}{after}"
-
-
 def measured(study: StudyFolder, took: Mapping[str, Took], networks: Sequence[Network]) -> str:
     """Return what is measured: pictures and tables.
 
@@ -57,53 +47,18 @@ def measured(study: StudyFolder, took: Mapping[str, Took], networks: Sequence[Ne
         Which ones moved.
     """
     results = json.loads((study.report / "results.json").read_text("utf-8"))
-    definition = study.study()
     metrics = _Metrics.of(results)
-    segments = study.segments()
-    people = results["participants"]
-    return "\n".join(
-        [
-            "## What they do",
-            "",
-            f"![Six conditions at five moments of one speech]({_PICTURE}-bodies.png)",
-            "",
-            f"![The faces at the same moments]({_PICTURE}-faces.png)",
-            "",
-            "## What simulated participants prefer",
-            "",
-            f"{people['recruited']} simulated participants took the study over HTTP, of whom "
-            f"{people['attentive']} are analysed, with {len(segments)} segments. Strengths of "
-            "Bradley and Terry (logits, adding up to zero) with 95% intervals over participants "
-            "and segments, behind their true values, which are on another scale "
-            "and from another zero: the order counts.",
-            "",
-            *_preferences(results, definition),
-            "",
-            "## Beside every metric of the three papers",
-            "",
-            "Scores are those of the report (`my-study/report/results.json`), which measures what "
-            "the papers of a study's systems report, computed as there ([metrics.md](metrics.md)). "
-            "Arrows say which way each paper calls better; → gt is near the recording. τ is "
-            "Kendall's correlation of the metric with the strengths above, signed so that above "
-            "zero they agree: of six conditions it may come out anyhow, and here it tells nothing "
-            "of metrics, since the raters saw no motion.",
-            "",
-            *_metric_tables(metrics),
-            *(f"- {reason}" for reason in metrics.reasons()),
-            "",
-            "## What it took",
-            "",
-            *_times(took),
-            "",
-            "## Whose networks these are",
-            "",
-            *_table(("network", "updates", "kept", "from"), map(_network, networks)),
-            "",
-        ]
+    return rendered(
+        "tools.three_systems",
+        "three_systems.md",
+        people=results["participants"],
+        segments=len(study.segments()),
+        preferences=_preferences(results, study.study()),
+        papers=[(TITLES[paper], metrics.table(paper)) for paper in PAPERS],
+        reasons=metrics.reasons(),
+        times=_times(took),
+        networks=table(("network", "updates", "kept", "from"), map(_network, networks)),
     )
-
-
-_PICTURE: Final = "three-systems"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,6 +110,12 @@ class _Metrics:
             *(_number(entry.get("estimate"), ".2f") for entry in taus),
         ]
 
+    def table(self, paper: str) -> str:
+        """Return the metrics of a paper."""
+        head = ("metric", "better", *(f"`{entry}`" for entry in self.conditions))
+        taus = (f"τ, {question}" for question in self.questions)
+        return table((*head, *taus), map(self.row, PAPER_TABLES[paper]))
+
     def reasons(self) -> list[str]:
         """Return why scores are missing, and what is to be known of them, each once."""
         about: dict[str, dict[str, list[str]]] = {}
@@ -173,45 +134,31 @@ class _Metrics:
         ]
 
 
-def _preferences(results: Mapping[str, Any], definition: Any) -> Iterator[str]:
-    given = default_population(definition).quality
+def _preferences(results: Mapping[str, Any], study: Study) -> str:
+    given = default_population(study).quality
     questions = results["questions"]
     rows = []
     for condition in results["conditions_shown"]:
         row = [f"`{condition}`"]
         for question in questions:
             standings = results["bradley_terry"][question]["conditions"]
-            ranking_of_metrics = next(
-                entry for entry in standings if entry["condition"] == condition
-            )
+            standing = next(entry for entry in standings if entry["condition"] == condition)
             strength, low, high = (
-                _number(ranking_of_metrics[key], ".2f") for key in ("estimate", "low", "high")
+                _number(standing[key], ".2f") for key in ("estimate", "low", "high")
             )
             row += [f"{given[condition][question]:.2f}", f"{strength} [{low}, {high}]"]
         rows.append(row)
-    heads = [
-        head for question in questions for head in (f"{question}, given", f"{question}, found")
-    ]
-    yield from _table(("condition", *heads), rows)
+    heads = [f"{question}, {what}" for question in questions for what in ("given", "found")]
+    return table(("condition", *heads), rows)
 
 
-def _metric_tables(metrics: _Metrics) -> Iterator[str]:
-    for paper in PAPERS:
-        yield f"**{TITLES[paper]}**"
-        yield ""
-        head = ("metric", "better", *(f"`{entry}`" for entry in metrics.conditions))
-        taus = (f"τ, {question}" for question in metrics.questions)
-        yield from _table((*head, *taus), (metrics.row(entry) for entry in PAPER_TABLES[paper]))
-        yield ""
-
-
-def _times(took: Mapping[str, Took]) -> Iterator[str]:
+def _times(took: Mapping[str, Took]) -> str:
     rows = [
         [f"`{name}`" if name.startswith("motionjury") else name, _duration(entry.processor)]
         for name, entry in took.items()
     ]
     rows.append(["all of it", _duration(sum(entry.processor for entry in took.values()))])
-    yield from _table(("step", "processor time"), rows)
+    return table(("step", "processor time"), rows)
 
 
 def _network(network: Network) -> list[str]:
@@ -222,14 +169,6 @@ def _network(network: Network) -> list[str]:
         str(steps),
         f"step {facts.get('best_step', steps)}",
         "given by path" if network.is_given else "trained by this page's command",
-    ]
-
-
-def _table(head: Sequence[str], rows: Any) -> list[str]:
-    return [
-        f"| {' | '.join(head)} |",
-        f"|{'---|' * len(head)}",
-        *(f"| {' | '.join(row)} |" for row in rows),
     ]
 
 

@@ -6,15 +6,14 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from scipy import stats
 
 from analysis.report import wording
 from motion.files import write_text
+from tools.markdown import rendered
 from tools.worked_examples import amuse_study, s2ue_study
 from tools.worked_examples.rebuilt import (
     LEVEL,
@@ -27,8 +26,6 @@ from tools.worked_examples.rebuilt import (
 )
 from tools.worked_examples.spread import SharedAnswers, Spread
 
-_TEMPLATE: Final = "worked_examples.md"
-
 _FAILING: Final = (0.02, 0.05, 0.10)
 """Chances of an attentive participant to fail a catch trial."""
 
@@ -36,60 +33,9 @@ _GUESSING: Final = 1 - (2 / 5) ** 2
 """Of one who answers two questions of five levels at random: two levels of each are right."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Excluded:
-    """How probable it is that a participant is excluded.
-
-    Attributes
-    ----------
-    failing : float
-        The participant's chance to fail one catch trial.
-    more_than_one, any_of_them, all_of_them : float
-        Chance of exclusion where more than one failure excludes, where any does, and where only
-        failing all of them does.
-    """
-
-    failing: float
-    more_than_one: float
-    any_of_them: float
-    all_of_them: float
-
-
-def excluded(failing: float, catch_trials: int) -> Excluded:
-    """Compute how probable it is that a participant is excluded by each rule.
-
-    Parameters
-    ----------
-    failing : float
-        Chance to fail one catch trial, 0 to 1; whether one is failed says nothing of the next.
-    catch_trials : int
-        How many there are, at least one.
-    """
-    failures = stats.binom(catch_trials, failing)
-    return Excluded(
-        failing=failing,
-        more_than_one=float(failures.sf(1)),
-        any_of_them=float(failures.sf(0)),
-        all_of_them=float(failures.pmf(catch_trials)),
-    )
-
-
-def write_worked_examples(path: Path) -> None:
-    """Write the page of worked examples, in Markdown, every number computed anew."""
-    write_text(path, worked_examples())
-
-
 def worked_examples() -> str:
     """Return the page of worked examples in Markdown."""
-    environment = Environment(
-        loader=PackageLoader("tools.worked_examples"),
-        undefined=StrictUndefined,
-        autoescape=False,  # noqa: S701 - the page is Markdown, made of this package's own words
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    return environment.get_template(_TEMPLATE).render(**_facts())
+    return rendered("tools.worked_examples", "worked_examples.md", **_facts())
 
 
 def _facts() -> dict[str, Any]:
@@ -105,8 +51,8 @@ def _facts() -> dict[str, Any]:
         "large_effects": _effects(rebuilt, SPREADS[3]),
         "claims": [_claim(claim, rebuilt) for claim in amuse_study.CLAIMS],
         "catch_trials": amuse_study.CATCH_TRIALS,
-        "attentive": [_excluded(excluded(p, amuse_study.CATCH_TRIALS)) for p in _FAILING],
-        "guessing": _excluded(excluded(_GUESSING, amuse_study.CATCH_TRIALS)),
+        "attentive": [_excluded(failing) for failing in _FAILING],
+        "guessing": _excluded(_GUESSING),
         "left_out": {
             row.other: amuse_study.RECRUITED - row.participants for row in amuse_study.TABLE_A5
         },
@@ -187,12 +133,17 @@ def _verdict(counts: tuple[int, ...], tests: int) -> str:
     return "stands only where participants and segments hardly differ"
 
 
-def _excluded(found: Excluded) -> dict[str, str]:
+def _excluded(failing: float) -> dict[str, str]:
+    """Return how probable it is, in percent, that somebody is excluded by each rule.
+
+    `failing` is the chance to fail one catch trial; whether one is failed says nothing of the next.
+    """
+    failures = stats.binom(amuse_study.CATCH_TRIALS, failing)
     return {
-        "failing": wording.percent(100 * found.failing),
-        "more_than_one": f"{100 * found.more_than_one:.1f}",
-        "any": f"{100 * found.any_of_them:.1f}",
-        "all": f"{100 * found.all_of_them:.1f}",
+        "failing": wording.percent(100 * failing),
+        "more_than_one": f"{100 * failures.sf(1):.1f}",
+        "any": f"{100 * failures.sf(0):.1f}",
+        "all": f"{100 * failures.pmf(amuse_study.CATCH_TRIALS):.1f}",
     }
 
 
@@ -219,4 +170,4 @@ def _possible(percent: float, total: int) -> str:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("file", type=Path, help="such as docs/worked-examples.md")
-    write_worked_examples(parser.parse_args().file)
+    write_text(parser.parse_args().file, worked_examples())
