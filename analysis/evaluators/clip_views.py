@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
 from scipy.spatial.transform import Rotation
 
 from analysis.metrics.joint_motion import GESTURE_JOINTS
 from motion.body.face_landmarks import FaceLandmarks
-from motion.clip import MotionClip, check_frame_rate
+from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE, MotionClip
 from motion.errors import InputError
 from motion.skeleton import JOINT_NAMES, joint_index
 
@@ -130,44 +131,6 @@ JOINTS_OF_CHANNELS: Final = MappingProxyType[Channels, tuple[str, ...]](
 the SMPL-X counterpart of BEAT's 47 joints."""
 
 
-def view_of(
-    channels: Channels,
-    *,
-    joints: tuple[str, ...],
-    face: Face | None = None,
-    landmarks: FaceLandmarks | None = None,
-) -> ClipView:
-    """Return the view of a network with these channels.
-
-    Parameters
-    ----------
-    channels : str
-        ``body``, ``gesture``, ``expression``, ``both`` (gesture and expression) or ``landmarks``.
-    joints : tuple of str
-        SMPL-X names of the joints whose rotations it sees.
-    face : {'arkit', 'expressions'}, optional
-        How expressions are represented.
-    landmarks : FaceLandmarks, optional
-        The landmarks.
-
-    Raises
-    ------
-    InputError
-        If the channels need a face or landmarks and none are given.
-    """
-    if channels == "landmarks" and landmarks is not None:
-        return ClipView(landmarks=landmarks)
-    has_face = channels in ("expression", "both")
-    if channels == "landmarks" or (has_face and face is None):
-        raise InputError(
-            f"a network of {channels!r} needs a face or landmarks",
-            remedy="Use a file as 'motionjury train evaluator' wrote it",
-        )
-    return ClipView(
-        joints=() if channels == "expression" else joints, face=face if has_face else None
-    )
-
-
 def face_of(clip: MotionClip) -> Face:
     """Return how a clip represents the face; ARKit weights if it has both.
 
@@ -193,46 +156,38 @@ TOLERANCE: Final = 0.1
 """Seconds by which a clip may be shorter than one window; its last frame is repeated."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class WindowConfig:
+Size = Annotated[int, Field(ge=1, le=LARGEST)]
+FrameRate = Annotated[float, Field(ge=MIN_FRAME_RATE, le=MAX_FRAME_RATE)]
+
+
+class Facts(BaseModel):
+    """Metadata of a file, without unknown keys or numbers that are not finite."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class WindowConfig(Facts):
     """The windows in which a network sees motion.
 
     Attributes
     ----------
     frame_rate : float
-        Frames per second to which clips are resampled, from 1 to 1000.
+        Frames per second to which clips are resampled.
     window : int
         Frames of a window, from 2.
     stride : int
-        Frames from one window of a training clip to the next, from 1. Windows that are
-        embedded for scores do not overlap.
-
-    Raises
-    ------
-    InputError
-        If a number is out of its range.
+        Frames from one window of a training clip to the next. Windows that are embedded for
+        scores do not overlap.
     """
 
-    frame_rate: float
-    window: int
-    stride: int
-
-    def __post_init__(self) -> None:
-        check_frame_rate(self.frame_rate)
-        self._check("window", 2 <= self.window <= LARGEST, f"2 to {LARGEST} frames")
-        self._check("stride", 1 <= self.stride <= LARGEST, f"1 to {LARGEST} frames")
+    frame_rate: FrameRate
+    window: Annotated[Size, Field(ge=2)]
+    stride: Size
 
     @property
     def seconds(self) -> float:
         """Length of a window."""
         return self.window / self.frame_rate
-
-    def _check(self, name: str, fits: bool, expected: str) -> None:
-        """Raise an error if the number called `name` does not fit."""
-        if not fits:
-            raise InputError(
-                f"{name} of the network is {getattr(self, name)!r}", remedy=f"Give {expected}"
-            )
 
 
 def window_starts(frames: int, window: int, stride: int) -> NDArray[np.int64]:

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, Final, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from analysis.evaluators.clip_views import (
     JOINTS_OF_CHANNELS,
     Channels,
     ClipView,
     Face,
-    view_of,
+    Facts,
 )
 from analysis.evaluators.networks import (
     AUTOENCODER_TINY,
@@ -77,12 +77,6 @@ TRAINING: Final = MappingProxyType[tuple[Kind, Size], TrainingConfig](
 """Default training of each kind."""
 
 
-class Facts(BaseModel):
-    """Metadata of a file, without unknown keys or numbers that are not finite."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
 class Design(Facts):
     """The kind, input and sizes of a feature network.
 
@@ -143,7 +137,7 @@ class Design(Facts):
         landmarks : FaceLandmarks, optional
             Needed by the kind ``face``.
         """
-        return view_of(self.channels, joints=self.joints, face=self.face, landmarks=landmarks)
+        return ClipView(joints=self.joints, face=self.face, landmarks=landmarks)
 
     def fresh_network(self, channels: int) -> Network:
         """Return an untrained network for frames with this number of channels."""

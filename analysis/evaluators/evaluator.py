@@ -1,4 +1,7 @@
-"""A trained feature network: clips in, embeddings out."""
+"""A trained feature network: clips in, embeddings out, and its file.
+
+One safetensors file holds everything that its scores depend on.
+"""
 
 from __future__ import annotations
 
@@ -7,23 +10,24 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from pydantic import Field, ValidationError
+from torch import Tensor
 
 from analysis.evaluators import network_names as names
-from analysis.evaluators.clip_views import TOLERANCE, cut_windows, long_enough
+from analysis.evaluators.clip_views import TOLERANCE, ClipView, Facts, cut_windows, long_enough
+from analysis.evaluators.design import Design, Network
+from analysis.evaluators.examples import Normalisation
+from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip, freeze
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from motion.files import sha256_of
 from motion.resample import resample
-
-if TYPE_CHECKING:
-    from torch import Tensor
-
-    from analysis.evaluators.clip_views import ClipView
-    from analysis.evaluators.evaluator_file import EvaluatorFile
+from training.weights_file import WeightsFile, read_weights, write_weights
 
 FloatArray = NDArray[np.float32]
 
@@ -31,50 +35,124 @@ _BATCH_SIZE: Final = 64
 
 _SHOWN_OF_HASH: Final = 16
 
+_FORMAT: Final = 2
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Evaluator:
-    """A trained feature network.
+_REMEDY: Final = "Give a file as 'motionjury train evaluator' wrote it, or train again"
+
+
+class DataFacts(Facts):
+    """The data a network was trained on.
 
     Attributes
     ----------
     sha256 : str
-        Hash of its file, which every score quotes.
-    file : EvaluatorFile
-        The content of the file.
+        Hash of the motion files, their recordings and emotions.
+    clips, recordings : int
+        Number of clips and of their recordings.
+    windows, held_out_windows : int
+        Windows for training, and held-out windows.
+    held_out : str
+        What was held out, in words.
     """
 
-    sha256: str
-    file: EvaluatorFile
+    sha256: str = Field(pattern="^[0-9a-f]{64}$")
+    clips: int
+    recordings: int
+    windows: int
+    held_out_windows: int
+    held_out: str
+
+
+class TrainingFacts(Facts):
+    """The training of a network.
+
+    Attributes
+    ----------
+    config : mapping
+        `training.config.TrainingConfig`, as JSON holds it.
+    best_step : int
+        Step with the best weights on held-out windows, which the file holds.
+    last_loss : float
+        Loss of the last step.
+    versions : mapping of str to str
+        Of packages.
+    """
+
+    config: dict[str, Any]
+    best_step: int
+    last_loss: float
+    versions: dict[str, str]
+
+
+class EvaluatorFacts(Design):
+    """The metadata of a file: the network's design, data and training.
+
+    Attributes
+    ----------
+    data : DataFacts
+        The data.
+    training : TrainingFacts
+        The training.
+    held_out : mapping of str to float
+        Measured on held-out windows.
+    """
+
+    format: Literal[2] = _FORMAT
+    data: DataFacts
+    training: TrainingFacts
+    held_out: dict[str, float]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Evaluator:
+    """A trained feature network with everything that it needs.
+
+    Attributes
+    ----------
+    facts : EvaluatorFacts
+        The metadata of its file.
+    network : Network
+        In evaluation mode, on the processor.
+    normalisation : Normalisation
+        Of its channels.
+    landmarks : FaceLandmarks or None
+        For the kind ``face``.
+    sha256 : str
+        Hash of its file, which every score quotes; '' before it is written.
+    rule : None
+        No published code computes distances in its features.
+    """
+
+    facts: EvaluatorFacts
+    network: Network
+    normalisation: Normalisation
+    landmarks: FaceLandmarks | None
+    sha256: str = ""
+    rule: ClassVar[None] = None
 
     @property
     def name(self) -> str:
         """A name in `analysis.evaluators.network_names`."""
-        return names.OF_CHANNELS[self.file.facts.channels]
-
-    @property
-    def rule(self) -> None:
-        """None: no published code computes distances in its features."""
-        return None
+        return names.OF_CHANNELS[self.facts.channels]
 
     @property
     def frame_rate(self) -> float:
         """Frames per second to which clips are resampled."""
-        return self.file.facts.network.frame_rate
+        return self.facts.network.frame_rate
 
     @property
     def window(self) -> int:
         """Frames of a window."""
-        return self.file.facts.network.window
+        return self.facts.network.window
 
     @property
     def labels(self) -> tuple[str, ...]:
         """The emotions of `classify`, in its order; empty but for the kind ``emotion``."""
-        return self.file.facts.labels
+        return self.facts.labels
 
     @cached_property
     def _view(self) -> ClipView:
-        return self.file.facts.view(self.file.landmarks)
+        return self.facts.view(self.landmarks)
 
     def embed(self, clip: MotionClip) -> FloatArray:
         """Return the embedding of each window of a clip.
@@ -94,11 +172,9 @@ class Evaluator:
         InputError
             If the clip is shorter than one window, or lacks the network's input.
         """
-        import torch
-
         windows = torch.from_numpy(self._windows(clip))
         with torch.inference_mode():
-            return _finite(in_batches(self.file.network.embed, windows).numpy())
+            return np.asarray(in_batches(self.network.embed, windows).numpy())
 
     def classify(self, clip: MotionClip) -> FloatArray:
         """Return the probability of each emotion in each window of a clip.
@@ -113,27 +189,25 @@ class Evaluator:
         InputError
             As `embed`; or if the network classifies no emotions.
         """
-        import torch
-
         if not self.labels:
             raise InputError(
-                f"a network of kind {self.file.facts.kind!r} classifies no emotions",
+                f"a network of kind {self.facts.kind!r} classifies no emotions",
                 remedy="Use one of kind emotion ('motionjury train evaluator emotion')",
             )
         windows = torch.from_numpy(self._windows(clip))
         with torch.inference_mode():
-            return _finite(in_batches(self.file.network, windows).softmax(dim=1).numpy())
+            return np.asarray(in_batches(self.network, windows).softmax(dim=1).numpy())
 
     def _windows(self, clip: MotionClip) -> FloatArray:
         """Return the windows of a clip as the network's input, shape (n, window, channels)."""
-        facts = self.file.facts
+        facts = self.facts
         frames = self._view.frames(resample(freeze(clip, facts.frozen), self.frame_rate))
-        frames = long_enough(self.file.normalisation(frames), self.window, self.frame_rate)
+        frames = long_enough(self.normalisation(frames), self.window, self.frame_rate)
         return cut_windows(frames, self.window, self.window)
 
     def describe(self) -> Mapping[str, str]:
         """Return the settings that every score of this network quotes, in words."""
-        facts = self.file.facts
+        facts = self.facts
         data = facts.data
         seconds = self.window / self.frame_rate
         described = {
@@ -152,7 +226,7 @@ class Evaluator:
         return MappingProxyType(described)
 
     def _held_out(self) -> str:
-        facts = self.file.facts
+        facts = self.facts
         count = f"{facts.data.held_out_windows} windows"
         if facts.kind == "emotion":
             return (
@@ -165,6 +239,25 @@ class Evaluator:
         )
 
 
+def in_batches(network: Callable[[Tensor], Tensor], windows: Tensor) -> Tensor:
+    """Return a network's output for windows, shape (n, ...), computed in batches."""
+    starts = range(0, len(windows), _BATCH_SIZE)
+    return torch.cat([network(windows[start : start + _BATCH_SIZE]) for start in starts])
+
+
+def write_evaluator(path: Path, evaluator: Evaluator) -> None:
+    """Write `evaluator` to `path` in one step; equal ones make equal bytes."""
+    tensors: dict[str, Tensor] = {
+        f"network.{name}": tensor for name, tensor in evaluator.network.state_dict().items()
+    }
+    tensors["normalisation.mean"] = torch.from_numpy(evaluator.normalisation.mean)
+    tensors["normalisation.deviation"] = torch.from_numpy(evaluator.normalisation.deviation)
+    if evaluator.landmarks is not None:
+        for name, array in evaluator.landmarks.arrays().items():
+            tensors[f"landmarks.{name}"] = torch.from_numpy(array)
+    write_weights(path, tensors, evaluator.facts.model_dump(mode="json"))
+
+
 def load_evaluator(path: Path) -> Evaluator:
     """Read a feature network that ``motionjury train evaluator`` wrote.
 
@@ -173,25 +266,59 @@ def load_evaluator(path: Path) -> Evaluator:
     InputError
         If the file is missing, damaged, another program's, of another version or changed.
     """
-    from analysis.evaluators.evaluator_file import read_evaluator
-
-    path = Path(path)
-    file = read_evaluator(path)
-    return Evaluator(sha256=sha256_of(path), file=file)
-
-
-def in_batches(network: Callable[[Tensor], Tensor], windows: Tensor) -> Tensor:
-    """Return a network's output for windows, shape (n, ...), computed in batches."""
-    import torch
-
-    starts = range(0, len(windows), _BATCH_SIZE)
-    return torch.cat([network(windows[start : start + _BATCH_SIZE]) for start in starts])
-
-
-def _finite(values: NDArray[np.float32]) -> FloatArray:
-    if not np.isfinite(values).all():
-        raise InputError(
-            "the feature network returned a value that is not a number",
-            remedy="Train the network again",
+    file = read_weights(path)
+    with found_at(path):
+        facts = _facts(file)
+        landmarks = None
+        if facts.channels == "landmarks":
+            arrays = {
+                name: tensor.numpy() for name, tensor in file.with_prefix("landmarks").items()
+            }
+            landmarks = FaceLandmarks.from_arrays(arrays)
+        channels = facts.view(landmarks).channels
+        return Evaluator(
+            facts=facts,
+            network=_network(file, facts, channels),
+            normalisation=_normalisation(file, channels),
+            landmarks=landmarks,
+            sha256=sha256_of(path),
         )
-    return values
+
+
+def _facts(file: WeightsFile) -> EvaluatorFacts:
+    if "kind" not in file.facts:
+        raise InputError("the file holds weights, but no feature network", remedy=_REMEDY)
+    if file.facts.get("format") != _FORMAT:
+        raise InputError(
+            f"the feature network is of format {file.facts.get('format')!r}, not {_FORMAT}",
+            remedy="Use the version of the program that trained it, or train again",
+        )
+    try:
+        return EvaluatorFacts.model_validate(file.facts)
+    except ValidationError as error:
+        # Keys of one kind of network are unknown to the other, which says nothing.
+        first = min(error.errors(), key=lambda item: item["type"] == "extra_forbidden")
+        key = ".".join(map(str, first["loc"]))
+        raise InputError(
+            f"what the file says of its network is unusable: {key}: {first['msg']}",
+            remedy=_REMEDY,
+        ) from error
+
+
+def _network(file: WeightsFile, design: Design, channels: int) -> Network:
+    network = design.fresh_network(channels)
+    try:
+        network.load_state_dict(file.with_prefix("network"))
+    except RuntimeError as error:
+        raise InputError("the weights do not fit the network's sizes", remedy=_REMEDY) from error
+    return network.eval().requires_grad_(False)
+
+
+def _normalisation(file: WeightsFile, channels: int) -> Normalisation:
+    arrays = {name: tensor.numpy() for name, tensor in file.with_prefix("normalisation").items()}
+    for name in ("mean", "deviation"):
+        if name not in arrays or arrays[name].shape != (channels,):
+            raise InputError(f"the {name} of the channels does not fit", remedy=_REMEDY)
+    if not (arrays["deviation"] > 0).all():
+        raise InputError("the deviation of a channel is not above 0", remedy=_REMEDY)
+    return Normalisation(mean=arrays["mean"], deviation=arrays["deviation"])

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,10 @@ from analysis.evaluators import network_names as names
 from analysis.metrics.frechet import Rule
 from motion.clip import MotionClip
 from motion.errors import InputError
+
+if TYPE_CHECKING:
+    from analysis.evaluators.evaluator import Evaluator
+    from analysis.evaluators.published import PublishedEvaluator
 
 _FACE_NETWORKS: Final = (names.EXPRESSION, names.LANDMARKS)
 """Networks that see nothing but the face."""
@@ -53,35 +57,6 @@ Source = Path | PublishedFile
 """The file of a network: of ``motionjury train evaluator``, or published."""
 
 
-class FeatureNetwork(Protocol):
-    """A network that turns clips into features, and of kind ``emotion`` into emotions too."""
-
-    @property
-    def name(self) -> str:
-        """A name in `analysis.evaluators.network_names`."""
-
-    @property
-    def sha256(self) -> str:
-        """Hash of its file."""
-
-    @property
-    def rule(self) -> Rule | None:
-        """The rule by which published code computes distances; None if trained here."""
-
-    @property
-    def labels(self) -> Sequence[str]:
-        """The emotions that it classifies; none for other kinds."""
-
-    def describe(self) -> Mapping[str, str]:
-        """Return the settings that every score quotes."""
-
-    def embed(self, clip: MotionClip) -> NDArray[np.float32]:
-        """Return one row of features for each window of `clip`, shape (w, d)."""
-
-    def classify(self, clip: MotionClip) -> NDArray[np.float32]:
-        """Return the probability of each emotion in each window, shape (w, labels)."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Network:
     """One of the feature networks of a run.
@@ -116,7 +91,7 @@ class Network:
     rule: Rule | None = None
 
 
-def open_network(source: Source) -> FeatureNetwork:
+def open_network(source: Source) -> Evaluator | PublishedEvaluator:
     """Return the network of a file.
 
     A child process gets one thread of torch, because such processes share the processors.
@@ -148,7 +123,7 @@ def networks(sources: Iterable[Source]) -> tuple[Network, ...]:
     InputError
         If a file is no such network.
     """
-    opened: dict[str, tuple[Source, FeatureNetwork]] = {}
+    opened: dict[str, tuple[Source, Evaluator | PublishedEvaluator]] = {}
     for source in sources:
         network = open_network(source)
         opened.setdefault(network.sha256, (source, network))
@@ -161,8 +136,8 @@ def networks(sources: Iterable[Source]) -> tuple[Network, ...]:
                 source=source,
                 sha256=network.sha256,
                 name=f"{kind}, {network.sha256[:8]}" if several else kind,
-                settings=dict(network.describe()),
-                labels=tuple(network.labels),
+                settings=network.describe(),
+                labels=network.labels,
                 sees=frozenset({"face"} if kind in _FACE_NETWORKS else ()),
                 rule=network.rule,
             )
@@ -237,7 +212,7 @@ def _features(network: Network, clip: MotionClip) -> Array:
 
 
 @lru_cache(maxsize=32)
-def _opened(source: Source, sha256: str) -> FeatureNetwork:
+def _opened(source: Source, sha256: str) -> Evaluator | PublishedEvaluator:
     """Return the network, loaded once per process and content of its file."""
     network = open_network(source)
     if network.sha256 != sha256:

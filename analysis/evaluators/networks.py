@@ -16,17 +16,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final
+from typing import Annotated, Final, Self
 
 import torch
+from pydantic import Field, model_validator
 from torch import Tensor, nn
 
-from analysis.evaluators.clip_views import LARGEST, WindowConfig
+from analysis.evaluators.clip_views import FrameRate, Size, WindowConfig
 
 
-@dataclass(frozen=True, kw_only=True)
 class EmotionConfig(WindowConfig):
     """Sizes of the network; those of AMUSE by default.
 
@@ -44,23 +43,21 @@ class EmotionConfig(WindowConfig):
         Layers between embedding and emotions.
     """
 
-    frame_rate: float = 30.0
-    window: int = 300
-    stride: int = 300
-    width: int = 256
-    feed_forward: int = 1024
-    layers: int = 8
-    heads: int = 4
-    dropout: float = 0.1
-    hidden: tuple[int, ...] = (128, 64)
+    frame_rate: FrameRate = 30.0
+    window: Size = 300
+    stride: Size = 300
+    width: Size = 256
+    feed_forward: Size = 1024
+    layers: Size = 8
+    heads: Size = 4
+    dropout: float = Field(0.1, ge=0, lt=1)
+    hidden: tuple[Size, ...] = (128, 64)
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for name in ("width", "feed_forward", "layers", "heads"):
-            self._check(name, 1 <= getattr(self, name) <= LARGEST, f"1 to {LARGEST}")
-        self._check("width", self.width % (2 * self.heads) == 0, "a multiple of twice the heads")
-        self._check("dropout", 0 <= self.dropout < 1, "a number from 0 to below 1")
-        self._check("hidden", all(1 <= size <= LARGEST for size in self.hidden), f"1 to {LARGEST}")
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.width % (2 * self.heads):
+            raise ValueError(f"width {self.width} is not a multiple of twice the heads")
+        return self
 
 
 EMOTION_FULL: Final = EmotionConfig()
@@ -151,7 +148,6 @@ _SHORTEST: Final = 12
 """Frames that the encoder's convolutions need."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class AutoencoderConfig(WindowConfig):
     """Sizes of the network.
 
@@ -161,15 +157,10 @@ class AutoencoderConfig(WindowConfig):
         Numbers of an embedding; the convolutions have as many channels, or twice as many.
     """
 
-    frame_rate: float = 15.0
-    window: int = 34
-    stride: int = 10
-    features: int = 300
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._check("window", self.window >= _SHORTEST, f"at least {_SHORTEST} frames")
-        self._check("features", 1 <= self.features <= LARGEST, f"1 to {LARGEST}")
+    frame_rate: FrameRate = 15.0
+    window: Annotated[Size, Field(ge=_SHORTEST)] = 34
+    stride: Size = 10
+    features: Size = 300
 
 
 MOTION_FULL: Final = AutoencoderConfig()

@@ -7,21 +7,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
+import torch
 from numpy.typing import ArrayLike, NDArray
+from torch import nn
 
 from analysis.evaluators.clip_views import cut_windows
 from analysis.evaluators.evaluator import in_batches
+from analysis.evaluators.published_networks import load_weights
 from analysis.evaluators.published_presets import PRESETS, Preset
 from analysis.metrics.frechet import Rule
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.resample import resample
-
-if TYPE_CHECKING:
-    from torch import nn
 
 FloatArray = NDArray[np.float32]
 
@@ -85,8 +85,6 @@ class PublishedEvaluator:
         InputError
             If the array has another shape or a value that is not finite.
         """
-        import torch
-
         windows = np.asarray(motion, np.float32)
         self._check(windows)
         with torch.inference_mode():
@@ -189,8 +187,6 @@ def load_published(
     InputError
         If the preset is unknown, or the file is missing, unreadable or another network's.
     """
-    from analysis.evaluators.published_networks import load_weights
-
     if preset not in PRESETS:
         raise InputError(
             f"unknown published evaluator {preset!r}", remedy=f"Use any of {', '.join(PRESETS)}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 
 from analysis.evaluators.clip_views import (
     JOINTS_OF_CHANNELS,
+    ClipView,
     Face,
     WindowConfig,
     face_of,
-    view_of,
 )
 from analysis.evaluators.design import SIZES, Design, EvaluatorRequest, Kind, Network
-from analysis.evaluators.evaluator_file import (
+from analysis.evaluators.evaluator import (
     DataFacts,
+    Evaluator,
     EvaluatorFacts,
-    EvaluatorFile,
     TrainingFacts,
     write_evaluator,
 )
@@ -151,7 +151,7 @@ def train_evaluator(
         ),
         held_out=_held_out(trained, parts, request.kind),
     )
-    evaluator = EvaluatorFile(
+    evaluator = Evaluator(
         facts=facts,
         network=trained.network.cpu(),
         normalisation=parts.normalisation,
@@ -174,8 +174,7 @@ class _InputReader:
         """Return the clip's frames at the network's frame rate, shape (T, C)."""
         if self.face is None and self._request.channels in ("expression", "both"):
             self.face = face_of(clip)
-        view = view_of(
-            self._request.channels,
+        view = ClipView(
             joints=JOINTS_OF_CHANNELS[self._request.channels],
             face=self.face,
             landmarks=self._request.landmarks,
@@ -230,17 +229,11 @@ def _trained(
     show: Show | None,
 ) -> Trained[Network]:
     """Train the network of `design`."""
-    settings = {
-        "kind": design.kind,
-        "channels": design.channels,
-        "joints": list(design.joints),
-        "face": design.face,
-        "labels": list(design.labels),
-        "frozen": list(design.frozen),
-        "device": request.device,
-        "held out": parts.how,
-        **{name: _plain(value) for name, value in asdict(design.network).items()},
-    }
+    settings = (
+        design.model_dump(mode="json", exclude={"network"})
+        | {"device": request.device, "held out": parts.how}
+        | design.network.model_dump(mode="json")
+    )
     task = FeatureTask(
         fresh=design.fresh_network,
         training=parts.training,
@@ -262,7 +255,3 @@ def _held_out(trained: Trained[Network], parts: Split, kind: Kind) -> dict[str, 
         counts = torch.bincount(parts.held_out.labels)
         measured["largest_share"] = int(counts.max()) / len(parts.held_out)
     return measured
-
-
-def _plain(value: object) -> object:
-    return list(value) if isinstance(value, tuple) else value

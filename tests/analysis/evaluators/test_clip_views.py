@@ -8,11 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from analysis.evaluators.clip_views import (
     AMUSE_JOINTS,
-    Channels,
     ClipView,
     Face,
     face_of,
-    view_of,
 )
 from analysis.metrics.joint_motion import GESTURE_JOINTS
 from motion.errors import InputError
@@ -47,7 +45,7 @@ def test_turns_that_are_the_same_look_the_same() -> None:
 @pytest.mark.parametrize("face", ["arkit", "expressions"])
 def test_gesture_and_face_lie_side_by_side(face: Face) -> None:
     clip = random_clip(3)
-    view = view_of("both", joints=GESTURE_JOINTS, face=face)
+    view = ClipView(joints=GESTURE_JOINTS, face=face)
     gesture, expression = ClipView(joints=GESTURE_JOINTS), ClipView(face=face)
     assert view.channels == gesture.channels + expression.channels == view.floor.size
     np.testing.assert_array_equal(
@@ -63,9 +61,3 @@ def test_a_face_in_other_terms_is_refused() -> None:
     assert face_of(replace(clip, arkit=None)) == "expressions"
     with pytest.raises(InputError, match="no face"):
         face_of(random_clip(3, face=False))
-
-
-@pytest.mark.parametrize("channels", ["expression", "both", "landmarks"])
-def test_channels_of_a_face_need_to_know_of_which(channels: Channels) -> None:
-    with pytest.raises(InputError, match="face or landmarks"):
-        view_of(channels, joints=GESTURE_JOINTS)

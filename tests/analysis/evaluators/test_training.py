@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import torch
 from numpy.typing import NDArray
 
 from analysis.evaluators.clip_views import Channels
@@ -29,16 +28,14 @@ def request(
     return EvaluatorRequest(kind=kind, size="tiny", channels=channels, training=training, **options)
 
 
-def test_two_trainings_write_the_same_bytes(gesture_file: Path, tmp_path: Path) -> None:
+def test_two_trainings_write_the_same_bytes_and_learn_from_recordings_not_kept_back(
+    gesture_file: Path, tmp_path: Path
+) -> None:
     again = trained(tmp_path, "motion", "gesture", steps=4)
     assert again.read_bytes() == gesture_file.read_bytes()
-
-
-def test_recordings_are_kept_back_whole(gesture_file: Path) -> None:
-    facts = load_evaluator(gesture_file).file.facts
+    facts = load_evaluator(gesture_file).facts
     assert facts.data.held_out == "2 of 10 recordings"
-    assert facts.data.windows == 8 * 9
-    assert facts.data.held_out_windows == 2 * 9
+    assert (facts.data.windows, facts.data.held_out_windows) == (8 * 9, 2 * 9)
 
 
 def test_clips_that_cannot_be_used_are_named_and_left_out(tmp_path: Path) -> None:
@@ -142,39 +139,29 @@ def places(found: Split, rows: NDArray[np.int64], *, held_out: bool = False) -> 
     return np.asarray(np.rint(windows[:, :, 0].numpy() * norm.deviation + norm.mean))
 
 
-def test_no_window_crosses_from_one_clip_into_the_next() -> None:
-    found = parts([f"r{n}" for n in range(10)], ["x"] * 10)
-    for held_out, examples in ((False, found.training), (True, found.held_out)):
-        counted = places(found, np.arange(len(examples)), held_out=held_out)
-        np.testing.assert_array_equal(np.diff(counted, axis=1), 1)
-    assert (len(found.training), len(found.held_out)) == (8 * 9, 2 * 9)
-
-
-def test_no_recording_is_both_learned_from_and_kept_back() -> None:
+def test_no_window_crosses_clips_and_no_recording_is_both_learned_from_and_kept_back() -> None:
     found = parts([f"r{n // 2}" for n in range(20)], ["x"] * 20)
-    learned = set(places(found, np.arange(len(found.training)))[:, 0] // 2000)
-    kept_back = set(places(found, np.arange(len(found.held_out)), held_out=True)[:, 0] // 2000)
-    assert learned.isdisjoint(kept_back)
+    learned = places(found, np.arange(len(found.training)))
+    kept_back = places(found, np.arange(len(found.held_out)), held_out=True)
+    for counted in (learned, kept_back):
+        np.testing.assert_array_equal(np.diff(counted, axis=1), 1)
+    assert set(learned[:, 0] // 2000).isdisjoint(kept_back[:, 0] // 2000)
+    assert (len(learned), len(kept_back)) == (16 * 9, 4 * 9)
     assert (found.recordings, found.how) == (10, "2 of 10 recordings")
 
 
-def test_one_recording_is_split_in_time_without_overlap() -> None:
+def test_one_recording_is_split_in_time_and_what_is_kept_back_shapes_no_normalisation() -> None:
     found = parts(["r"], ["x"], frames=100)
     learned = places(found, np.arange(len(found.training)))
     kept_back = places(found, np.arange(len(found.held_out)), held_out=True)
     assert learned.max() < 80 <= kept_back.min()
     assert found.how == "the last fifth of every clip, since there is one recording"
+    np.testing.assert_allclose(found.normalisation.mean, np.arange(80).mean())
+    np.testing.assert_allclose(found.normalisation.deviation, np.arange(80).std(), rtol=1e-5)
 
 
 def test_labels_go_with_their_windows() -> None:
     found = parts([f"r{n}" for n in range(4)], ["y", "x", "y", "x"])
-    windows, labels = found.training.batch(np.arange(len(found.training)))
-    norm = found.normalisation
-    clip = torch.round(windows[:, 0, 0] * norm.deviation[0] + norm.mean[0]) // 1000
-    assert torch.equal(labels, (clip % 2 == 0).long())
-
-
-def test_what_is_kept_back_does_not_shape_the_normalisation() -> None:
-    found = parts(["r"], ["x"], frames=100)
-    np.testing.assert_allclose(found.normalisation.mean, np.arange(80).mean())
-    np.testing.assert_allclose(found.normalisation.deviation, np.arange(80).std(), rtol=1e-5)
+    rows = np.arange(len(found.training))
+    clip = places(found, rows)[:, 0] // 1000
+    np.testing.assert_array_equal(found.training.batch(rows)[1], clip % 2 == 0)

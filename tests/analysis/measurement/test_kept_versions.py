@@ -8,13 +8,7 @@ from numpy.typing import NDArray
 
 from analysis.evaluators.clip_views import JOINTS_OF_CHANNELS, Channels
 from analysis.evaluators.design import SIZES, Design, Kind
-from analysis.evaluators.evaluator import Evaluator
-from analysis.evaluators.evaluator_file import (
-    DataFacts,
-    EvaluatorFacts,
-    EvaluatorFile,
-    TrainingFacts,
-)
+from analysis.evaluators.evaluator import DataFacts, Evaluator, EvaluatorFacts, TrainingFacts
 from analysis.evaluators.examples import Normalisation
 from analysis.measurement import measured_clips
 from analysis.metrics.joint_motion import joint_motion
@@ -74,10 +68,7 @@ def network(kind: Kind, channels: Channels) -> Evaluator:
         mean=np.linspace(-0.1, 0.1, width, dtype=np.float32),
         deviation=np.linspace(0.5, 1.5, width, dtype=np.float32),
     )
-    file = EvaluatorFile(
-        facts=facts, network=made.eval(), normalisation=normalisation, landmarks=None
-    )
-    return Evaluator(sha256="0" * 64, file=file)
+    return Evaluator(facts=facts, network=made.eval(), normalisation=normalisation, landmarks=None)
 
 
 def depths_of_arms() -> NDArray[np.float32]:
