@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.metrics.joint_motion import UPPER_BODY_JOINTS, WRISTS, joint_motion, select
-from analysis.metrics.result import Metric, MetricResult
+from analysis.metrics.scores import Metric, MetricResult
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip

@@ -15,7 +15,6 @@ from analysis.measurement.feature_scores import (
     scores_without_network,
 )
 from analysis.measurement.measured_clips import Setup
-from analysis.measurement.scores import ClipScore, ConditionScore, clip_means, whole_condition
 from analysis.measurement.segment_scores import (
     ClipMeasurements,
     SegmentFiles,
@@ -24,7 +23,14 @@ from analysis.measurement.segment_scores import (
 )
 from analysis.metrics.diversity import mean_pair_distance, motion_features
 from analysis.metrics.kinematics import Counts, speed_distance
-from analysis.metrics.result import Metric, MetricResult
+from analysis.metrics.scores import (
+    ClipScore,
+    ConditionScore,
+    Metric,
+    MetricResult,
+    clip_means,
+    whole_condition,
+)
 
 _EXPRESSIONS: Final = "mean distance between clips (expressions)"
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from analysis.evaluators import network_names as names
 from analysis.evaluators.feature_networks import ClipFeatures, Network
-from analysis.measurement.scores import ClipScore, ConditionScore, counted, whole_condition
 from analysis.metrics.diversity import feature_variance
 from analysis.metrics.emotion_accuracy import emotion_accuracy, emotion_confusion
 from analysis.metrics.frechet import (
@@ -23,8 +22,17 @@ from analysis.metrics.frechet import (
     published_distance,
 )
 from analysis.metrics.kernel_distance import kernel_distance
-from analysis.metrics.result import Better, EmotionConfusion, Metric, MetricResult
 from analysis.metrics.samples import Embeddings, drawn, embeddings
+from analysis.metrics.scores import (
+    Better,
+    ClipScore,
+    ConditionScore,
+    EmotionConfusion,
+    Metric,
+    MetricResult,
+    counted,
+    whole_condition,
+)
 
 ENOUGH: Final = 0.5
 """A condition with fewer windows than this share of the most is not compared by Fréchet distance:

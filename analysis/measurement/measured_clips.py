@@ -17,7 +17,6 @@ from analysis.evaluators.feature_networks import ClipFeatures, Network, clip_fea
 from analysis.measurement.kept_arrays import KeptArrays, Kind
 from analysis.measurement.presets import Preset
 from analysis.measurement.recorded_spread import RecordedSpread
-from analysis.measurement.scores import SkippedFile
 from analysis.metrics.joint_motion import GESTURE_JOINTS, JointMotion, packed_joints
 from analysis.metrics.self_penetration import PenetrableBody
 from motion.audio import read_audio
@@ -188,8 +187,8 @@ class Reader:
 
     Attributes
     ----------
-    skipped : list of SkippedFile
-        Files that could not be used.
+    skipped : list of InputError
+        About files that could not be used.
     kept : KeptArrays
         The arrays computed from files.
     """
@@ -197,7 +196,7 @@ class Reader:
     def __init__(self, setup: Setup) -> None:
         self._setup = setup
         self._last: tuple[Path, MotionClip] | None = None
-        self.skipped: list[SkippedFile] = []
+        self.skipped: list[InputError] = []
         self.kept = KeptArrays(setup.kept)
 
     def clip(self, path: Path) -> MeasuredClip | None:
@@ -213,7 +212,7 @@ class Reader:
         try:
             return read(source)
         except InputError as error:
-            self.skipped.append(SkippedFile.because(error))
+            self.skipped.append(error)
             return None
 
     def _onsets(self, speech: Excerpt) -> FloatArray:

@@ -26,7 +26,6 @@ from analysis.measurement.measured_clips import (
 )
 from analysis.measurement.presets import REPORT, Preset, combined
 from analysis.measurement.recorded_spread import recorded_spread
-from analysis.measurement.scores import ClipScore, SkippedFile, StudyMetrics
 from analysis.measurement.segment_scores import (
     SegmentFiles,
     SegmentScores,
@@ -34,6 +33,7 @@ from analysis.measurement.segment_scores import (
     segment_scores,
 )
 from analysis.metrics.joint_motion import common_frame_rate
+from analysis.metrics.scores import ClipScore, StudyMetrics
 from analysis.metrics.self_penetration import self_penetration
 from motion.errors import InputError
 from motion.formats import read_motion
@@ -120,7 +120,7 @@ def study_metrics(
     ]
     segments = [files for files in segments if files.clips]
     if not skip_unusable and skipped:
-        raise skipped[0].error()
+        raise skipped[0]
     if not segments:
         return StudyMetrics(frame_rate=math.nan, clips=(), conditions=(), skipped=tuple(skipped))
     setup = Setup(
@@ -142,9 +142,9 @@ def study_metrics(
             penetrable=penetrable,
         )
         measured = workers.map(partial(segment_scores, setup=setup), segments)
-    skipped += list(dict.fromkeys(file for segment in measured for file in segment.skipped))
+    skipped += {str(e): e for segment in measured for e in segment.skipped}.values()
     if not skip_unusable and skipped:
-        raise skipped[0].error()
+        raise skipped[0]
     forget_unused(frozenset[Path]().union(*(segment.kept for segment in measured)))
     recordings_shown = recorded_conditions(clips, segments)
     by_network = [
@@ -169,11 +169,11 @@ def study_metrics(
 
 def _frame_rates(
     files: Iterable[Mapping[str, Path]], own_files: bool, file_rate: float | None
-) -> tuple[list[float], set[Path], list[SkippedFile]]:
+) -> tuple[list[float], set[Path], list[InputError]]:
     """Return the frame rates that occur, the files that have one, and those that do not."""
     rates: set[float] = set()
     usable: set[Path] = set()
-    skipped = []
+    skipped: list[InputError] = []
     for path in dict.fromkeys(path for paths in files for path in paths.values()):
         try:
             if file_rate is not None:
@@ -184,7 +184,7 @@ def _frame_rates(
                 rates.add(read_motion(path).frame_rate)
             usable.add(path)
         except InputError as error:
-            skipped.append(SkippedFile.because(error))
+            skipped.append(error)
     return sorted(rates), usable, skipped
 
 

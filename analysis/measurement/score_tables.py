@@ -15,7 +15,7 @@ import pandas as pd
 import pyarrow as pa
 from pyarrow import parquet
 
-from analysis.measurement.scores import ClipScore, ConditionScore, StudyMetrics
+from analysis.metrics.scores import ClipScore, ConditionScore, StudyMetrics
 from motion.errors import InputError
 from motion.files import replacing, write_text
 

@@ -15,7 +15,6 @@ from scipy.spatial.transform import Rotation
 from analysis.evaluators.feature_networks import ClipFeatures
 from analysis.measurement.measured_clips import Excerpt, MeasuredClip, Reader, Setup
 from analysis.measurement.recorded_spread import ClipExtent, RecordedSpread
-from analysis.measurement.scores import SkippedFile
 from analysis.metrics.beat_alignment import beat_alignment
 from analysis.metrics.correct_motion import (
     CorrectSettings,
@@ -32,8 +31,9 @@ from analysis.metrics.kinematics import (
     speed_counts,
 )
 from analysis.metrics.point_errors import S2UE_FRAME_RATE, point_error, velocity_error
-from analysis.metrics.result import MetricResult
+from analysis.metrics.scores import MetricResult
 from motion.audio_analysis import DETECTOR
+from motion.errors import InputError
 from motion.formats.beat_tracks import SemanticSpan, read_semantic_scores, semantic_weights
 from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
 
@@ -111,8 +111,8 @@ class SegmentScores:
         Every clip that could be read.
     recorded : ClipMeasurements or None
         The recording, without scores.
-    skipped : tuple of SkippedFile
-        Files that could not be used.
+    skipped : tuple of InputError
+        About files that could not be used.
     kept : frozenset of Path
         The kept arrays that this segment uses.
     """
@@ -120,7 +120,7 @@ class SegmentScores:
     segment: str
     clips: Mapping[str, ClipMeasurements]
     recorded: ClipMeasurements | None
-    skipped: tuple[SkippedFile, ...]
+    skipped: tuple[InputError, ...]
     kept: frozenset[Path]
 
 

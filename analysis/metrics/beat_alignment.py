@@ -17,7 +17,7 @@ from scipy.ndimage import minimum_filter1d
 from scipy.signal import find_peaks
 
 from analysis.metrics.joint_motion import ARM_JOINTS
-from analysis.metrics.result import Better, Metric, MetricResult
+from analysis.metrics.scores import Better, Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
 Direction = Literal["motion to audio", "audio to motion"]

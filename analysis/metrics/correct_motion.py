@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.metrics.point_errors import paired
-from analysis.metrics.result import Metric, MetricResult
+from analysis.metrics.scores import Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
 Representation = Literal["positions", "normalised rotations", "euler angles"]

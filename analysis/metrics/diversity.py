@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import pdist
 
-from analysis.metrics.result import Metric, MetricResult
+from analysis.metrics.scores import Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
 

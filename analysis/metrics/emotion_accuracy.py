@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from scipy.stats import binomtest
 
-from analysis.metrics.result import EmotionConfusion, Metric, MetricResult
+from analysis.metrics.scores import EmotionConfusion, Metric, MetricResult
 
 NAME: Final = "gesture emotion accuracy"
 

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgWarning, eigh, sqrtm
 
-from analysis.metrics.result import Metric, MetricResult
 from analysis.metrics.samples import (
     FEWEST_CLIPS,
     SEED,
@@ -30,6 +29,7 @@ from analysis.metrics.samples import (
     of_equal_size,
     resampled_clips,
 )
+from analysis.metrics.scores import Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
 

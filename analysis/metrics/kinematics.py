@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 from analysis.metrics.joint_motion import UPPER_BODY_JOINTS, WRISTS
-from analysis.metrics.result import Metric, MetricResult
 from analysis.metrics.samples import FEWEST_CLIPS, SEED
+from analysis.metrics.scores import Metric, MetricResult
 
 _FILTER_ORDER: Final = 4
 

@@ -17,7 +17,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.metrics.result import Metric, MetricResult
+from analysis.metrics.scores import Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
 Norm = Literal["L1", "L2"]

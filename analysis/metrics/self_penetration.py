@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from trimesh.triangles import closest_point
 
-from analysis.metrics.result import Metric, MetricResult
+from analysis.metrics.scores import Metric, MetricResult
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS, joint_index

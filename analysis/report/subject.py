@@ -9,7 +9,7 @@ from typing import Literal
 
 from markupsafe import Markup
 
-from analysis.measurement.scores import StudyMetrics
+from analysis.metrics.scores import StudyMetrics
 from analysis.results.known_values import KnownValue
 from analysis.results.preferred_pairs import PreferredPair
 

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.answers.table import AnswerTable
-from analysis.measurement.scores import StudyMetrics
-from analysis.metrics.result import Better
+from analysis.metrics.scores import Better, StudyMetrics
 from analysis.results.grouping import ByQuestion, by_question
 from analysis.results.rank_correlations import (
     METHOD,

@@ -26,7 +26,7 @@ from analysis.answers.participants import (
 from analysis.answers.quality import Quality, quality
 from analysis.answers.reading import read_answers
 from analysis.answers.table import LAYOUTS, AnswerTable
-from analysis.measurement.scores import StudyMetrics
+from analysis.metrics.scores import StudyMetrics
 from analysis.results.against_people import AgainstPeople, metrics_against_people
 from analysis.results.grouping import EVERYTHING, ByQuestion, Family, read_family
 from analysis.results.headline import Sensitivity, sensitivity

@@ -14,8 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.measurement.scores import StudyMetrics
-from analysis.metrics.result import Better
+from analysis.metrics.scores import Better, StudyMetrics
 from analysis.results.grouping import codes, shown_codes
 from analysis.results.net_preference import sided
 from analysis.stats.samples import Table, bootstrap_counts, table_of, weighted_row_sums

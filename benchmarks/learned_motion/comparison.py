@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from analysis.measurement.scores import StudyMetrics
+from analysis.metrics.scores import StudyMetrics
 from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
 from benchmarks.learned_motion.editing import Edited
 from benchmarks.learned_motion.following import (

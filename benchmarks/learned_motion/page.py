@@ -11,8 +11,7 @@ from typing import Final
 import numpy as np
 
 from analysis.evaluators import network_names as names
-from analysis.measurement.scores import StudyMetrics
-from analysis.metrics.result import EmotionConfusion
+from analysis.metrics.scores import EmotionConfusion, StudyMetrics
 from benchmarks.learned_motion.comparison import Followings, Verdict, score_of, written
 from benchmarks.learned_motion.editing import BY_NAME, BY_RECORDING, Edited
 from studyapp.study.settings.study import GROUND_TRUTH

@@ -23,7 +23,7 @@ import numpy as np
 
 from analysis.measurement.presets import PRESETS
 from analysis.measurement.score_tables import write_scores
-from analysis.measurement.scores import StudyMetrics
+from analysis.metrics.scores import StudyMetrics
 from generators.interface import SpeechSegment
 from generators.registry import load_generator
 from motion.audio import Audio, write_wav

@@ -23,7 +23,7 @@ from analysis.metrics.point_errors import (
     box_scale,
     point_error,
 )
-from analysis.metrics.result import MetricResult
+from analysis.metrics.scores import MetricResult
 from benchmarks.s2ue.synchrony import FaceBodySynchrony
 from benchmarks.seams import seams_of_clip
 from generators.interface import SpeechSegment

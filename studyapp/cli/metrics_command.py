@@ -12,7 +12,7 @@ from analysis.evaluators.feature_networks import PublishedFile, Source
 from analysis.evaluators.network_names import PUBLISHED
 from analysis.measurement.presets import PRESETS
 from analysis.measurement.score_tables import check_ending, write_scores
-from analysis.measurement.scores import ConditionScore
+from analysis.metrics.scores import ConditionScore
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.cli.arguments import current_study, optional_study_folder
@@ -122,7 +122,7 @@ def command(
         click.echo(sentence, err=True)
     for remark in metrics.remarks:
         click.echo(remark, err=True)
-    echo_skipped([file.error() for file in metrics.skipped], "file")
+    echo_skipped(metrics.skipped, "file")
     if target is not None:
         write_scores(metrics, target)
         click.echo(f"Wrote {len(metrics.clips)} scores of clips to {target}")

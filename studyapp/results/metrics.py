@@ -11,7 +11,7 @@ from analysis.evaluators.feature_networks import PublishedFile, Source
 from analysis.measurement.measured_clips import Excerpt, LandmarkBody
 from analysis.measurement.measuring import study_metrics
 from analysis.measurement.presets import combined
-from analysis.measurement.scores import StudyMetrics
+from analysis.metrics.scores import StudyMetrics
 from motion.errors import InputError
 from motion.formats.joint_positions import is_joint_table
 from motion.segment import SEGMENTS_FILE, read_segments

@@ -15,7 +15,7 @@ from av.video.reformatter import ColorRange, Interpolation, VideoReformatter
 from PIL import Image
 
 from analysis.measurement.presets import PRESETS, REPORT
-from analysis.measurement.scores import StudyMetrics
+from analysis.metrics.scores import StudyMetrics
 from analysis.report.sections.metrics import PAPER_OF
 from analysis.report.subject import Excerpt, Origin, Still, Subject
 from motion.audio import Audio, read_audio

@@ -10,8 +10,7 @@ from itertools import groupby
 from string import ascii_lowercase
 from typing import Final
 
-from analysis.measurement.scores import ConditionScore
-from analysis.metrics.result import Better
+from analysis.metrics.scores import Better, ConditionScore
 from analysis.report import wording
 from analysis.report.content import Cell, Table, number_cell
 from analysis.report.texts import paragraphs

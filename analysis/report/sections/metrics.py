@@ -12,8 +12,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
-from analysis.measurement.scores import ConditionScore, StudyMetrics
-from analysis.metrics.result import MetricResult
+from analysis.metrics.scores import ConditionScore, MetricResult, StudyMetrics
 from analysis.report import wording
 from analysis.report.content import PlayablePair, Section, Table
 from analysis.report.sections.metric_table import ARROWS, Systems, TableColumn, metric_table

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analysis.measurement.feature_scores import FeatureScores
-from analysis.measurement.scores import ConditionScore, StudyMetrics
+from analysis.metrics.scores import ConditionScore, StudyMetrics
 
 
 def score_of(metrics: StudyMetrics | FeatureScores, condition: str, name: str) -> ConditionScore:

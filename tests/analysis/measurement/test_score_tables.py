@@ -14,8 +14,13 @@ from analysis.measurement.score_tables import (
     metrics_document,
     write_scores,
 )
-from analysis.measurement.scores import ClipScore, ConditionScore, SkippedFile, StudyMetrics
-from analysis.metrics.result import EmotionConfusion, MetricResult
+from analysis.metrics.scores import (
+    ClipScore,
+    ConditionScore,
+    EmotionConfusion,
+    MetricResult,
+    StudyMetrics,
+)
 from motion.errors import InputError
 
 
@@ -45,7 +50,7 @@ def metrics() -> StudyMetrics:
                 reason="",
             ),
         ),
-        skipped=(SkippedFile(what="damaged", where="/study/motion/b.npz", remedy="Copy it again"),),
+        skipped=(InputError("damaged", where="/study/motion/b.npz", remedy="Copy it again"),),
         confusions=(
             EmotionConfusion(
                 condition="ours",

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import pytest
 
 from analysis.metrics.emotion_accuracy import emotion_accuracy, emotion_confusion
-from analysis.metrics.result import EmotionConfusion
+from analysis.metrics.scores import EmotionConfusion
 
 LABELS = ("neutral", "anger", "fear")
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.stats import ortho_group
 
 from analysis.metrics.kernel_distance import kernel_distance
-from analysis.metrics.result import MetricResult
 from analysis.metrics.samples import embeddings
+from analysis.metrics.scores import MetricResult
 
 FloatArray = NDArray[np.float64]
 

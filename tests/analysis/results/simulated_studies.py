@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from analysis.measurement.scores import ClipScore, StudyMetrics, clip_means
-from analysis.metrics.result import Better, MetricResult
+from analysis.metrics.scores import Better, ClipScore, MetricResult, StudyMetrics, clip_means
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,8 +8,7 @@ import pandas as pd
 import pytest
 from scipy.optimize import minimize
 
-from analysis.measurement.scores import ConditionScore, StudyMetrics
-from analysis.metrics.result import Better
+from analysis.metrics.scores import Better, ConditionScore, StudyMetrics
 from analysis.results.against_people import WithinCorrelation, within_conditions
 from analysis.results.resamples import (
     ITSELF,

@@ -6,8 +6,7 @@ from dataclasses import replace
 import pytest
 
 from analysis.evaluators import network_names as names
-from analysis.measurement.scores import ConditionScore, StudyMetrics
-from analysis.metrics.result import EmotionConfusion
+from analysis.metrics.scores import ConditionScore, EmotionConfusion, StudyMetrics
 from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
 from benchmarks.learned_motion.comparison import Followings, edit_verdicts, verdicts
 from benchmarks.learned_motion.editing import BY_NAME, Edited

@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis.answers.reading import read_answers
 from analysis.answers.table import ANALYSED_KINDS, LAYOUTS
-from analysis.measurement.scores import StudyMetrics
+from analysis.metrics.scores import StudyMetrics
 from analysis.report.content import Section
 from analysis.report.sections.against_people import against_people_section, sampling_range_sentence
 from analysis.report.subject import Subject

@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 from analysis.evaluators import network_names
-from analysis.measurement.scores import ConditionScore, SkippedFile, StudyMetrics
-from analysis.metrics.result import Better, EmotionConfusion
+from analysis.metrics.scores import Better, ConditionScore, EmotionConfusion, StudyMetrics
 from analysis.report.content import Table
 from analysis.report.sections.metric_table import first_and_second
 from analysis.report.sections.metrics import (
@@ -17,6 +16,7 @@ from analysis.report.sections.metrics import (
     metrics_not_tabled,
 )
 from analysis.report.subject import Subject
+from motion.errors import InputError
 
 NAMES = ("ground_truth", "ours", "camn", "broken")
 GEN = {"ours": True, "camn": False}
@@ -136,7 +136,7 @@ def test_what_was_not_measured_and_what_gestures_were_taken_for_is_shown() -> No
         frame_rate=30.0,
         clips=(),
         conditions=(),
-        skipped=(SkippedFile(what="the file is cut off", where="/a/b/x.npz", remedy="Copy it"),),
+        skipped=(InputError("the file is cut off", where="/a/b/x.npz", remedy="Copy it"),),
         remarks=("no beat alignment without speech: 1 of 2 segments (a)",),
         confusions=(
             EmotionConfusion(

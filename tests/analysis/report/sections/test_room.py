@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from analysis.metrics.result import Better
+from analysis.metrics.scores import Better
 from analysis.report.content import FigureText, Picture
 from analysis.report.figures import panels
 from analysis.report.figures.bars import Bar, MatrixCell, Part, bar_pictures, matrix_pictures

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from analysis.metrics.result import MetricResult
+from analysis.metrics.scores import MetricResult
 
 
 @pytest.mark.parametrize(
