@@ -238,19 +238,12 @@ def pose_settings(frame_rate: float) -> dict[str, str]:
 
 def _beats(positions: FloatArray, onsets: FloatArray, setup: Setup) -> Iterator[MetricResult]:
     for settings in setup.preset.beats:
-        alignment = beat_alignment(
+        yield from beat_alignment(
             select(positions, settings.joints),
             onsets,
             frame_rate=setup.frame_rate,
             settings=settings,
             detector=DETECTOR,
-        )
-        yield from (
-            alignment.above_chance,
-            alignment.score,
-            alignment.opposite,
-            alignment.chance,
-            alignment.motion_beats,
         )
 
 
@@ -315,24 +308,18 @@ def _joint_errors(
 def _landmark_errors(
     clip: MeasuredClip, recorded: MeasuredClip, setup: Setup
 ) -> Iterator[MetricResult]:
-    reason = clip.landmarks.reason or recorded.landmarks.reason
+    generated, reference = clip.landmarks.positions, recorded.landmarks.positions
     scale = math.nan if setup.spread is None else setup.spread.face_scale
-    if not reason and math.isnan(scale):
-        reason = "no recording has a face that moves"
-    no_points = np.zeros((1, 0, 3))
-    generated, reference = (
-        no_points if reason or side.landmarks.positions is None else side.landmarks.positions
-        for side in (clip, recorded)
-    )
+    reason = clip.landmarks.reason or recorded.landmarks.reason
+    reason = reason or ("no recording has a face that moves" if math.isnan(scale) else "")
     for settings in setup.preset.landmark_errors:
-        result = point_error(
-            generated,
-            reference,
-            frame_rate=setup.face_rate,
-            settings=settings,
-            scale=scale,
-            missing=reason,
-        )
+        if reason or generated is None or reference is None:
+            described = settings.described(setup.face_rate, scale)
+            result = settings.metric.missing(reason, described)
+        else:
+            result = point_error(
+                generated, reference, frame_rate=setup.face_rate, settings=settings, scale=scale
+            )
         yield replace(result, settings={**result.settings, **_FACE_SETTINGS})
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,29 +130,28 @@ PRESETS: Final = (AMUSE, BEAT)
 """Shown in every report; `TALKSHOW` is available on demand."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class BeatAlignment:
+class BeatAlignment(NamedTuple):
     """The scores of one clip.
 
     Attributes
     ----------
-    score : MetricResult
-        Beat alignment in [0, 1].
-    chance : MetricResult
-        The score of the same beats when the motion is shifted in time.
     above_chance : MetricResult
         `score` minus `chance`: 0 means that the motion ignores the speech.
+    score : MetricResult
+        Beat alignment in [0, 1].
     opposite : MetricResult
         The score of the same beats in the other direction: a motion that stops at every onset and
         at many other times scores high in one direction only.
+    chance : MetricResult
+        The score of the same beats when the motion is shifted in time.
     motion_beats : MetricResult
         Motion beats per second (mean over joints where each joint has its own).
     """
 
-    score: MetricResult
-    chance: MetricResult
     above_chance: MetricResult
+    score: MetricResult
     opposite: MetricResult
+    chance: MetricResult
     motion_beats: MetricResult
 
 
@@ -273,38 +272,32 @@ def beat_alignment(
     described = settings.described(frame_rate, detector)
     reason = "" if moving else "the motion has no beat"
     reason = reason if len(onsets) else "the speech has no onset"
-    score = back = chance = math.nan
-    to_audio = settings.direction == "motion to audio"
-    if not reason:
-        sigma, direction = settings.sigma, settings.direction
-        score = float(np.mean([alignment_score(beats, onsets, sigma) for beats in moving]))
-        back = float(np.mean([alignment_score(onsets, beats, sigma) for beats in moving]))
-        score, back = (score, back) if to_audio else (back, score)
-        chance = float(
-            np.mean([chance_score(b, onsets, duration, sigma, direction) for b in moving])
-        )
-    n = sum(len(beats) for beats in moving), len(onsets) * len(moving)
-    scored, scored_back = n if to_audio else n[::-1]
+    to_audio, sigma = settings.direction == "motion to audio", settings.sigma
     other = "audio to motion" if to_audio else "motion to audio"
+    pairs = [(beats, onsets) if to_audio else (onsets, beats) for beats in moving]
+    score = back = chance = math.nan
+    if not reason:
+        score = float(np.mean([alignment_score(start, end, sigma) for start, end in pairs]))
+        back = float(np.mean([alignment_score(end, start, sigma) for start, end in pairs]))
+        chances = (chance_score(b, onsets, duration, sigma, settings.direction) for b in moving)
+        chance = float(np.mean([*chances]))
+    n = sum(len(start) for start, _ in pairs)
 
     def result(name: str, value: float, better: Better = "higher") -> MetricResult:
         metric = Metric(f"{name} ({settings.name})", better=better)
-        if reason:
-            return metric.missing(reason, described)
-        return metric.score(value, scored, described)
+        return metric.missing(reason, described) if reason else metric.score(value, n, described)
 
-    opposite = result("beat alignment", back)
     rate = sum(len(beats) for beats in series) / len(series) / duration
     return BeatAlignment(
-        score=result("beat alignment", score),
-        chance=result("beat alignment by chance", chance, "unsaid"),
         above_chance=result("beat alignment above chance", score - chance),
+        score=result("beat alignment", score),
         opposite=replace(
-            opposite,
+            result("beat alignment", back),
             name=f"beat alignment ({settings.name}, {other})",
-            n=0 if reason else scored_back,
+            n=0 if reason else sum(len(end) for _, end in pairs),
             settings=described | {"direction": other},
         ),
+        chance=result("beat alignment by chance", chance, "unsaid"),
         motion_beats=Metric(f"motion beat rate ({settings.name})", "1/s").score(
             rate, len(series), described
         ),

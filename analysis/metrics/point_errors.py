@@ -37,8 +37,8 @@ class PointSettings:
 
     Attributes
     ----------
-    name, unit : str
-        Of the metric.
+    metric : Metric
+        Its name and unit.
     points : str
         The points in words.
     order : int
@@ -47,9 +47,8 @@ class PointSettings:
         Why a clip with too few frames has no error.
     """
 
-    name: str
+    metric: Metric
     points: str
-    unit: str = "mm"
     order: int = 0
     too_short: str = "the clip has no frame behind those that seed the generator"
 
@@ -64,11 +63,15 @@ class PointSettings:
         }
 
 
+def _mean_absolute(name: str, points: str) -> PointSettings:
+    metric = Metric(f"mean absolute error ({name}, s2ue)", "mm", "lower")
+    return PointSettings(metric=metric, points=points)
+
+
 def _acceleration(name: str, points: str) -> PointSettings:
     return PointSettings(
-        name=f"mean acceleration error ({name}, s2ue)",
+        metric=Metric(f"mean acceleration error ({name}, s2ue)", "mm/s²", "lower"),
         points=points,
-        unit="mm/s²",
         order=2,
         too_short="the clip has fewer than 3 frames behind those that seed",
     )
@@ -76,8 +79,8 @@ def _acceleration(name: str, points: str) -> PointSettings:
 
 _JOINTS: Final = "joints of the default body"
 _LANDMARKS: Final = "face landmarks"
-MAJE: Final = PointSettings(name="mean absolute error (MAJE, s2ue)", points=_JOINTS)
-MALE: Final = PointSettings(name="mean absolute error (MALE, s2ue)", points=_LANDMARKS)
+MAJE: Final = _mean_absolute("MAJE", _JOINTS)
+MALE: Final = _mean_absolute("MALE", _LANDMARKS)
 MACE_POSES: Final = _acceleration("MAcE-P", _JOINTS)
 MACE_LANDMARKS: Final = _acceleration("MAcE-LM", _LANDMARKS)
 
@@ -136,7 +139,6 @@ def point_error(
     frame_rate: float,
     settings: PointSettings,
     scale: float = 1.0,
-    missing: str = "",
 ) -> MetricResult:
     """Return the mean absolute difference of coordinates, or of their accelerations.
 
@@ -150,8 +152,6 @@ def point_error(
         `MAJE`, `MALE`, `MACE_POSES` or `MACE_LANDMARKS`.
     scale : float
         Factor that all points are multiplied by; see `box_scale`.
-    missing : str
-        Why there are no points; '' if there are some.
 
     Returns
     -------
@@ -159,15 +159,13 @@ def point_error(
         In mm, or in mm/s² (second differences times the frame rate squared); 0 for the recording
         itself. NaN if the clips cannot be paired or too few frames are left.
     """
-    metric = Metric(settings.name, settings.unit, "lower")
     described = settings.described(frame_rate, scale)
     generated, recorded, reason = paired(generated, recorded)
     difference = np.diff((generated - recorded)[SEED_FRAMES:], n=settings.order, axis=0)
-    reason = missing or reason or ("" if difference.size else settings.too_short)
-    if reason:
-        return metric.missing(reason, described)
+    if reason or not difference.size:
+        return settings.metric.missing(reason or settings.too_short, described)
     value = 1000 * scale * frame_rate**settings.order * float(np.abs(difference).mean())
-    return metric.score(value, difference.shape[0] * difference.shape[1], described)
+    return settings.metric.score(value, difference.shape[0] * difference.shape[1], described)
 
 
 def velocity_error(

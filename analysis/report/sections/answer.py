@@ -47,8 +47,6 @@ class Verdict:
 
     Attributes
     ----------
-    place : int
-        Among all tests.
     outcome : {'significant', 'not significant', 'untested', 'outside the family'}
         Of the corrected test.
     better, worse : str
@@ -67,7 +65,6 @@ class Verdict:
         Why there is no test.
     """
 
-    place: int
     outcome: Outcome
     better: str
     worse: str
@@ -91,27 +88,26 @@ def verdicts(report: TableReport) -> tuple[Verdict, ...]:
     results = report.results
     match results:
         case PairwiseResults(decided_by="comparisons"):
-            return tuple(_preference_verdict(*item) for item in enumerate(results.comparisons))
+            return tuple(map(_preference_verdict, results.comparisons))
         case MismatchResults():
-            return tuple(_preference_verdict(*item) for item in enumerate(results.conditions))
+            return tuple(map(_preference_verdict, results.conditions))
         case RatingResults():
             return tuple(
-                _verdict(place, contrast, contrast.difference, "mean difference")
-                for place, contrast in enumerate(results.contrasts)
+                _verdict(contrast, contrast.difference, "mean difference")
+                for contrast in results.contrasts
             )
         case _:
             kind = "worths" if isinstance(results, RankingResults) else "strengths"
             measure = f"difference of {kind} in logits"
             return tuple(
-                _verdict(place, contrast, contrast, measure, why=contrast.remark)
-                for place, contrast in enumerate(results.contrasts)
+                _verdict(contrast, contrast, measure, why=contrast.remark)
+                for contrast in results.contrasts
             )
 
 
-def _preference_verdict(place: int, result: Comparison | MatchedCondition) -> Verdict:
+def _preference_verdict(result: Comparison | MatchedCondition) -> Verdict:
     decision = result.decision
     return _verdict(
-        place,
         result,
         decision,
         _MEASURES[decision.by],
@@ -123,7 +119,6 @@ def _preference_verdict(place: int, result: Comparison | MatchedCondition) -> Ve
 
 
 def _verdict(
-    place: int,
     subject: ResultKey,
     test: Decision | RatedDifference | StrengthDifference,
     measure: str,
@@ -154,7 +149,6 @@ def _verdict(
     else:
         numbers = f"{formatted(estimate)}, {INTERVAL} {between(formatted(low), formatted(high))}"
     return Verdict(
-        place=place,
         outcome=_outcome(test.p_value, test.p_holm),
         better=names[second_is_better],
         worse=names[not second_is_better],
@@ -208,6 +202,7 @@ def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
         "rehearsal": subject.origin == "rehearsal",
         "verdicts": by_size,
         "significant": [v for v in by_size if v.outcome == "significant"],
+        "undecided": [v for v in in_order if v.outcome == "not significant"],
         "most": MOST,
         "equivalent": [pair for pair in equivalence if pair.verdict.startswith("equivalent")],
         "excluded": report.participants.recruited - report.participants.attentive,
