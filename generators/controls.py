@@ -31,7 +31,7 @@ from generators.interface import (
     with_length,
 )
 from generators.rule_based.body_pose import Trunk, pose_body
-from generators.rule_based.hand_pose import BY_THE_SIDE
+from generators.rule_based.hand_pose import POSES
 from motion.clip import ARKIT_NAMES, MotionClip
 from motion.errors import InputError
 from motion.resample import resample
@@ -96,7 +96,7 @@ class Static:
             shoulders_up=zero_angles,
             shoulders_forward=zero_angles,
         )
-        hand = BY_THE_SIDE.channels()[None]
+        hand = POSES["by_the_side"].channels()[None]
         poses, trans = pose_body(trunk, {"left": hand, "right": hand})
         return MotionClip(
             poses=np.repeat(poses, frames, axis=0).astype(np.float32),

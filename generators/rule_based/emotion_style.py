@@ -9,24 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
-from generators.rule_based.hand_pose import (
-    BEFORE_THE_CHEST,
-    BEFORE_THE_WAIST,
-    BY_THE_SIDE,
-    FISTS_BY_THE_SIDE,
-    HANGING_SLACK,
-    HELD_OFF,
-    HandPose,
-)
-
-_REST_POSES: Final = {
-    "before_the_chest": BEFORE_THE_CHEST,
-    "before_the_waist": BEFORE_THE_WAIST,
-    "by_the_side": BY_THE_SIDE,
-    "fists_by_the_side": FISTS_BY_THE_SIDE,
-    "hanging_slack": HANGING_SLACK,
-    "held_off": HELD_OFF,
-}
+from generators.rule_based.hand_pose import POSES, HandPose
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +19,7 @@ class GestureManner:
     Attributes
     ----------
     forms : mapping of str to float
-        Preference of each form of `gesture_forms.FORMS`; need not sum to 1.
+        Preference of each form of `gesture_plan.FORMS`; need not sum to 1.
     rest : HandPose
         Where the hands are before, after and in long pauses.
     amplitude : float
@@ -54,7 +37,7 @@ class GestureManner:
     """
 
     forms: Mapping[str, float]
-    rest: HandPose = BY_THE_SIDE
+    rest: HandPose
     amplitude: float = 1.0
     tempo: float = 1.0
     least_gap: float = 0.6
@@ -153,7 +136,7 @@ class EmotionStyle:
 
 def _style(table: Mapping[str, Mapping[str, Any]]) -> EmotionStyle:
     gestures = table["gestures"]
-    rest = _REST_POSES[gestures.get("rest", "by_the_side")]
+    rest = POSES[gestures.get("rest", "by_the_side")]
     return EmotionStyle(
         gestures=GestureManner(**{**gestures, "rest": rest}),
         posture=Posture(**table.get("posture", {})),

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import tomllib
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
-from typing import Final
+from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,10 +47,10 @@ class HandPose:
     outward: float
     up: float
     forward: float
-    elbow_out: float
+    elbow_out: float = 0
     pronation: float
     flexion: float
-    deviation: float
+    deviation: float = 0
     shape: HandShape
 
     def channels(self) -> NDArray[np.float64]:
@@ -84,50 +87,22 @@ def clip_to_joint_range(course: NDArray[np.float64]) -> NDArray[np.float64]:
     return limited
 
 
-RELAXED: Final = HandShape(thumb=0.25, index=0.24, middle=0.32, ring=0.38, pinky=0.42, spread=0.1)
-SOFT: Final = HandShape(thumb=0.28, index=0.2, middle=0.26, ring=0.31, pinky=0.34, spread=-0.4)
-LYING: Final = HandShape(thumb=0.2, index=0.2, middle=0.24, ring=0.28, pinky=0.3, spread=-0.6)
-OPEN: Final = HandShape(thumb=0.05, index=0.08, middle=0.1, ring=0.13, pinky=0.14, spread=0.4)
-FLAT: Final = HandShape(thumb=0.2, index=0.05, middle=0.06, ring=0.08, pinky=0.1, spread=0.0)
-WIDE: Final = HandShape(thumb=0.0, index=0.03, middle=0.04, ring=0.06, pinky=0.05, spread=0.9)
-FIST: Final = HandShape(thumb=0.8, index=0.9, middle=0.93, ring=0.95, pinky=0.95, spread=0.0)
-LOOSE_FIST: Final = HandShape(thumb=0.5, index=0.55, middle=0.62, ring=0.68, pinky=0.7, spread=0.0)
-PINCH: Final = HandShape(thumb=0.6, index=0.58, middle=0.36, ring=0.3, pinky=0.28, spread=0.15)
-POINTING: Final = HandShape(thumb=0.6, index=0.04, middle=0.75, ring=0.82, pinky=0.85, spread=0.0)
+_HANDS: Final = tomllib.loads(Path(__file__).with_name("hands.toml").read_text("utf-8"))
 
-BY_THE_SIDE: Final = HandPose(
-    outward=0.10, up=-0.94, forward=0.14, elbow_out=0, pronation=25, flexion=6, deviation=0,
-    shape=RELAXED,
-)  # fmt: skip
-HELD_OFF: Final = HandPose(
-    outward=0.16, up=-0.90, forward=0.26, elbow_out=0, pronation=25, flexion=6, deviation=0,
-    shape=SOFT,
-)  # fmt: skip
-HANGING_SLACK: Final = HandPose(
-    outward=0.16, up=-0.85, forward=0.42, elbow_out=0, pronation=35, flexion=10, deviation=0,
-    shape=SOFT,
-)  # fmt: skip
-BEFORE_THE_WAIST: Final = HandPose(
-    outward=-0.04, up=-0.60, forward=0.50, elbow_out=0, pronation=30, flexion=-4, deviation=0,
-    shape=SOFT,
-)  # fmt: skip
-BEFORE_THE_CHEST: Final = HandPose(
-    outward=0.0, up=-0.5, forward=0.46, elbow_out=-8, pronation=20, flexion=0, deviation=4,
-    shape=LOOSE_FIST,
-)  # fmt: skip
-FISTS_BY_THE_SIDE: Final = HandPose(
-    outward=0.20, up=-0.88, forward=0.20, elbow_out=14, pronation=40, flexion=4, deviation=0,
-    shape=FIST,
-)  # fmt: skip
-CLASPED_UNDER: Final = HandPose(
-    outward=-0.184, up=-0.724, forward=0.50, elbow_out=0, pronation=6.5, flexion=27, deviation=-1,
-    shape=LYING,
-)  # fmt: skip
-CLASPED_OVER: Final = HandPose(
-    outward=-0.216, up=-0.703, forward=0.646, elbow_out=-2, pronation=19, flexion=26, deviation=0,
-    shape=LYING,
-)  # fmt: skip
+SHAPES: Final = {name: HandShape(**values) for name, values in _HANDS["shapes"].items()}
 
+RELATED_SHAPES: Final[Mapping[HandShape, Sequence[HandShape]]] = {
+    SHAPES[name]: [SHAPES[other] for other in others] for name, others in _HANDS["related"].items()
+}
+"""Shapes that a hand may come near to instead."""
+
+
+def read_pose(values: Mapping[str, Any]) -> HandPose:
+    """Return the pose of a table that names its shape."""
+    return HandPose(**{**values, "shape": SHAPES[values["shape"]]})
+
+
+POSES: Final = {name: read_pose(values) for name, values in _HANDS["poses"].items()}
 
 FloatArray = NDArray[np.float64]
 

@@ -12,11 +12,11 @@ from generators.rule_based.emotion_style import GestureManner
 from generators.rule_based.gesture_plan import Gesture, endings
 from generators.rule_based.hand_pose import (
     CHANNELS,
-    CLASPED_OVER,
     CURLS,
     ELBOW_OUT,
     FLEXION,
     PLACE,
+    POSES,
     PRONATION,
     SPREAD,
     clip_to_joint_range,
@@ -127,7 +127,7 @@ def _rest_pose(rest: Rest, hand: str, personal: FloatArray) -> FloatArray:
     """Return the channels of a rest pose, and whether the hand is alone, rests and is on top."""
     pose = rest.poses[hand]
     if rest.clasped:  # Such hands fit in one way only.
-        return np.array([*pose.channels(), 0.0, 1.0, float(pose is CLASPED_OVER)])
+        return np.array([*pose.channels(), 0.0, 1.0, float(pose is POSES["clasped_over"])])
     return np.array([*(pose.channels() + personal), 1.0, 1.0, 0.0])
 
 

@@ -12,16 +12,12 @@ from numpy.typing import NDArray
 from generators.rule_based.emotion_style import GestureManner
 from generators.rule_based.gesture_plan import HANDS, Gesture, endings
 from generators.rule_based.hand_pose import (
-    BEFORE_THE_WAIST,
     CHANNELS,
-    CLASPED_OVER,
-    CLASPED_UNDER,
     CURLS,
     ELBOW_OUT,
     FLEXION,
-    HANGING_SLACK,
-    HELD_OFF,
     PLACE,
+    POSES,
     PRONATION,
     HandPose,
 )
@@ -38,14 +34,14 @@ _REST_SECONDS: Final = (1.8, 4.0)
 _KEEPS_REST_POSE: Final = 0.3
 """Probability that both hands are as the emotion holds them."""
 
-_CLASPED: Final = (CLASPED_OVER, CLASPED_UNDER)
-_AT_THE_SIDES: Final = (HELD_OFF, HELD_OFF)
-_ONE_HANGS: Final = (BEFORE_THE_WAIST, HELD_OFF)
+_CLASPED: Final = ("clasped_over", "clasped_under")
+_AT_THE_SIDES: Final = ("held_off", "held_off")
+_ONE_HANGS: Final = ("before_the_waist", "held_off")
 
-_ALTERNATIVES: Final[Mapping[HandPose, Sequence[tuple[HandPose, HandPose]]]] = {
-    BEFORE_THE_WAIST: (_CLASPED, _AT_THE_SIDES, _ONE_HANGS),
-    HELD_OFF: (_CLASPED, _AT_THE_SIDES, _ONE_HANGS),
-    HANGING_SLACK: (_CLASPED,),
+_ALTERNATIVES: Final[Mapping[HandPose, Sequence[tuple[str, str]]]] = {
+    POSES["before_the_waist"]: (_CLASPED, _AT_THE_SIDES, _ONE_HANGS),
+    POSES["held_off"]: (_CLASPED, _AT_THE_SIDES, _ONE_HANGS),
+    POSES["hanging_slack"]: (_CLASPED,),
 }
 """What a feeling changes its own pose for: that of the hand that gestures next, and the other's."""
 
@@ -77,7 +73,7 @@ class Rest:
     @property
     def clasped(self) -> bool:
         """Whether the hands lie on each other, so that they only move as one."""
-        return CLASPED_OVER in self.poses.values()
+        return POSES["clasped_over"] in self.poses.values()
 
 
 def plan_rests(
@@ -139,7 +135,7 @@ def _poses(
     if not alternatives or rng.random() < _KEEPS_REST_POSE:
         return rest_poses
     leading_pose, other_pose = alternatives[int(rng.integers(len(alternatives)))]
-    return {hand: leading_pose if hand == leaving else other_pose for hand in HANDS}
+    return {hand: POSES[leading_pose if hand == leaving else other_pose] for hand in HANDS}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,8 +7,8 @@ import pytest
 
 from generators.rule_based.body_pose import Trunk, pose_body
 from generators.rule_based.emotion_style import STYLES
-from generators.rule_based.gesture_forms import FORMS
-from generators.rule_based.hand_pose import CLASPED_OVER, CLASPED_UNDER, HandPose
+from generators.rule_based.gesture_plan import FORMS
+from generators.rule_based.hand_pose import POSES, HandPose
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 
 
@@ -42,7 +42,7 @@ def test_the_wrist_has_the_hand_poses_position_and_both_sides_mirror_each_other(
 
 
 def test_clasped_hands_lie_on_each_other() -> None:
-    over, under = (pose.channels()[None] for pose in (CLASPED_OVER, CLASPED_UNDER))
+    over, under = (POSES[f"clasped_{name}"].channels()[None] for name in ("over", "under"))
     poses, trans = pose_body(still(), {"left": under, "right": over})
     (joints,), _ = forward_kinematics(poses, trans, REST_JOINTS)
     left, right = (joints[joint_index(f"{side}_middle1")] for side in ("left", "right"))

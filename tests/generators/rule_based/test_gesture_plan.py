@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from generators.interface import SpeechSegment
 from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.gesture_plan import HANDS, endings, plan_gestures
-from generators.rule_based.hand_pose import CLASPED_OVER
+from generators.rule_based.hand_pose import POSES
 from generators.rule_based.resting import plan_rests
 from motion.prosody import Prosody, prosody
 from motion.segment import EMOTIONS
@@ -77,6 +77,6 @@ def test_clasped_hands_part_when_the_next_gesture_begins_with_the_one_on_top(
             clasps += 1
             assert after is not None
             assert rest.begin <= after.begin <= upcoming.begin
-            on_top = next(hand for hand in HANDS if rest.poses[hand] is CLASPED_OVER)
+            on_top = next(hand for hand in HANDS if rest.poses[hand] is POSES["clasped_over"])
             assert on_top in upcoming.hands
     assert clasps > 3
