@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from training.corpus.chance import Chance
-from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker
+from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker, read_table
 from training.corpus.speech_curves import SpeechCurves, find_strokes, stroke_shape
 from training.spaces.beat import UPPER_BODY_JOINTS
 
@@ -162,29 +162,7 @@ def within_limits(arms: FloatArray) -> FloatArray:
 _COLLAR: Final = np.array([0.0, 10.0, -8.0])
 """Rotation of the left collar bone at rest: BEAT's arms are at the front of the chest."""
 
-_HAND_AT_REST: Final = MappingProxyType(
-    {
-        "HandRing": (-10, 0, 0),
-        "HandPinky": (-10, 0, 0),
-        "HandIndex": (-7, -6, 0),
-        "HandMiddle1": (2, 4, -18),
-        "HandMiddle2": (0, 0, -10),
-        "HandMiddle3": (0, 0, -10),
-        "HandRing1": (0, 3, -18),
-        "HandRing2": (0, 0, -10),
-        "HandRing3": (0, 0, -10),
-        "HandPinky1": (0, 10, -14),
-        "HandPinky2": (0, 0, -10),
-        "HandPinky3": (0, 0, -10),
-        "HandIndex1": (6, 10, -16),
-        "HandIndex2": (0, 0, -10),
-        "HandIndex3": (0, 0, -10),
-        "HandThumb1": (40, -5, 0),
-        "HandThumb2": (0, 8, 0),
-        "HandThumb3": (4, 6, -8),
-    }
-)
-"""Angles about x, y and z of the left hand's joints, in degrees, as BEAT's speakers have them."""
+_HAND_AT_REST: Final = read_table("hand_at_rest.toml")
 
 _BENT: Final = MappingProxyType({"1": 1.0, "2": 1.1, "3": 0.8})
 """Shares of a finger's curl in its joints."""

@@ -21,20 +21,16 @@ are unheard of all.
 
 from __future__ import annotations
 
-import tomllib
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final, Literal
 
 from motion.segment import EMOTIONS
 from training.corpus.request import CorpusRequest, recording_name
-from training.corpus.speakers import CorpusSpeaker, speaker_of
+from training.corpus.speakers import CorpusSpeaker, read_table, speaker_of
 
-SENTENCES: Final[Mapping[str, Mapping[str, Sequence[str]]]] = tomllib.loads(
-    Path(__file__).with_name("sentences.toml").read_text("utf-8")
-)
+SENTENCES: Final[Mapping[str, Mapping[str, Sequence[str]]]] = read_table("sentences.toml")
 """Of each emotion, ``openings`` and ``closings``: what speakers say is one of each."""
 
 Split = Literal["train", "validation", "test"]

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -116,6 +116,11 @@ def speaker_of(number: int, seed: int) -> CorpusSpeaker:
     )
 
 
+def read_table(name: str) -> dict[str, Any]:
+    """Return the content of a TOML file beside this module."""
+    return tomllib.loads(Path(__file__).with_name(name).read_text("utf-8"))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Voice:
     """A voice of espeak-ng.
@@ -135,25 +140,7 @@ class Voice:
     pitch: float
 
 
-VOICES: Final = (
-    Voice(name="en-us+m3", loudness=1.0, pitch=101),
-    Voice(name="en-us+f2", loudness=0.85, pitch=185),
-    Voice(name="en-gb", loudness=0.95, pitch=97),
-    Voice(name="en-gb-x-rp+f1", loudness=0.8, pitch=170),
-    Voice(name="en-us+m7", loudness=0.85, pitch=101),
-    Voice(name="en-us+belinda", loudness=0.75, pitch=215),
-    Voice(name="en-us+quincy", loudness=1.2, pitch=81),
-    Voice(name="en-us+shelby", loudness=0.9, pitch=176),
-    Voice(name="en-us+grandpa", loudness=1.0, pitch=108),
-    Voice(name="en-gb-scotland+f2", loudness=0.7, pitch=185),
-    Voice(name="en-us+edward", loudness=0.75, pitch=96),
-    Voice(name="en-us+Annie", loudness=0.95, pitch=237),
-    Voice(name="en-us+Alex", loudness=1.2, pitch=97),
-    Voice(name="en-us+f4", loudness=0.85, pitch=170),
-    Voice(name="en-029", loudness=0.9, pitch=97),
-    Voice(name="en-us+linda", loudness=0.8, pitch=215),
-)
-"""Alternately low and high; they differ in timbre, accent and height."""
+VOICES: Final = tuple(Voice(**voice) for voice in read_table("voices.toml")["voices"])
 
 _PITCH_OF_LAPS: Final = (0, 8, -8, 14, -14)
 """Pitch shifts of voices when all have been used once, twice, …"""
@@ -245,9 +232,6 @@ class EmotionMotion:
     face: Mapping[str, float] = field(default_factory=dict)
 
 
-def _read_emotions() -> Mapping[str, EmotionMotion]:
-    data = tomllib.loads(Path(__file__).with_name("emotions.toml").read_text("utf-8"))
-    return MappingProxyType({emotion: EmotionMotion(**values) for emotion, values in data.items()})
-
-
-EMOTION_MOTION: Final = _read_emotions()
+EMOTION_MOTION: Final = MappingProxyType(
+    {emotion: EmotionMotion(**values) for emotion, values in read_table("emotions.toml").items()}
+)
