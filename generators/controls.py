@@ -70,7 +70,6 @@ class Static:
 
     name: Final = "static"
     version: Final = "1"
-    needs_source: Final = False
 
     def generate(
         self,
@@ -112,7 +111,6 @@ class Mismatched:
 
     name: Final = "mismatched"
     version: Final = "1"
-    needs_source: Final = True
 
     def generate(
         self,
@@ -192,7 +190,6 @@ class Broken:
 
     name: Final = "broken"
     version: Final = "1"
-    needs_source: Final = True
 
     def generate(
         self,

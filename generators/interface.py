@@ -81,8 +81,6 @@ class Generator(Protocol):
     version : str
         Raised with every change by which the same speech and seed give another clip, whatever
         module it is made in: clips of another version are made anew. Tests hold what each gives.
-    needs_source : bool
-        Whether `generate` needs the clips of another condition.
     """
 
     @property
@@ -93,11 +91,6 @@ class Generator(Protocol):
     @property
     def version(self) -> str:
         """Raised with every change by which the same speech and seed give another clip."""
-        ...
-
-    @property
-    def needs_source(self) -> bool:
-        """Whether `generate` needs the clips of another condition."""
         ...
 
     def generate(
@@ -120,7 +113,7 @@ class Generator(Protocol):
         frame_rate : float
             Frames per second of the result.
         source : StudyClips or None
-            The condition whose clips it may use; required where `needs_source` is true.
+            The condition whose clips it may use; `generators.registry.needs_source` says who needs one.
         on_part : callable
             Called with (parts made, parts in all) by generators that take long over a clip.
 

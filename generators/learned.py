@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Final, Generic, TypedDict, TypeVar
+from typing import Any, ClassVar, Generic, TypedDict, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +58,6 @@ class NetworkGenerator(ABC, Generic[SettingsT]):
 
     name: ClassVar[str]
     version: ClassVar[str]
-    needs_source: Final = False
 
     def __init__(self, settings: SettingsT, device: str = "cpu") -> None:
         check_device(device)

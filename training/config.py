@@ -1,17 +1,15 @@
-"""Settings of a training, which are validated."""
+"""Settings of a training."""
 
 from __future__ import annotations
 
-import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, Final, Literal, Self, TypeVar, get_args
+from typing import Any, Final, Literal, Self, TypeVar
 
 from pydantic import TypeAdapter
 
-from motion.errors import InputError
 from training.run.batches import batches_per_epoch
 from training.run.passes import Pass
 
@@ -33,19 +31,10 @@ class Decay:
     from_epoch : int
         The first epoch whose rate is multiplied, counted from 0; the epoch after it has the square
         of the factor, and so on.
-
-    Raises
-    ------
-    InputError
-        If a number is out of its range; the message names it.
     """
 
     factor: float
     from_epoch: int = 1
-
-    def __post_init__(self) -> None:
-        _check("decay factor", self.factor, 0 < self.factor <= 1, "a number above 0, at most 1")
-        _check("decay from_epoch", self.from_epoch, self.from_epoch >= 0, "a whole number")
 
     def __call__(self, epoch: int) -> float:
         """Return the factor of the learning rate in `epoch`."""
@@ -94,11 +83,6 @@ class TrainingConfig:
         Decides first weights, order of examples and dropout.
     passes : tuple of Pass
         The updates of a step, in their order; one of all weights where there are none.
-
-    Raises
-    ------
-    InputError
-        If a number is out of its range; the message names it.
     """
 
     steps: int
@@ -116,23 +100,6 @@ class TrainingConfig:
     checkpoint_every: int = 500
     seed: int = 0
     passes: tuple[Pass, ...] = ()
-
-    def __post_init__(self) -> None:
-        for name in ("steps", "batch_size", "accumulate", "validate_every", "checkpoint_every"):
-            self._check(name, getattr(self, name) >= 1, "a whole number of 1 or more")
-        self._check("learning_rate", 0 < self.learning_rate <= 1, "a number above 0, at most 1")
-        for name, words in (("optimizer", Optimizer), ("precision", Precision)):
-            self._check(name, getattr(self, name) in get_args(words), " or ".join(get_args(words)))
-        betas_fit = len(self.betas) == 2 and all(0 <= beta < 1 for beta in self.betas)
-        self._check("betas", betas_fit, "two numbers from 0 to below 1")
-        self._check("weight_decay", 0 <= self.weight_decay < math.inf, "a number of 0 or more")
-        clip, decay = self.gradient_clip, self.ema_decay
-        self._check("gradient_clip", clip is None or 0 < clip < math.inf, "a number above 0")
-        self._check("ema_decay", decay is None or 0 < decay < 1, "a number above 0 and below 1")
-        self._check("seed", 0 <= self.seed < 2**63, "a whole number of 0 or more")
-
-    def _check(self, name: str, valid: bool, requirement: str) -> None:
-        _check(name, getattr(self, name), valid, requirement)
 
     def with_changes(
         self, changes: Mapping[str, Any], *, epochs: int | None, examples: int
@@ -181,8 +148,3 @@ def read_presets(file: Path, kind: type[Table]) -> Mapping[str, Table]:
     """Return the tables of a TOML file by name, each as the type `kind`."""
     tables = tomllib.loads(file.read_text("utf-8"))
     return TypeAdapter(dict[str, kind]).validate_python(tables)  # type: ignore[valid-type]
-
-
-def _check(name: str, value: object, valid: bool, requirement: str) -> None:
-    if not valid:
-        raise InputError(f"{name} of the training is {value!r}", remedy=f"Give {requirement}")

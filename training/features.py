@@ -65,11 +65,7 @@ def beat_gesture(frame_rate: float) -> Feature:
         )
         return slerp(first, second, share).reshape(len(before), -1)
 
-    return Feature(
-        name="gesture",
-        version=VERSION,
-        compute=compute,
-    )
+    return Feature(name="gesture", version=VERSION, compute=compute)
 
 
 def _joints(values: NDArray[np.float64]) -> FloatArray:
@@ -80,33 +76,37 @@ def beat_expression(frame_rate: float) -> Feature:
     """Return BEAT's 51 facial weights, in [0, 1]."""
 
     def compute(take: Take) -> FloatArray:
-        if take.face is None:
-            raise InputError(
-                "the take has no facial weights",
-                where=take.motion,
-                remedy=f"Put {take.motion.stem}.json beside it",
-            )
-        return face_values(read_arkit_json(take.face, frame_rate)).astype(np.float32)
+        return face_values(_facial_weights(take, frame_rate)).astype(np.float32)
 
     return Feature(name="expression", version=VERSION, compute=compute)
+
+
+def _facial_weights(take: Take, frame_rate: float, alternative: str = "") -> FloatArray:
+    if take.face is None:
+        raise InputError(
+            "the take has no facial weights",
+            where=take.motion,
+            remedy=f"Put {take.motion.stem}.json beside it{alternative}",
+        )
+    return read_arkit_json(take.face, frame_rate)
 
 
 def show_gesture(frame_rate: float) -> Feature:
     """Return the rotations of SHOW's 43 joints, 129 channels, axis-angle in radians."""
-
-    def compute(take: Take) -> FloatArray:
-        return _show_motion(take, frame_rate)[:, :_SHOW_BODY]
-
-    return Feature(name="gesture", version=VERSION, compute=compute)
+    return Feature(
+        name="gesture",
+        version=VERSION,
+        compute=lambda take: _show_motion(take, frame_rate)[:, :_SHOW_BODY],
+    )
 
 
 def show_expression(frame_rate: float) -> Feature:
     """Return SHOW's jaw (axis-angle) and 100 expression coefficients."""
-
-    def compute(take: Take) -> FloatArray:
-        return _show_motion(take, frame_rate)[:, _SHOW_BODY:]
-
-    return Feature(name="expression", version=VERSION, compute=compute)
+    return Feature(
+        name="expression",
+        version=VERSION,
+        compute=lambda take: _show_motion(take, frame_rate)[:, _SHOW_BODY:],
+    )
 
 
 def _show_motion(take: Take, frame_rate: float) -> FloatArray:
@@ -130,11 +130,11 @@ def read_smplx(take: Take) -> MotionClip:
 
 def mel(frame_rate: float) -> Feature:
     """Return the power of the speech in 128 bands, see `mel_bands`."""
-
-    def compute(take: Take) -> FloatArray:
-        return mel_bands(read_audio(take.speech), frame_rate)
-
-    return Feature(name="mel", version=VERSION, compute=compute)
+    return Feature(
+        name="mel",
+        version=VERSION,
+        compute=lambda take: mel_bands(read_audio(take.speech), frame_rate),
+    )
 
 
 def hubert_features(frame_rate: float, hubert: Hubert) -> Feature:
@@ -268,17 +268,11 @@ def _ted_values(take: Take, frame_rate: float) -> FloatArray:
 def _resampled_clip(kind: Kind, take: Take, frame_rate: float, *, faces: bool) -> MotionClip:
     if kind != "beat":
         return resample(read_smplx(take), frame_rate)
-    if faces and take.face is None:
-        raise InputError(
-            "the take has no facial weights",
-            where=take.motion,
-            remedy=f"Put {take.motion.stem}.json beside it, or train with --ablation without_face",
-        )
     motion = read_beat_bvh(take)
     _, joint_map = choose_joint_map(motion.joint_names)
     clip = resample(retarget(motion, joint_map), frame_rate)
-    if take.face is None or not faces:
+    if not faces:
         return clip
-    weights = read_arkit_json(take.face, frame_rate)
+    weights = _facial_weights(take, frame_rate, ", or train with --ablation without_face")
     frames = min(len(clip), len(weights))
     return replace(clip.frames(np.arange(frames)), arkit=weights[:frames])

@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, Literal, get_args
+from typing import Any, Final, Literal
 
-from motion.errors import InputError, listed
+from motion.errors import InputError
 from training.config import Preset, read_presets
 from training.diffusion import LINEAR
 
 Flow = Literal["expression_to_gesture", "gesture_to_expression", "none", "joint"]
 """Which branch conditions which: see `DenoiserConfig.flow`."""
-
-FLOWS: Final[tuple[Flow, ...]] = get_args(Flow)
 
 Loudness = Literal["power", "logarithm"]
 """How mel bands are read: see `DenoiserConfig.loudness`."""
@@ -99,28 +97,6 @@ class DenoiserConfig:
     guidance: float | None = None
     loudness: Loudness = "power"
     skip: bool = False
-
-    def __post_init__(self) -> None:
-        for name in (
-            *("gesture_width", "expression_width", "speakers", "frames", "width", "heads"),
-            *("feed_forward", "layers", "audio_width", "speech_width", "speech_features"),
-        ):
-            _check(getattr(self, name) >= 1, f"{name} is {getattr(self, name)}", "Give at least 1")
-        _check(
-            self.width % (2 * self.heads) == self.audio_width % self.heads == 0,
-            f"{self.heads} heads do not divide a width of {self.width} and {self.audio_width}",
-            "Let the heads divide both widths, and the first be even",
-        )
-        _check(
-            self.frames <= self.longest,
-            f"windows of {self.frames} frames are longer than the {self.longest} positions",
-            "Give more positions or shorter windows",
-        )
-        _check(0 <= self.dropout < 1, f"dropout is {self.dropout}", "Give a share below 1")
-        _check(self.frame_rate > 0, f"the frame rate is {self.frame_rate}", "Give a rate above 0")
-        for name, known in (("flow", FLOWS), ("loudness", get_args(Loudness))):
-            value = getattr(self, name)
-            _check(value in known, f"there is no {name} {value!r}", f"Use one of {listed(known)}")
 
     @property
     def motion_width(self) -> int:
@@ -217,11 +193,6 @@ poses as varied as the network's; the release's fast one; its careful one; no re
 
 RELEASED_OVERLAP: Final = {"beat": 4, "show": 10}
 """Frames that the windows of the released networks share."""
-
-
-def _check(valid: bool, problem: str, remedy: str) -> None:
-    if not valid:
-        raise InputError(f"this is not a DiffSHEG network: {problem}", remedy=remedy)
 
 
 STRIDE: Final = 10

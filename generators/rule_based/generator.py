@@ -30,7 +30,6 @@ class RuleBased:
 
     name: Final = "rule_based"
     version: Final = "3"
-    needs_source: Final = False
 
     def generate(
         self,

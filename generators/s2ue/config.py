@@ -12,7 +12,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
-from motion.errors import InputError
 from training.config import Preset, read_presets
 
 
@@ -77,16 +76,6 @@ class NetworkConfig:
     face_graph: bool = True
     pose_graph: bool = True
     synchronous: bool = True
-
-    def __post_init__(self) -> None:
-        sizes = ("speakers", "words", "sound", "bands", "seeds", "hidden", "hops")
-        invalid = next((name for name in sizes if getattr(self, name) < 1), None)
-        if invalid is not None or self.seeds >= self.frames or not (self.faces or self.poses):
-            raise InputError(
-                f"a network with {invalid or 'seeds'} of {getattr(self, invalid or 'seeds')} in "
-                f"{self.frames} frames generates nothing",
-                remedy="Give sizes from 1, fewer seeds than frames, and faces or poses",
-            )
 
     @property
     def modalities(self) -> tuple[tuple[str, ...], ...]:

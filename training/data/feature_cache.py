@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.clip import check_frame_rate
 from motion.errors import InputError
 from training.data.cached_files import (
     CachedArray,
@@ -111,10 +110,6 @@ def prepare(
     InputError
         If no take can be used, or the cache cannot be written.
     """
-    names = [feature.name for feature in features]
-    if not names or len(set(names)) != len(names):
-        raise ValueError(f"features need names that differ: {names}")
-    check_frame_rate(frame_rate)
     arrays: dict[str, dict[str, CachedArray]] = {}
     errors: dict[str, InputError] = {}
     try:
@@ -140,7 +135,7 @@ def prepare(
             remedy="Repair the takes, or name another folder of recordings",
         )
     usable = tuple(take for take in takes.takes if take.name in arrays)
-    return _trimmed(usable, arrays, names, frame_rate, skipped)
+    return _trimmed(usable, arrays, [one.name for one in features], frame_rate, skipped)
 
 
 def _locked_takes(takes: tuple[Take, ...], cache: Path) -> Iterator[Take]:

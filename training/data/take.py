@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import InputError
-from motion.segment import EMOTIONS, check_name
 
 Split = Literal["train", "validation", "test"]
 SPLITS: Final[tuple[Split, ...]] = ("train", "validation", "test")
@@ -59,14 +57,6 @@ class Take:
     semantic: Path | None = None
     transcript: Path | None = None
 
-    def __post_init__(self) -> None:
-        check_name(self.name, "take")
-        if self.emotion and self.emotion not in EMOTIONS:
-            raise InputError(
-                f"take {self.name}: unknown emotion {self.emotion!r}",
-                remedy=f"Use one of {', '.join(EMOTIONS)}",
-            )
-
     @property
     def files(self) -> tuple[Path, ...]:
         """All files of the take."""
@@ -99,9 +89,6 @@ class TakeFolder:
     notes: tuple[str, ...] = ()
 
 
-_NAME: Final = re.compile(r"[a-z][a-z0-9_]*")
-
-
 @dataclass(frozen=True, kw_only=True)
 class Feature:
     """A feature computed from the files of a take.
@@ -122,7 +109,3 @@ class Feature:
     name: str
     version: str
     compute: Callable[[Take], NDArray[np.float32]]
-
-    def __post_init__(self) -> None:
-        if not _NAME.fullmatch(self.name) or not self.version:
-            raise ValueError(f"{self.name!r}, version {self.version!r}, is no feature")

@@ -38,11 +38,6 @@ class Windows:
     def __init__(
         self, prepared: PreparedTakes, *, split: Split | None, frames: int, stride: int
     ) -> None:
-        if frames < 1 or stride < 1:
-            raise InputError(
-                f"windows of {frames} frames every {stride} cannot be cut",
-                remedy="Give at least one frame for both",
-            )
         self.frames = frames
         self.stride = stride
         self.frame_rate = prepared.frame_rate
@@ -93,7 +88,5 @@ class Windows:
 
     def _locate(self, row: int) -> tuple[int, int]:
         """Return the index of the take that window `row` is cut from, and its first frame."""
-        if not 0 <= row < len(self):
-            raise IndexError(f"there is no window {row} of {len(self)}")
         place = int(np.searchsorted(self._first_row, row, side="right")) - 1
         return self._takes[place], (row - int(self._first_row[place])) * self.stride

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-_BINS: Final = 300
-"""More steps than this are drawn as the mean of equally many, and the range of most of them."""
-_PERCENTILES: Final = (5, 95)
 _COLUMNS: Final = 3
 _LOSS, _SMALL = 4.0, 2.2
 _PALE, _DARK, _HELD_OUT = "#c9d6e4", "#31597f", "#b3541e"
@@ -122,21 +119,8 @@ def _draw(
 
 def _draw_steps(axes: Axes, steps: FloatArray, values: FloatArray) -> None:
     """Draw what every step gave, and its course."""
-    if len(steps) > _BINS:
-        bins = list(_bins(steps, values))
-        centres = np.array([part.mean() for part, _ in bins])
-        lowest, highest = np.array([np.percentile(part, _PERCENTILES) for _, part in bins]).T
-        course = np.array([part.mean() for _, part in bins])
-        axes.fill_between(centres, lowest, highest, color=_PALE, linewidth=0, label="most steps")
-        axes.plot(centres, course, color=_DARK, linewidth=1.2, label="mean of steps")
-        return
     axes.plot(steps, values, color=_PALE, linewidth=0.8, label="each step")
     width = max(1, len(steps) // 20)
     course = np.convolve(values, np.full(width, 1 / width), mode="valid")
     middle = np.convolve(steps, np.full(width, 1 / width), mode="valid")
     axes.plot(middle, course, color=_DARK, linewidth=1.2, label=f"mean of {width} steps")
-
-
-def _bins(steps: FloatArray, values: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Yield steps and values of equally many steps in turn."""
-    yield from zip(np.array_split(steps, _BINS), np.array_split(values, _BINS), strict=True)

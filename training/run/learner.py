@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, Generic, cast
 
@@ -37,16 +36,6 @@ from training.run.batches import (
 from training.run.group import Group
 from training.run.passes import Pass, PassWeights
 from training.run.task import Network, Task, TaskInPasses
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Update:
-    """An update of weights in a step: by which pass, if there are several, and how fast."""
-
-    step: int
-    rate: float
-    number: int = 0
-    name: str = ""
 
 
 class Learner(Generic[Network]):
@@ -79,7 +68,8 @@ class Learner(Generic[Network]):
         self._group = group
         self._network = task.network()
         group.hand_out(self._network)
-        self._pass_weights = PassWeights(self._network, config.passes, config.steps)
+        self._passes = config.passes or (Pass(name=""),)
+        self._pass_weights = PassWeights(self._network, self._passes, config.steps)
         self._optimizer = _optimizer(self._network, config)
         self._scaler = GradScaler(task.device, enabled=config.precision == "float16")
         decay = config.ema_decay
@@ -90,23 +80,12 @@ class Learner(Generic[Network]):
         """The network that is measured and saved: with the mean weights, if there is a mean."""
         return self._network if self._average is None else self._average.network
 
-    def learning_rate(self, step: int, p: Pass | None = None) -> float:
-        """Return the learning rate of a step, from 0, or of one of its passes."""
-        config = self._config
-        rate = config.learning_rate if p is None else p.learning_rate or config.learning_rate
-        if config.decay is None:
-            return rate
-        epoch = step // batches_per_epoch(self._task.examples, config.batch_size)
-        return rate * config.decay(epoch)
-
     def learning_rates(self, step: int) -> dict[str, float]:
         """Return the learning rates of a step, from 0, by their names in the log."""
-        rates = {
-            f"learning_rate_{p.name}": self.learning_rate(step, p)
-            for p in self._config.passes
-            if p.is_due(step)
+        return {
+            f"learning_rate_{p.name}" if p.name else "learning_rate": self._rate(step, p)
+            for _, p in self._due_passes(step)
         }
-        return rates or {"learning_rate": self.learning_rate(step)}
 
     def learn(self, step: int) -> dict[str, float]:
         """Make a step, counted from 0, and return its losses over all processes.
@@ -115,42 +94,43 @@ class Learner(Generic[Network]):
         """
         self._pass_weights.prepare(self._network, step)
         losses: dict[str, float] = {}
-        for update in self._updates(step):
-            update_losses = self._update(update)
-            if update.name:
-                update_losses = {
-                    "loss": update_losses["loss"],
-                    update.name: update_losses.pop("loss"),
-                } | update_losses
+        for number, p in self._due_passes(step):
+            update_losses = self._update(step, number, p)
+            if p.name:
+                loss = update_losses.pop("loss")
+                update_losses = {"loss": loss, p.name: loss} | update_losses
             losses = update_losses | losses
         if self._average is not None:
             self._average.follow(self._network)
             average = self._average.network
             self._pass_weights.prepare(average, step)
-            for update in self._updates(step) if batch_normed(average) else ():
-                StepStatistics(average, self._group, self._computed(update, average)).remember()
+            for number, p in self._due_passes(step) if batch_normed(average) else ():
+                computed = self._computed(step, number, p, average)
+                StepStatistics(average, self._group, computed).remember()
         return losses
 
-    def _updates(self, step: int) -> list[_Update]:
-        """Return the updates of a step."""
-        passes = self._config.passes
-        if not passes:
-            return [_Update(step=step, rate=self.learning_rate(step))]
-        return [
-            _Update(step=step, number=number, name=p.name, rate=self.learning_rate(step, p))
-            for number, p in enumerate(passes)
-            if p.is_due(step)
-        ]
+    def _due_passes(self, step: int) -> list[tuple[int, Pass]]:
+        """Return the passes of a step, with their numbers."""
+        return [(number, p) for number, p in enumerate(self._passes) if p.is_due(step)]
 
-    def _update(self, update: _Update) -> dict[str, float]:
-        """Make one update, and return its losses over all processes."""
+    def _rate(self, step: int, p: Pass) -> float:
+        """Return the learning rate of a pass in a step."""
+        config = self._config
+        rate = p.learning_rate or config.learning_rate
+        if config.decay is None:
+            return rate
+        epoch = step // batches_per_epoch(self._task.examples, config.batch_size)
+        return rate * config.decay(epoch)
+
+    def _update(self, step: int, number: int, p: Pass) -> dict[str, float]:
+        """Update weights by a pass, and return its losses over all processes."""
         config = self._config
         for settings in self._optimizer.param_groups:
-            settings["lr"] = update.rate
+            settings["lr"] = self._rate(step, p)
         # Weights without a gradient are unchanged, with their state of the optimizer.
         self._optimizer.zero_grad(set_to_none=True)
-        with self._pass_weights.learning_only(self._network, update.name):
-            losses = self._gradients(update)
+        with self._pass_weights.learning_only(self._network, p.name):
+            losses = self._gradients(step, number, p)
         self._scaler.unscale_(self._optimizer)
         if config.gradient_clip is not None:
             nn.utils.clip_grad_norm_(self._network.parameters(), config.gradient_clip)
@@ -158,11 +138,11 @@ class Learner(Generic[Network]):
         self._scaler.update()
         return losses
 
-    def _gradients(self, update: _Update) -> dict[str, float]:
-        """Sum the gradients of an update, and its losses."""
+    def _gradients(self, step: int, number: int, p: Pass) -> dict[str, float]:
+        """Sum the gradients of a pass, and its losses."""
         group = self._group
-        rows, parts = self._step_parts(update.step)
-        computed = self._computed(update, self._network)
+        rows, parts = self._step_parts(step)
+        computed = self._computed(step, number, p, self._network)
         shared = None
         if len(parts) > 1 and batch_normed(self._network):
             shared = StepStatistics(self._network, group, computed)
@@ -187,25 +167,26 @@ class Learner(Generic[Network]):
         return rows, step_parts(rows, config.accumulate, self._group.size)
 
     def _computed(
-        self, update: _Update, network: Network
+        self, step: int, number: int, p: Pass, network: Network
     ) -> Sequence[Callable[[], Mapping[str, Tensor]]]:
-        """Return functions for the losses of each of this process' parts of an update."""
-        _, parts = self._step_parts(update.step)
-        numbers = range(self._group.index, len(parts), self._group.size)
-        return [partial(self._losses, network, parts[number], update, number) for number in numbers]
+        """Return functions for the losses of each of this process' parts of a pass."""
+        _, parts = self._step_parts(step)
+        return [
+            partial(self._losses, network, parts[part], p, (step, part, number))
+            for part in range(self._group.index, len(parts), self._group.size)
+        ]
 
     def _losses(
-        self, network: Network, rows: NDArray[np.int64], update: _Update, number: int
+        self, network: Network, rows: NDArray[np.int64], p: Pass, place: tuple[int, int, int]
     ) -> Mapping[str, Tensor]:
-        """Return the losses of a part of an update, with chance of its own."""
+        """Return the losses of a part of a pass, with chance of its own by its place."""
         reduced = self._config.precision != "float32"
         dtype = getattr(torch, self._config.precision) if reduced else None
-        seed = part_seed(self._config.seed, update.step, number, update.number)
-        torch.manual_seed(seed)
+        torch.manual_seed(part_seed(self._config.seed, *place))
         with autocast(self._task.device, dtype=dtype, enabled=reduced):
-            if update.name:
+            if p.name:
                 task = cast("TaskInPasses[Network]", self._task)
-                return task.losses_of(update.name, network, rows)
+                return task.losses_of(p.name, network, rows)
             return self._task.losses(network, rows)
 
     def tensors(self) -> dict[str, Tensor]:
@@ -214,7 +195,9 @@ class Learner(Generic[Network]):
         for index, state in self._optimizer.state_dict()["state"].items():
             tensors |= {f"optimizer.{index}.{name}": value for name, value in state.items()}
         if self._average is not None:
-            tensors |= {f"average.{name}": value for name, value in self._average.state().items()}
+            tensors |= {
+                f"average.{name}": value for name, value in self._average.state_dict().items()
+            }
         return tensors
 
     def facts(self) -> dict[str, Any]:
@@ -233,7 +216,7 @@ class Learner(Generic[Network]):
         groups = self._optimizer.state_dict()["param_groups"]
         self._optimizer.load_state_dict({"state": states, "param_groups": groups})
         if self._average is not None:
-            self._average.restore(tensors["average"])
+            self._average.load_state_dict(tensors["average"])
         if self._scaler.is_enabled():
             self._scaler.load_state_dict(dict(facts["scaler"]))
 
@@ -248,7 +231,7 @@ def _optimizer(network: nn.Module, config: TrainingConfig) -> Optimizer:
     )
 
 
-class AveragedWeights(Generic[Network]):
+class AveragedWeights(AveragedModel, Generic[Network]):
     """The mean of a network's weights over the steps.
 
     Its batch statistics are its own: whoever follows shows it the examples of each step.
@@ -262,13 +245,13 @@ class AveragedWeights(Generic[Network]):
     """
 
     def __init__(self, network: Network, decay: float) -> None:
+        super().__init__(network, multi_avg_fn=self._move)
         self._decay = decay
-        self._model = AveragedModel(network, multi_avg_fn=self._move)
 
     @property
     def network(self) -> Network:
         """A network of the mean weights."""
-        network: Network = self._model.module  # type: ignore[assignment]
+        network: Network = self.module  # type: ignore[assignment]
         return network
 
     def follow(self, network: Network) -> None:
@@ -276,17 +259,9 @@ class AveragedWeights(Generic[Network]):
         statistics = [buffer for layer in batch_normed(self.network) for buffer in layer.buffers()]
         saved = [buffer.clone() for buffer in statistics]
         # It copies all buffers, batch statistics among them.
-        self._model.update_parameters(network)
+        self.update_parameters(network)
         for buffer, value in zip(statistics, saved, strict=True):
             buffer.copy_(value)
-
-    def state(self) -> dict[str, Tensor]:
-        """Return the mean, and how many steps it holds."""
-        return self._model.state_dict()
-
-    def restore(self, state: Mapping[str, Tensor]) -> None:
-        """Go on from what `state` returned."""
-        self._model.load_state_dict(state)
 
     def _move(self, mean: Sequence[Tensor], weights: Sequence[Tensor], count: Tensor | int) -> None:
         steps = int(count)

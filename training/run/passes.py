@@ -80,7 +80,7 @@ class PassWeights:
         idle = next(
             (step for step in range(steps) if not any(p.is_due(step) for p in passes)), None
         )
-        if passes and idle is not None:
+        if idle is not None:
             raise InputError(
                 f"no pass is made in step {idle + 1} of {steps}",
                 remedy="Let one be made in every step",
@@ -89,8 +89,6 @@ class PassWeights:
     def prepare(self, network: nn.Module, step: int) -> None:
         """Put a network into training mode, but what is frozen in the step's stage."""
         network.train()
-        if not self._passes:
-            return
         learning = set().union(*(self._by_pass[p.name] for p in self._passes if p.in_stage(step)))
         for prefix, module in network.named_modules():
             weights = self._by_module[prefix]
@@ -100,9 +98,6 @@ class PassWeights:
     @contextmanager
     def learning_only(self, network: nn.Module, name: str) -> Iterator[None]:
         """Let only the weights of one pass gather gradients."""
-        if not name:
-            yield
-            return
         weights: Mapping[str, nn.Parameter] = dict(network.named_parameters())
         try:
             for key in self._learning:

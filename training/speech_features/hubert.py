@@ -131,9 +131,6 @@ FEATURES: Final = 1024
 RATE: Final = 50
 """Feature vectors per second."""
 
-_SHORTEST: Final = 400
-"""Samples that one feature vector looks at."""
-
 _SEED: Final = 20_210_614
 _HUBERT_FOLDER: Final = SavedNetworks(
     owner="HuBERT",
@@ -196,7 +193,7 @@ class Hubert:
             At 16 kHz. Feature k looks at the 400 samples from 320 k on; what lies behind the last
             whole stretch is not heard. Speech of less than 400 is continued by silence.
         """
-        samples = np.pad(samples, (0, max(0, _SHORTEST - len(samples))))
+        samples = np.pad(samples, (0, max(0, WINDOW - len(samples))))
         # The released network learned from speech without offset and of unit variance.
         normalised = (samples - samples.mean()) / np.sqrt(samples.var() + 1e-7)
         with torch.inference_mode():
@@ -262,13 +259,3 @@ def interpolate_features(features: Tensor, positions: Tensor) -> Tensor:
     upper = (lower + 1).clamp(max=len(features) - 1)
     share = (positions - lower).to(features.dtype)[:, None]
     return (1 - share) * features[lower] + share * features[upper]
-
-
-def feature_positions(times: NDArray[np.float64]) -> Tensor:
-    """Return the index of the feature at each of `times`, in seconds from the first sample."""
-    return torch.from_numpy(times * RATE)
-
-
-def sample_count(seconds: float) -> int:
-    """Return the number of HuBERT's samples in so many seconds."""
-    return round(seconds * SPEECH_RATE)

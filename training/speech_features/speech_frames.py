@@ -15,11 +15,10 @@ from torch import Tensor
 from motion.audio import SPEECH_RATE, Audio
 from motion.errors import InputError
 from training.speech_features.hubert import (
+    RATE,
     Hubert,
-    feature_positions,
     interpolate_features,
     resample_to_frames,
-    sample_count,
 )
 from training.speech_features.spectra import SUPPORT, mel_bands
 
@@ -177,7 +176,7 @@ def stream_frames(
     for piece in pieces:
         buffer = np.concatenate([buffer, np.asarray(piece, np.float32)])
         while buffer_start + len(buffer) >= (
-            last := sample_count(start + window.at_once + window.ahead)
+            last := round((start + window.at_once + window.ahead) * SPEECH_RATE)
         ):
             yield frames(last, window.at_once * frame_rate)
             start += window.at_once
@@ -187,7 +186,7 @@ def stream_frames(
     remaining = round(end / SPEECH_RATE * frame_rate) - start * frame_rate
     while remaining > 0:
         count = min(remaining, window.at_once * frame_rate)
-        yield frames(min(end, sample_count(start + window.at_once + window.ahead)), count)
+        yield frames(min(end, round((start + window.at_once + window.ahead) * SPEECH_RATE)), count)
         start, remaining = start + window.at_once, remaining - count
 
 
@@ -200,7 +199,7 @@ def _frames_of_excerpt(
     times = seconds_before + np.arange(count) / frame_rate
     features = hubert.features(at_speech_rate(excerpt))
     return SpeechFrames(
-        torch.from_numpy(mel), interpolate_features(features, feature_positions(times))
+        torch.from_numpy(mel), interpolate_features(features, torch.from_numpy(times * RATE))
     )
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 import pytest
 import torch
 from torch import Tensor
 
-from generators.diffsheg.config import FLOWS, PRESETS, DenoiserConfig, Flow
+from generators.diffsheg.config import PRESETS, DenoiserConfig, Flow
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
 from generators.diffsheg.model import Denoiser
 from tests.generators.diffsheg.small_network import shaken
@@ -41,7 +42,7 @@ def asked(config: DenoiserConfig, batch: int = 2, frames: int = FRAMES) -> tuple
     )
 
 
-@pytest.mark.parametrize("flow", FLOWS)
+@pytest.mark.parametrize("flow", get_args(Flow))
 def test_a_network_with_a_skip_that_learned_nothing_takes_the_motion_for_noise(flow: Flow) -> None:
     question = asked(replace(SMALL, flow=flow, skip=True))
     noisy, steps = question[:2]

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from torch import Tensor
 
-from generators.diffsheg.config import FLOWS, PRESETS, SAMPLINGS, Flow, Sampling
+from generators.diffsheg.config import PRESETS, SAMPLINGS, Flow, Sampling
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.sampling import (
     Estimate,
@@ -147,7 +148,7 @@ def test_shared_frames_lead_from_the_window_before_into_the_new_one() -> None:
 @pytest.mark.parametrize(
     ("flow", "guidance", "skip", "number"),
     [
-        *((flow, guidance, skip, 1) for flow in FLOWS for guidance, skip in GUIDED_OR_NOT),
+        *((flow, guidance, skip, 1) for flow in get_args(Flow) for guidance, skip in GUIDED_OR_NOT),
         *(("joint", guidance, skip, 2) for guidance, skip in GUIDED_OR_NOT),
     ],
 )

@@ -58,10 +58,12 @@ def test_the_learning_rate_falls_from_epoch_to_epoch() -> None:
     # 32 examples make three steps of ten an epoch.
     config = replace(CONFIG, decay=Decay(factor=0.85, from_epoch=2))
     learner = learned(config, steps=0, chance=True)
-    rates = [learner.learning_rate(step) for step in (0, 5, 6, 8, 9, 12)]
-    assert rates == pytest.approx([0.02, 0.02, 0.017, 0.017, 0.01445, 0.0122825])
+    rates = [learner.learning_rates(step) for step in (0, 5, 6, 8, 9, 12)]
+    assert [rate["learning_rate"] for rate in rates] == pytest.approx(
+        [0.02, 0.02, 0.017, 0.017, 0.01445, 0.0122825]
+    )
     constant = learned(CONFIG, steps=0, chance=True)
-    assert constant.learning_rate(10**6) == 0.02
+    assert constant.learning_rates(10**6) == {"learning_rate": 0.02}
 
 
 def test_a_mean_of_weights_has_batch_statistics_of_its_own() -> None:
