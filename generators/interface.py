@@ -113,7 +113,7 @@ class Generator(Protocol):
         frame_rate : float
             Frames per second of the result.
         source : StudyClips or None
-            The condition whose clips it may use; `generators.registry.needs_source` says who needs one.
+            The condition whose clips it may use; see `generators.registry.needs_source`.
         on_part : callable
             Called with (parts made, parts in all) by generators that take long over a clip.
 
