@@ -128,13 +128,6 @@ def shared_postgresql(postgresql: ThrowawayPostgresql) -> Iterator[Database]:
     database.close()
 
 
-@pytest.fixture
-def postgresql_url(postgresql: ThrowawayPostgresql, shared_postgresql: Database) -> str:
-    """Return the address of a PostgreSQL database of the newest schema that holds nothing."""
-    empty(shared_postgresql)
-    return postgresql.url
-
-
 @pytest.fixture(scope="session")
 def empty_sqlite(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return an SQLite file of the newest schema that holds nothing; tests take copies."""
@@ -148,8 +141,9 @@ def database_url(request: pytest.FixtureRequest, tmp_path: Path, empty_sqlite: P
     """Return the address of a database: SQLite, or of the kind that the test is repeated for."""
     kind: DatabaseKind = getattr(request, "param", "sqlite")
     if kind == "postgresql":
-        url: str = request.getfixturevalue("postgresql_url")
-        return url
+        empty(request.getfixturevalue("shared_postgresql"))
+        server: ThrowawayPostgresql = request.getfixturevalue("postgresql")
+        return server.url
     return sqlite_url(shutil.copyfile(empty_sqlite, tmp_path / "responses.db"))
 
 

@@ -9,24 +9,22 @@ from motion.errors import InputError
 from studyapp.boto_errors import as_input_errors
 
 REFUSED = ClientError({"Error": {"Code": "AccessDenied", "Message": "Not yours."}}, "PutObject")
-UNEXPLAINED = ClientError({}, "PutObject")
+UNREACHED = (
+    "here: the store cannot be asked to store a.mp4 ({}). Check the network, and that "
+    "AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY hold your keys."
+)
 
 
 @pytest.mark.parametrize(
     ("raised", "words"),
     [
         (REFUSED, "here: the store does not store a.mp4: Not yours. Correct it."),
-        (UNEXPLAINED, "here: the store does not store a.mp4: it gives no reason. Correct it."),
         (
-            NoCredentialsError(),
-            "here: the store cannot be asked to store a.mp4 (NoCredentialsError). Check the "
-            "network, and that AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY hold your keys.",
+            ClientError({}, "PutObject"),
+            "here: the store does not store a.mp4: it gives no reason. Correct it.",
         ),
-        (
-            ValueError("Invalid endpoint: x"),
-            "here: the store cannot be asked to store a.mp4 (ValueError). Check the network, and "
-            "that AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY hold your keys.",
-        ),
+        (NoCredentialsError(), UNREACHED.format("NoCredentialsError")),
+        (ValueError("Invalid endpoint: x"), UNREACHED.format("ValueError")),
     ],
 )
 def test_a_refusal_and_a_silence_are_told_apart(raised: Exception, words: str) -> None:

@@ -11,7 +11,7 @@ from tests.studyapp.researchers.conftest import Door
 def test_the_last_owner_can_neither_leave_nor_become_something_else(door: Door) -> None:
     charles = door.join("Charles", "analyst")
 
-    with pytest.raises(InputError, match=r"only owner.*another|only owner.*somebody else"):
+    with pytest.raises(InputError, match=r"only owner.*somebody else"):
         remove_access(door.database, door.clock, door.ada, by="Ada")
     with pytest.raises(InputError, match="only owner"):
         change_role(door.database, door.clock, door.ada, "viewer", by="Ada")
@@ -36,9 +36,8 @@ def test_whose_access_or_role_changes_is_logged_out_at_once(door: Door) -> None:
     assert door.who(login) is None
     again = door.who(door.enter("Charles"))
     assert again is not None and again.role == "analyst"
-    assert [
-        (line.event, line.researcher, line.detail) for line in latest_changes(door.database)[1:6:2]
-    ] == [
+    lines = latest_changes(door.database)[1:6:2]
+    assert [(line.event, line.researcher, line.detail) for line in lines] == [
         ("role changed", "Ada", "Charles: viewer becomes analyst"),
         ("access restored", "Ada", "Charles"),
         ("logged in", "Charles", ""),

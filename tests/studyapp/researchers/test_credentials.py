@@ -24,31 +24,25 @@ from studyapp.researchers.logins import WrongLoginError
 from tests.studyapp.researchers.conftest import NEW, Door
 from tests.support.researchers_at_hand import HERE, PASSWORD
 
-
-@pytest.mark.parametrize(
-    ("passwords", "refused"),
-    [
-        (("correct horse battery", "tr0ub4dor&3xyz", "83920174650192837465"), False),
-        (("password and purple rain", "日本語のとても長い合言葉です"), False),
-        (("password1234", "qwertyuiop12", "welcome-to-study", "MotionJury2026!"), True),
-        (("secret shadow master", "a1" * 128, "Ada Lovelace 1815", "lovelace.ada.lovelace"), True),
-    ],
+GOOD = (
+    *("correct horse battery", "tr0ub4dor&3xyz", "83920174650192837465"),
+    *("password and purple rain", "日本語のとても長い合言葉です"),
 )
-def test_what_everybody_tries_first_is_refused(
-    passwords: tuple[str, ...], *, refused: bool
-) -> None:
-    for password in passwords:
-        if not refused:
-            check_password(password, name="Ada Lovelace")
-            continue
+COMMON = (
+    *("password1234", "qwertyuiop12", "welcome-to-study", "MotionJury2026!"),
+    *("secret shadow master", "a1" * 128, "Ada Lovelace 1815", "lovelace.ada.lovelace"),
+)
+
+
+def test_what_everybody_tries_first_and_what_is_too_short_or_long_is_refused() -> None:
+    for password in GOOD:
+        check_password(password, name="Ada Lovelace")
+    for password in COMMON:
         with pytest.raises(InputError, match=r"first that anybody would try.*words"):
             check_password(password, name="Ada Lovelace")
-
-
-@pytest.mark.parametrize("length", [0, 11, MAX_PASSWORD_LENGTH + 1])
-def test_a_password_of_another_length_is_refused_with_both_limits(length: int) -> None:
-    with pytest.raises(InputError, match=rf"12 to 256 characters, this one has {length}"):
-        check_password(("zq7!kvmw2p#" * 50)[:length], name="Ada")
+    for length in (0, 11, MAX_PASSWORD_LENGTH + 1):
+        with pytest.raises(InputError, match=rf"12 to 256 characters, this one has {length}"):
+            check_password(("zq7!kvmw2p#" * 50)[:length], name="Ada Lovelace")
 
 
 def test_a_password_is_the_same_however_its_letters_are_encoded() -> None:

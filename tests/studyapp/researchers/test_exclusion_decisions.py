@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import pytest
 from sqlalchemy import select, update
 
@@ -18,7 +16,6 @@ from studyapp.researchers.exclusion_decisions import (
     exclusion_decisions,
 )
 from studyapp.results.stored_answers import stored_answers
-from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import find_study_session
 from tests.support.read_once import read_once
@@ -34,27 +31,17 @@ def reinstate(database: Database, clock: SetClock, number: int) -> None:
     decide_exclusion(database, clock, number, excluded=False, by="Charles", reason="awake")
 
 
-def decided(database: Database, number: int) -> Sequence[ExclusionDecision]:
-    with database.reading() as session:
-        return exclusion_decisions(session, number)
-
-
 def excluded(database: Database) -> dict[int, str]:
     with database.reading() as session:
         return {number: reason for number, reason, _ in session.execute(current_exclusions())}
 
 
-@pytest.fixture
-def three(opened: Database, served: ServedStudy, clock: SetClock) -> Database:
-    """Return the database of a study that three have begun."""
+@BOTH
+def test_the_newest_decision_holds_and_none_is_lost(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
     for name in ("one", "two", "three"):
         Participant(opened, served, clock).enrol(name).begin()
-    return opened
-
-
-@BOTH
-def test_the_newest_decision_holds_and_none_is_lost(three: Database, clock: SetClock) -> None:
-    opened = three
     exclude(opened, clock, 1, "  fell\n asleep ")
     exclude(opened, clock, 2)
     reinstate(opened, clock, 2)
@@ -63,7 +50,8 @@ def test_the_newest_decision_holds_and_none_is_lost(three: Database, clock: SetC
     exclude(opened, clock, 3, "second")
 
     assert excluded(opened) == {1: "fell asleep", 3: "second"}
-    assert [(each.excluded, each.researcher, each.reason) for each in decided(opened, 3)] == [
+    decisions = read_once(opened, exclusion_decisions, 3)
+    assert [(each.excluded, each.researcher, each.reason) for each in decisions] == [
         (True, "Ada", "second"),
         (False, "Charles", "awake"),
         (True, "Ada", "first"),
@@ -76,29 +64,20 @@ def test_the_newest_decision_holds_and_none_is_lost(three: Database, clock: SetC
     assert kept["excluded_because"].tolist() == ["fell asleep", "", "second"]
     assert kept["excluded_after_look"].tolist() == [False, False, False]
 
-
-def test_it_is_told_who_was_excluded_after_somebody_had_looked_at_results(
-    three: Database, clock: SetClock
-) -> None:
-    opened = three
-    exclude(opened, clock, 1)
+    # Who is excluded after somebody has looked at results is told apart.
     clock.advance(seconds=1)
     with opened.writing() as session:
         state = StudyState(finished=0, planned=4, answers=0)
         log_look(session, clock.now(), state, way="page", by="Ada", reason="curious")
     clock.advance(seconds=1)
-    exclude(opened, clock, 3)
+    exclude(opened, clock, 2)
+    kept = read_once(opened, stored_answers).study_sessions
+    assert kept["excluded_after_look"].tolist() == [False, True, False]
 
-    after_look = read_once(opened, stored_answers).study_sessions["excluded_after_look"]
-    assert after_look.tolist() == [False, False, True]
 
-
-def test_what_cannot_be_decided_changes_nothing(
-    participant: Participant, served: ServedStudy, clock: SetClock
-) -> None:
+def test_what_cannot_be_decided_changes_nothing(participant: Participant, clock: SetClock) -> None:
     database = participant.database
-    gone = Participant(database, served, clock).enrol("gone").begin()
-    withdraw(database, gone.token, clock)
+    participant.another().enrol("gone").withdraw()
     before = latest_changes(database)
 
     for reason in ("", " \n", "x" * 501, "a\0b", "a\udc80b"):
@@ -116,22 +95,22 @@ def test_what_cannot_be_decided_changes_nothing(
     exclude(database, clock, 1)
     with pytest.raises(InputError, match="1 is excluded already"):
         exclude(database, clock, 1)
-    assert len(decided(database, 1)) == 1
+    assert len(read_once(database, exclusion_decisions, 1)) == 1
 
 
 @pytest.mark.parametrize("leaves", ["withdrawn", "forgotten"])
 def test_of_who_leaves_nothing_stays_of_why_they_were_excluded(
-    participant: Participant, served: ServedStudy, clock: SetClock, leaves: str
+    participant: Participant, clock: SetClock, leaves: str
 ) -> None:
     database = participant.database
-    Participant(database, served, clock).enrol("other").begin()
+    participant.another().enrol("other")
     exclude(database, clock, 1, "wrote that she is ill")
     exclude(database, clock, 2, "plays at double speed")
     with database.writing() as session:
         session.execute(update(AuditLine).values(detail="worded in another way"))
 
     if leaves == "withdrawn":
-        withdraw(database, participant.token, clock)
+        participant.withdraw()
     else:
         with database.writing() as session:
             erase(session, find_study_session(session, participant.token), None, clock.now())

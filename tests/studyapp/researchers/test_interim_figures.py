@@ -57,9 +57,9 @@ def figures(tmp_path: Path) -> CountedFigures:
 @pytest.fixture
 def comer(opened: Database, served: ServedStudy, clock: SetClock) -> Participant:
     """Return a participant who has answered one trial."""
-    found = Participant(opened, served, clock).enrol().begin()
-    found.take_trial()
-    return found
+    comer = Participant(opened, served, clock).enrol().begin()
+    comer.take_trial()
+    return comer
 
 
 @pytest.fixture
@@ -74,33 +74,23 @@ def test_figures_are_computed_once_until_something_has_changed_and_a_rest_is_ove
     first, second = ask(), ask()
     assert (first.document, first.is_computing, second.is_computing) == ("", True, True)
     assert figures.work() == 1
-    assert (ask().document, ask().is_current, ask().is_computing) == ("results 1", True, False)
+    current = ask()
+    assert (current.document, current.is_current, current.is_computing) == (
+        "results 1",
+        True,
+        False,
+    )
     clock.advance(seconds=REST + 1)
     assert ask().is_current and figures.work() == 0
 
     comer.take_trial()
-    changed = ask()
-    assert (changed.document, changed.is_current, changed.is_computing) == (
-        "results 1",
-        False,
-        True,
-    )
+    old = ask()
+    assert (old.document, old.is_current, old.is_computing) == ("results 1", False, True)
     figures.work()
     comer.take_trial()
     assert (ask().document, ask().is_current, figures.work()) == ("results 2", False, 0)
     clock.advance(seconds=REST + 1)
     assert (ask().is_computing, figures.work(), ask().document) == (True, 1, "results 3")
-
-
-def test_excluding_somebody_makes_figures_old(
-    opened: Database, clock: SetClock, figures: CountedFigures, ask: Ask
-) -> None:
-    ask()
-    figures.work()
-
-    decide_exclusion(opened, clock, 1, excluded=True, by="Ada", reason="came twice")
-
-    assert not ask().is_current
 
 
 def test_a_process_that_went_away_is_replaced_after_a_while(
@@ -132,14 +122,19 @@ def test_a_failure_is_said_keeps_what_there_was_and_is_tried_again(
     assert found == [("results 1", ""), ("results 1", "It took too long."), ("results 2", "")]
 
 
-def test_what_was_begun_before_somebody_was_forgotten_is_not_kept(
-    opened: Database, figures: CountedFigures, ask: Ask
+def test_excluding_somebody_makes_figures_old_and_forgetting_somebody_removes_them(
+    opened: Database, clock: SetClock, figures: CountedFigures, ask: Ask
 ) -> None:
     ask()
+    figures.work()
+    decide_exclusion(opened, clock, 1, excluded=True, by="Ada", reason="came twice")
+    clock.advance(seconds=REST + 1)
+    assert not ask().is_current
+
     with opened.writing() as session:
         session.execute(delete(InterimFigures))
-    figures.work()
-
+    # What was begun before that is not kept.
+    assert figures.work() == 1
     assert ask().document == ""
 
 

@@ -6,7 +6,7 @@ import re
 import resource
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -27,10 +27,22 @@ from tests.support.studies.taking_part_steps import SetClock
 WEB = Path(__file__).parents[3] / "studyapp" / "web"
 
 
-def test_a_study_that_cannot_be_served_leaves_no_database(tiny_study: Path) -> None:
-    (tiny_study / "stimuli.json").write_text("{", "utf-8")
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda stimuli: stimuli[1:], r"stimuli\.json"),
+        (lambda stimuli: stimuli.replace("005.mp4", "055.mp4"), r"055\.mp4.*missing.*render"),
+        (lambda stimuli: stimuli.replace("take-3", "take-9"), "no video of 'rule_based' .* take-3"),
+    ],
+    ids=["damaged", "missing", "never rendered"],
+)
+def test_a_study_that_cannot_be_served_says_why_and_leaves_no_database(
+    tiny_study: Path, spoil: Callable[[str], str], words: str
+) -> None:
+    stimuli = tiny_study / "stimuli.json"
+    stimuli.write_text(spoil(stimuli.read_text("utf-8")), "utf-8")
 
-    with pytest.raises(InputError, match=r"stimuli\.json"):
+    with pytest.raises(InputError, match=words):
         create_app(tiny_study)
     assert not (tiny_study / "responses.db").exists()
 

@@ -231,24 +231,10 @@ def test_a_worker_comes_back_by_another_assignment_of_the_study(
     assert (form["method"], form["action"]) == ("post", address)
     fields = {str(i["name"]): str(i["value"]) for i in form.select("input")}
     assert fields == {"assignmentId": "a2", "completionCode": shown_code(page)}
+    researchers = app.test_client().get("/research/log-in").headers
+    assert researchers["X-Frame-Options"] == "DENY"
     third = comes_again(again, other.replace("a2", "a3")).page()
     assert third.value("#leave [name=assignmentId]", "value") == "a2"
-
-
-def test_only_mechanical_turk_may_show_the_study_in_a_frame(serve_with: ServeWith) -> None:
-    client = serve_with(MTURK).test_client()
-
-    shown = client.get(f"/{BY_MTURK}").headers
-    policy = shown["Content-Security-Policy"]
-    assert (
-        "frame-ancestors https://worker.mturk.com https://www.mturk.com https://workers" in policy
-    )
-    assert "form-action 'self' https://www.mturk.com https://workersandbox.mturk.com;" in policy
-    assert "X-Frame-Options" not in shown
-    assert "Set-Cookie" not in shown
-    researchers = client.get("/research/log-in").headers
-    assert "frame-ancestors 'none'" in researchers["Content-Security-Policy"]
-    assert researchers["X-Frame-Options"] == "DENY"
 
 
 def test_an_invitation_lets_one_in_and_looking_at_it_uses_nothing_up(

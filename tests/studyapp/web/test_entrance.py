@@ -52,17 +52,6 @@ def test_eligibility_comes_before_consent_and_neither_stores_anything(asking: Fl
     assert list(stored_in(asking, select(FormAnswer.question))) == ["adult", "read"]
 
 
-def test_eligibility_is_judged_again_at_the_start(asking: Flask) -> None:
-    client = asking.test_client()
-    consent = PageReader(submit(client, PageReader(client.get("/").text), adult="yes").text)
-
-    assert submit(client, consent, read="yes", adult="no").status_code == 403
-    answer = submit(client, consent, read="yes", adult="")
-    assert answer.status_code == 422
-    assert "Are you 18 or older?" in answer.text
-    assert is_nobody_stored(asking)
-
-
 def test_what_is_missing_is_said_beside_its_question_and_what_was_said_before_is_kept(
     asking: Flask,
 ) -> None:

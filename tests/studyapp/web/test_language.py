@@ -1,16 +1,12 @@
 from __future__ import annotations
 
-import json
-
 import pytest
 from flask import Flask, render_template_string
 
 from studyapp.session.refusal import UnacceptableError
 from studyapp.study.settings.presentation import Message
 from studyapp.web.errors import note_and_explain
-from studyapp.web.language import _, language_of, speak
-from tests.studyapp.web.conftest import Serve
-from tests.studyapp.web.page_reader import PageReader
+from studyapp.web.language import language_of, speak
 
 NEXT = {"en": "Next", "de": "Weiter", "ja": "次へ"}
 
@@ -49,17 +45,3 @@ def test_what_stands_in_a_place_is_escaped_and_marks_in_a_text_are_not() -> None
     assert page == (
         "Fragen oder Probleme? &lt;b&gt;<strong>Beantworten Sie die Frage</strong> darunter."
     )
-
-
-@pytest.mark.parametrize("code", NEXT)
-def test_a_study_is_served_in_the_language_of_its_file(serve: Serve, code: str) -> None:
-    app = serve(("[page]", f'[page]\nlanguage = "{code}"'))
-
-    page = PageReader(app.test_client().get("/").text)
-    missing = app.test_client().get("/nowhere", headers={"Accept": "application/json"})
-
-    with app.app_context():
-        assert _("This page does not exist.") in missing.get_json()["problem"]
-    assert page.value("html", "lang") == code
-    assert page.value("html", "dir") == "ltr"
-    assert json.loads(page.value("#words", "content")) == language_of(code).script_texts

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import socket
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +9,6 @@ from sqlalchemy import select
 
 from studyapp.database.tables import StudySession, Video
 from studyapp.study.media import read_stimuli, write_stimuli
-from studyapp.web.site import attach, site_of
 from studyapp.web.worker import StudyWorker
 from tests.studyapp.web.visitor import Visitor, stored_in
 from tests.support.studies.added_condition import make_videos_anew
@@ -67,23 +65,6 @@ def test_where_a_range_cannot_hold_all_or_nothing_is_sent(
     assert answer.status_code == status
     assert (answer.data == content(app, address)) is (status == 200)
     assert (head.data, int(head.headers["Content-Length"])) == (b"", len(content(app, address)))
-
-
-def test_a_proxy_in_front_is_told_the_file_and_gets_no_bytes(
-    app: Flask, address: str, tiny_study: Path
-) -> None:
-    whole = content(app, address)
-    site = site_of(app)
-    attach(app, replace(site, accel_prefix="/study files/"))
-
-    answer = app.test_client().get(address, headers={"Range": "bytes=0-"})
-
-    inner = answer.headers["X-Accel-Redirect"]
-    assert answer.status_code == 200
-    assert answer.data == b""
-    assert answer.mimetype == "video/mp4"
-    assert inner.startswith("/study%20files/videos/")
-    assert (tiny_study / inner.removeprefix("/study%20files/")).read_bytes() == whole
 
 
 def test_a_worker_says_nothing_of_the_request_that_failed() -> None:
