@@ -71,16 +71,6 @@ def attention_rows(participant: str, answers: str, asked: str) -> pd.DataFrame:
     )
 
 
-def test_a_table_with_nothing_beside_the_answers_leaves_the_rest_unknown(
-    table: pd.DataFrame, tmp_path: Path
-) -> None:
-    result = facts(tmp_path, table)["p01"]
-    assert (result.trials, result.settled) == (None, None)
-    assert (result.failed_catch, result.failed_attention) == (None, None)
-    assert math.isnan(result.watched)
-    assert len(result.seconds) == 0
-
-
 def test_catch_trials_of_some_are_none_failed_for_the_others(
     table: pd.DataFrame, tmp_path: Path
 ) -> None:
@@ -163,4 +153,7 @@ def test_what_a_study_knows_replaces_the_tables_judgement(
     result = facts(tmp_path, both, known={"p01": known})
     one = result["p01"]
     assert (one.trials, one.settled, one.failed_catch, one.failed_attention) == (30, 12, 0, 2)
-    assert result["p02"].trials is None
+    other = result["p02"]
+    assert (other.trials, other.settled, other.failed_attention) == (None, None, None)
+    assert math.isnan(other.watched)
+    assert len(other.seconds) == 0

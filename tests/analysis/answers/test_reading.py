@@ -114,13 +114,9 @@ def test_a_trial_is_a_main_one_unless_the_table_says_otherwise(tmp_path: Path) -
     assert read(tmp_path, pairs({})).answers["kind"].tolist() == ["main"]
 
 
-def test_a_missing_column_is_named(tmp_path: Path) -> None:
-    text = refusal(tmp_path, pairs({}).drop(columns=["left", "segment"]))
-    assert "column segment, left is missing; there are participant, question" in text
-
-
 HEADER = "participant,segment,question,"
 RANKING_TWICE = "condition,rank\nanna,s1,realism,ours,1\nanna,s1,realism,ours,1\n"
+STORED_TWICE = "left,right,response,trial\n" + "".join(f"a,s,q,x,y,1,{n}\n" for n in (1, 2, 1))
 TOO_MANY_CELLS = "left,right,response\na,s,q,x,y,1\na,s,q,x,y,1,7\n"
 OWN_SPEECH_TWICE = (
     "condition,left_speech,right_speech,response\n"
@@ -131,7 +127,9 @@ OWN_SPEECH_TWICE = (
 @pytest.mark.parametrize(
     ("text", "layout", "problem"),
     [
+        ("right,response\n", PAIRWISE, "column left is missing; there are participant, segment"),
         ("left,right,response,left\n", PAIRWISE, "column left occurs twice"),
+        (STORED_TWICE, PAIRWISE, "row 4, column trial: the same answer stands in row 2 already"),
         (RANKING_TWICE, RANKING, r"row 3, .* stands in row 2 already"),
         (TOO_MANY_CELLS, PAIRWISE, "line 3"),
         (OWN_SPEECH_TWICE, MISMATCH, "row 3, column right_speech: left_speech and right"),
@@ -142,11 +140,6 @@ def test_what_contradicts_itself_is_refused_with_its_place(
 ) -> None:
     with pytest.raises(InputError, match=problem):
         read_text(tmp_path, HEADER + text, layout)
-
-
-def test_an_answer_that_is_stored_twice_is_refused(tmp_path: Path) -> None:
-    text = refusal(tmp_path, pairs({"trial": 1}, {"trial": 2}, {"trial": 1}))
-    assert "row 4, column trial: the same answer stands in row 2 already" in text
 
 
 def test_a_ranking_in_practice_may_come_back(tmp_path: Path) -> None:

@@ -18,6 +18,9 @@ from tests.analysis.planning.sketch import Sketch
 ALIKE = Opinions(participant_sd=0.3, item_sd=0.3)
 QUICK = Effort(quick=400, exact=40)
 
+PAIRS = Sketch(kind="pairs", own_participants=True)
+RATINGS, RANKINGS = Sketch(kind="ratings", conditions=3), Sketch(kind="rankings", conditions=3)
+
 # Where a change is wanted, raise the version in the module and write its new numbers here.
 POWERS_OF_VERSION = {
     "2": {
@@ -26,12 +29,6 @@ POWERS_OF_VERSION = {
         "rankings": [0.43875, 0.385625, 0.7, 0.058083],
     }
 }
-
-SKETCHES = (
-    Sketch(kind="pairs", own_participants=True, questions=2),
-    Sketch(kind="ratings", conditions=3),
-    Sketch(kind="rankings", conditions=3, questions=2),
-)
 
 
 def part(sketch: Sketch, participants: int, items: int) -> Part:
@@ -44,11 +41,7 @@ def power(sketch: Sketch, participants: int, items: int, effect: float) -> Power
     return simulate_power(parts, ALIKE, effect, QUICK, (1, 2))[0]
 
 
-PAIRS = Sketch(kind="pairs", own_participants=True)
-KINDS = (PAIRS, Sketch(kind="ratings", conditions=3), Sketch(kind="rankings", conditions=3))
-
-
-@pytest.mark.parametrize("sketch", KINDS, ids=lambda one: one.kind)
+@pytest.mark.parametrize("sketch", [PAIRS, RATINGS, RANKINGS], ids=lambda sketch: sketch.kind)
 def test_larger_effects_are_found_more_often_and_nothing_in_at_most_a_twentieth(
     sketch: Sketch,
 ) -> None:
@@ -61,54 +54,42 @@ def test_larger_effects_are_found_more_often_and_nothing_in_at_most_a_twentieth(
 
 def test_more_tests_are_corrected_more_also_of_rankings() -> None:
     six = power(replace(PAIRS, questions=6), 12, 10, 0.6)
-    rankings = power(replace(KINDS[2], questions=3), 12, 10, 0.9)
+    rankings = power(replace(RANKINGS, questions=3), 12, 10, 0.9)
 
     assert six.alone <= six.power < six.uncorrected
     assert six.uncorrected == pytest.approx(power(PAIRS, 12, 10, 0.6).power)
     assert rankings.alone < rankings.power < rankings.uncorrected
 
 
-def test_few_participants_are_judged_by_the_win_share() -> None:
-    few = part(PAIRS, 10, 30)
-    tests = DecidingTests(few, ALIKE, 0.4)
-    answers = simulate_answers(few, ALIKE, 0.4, 5, np.random.default_rng(1))
+@pytest.mark.parametrize(("participants", "items", "by_model"), [(10, 30, False), (20, 20, True)])
+def test_few_participants_are_judged_by_the_win_share_and_many_by_the_mixed_model(
+    participants: int, items: int, by_model: bool
+) -> None:
+    pairs = part(PAIRS, participants, items)
+    people, segments = pairs.trials.participants, pairs.trials.items
+    tests = DecidingTests(pairs, ALIKE, 0.4)
+    answers = simulate_answers(pairs, ALIKE, 0.4, 4, np.random.default_rng(1))
+    # Not every answer is given here, so that the fit begins elsewhere.
+    answers[3] = np.clip(answers[3], -1, 1)
+    on_right = np.asarray(pairs.trials.left) > np.asarray(pairs.trials.right)
 
-    quick = tests.quick(answers)
+    decided = tests.exact(answers, on_right)
 
-    assert tests.by_model == (False,)
-    for study, given in enumerate(answers):
-        wins = (np.sign(given) + 1) / 2
-        alone = clustered_mean(wins, few.trials.participants, few.trials.items)
-        assert quick.p_values[study, 0] == pytest.approx(alone.p_value)
-
-
-def test_many_participants_are_judged_by_the_mixed_model() -> None:
-    many = part(PAIRS, 20, 20)
-    tests = DecidingTests(many, ALIKE, 0.4)
-    answers = simulate_answers(many, ALIKE, 0.4, 3, np.random.default_rng(1))
-    left, right = many.trials.left, many.trials.right
-    assert left is not None
-    assert right is not None
-    on_right = left > right
-
-    exact = tests.exact(answers, on_right)
-
-    assert tests.by_model == (True,)
+    assert tests.by_model == (by_model,)
     for study, given in enumerate(answers.astype(int)):
-        alone = net_preference(
-            SidedAnswers(
-                responses=3 + np.where(on_right, given, -given),
-                on_right=on_right,
-                participants=many.trials.participants,
-                segments=many.trials.items,
-            )
+        sided = SidedAnswers(
+            responses=3 + np.where(on_right, given, -given),
+            on_right=on_right,
+            participants=people,
+            segments=segments,
         )
-        assert exact.p_values[study, 0] == pytest.approx(alone.p_value, abs=2e-4)
-        assert exact.signs[study, 0] == np.sign(alone.estimate)
+        alone = net_preference(sided) if by_model else clustered_mean(sided.wins, people, segments)
+        assert decided.p_values[study, 0] == pytest.approx(alone.p_value, abs=2e-4)
+        assert decided.signs[study, 0] == np.sign(sided.signed.sum())
 
 
 def test_what_the_quick_test_misses_is_put_right() -> None:
-    rankings = part(Sketch(kind="rankings", conditions=3), 15, 8)
+    rankings = part(RANKINGS, 15, 8)
     tests = DecidingTests(rankings, ALIKE, 0.6)
     answers = simulate_answers(rankings, ALIKE, 0.6, 300, np.random.default_rng(9))
     exact = tests.exact(answers, np.empty(0, bool))
@@ -143,7 +124,11 @@ def test_scores_have_nearly_the_powers_that_are_known_of_a_crossed_mixed_model(
         )
 
 
-@pytest.mark.parametrize("sketch", SKETCHES, ids=lambda one: one.kind)
+@pytest.mark.parametrize(
+    "sketch",
+    [replace(PAIRS, questions=2), RATINGS, replace(RANKINGS, questions=2)],
+    ids=lambda sketch: sketch.kind,
+)
 def test_a_study_that_is_simulated_otherwise_has_another_version(sketch: Sketch) -> None:
     task = Task(
         size=sketch.size(20, 20, excluded=0.0),

@@ -68,6 +68,16 @@ def catch_rows(participant: str, sides: str, answers: Sequence[int]) -> pd.DataF
     )
 
 
+def crossed(participants: int, segments: int, **others: Sequence[str]) -> pd.DataFrame:
+    """Return a row for everything that every participant answers in every segment."""
+    names = {
+        "participant": [f"p{number:02d}" for number in range(participants)],
+        "segment": [f"s{number}" for number in range(segments)],
+        **others,
+    }
+    return pd.MultiIndex.from_product(list(names.values()), names=list(names)).to_frame(index=False)
+
+
 def rating_table(
     conditions: Sequence[str] = ("truth", "ours", "static"),
     questions: Sequence[str] = ("match",),
@@ -78,16 +88,12 @@ def rating_table(
 ) -> pd.DataFrame:
     """Every participant rates every condition in every segment; earlier conditions are better."""
     chance = np.random.default_rng(seed)
-    rows = []
-    for person, mood in enumerate(chance.normal(0, 0.7, participants)):
-        for segment in range(segments):
-            for place, condition in enumerate(conditions):
-                for question in questions:
-                    latent = mood + 1.0 - 1.2 * place + chance.logistic()
-                    answer = int(np.digitize(latent, THRESHOLDS)) + 1
-                    rows.append((f"p{person:02d}", f"s{segment}", question, condition, answer))
-    header = ["participant", "segment", "question", "condition", "response"]
-    return pd.DataFrame(rows, columns=header)
+    mood = chance.normal(0, 0.7, participants)[:, None, None, None]
+    shape = (participants, segments, len(conditions), len(questions))
+    better = 1.0 - 1.2 * np.arange(len(conditions))[:, None]
+    answers = np.digitize(mood + better + chance.logistic(size=shape), THRESHOLDS) + 1
+    table = crossed(participants, segments, condition=conditions, question=questions)
+    return table.assign(response=answers.ravel())
 
 
 def ranking_table(
@@ -99,14 +105,10 @@ def ranking_table(
 ) -> pd.DataFrame:
     """Every participant ranks all conditions of every segment; earlier conditions are better."""
     chance = np.random.default_rng(seed)
-    rows = []
-    for person in range(participants):
-        for segment in range(segments):
-            liking = -0.8 * np.arange(len(conditions)) + chance.gumbel(size=len(conditions))
-            for condition, place in zip(conditions, np.argsort(np.argsort(-liking)), strict=True):
-                rows.append((f"p{person:02d}", f"s{segment}", "realism", condition, place + 1))
-    header = ["participant", "segment", "question", "condition", "rank"]
-    return pd.DataFrame(rows, columns=header)
+    shape = (participants, segments, len(conditions))
+    liking = -0.8 * np.arange(len(conditions)) + chance.gumbel(size=shape)
+    table = crossed(participants, segments, condition=conditions)
+    return table.assign(question="realism", rank=1 + np.argsort(np.argsort(-liking)).ravel())
 
 
 def mismatch_table(

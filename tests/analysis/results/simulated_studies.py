@@ -47,19 +47,15 @@ class AgreeingStudy:
         return self._answers(given), metrics_of(scores)
 
     def _answers(self, given: np.ndarray) -> pd.DataFrame:
-        who, condition, segment = np.indices(given.shape).reshape(3, -1)
-        return pd.DataFrame(
-            {
-                "participant": pd.Categorical.from_codes(
-                    who, pd.Index(names("p", self.participants))
-                ),
-                "segment": pd.Categorical.from_codes(segment, pd.Index(names("s", self.segments))),
-                "condition": pd.Categorical.from_codes(
-                    condition, pd.Index(names("c", self.conditions))
-                ),
-                "value": given.ravel(),
-            }
+        axes = {
+            "participant": names("p", self.participants),
+            "condition": names("c", self.conditions),
+            "segment": names("s", self.segments),
+        }
+        rows = pd.MultiIndex.from_product(list(axes.values()), names=list(axes)).to_frame(
+            index=False
         )
+        return rows.astype("category").assign(value=given.ravel())
 
 
 def names(letter: str, count: int) -> list[str]:

@@ -12,7 +12,6 @@ from analysis.results.pairwise import PairwiseResults
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.multiple_testing import holm
 from analysis.stats.ordinal.mixed_model import RandomEffect, fit, likelihood_ratio
-from motion.errors import InputError
 from tests.analysis.results.made_tables import catch_rows, pairwise_table, report_of
 
 
@@ -86,37 +85,28 @@ def test_the_condition_that_appears_first_is_a(tmp_path: Path) -> None:
     assert one.counts["a_strong"] == other.counts["b_strong"]
 
 
-def test_practice_is_dropped_and_its_repetition_analysed(tmp_path: Path) -> None:
+def test_practice_and_who_is_left_out_are_not_analysed_and_repetitions_are(tmp_path: Path) -> None:
     table = pairwise_table(("x", "y"), effects=(0.5, 0.0), participants=4, segments=5)
     found = results(tmp_path, table)
-    assert found.comparisons[0].n == 4 * 5
+    [one] = found.comparisons
+    assert one.n == 4 * 5
     contrary = table["response"].where(table["kind"] != "practice", 6 - table["response"])
-    assert results(tmp_path, table.assign(response=contrary)).comparisons == found.comparisons
+    assert results(tmp_path, table.assign(response=contrary)).comparisons == (one,)
     assert found.test_retest.of_set(None)["emotion"].n == 4 * 2
-
-
-def test_who_is_left_out_is_counted_and_not_analysed(tmp_path: Path) -> None:
-    table = pairwise_table(("ours", "other"), effects=(0.5, 0.0), participants=4, segments=3)
-    found = report_of(pd.concat([table, catch_rows("p01", "lr", (3, 3))]), "pairwise", tmp_path)
-    [one] = found.results.comparisons  # type: ignore[union-attr]
-    assert (one.recruited, one.attentive) == (4, 3)
-    assert one.n == 3 * 3
-    assert one.without_exclusions.n == 4 * 3
-    assert "broken" not in found.conditions_shown
+    # Of one who is left out.
+    failed = pd.concat([table, catch_rows("p01", "lr", (3, 3))])
+    [other] = results(tmp_path, failed).comparisons
+    assert (other.recruited, other.attentive, other.n) == (4, 3, 3 * 5)
+    assert other.without_exclusions.n == one.n
 
 
 def test_sets_are_kept_apart_and_corrected_together(tmp_path: Path) -> None:
     table = pairwise_table(("x", "y"), effects=(0.8, 0.0), participants=6, segments=6)
     apart = table.assign(set=np.where(table["segment"] < "s3", "one", "two"))
-    found = results(tmp_path, apart)
-    alone = results(tmp_path, table[table["segment"] < "s3"])
-    first, second = found.comparisons
+    first, second = results(tmp_path, apart).comparisons
+    [alone] = results(tmp_path, table[table["segment"] < "s3"]).comparisons
     assert (first.set, second.set) == ("one", "two")
-    assert first.clmm == alone.comparisons[0].clmm
-    assert (
-        found.bradley_terry.results["one", "emotion"]
-        == alone.bradley_terry.results[None, "emotion"]
-    )
+    assert first.clmm == alone.clmm
     assert (first.decision.p_holm, second.decision.p_holm) == pytest.approx(
         holm([first.decision.p_value, second.decision.p_value])
     )
@@ -219,17 +209,6 @@ def test_a_declared_family_alone_decides(
     assert [contrast.p_holm for contrast in members] == pytest.approx(
         holm([contrast.p_value for contrast in members])
     )
-
-
-@pytest.mark.parametrize(
-    ("family", "words"),
-    [("againstx", "not a family"), ("against=zebra", "zebra"), ("primary=a,b,speed", "speed")],
-)
-def test_a_family_that_cannot_be_is_refused(
-    family: str, words: str, five: pd.DataFrame, tmp_path: Path
-) -> None:
-    with pytest.raises(InputError, match=words):
-        results(tmp_path, five, family=family)
 
 
 def test_an_unbeaten_condition_keeps_its_strength_and_is_decided_by_signs(

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,10 +9,11 @@ import pandas as pd
 import pytest
 from scipy.optimize import minimize
 
-from analysis.metrics.scores import Better, ConditionScore, StudyMetrics
+from analysis.metrics.scores import Better, StudyMetrics
 from analysis.results.against_people import WithinCorrelation, within_conditions
 from analysis.results.resamples import (
     ITSELF,
+    NOT_MEASURED,
     NOTHING_RECORDED,
     oriented_metrics,
     resample_preferences,
@@ -93,18 +95,17 @@ def test_answers_are_summed_for_what_they_favour_wherever_it_stood(
     assert result.cells[1].sum() == len(rows)
 
 
-def test_many_participants_are_kept_as_a_sparse_table() -> None:
-    answers = pd.DataFrame(
-        {
-            "participant": pd.Categorical([f"p{n}" for n in range(200)]),
-            "segment": pd.Categorical([f"s{n % 50}" for n in range(200)]),
-            "condition": pd.Categorical([f"c{n % 3}" for n in range(200)]),
-            "value": np.ones(200),
-        }
-    )
-    result = tally("rating", answers)
-    assert not isinstance(result.counts, np.ndarray)
-    assert result.cells[1].sum() == 200
+def test_a_sparse_table_of_many_participants_is_resampled_like_a_full_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    answers, _ = AgreeingStudy(conditions=3).drawn(np.random.default_rng(1))
+    draws = []
+    for full in (0, 2):
+        monkeypatch.setattr("analysis.stats.samples.FULL", full)
+        tallies = tally("rating", answers)
+        assert isinstance(tallies.counts, np.ndarray) == (not full)
+        draws.append(resample_preferences(tallies, resamples=50, seed=1).draws)
+    assert draws[0] == pytest.approx(draws[1])
 
 
 SCORES = np.array([[1.0, 3.0], [4.0, 6.0], [math.nan, 2.0]])
@@ -136,13 +137,12 @@ def test_of_pairs_the_difference_of_scores_is_set_beside_the_win_share() -> None
     chance = np.random.default_rng(5)
     scores = chance.normal(size=(2, 10))
     wins = scores[0] - scores[1] > np.median(scores[0] - scores[1])
-    codes = np.arange(10)
     answers = pd.DataFrame(
         {
             "participant": pd.Categorical(["p"] * 10),
-            "segment": pd.Categorical.from_codes(codes, pd.Index(names("s", 10))),
-            "left": pd.Categorical.from_codes(np.zeros(10, int), pd.Index(names("c", 2))),
-            "right": pd.Categorical.from_codes(np.ones(10, int), pd.Index(names("c", 2))),
+            "segment": pd.Categorical(names("s", 10)),
+            "left": pd.Categorical(["c00"] * 10, names("c", 2)),
+            "right": pd.Categorical(["c01"] * 10, names("c", 2)),
             "value": np.where(wins, 1, 5),
         }
     )
@@ -179,53 +179,43 @@ def test_without_a_correlation_or_an_interval_the_reason_is_given(
 
 
 @pytest.mark.parametrize(
-    ("better", "oriented"),
-    [("higher", [2, 5, 2]), ("lower", [-2, -5, -2]), ("near the reference", [-3, -3])],
+    ("better", "whole", "of_the_first", "of_the_second"),
+    [
+        ("higher", [2, 5, 2], [1, 4, math.nan], [3, 6, 2]),
+        ("lower", [-2, -5, -2], [-1, -4, math.nan], [-3, -6, -2]),
+        # Of recorded motion, the second condition, nearness to itself says nothing.
+        ("near the reference", [-3, -3], [-3, math.nan], [-3, -4]),
+    ],
 )
-def test_higher_oriented_scores_are_always_better(better: Better, oriented: list[float]) -> None:
-    (result,) = oriented_metrics(metrics_of(SCORES, better=better), NAMES, SEGMENTS, "c01")
-    assert result.resampled(np.ones((1, 2)))[0] == pytest.approx(oriented)
-
-
-def test_recorded_motion_is_not_correlated_where_nearness_to_it_counts() -> None:
-    metrics = metrics_of(SCORES, better="near the reference")
-    (result,) = oriented_metrics(metrics, NAMES, SEGMENTS, "c01")
-    (without,) = oriented_metrics(metrics, NAMES, SEGMENTS, None)
-    assert result.left_out == {1: ITSELF}
-    assert result.recorded == 5
-    assert set(without.left_out.values()) == {NOTHING_RECORDED}
-
-
-def test_scores_of_a_resample_are_means_over_the_segments_drawn() -> None:
-    (result,) = oriented_metrics(metrics_of(SCORES), NAMES, SEGMENTS, None)
-    drawn = result.resampled(np.array([[2.0, 0.0], [0.0, 2.0]]))
-    assert drawn[1] == pytest.approx([3, 6, 2])
-    assert drawn[0, :2] == pytest.approx([1, 4])
-    assert math.isnan(drawn[0, 2])
-
-
-def test_a_condition_without_a_score_says_why() -> None:
-    scores = np.array([[1.0, 3.0], [math.nan, math.nan]])
-    (result,) = oriented_metrics(metrics_of(scores), NAMES, SEGMENTS, None)
-    assert result.left_out == {1: "too short (2 of 2 clips)", 2: "the metric was not measured"}
+def test_in_a_resample_scores_are_means_of_its_segments_of_which_higher_ones_are_better(
+    better: Better, whole: list[float], of_the_first: list[float], of_the_second: list[float]
+) -> None:
+    (metric,) = oriented_metrics(metrics_of(SCORES, better=better), NAMES, SEGMENTS, "c01")
+    drawn = metric.resampled(np.array([[1.0, 1.0], [2.0, 0.0], [0.0, 2.0]]))
+    assert drawn == pytest.approx(np.array([whole, of_the_first, of_the_second]), nan_ok=True)
 
 
 def test_a_score_of_whole_conditions_stays_in_every_resample() -> None:
-    whole = tuple(
-        ConditionScore(
-            condition=name,
-            name="FGD",
-            unit="",
-            value=value,
-            spread=math.nan,
-            scored=2,
-            clips=2,
-            settings={},
-            reason="",
-            better="lower",
-        )
-        for name, value in (("c00", 3.0), ("c01", 1.0))
-    )
-    metrics = StudyMetrics(frame_rate=30.0, clips=(), conditions=whole)
-    (result,) = oriented_metrics(metrics, NAMES[:2], SEGMENTS, None)
-    assert result.resampled(np.array([[2.0, 0.0], [0.0, 2.0]])).tolist() == [[-3, -1], [-3, -1]]
+    metrics = replace(metrics_of(SCORES, better="lower"), clips=())
+    (metric,) = oriented_metrics(metrics, NAMES, SEGMENTS, None)
+    drawn = metric.resampled(np.array([[2.0, 0.0], [0.0, 2.0]]))
+    assert drawn.tolist() == [[-2, -5, -2]] * 2
+
+
+UNSCORED = np.array([[1.0, 3.0], [math.nan, math.nan]])
+
+
+@pytest.mark.parametrize(
+    ("scores", "recorded", "left_out"),
+    [
+        (SCORES, "c01", {1: ITSELF}),
+        (SCORES, None, dict.fromkeys(range(3), NOTHING_RECORDED)),
+        (UNSCORED, "c00", {0: ITSELF, 1: "too short (2 of 2 clips)", 2: NOT_MEASURED}),
+    ],
+)
+def test_a_condition_without_a_usable_score_says_why(
+    scores: np.ndarray, recorded: str | None, left_out: dict[int, str]
+) -> None:
+    metrics = metrics_of(scores, better="near the reference")
+    (metric,) = oriented_metrics(metrics, NAMES, SEGMENTS, recorded)
+    assert metric.left_out == left_out

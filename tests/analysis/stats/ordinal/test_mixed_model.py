@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -8,7 +10,6 @@ from hypothesis import strategies as st
 from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
 from motion.errors import InputError
 from tests.analysis.reference import reference_ratings, with_reference
-from tests.analysis.results.made_tables import pairwise_table
 from tests.analysis.stats.ordinal.made_answers import MadeAnswers, made_answers
 
 
@@ -47,7 +48,7 @@ def test_it_agrees_with_ordinal_for_r() -> None:
 def test_a_fit_without_errors_has_the_same_likelihood(size: tuple[int, int]) -> None:
     made = made_answers(*size)
 
-    whole = fit(made.values, {"side": made.side}, made.slopes)
+    whole = fitted(made)
     quick = fit(made.values, {"side": made.side}, made.slopes, errors=False)
 
     assert quick.converged
@@ -59,10 +60,10 @@ def test_many_answers_begun_from_a_part_of_them_end_at_the_same_maximum(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     made = made_answers(60, 50)
-    whole = fit(made.values, {"side": made.side}, made.slopes)
+    whole = fitted(made)
 
     monkeypatch.setattr("analysis.stats.ordinal.maximum.MANY", 1000)
-    begun = fit(made.values, {"side": made.side}, made.slopes)
+    begun = fitted(made)
 
     assert begun.converged
     assert begun.log_likelihood == pytest.approx(whole.log_likelihood, abs=1e-5)
@@ -100,13 +101,12 @@ def test_nothing_to_fit_is_said(answers: list[int]) -> None:
         fit(answers, {}, ())
 
 
-def fitted(made: MadeAnswers, *, mirrored: bool = False) -> OrdinalFit:
-    values, side = (4 - made.values, -made.side) if mirrored else (made.values, made.side)
-    slopes = [
-        RandomEffect(name=e.name, groups=e.groups, multiplier=-e.multiplier if mirrored else side)  # type: ignore[operator]
-        for e in made.slopes
-    ]
-    return fit(values, {"side": side}, slopes)
+def fitted(made: MadeAnswers) -> OrdinalFit:
+    return fit(made.values, {"side": made.side}, made.slopes)
+
+
+def mirror_image(made: MadeAnswers) -> MadeAnswers:
+    return replace(made, values=4 - made.values)
 
 
 @st.composite
@@ -129,7 +129,7 @@ def small_studies(draw: st.DrawFn) -> MadeAnswers:
 def test_a_fit_converges_or_says_what_parts_the_answers_and_so_does_its_mirror_image(
     made: MadeAnswers,
 ) -> None:
-    one, other = fitted(made), fitted(made, mirrored=True)
+    one, other = fitted(made), fitted(mirror_image(made))
 
     for result in (one, other):
         assert result.converged or "separated" in result.remark or "Hardly any" in result.remark
@@ -138,37 +138,17 @@ def test_a_fit_converges_or_says_what_parts_the_answers_and_so_does_its_mirror_i
         assert other.log_likelihood == pytest.approx(one.log_likelihood, abs=0.01)
 
 
-def test_a_climb_that_ends_too_early_goes_on() -> None:
-    table = pairwise_table(("x", "y"), effects=(1.0, 0.0), participants=4, segments=4)
-    table = table[table["kind"] != "practice"]
-    side = np.where(table["right"] == "x", 1.0, -1.0)
-    random = [
-        RandomEffect(name=name, groups=table[name].to_numpy(str), multiplier=side)
-        for name in ("participant", "segment")
-    ]
+@pytest.mark.parametrize(("participants", "items", "seed"), [(7, 5, 224), (4, 7, 120)])
+def test_a_climb_that_ends_too_early_or_with_a_deviation_of_zero_goes_on(
+    participants: int, items: int, seed: int
+) -> None:
+    """From the usual start, the first climb ends below the maximum, with items nearly alike."""
+    made = made_answers(participants, items, effect=1.0, sd_participant=1.5, sd_item=0.5, seed=seed)
 
-    result = fit(table["response"].to_numpy(int), {"side": side}, random)
-    mirrored = fit(6 - table["response"].to_numpy(int), {"side": side}, random)
+    result = fitted(made)
 
     assert result.converged
-    assert mirrored.estimates["side"] == pytest.approx(-result.estimates["side"], abs=1e-3)
-
-
-def test_a_deviation_does_not_stay_at_zero_where_the_answers_say_otherwise() -> None:
-    """The climb from the usual start ends with participants alike, although they differ."""
-    chance = np.random.default_rng(129)
-    people, items = (int(chance.integers(2, 8)) for _ in range(2))
-    effect = chance.normal(0, 1)
-    taste = chance.normal(0, chance.choice([0, 0.5, 1.5]), people)
-    luck = chance.normal(0, chance.choice([0, 0.5, 1.5]), items)
-    who, what = np.repeat(np.arange(people), items), np.tile(np.arange(items), people)
-    side = chance.choice([-1.0, 1.0], people * items)
-    latent = side * (effect + taste[who] + luck[what]) + chance.logistic(size=people * items)
-    values = np.digitize(latent, (-1.6, -0.45, 0.45, 1.6))
-
-    result = fitted(MadeAnswers(values, side, who, what))
-
-    assert fitted(MadeAnswers(values, side, who, what), mirrored=True).log_likelihood == (
-        pytest.approx(result.log_likelihood, abs=1e-4)
+    assert result.deviations["item"] > 0.1
+    assert fitted(mirror_image(made)).log_likelihood == pytest.approx(
+        result.log_likelihood, abs=1e-4
     )
-    assert result.deviations["participant"] > 0.1
