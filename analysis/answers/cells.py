@@ -225,7 +225,13 @@ class Checking:
         codes, texts = pd.factorize(self._cells.rows[column.name])
         words = [str(text).strip() for text in texts]
         filled = np.array([word not in column.missing for word in words], bool)
-        self._require_filled(column, ~filled[codes])
+        if column.needed != "no":
+            self.refuse(
+                ~filled[codes] & (self.analysed | (column.needed == "always")),
+                column.name,
+                lambda _: f"the cell is empty, not {column.meaning}",
+                "Fill it in, or remove the row",
+            )
         try:
             values = column.cells.validate_python(
                 [word for word, full in zip(words, filled, strict=True) if full]
@@ -240,13 +246,3 @@ class Checking:
             )
             raise
         return np.where(filled, np.cumsum(filled) - 1, -1)[codes], values
-
-    def _require_filled(self, column: Column, empty: Rows) -> None:
-        if column.needed == "no":
-            return
-        self.refuse(
-            empty & (self.analysed | (column.needed == "always")),
-            column.name,
-            lambda _: f"the cell is empty, not {column.meaning}",
-            "Fill it in, or remove the row",
-        )

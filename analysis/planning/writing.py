@@ -173,9 +173,12 @@ def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
         values = [power.power for power in powers]
         colour, _ = series_style(place)
         axes.add_line(_line(place, people, values))
-        axes.errorbar(
-            people, values, yerr=_margins(powers), fmt="none", ecolor=colour, elinewidth=0.8
-        )
+        # Two standard errors, within [0, 1].
+        margins = [
+            [min(2 * power.error, power.power) for power in powers],
+            [min(2 * power.error, 1 - power.power) for power in powers],
+        ]
+        axes.errorbar(people, values, yerr=margins, fmt="none", ecolor=colour, elinewidth=0.8)
         if own_size is not None and own_size[1] == items:
             count = own_size[0]
             ringed = [power for power, each in zip(values, people, strict=True) if each == count]
@@ -223,14 +226,6 @@ def _ring(people: Sequence[float], powers: Sequence[float], label: str = "") -> 
         clip_on=False,
         zorder=4,
         label=label,
-    )
-
-
-def _margins(powers: Sequence[Power]) -> tuple[list[float], list[float]]:
-    """Return two standard errors downwards and upwards, within [0, 1]."""
-    return (
-        [min(2 * power.error, power.power) for power in powers],
-        [min(2 * power.error, 1 - power.power) for power in powers],
     )
 
 

@@ -116,12 +116,8 @@ class NetPreference:
     reason: str = ""
 
 
-@dataclass(frozen=True, eq=False)
-class Expected:
-    """Starting values of both models, for answers that are drawn like others."""
-
-    full: Beginning
-    reduced: Beginning
+Expected = tuple[Beginning, Beginning]
+"""Where the fits with and without the preference begin."""
 
 
 def expected(
@@ -146,7 +142,7 @@ def expected(
         )
         for covariates in ({"preference": side}, {})
     )
-    return Expected(full, reduced)
+    return full, reduced
 
 
 def net_preference(answers: SidedAnswers, start: Expected | None = None) -> NetPreference:
@@ -167,21 +163,12 @@ def net_preference(answers: SidedAnswers, start: Expected | None = None) -> NetP
     if reason:
         return replace(unknown, reason=reason)
     side, random = _model(answers)
+    of_full, of_reduced = start or (None, None)
     try:
         full = fit(
-            answers.responses,
-            {"preference": side},
-            random,
-            errors=start is None,
-            begin=None if start is None else start.full,
+            answers.responses, {"preference": side}, random, errors=start is None, begin=of_full
         )
-        reduced = fit(
-            answers.responses,
-            {},
-            random,
-            errors=False,
-            begin=None if start is None else start.reduced,
-        )
+        reduced = fit(answers.responses, {}, random, errors=False, begin=of_reduced)
     except InputError as error:
         return replace(unknown, reason=error.what)
     if not full.converged:

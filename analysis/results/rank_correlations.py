@@ -257,28 +257,20 @@ def compatible(estimate: float, conditions: int, kind: Kind) -> tuple[float, flo
     if estimate < 0:
         low, high = compatible(-estimate, conditions, kind)
         return -high, -low
-    ranges = _sampling_ranges(conditions)[kind]
-    fits = (ranges.low <= estimate + 1e-9) & (estimate - 1e-9 <= ranges.high)
+    true, lows, highs = _sampling_ranges(conditions)[kind]
+    fits = (lows <= estimate + 1e-9) & (estimate - 1e-9 <= highs)
     points = np.flatnonzero(fits)
     if not len(points):
         return estimate, estimate
     # One step of the grid further on both sides, since the ends lie between its points.
-    low = -1.0 if fits[0] else ranges.true[points[0] - 1]
-    high = 1.0 if fits[-1] else ranges.true[points[-1] + 1]
+    low = -1.0 if fits[0] else true[points[0] - 1]
+    high = 1.0 if fits[-1] else true[points[-1] + 1]
     return float(low), float(high)
 
 
-@dataclass(frozen=True)
-class _SamplingRanges:
-    """Sampling ranges of true correlations, in ascending order."""
-
-    true: Floats
-    low: Floats
-    high: Floats
-
-
 @lru_cache(maxsize=64)
-def _sampling_ranges(conditions: int) -> dict[Kind, _SamplingRanges]:
+def _sampling_ranges(conditions: int) -> dict[Kind, tuple[Floats, Floats, Floats]]:
+    """Return true correlations, in ascending order, and the ends of their sampling ranges."""
     chance = np.random.default_rng(_SEED)
     upper = [_simulated(chance, conditions, float(rho), _STUDIES_ON_GRID) for rho in _GRID]
     signed = np.concatenate([-_GRID[:0:-1], _GRID])
@@ -286,12 +278,11 @@ def _sampling_ranges(conditions: int) -> dict[Kind, _SamplingRanges]:
         "kendall": 2 / np.pi * np.arcsin(signed),
         "spearman": 6 / np.pi * np.arcsin(signed / 2),
     }
-    ranges: dict[Kind, _SamplingRanges] = {}
+    ranges: dict[Kind, tuple[Floats, Floats, Floats]] = {}
     for kind, truth in true.items():
         low, high = np.quantile([each[kind] for each in upper], [0.025, 0.975], axis=1)
-        ranges[kind] = _SamplingRanges(
-            truth, np.concatenate([-high[:0:-1], low]), np.concatenate([-low[:0:-1], high])
-        )
+        lows, highs = (np.concatenate([-b[:0:-1], a]) for a, b in ((low, high), (high, low)))
+        ranges[kind] = truth, lows, highs
     return ranges
 
 

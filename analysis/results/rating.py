@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Final
@@ -32,7 +32,6 @@ from analysis.stats.clustered_mean import Estimate
 from analysis.stats.one_sample_tests import Equivalence, equivalence_of, equivalence_of_means
 from analysis.stats.ordinal.mixed_model import RandomEffect, fit
 from analysis.stats.ratings import (
-    RatedCells,
     RatingSummary,
     cliffs_delta,
     mean_difference,
@@ -170,49 +169,6 @@ class RatingContrast(PairKey):
     remark: str
 
 
-def _contrasts(
-    set_name: str | None,
-    question: str,
-    answers: pd.DataFrame,
-    cells: RatedCells,
-    model: RatingModel,
-) -> Iterator[RatingContrast]:
-    """Compare every two conditions."""
-    names = answers["condition"].to_numpy(object)
-    shown = shown_conditions(answers)
-    for (a, first), (b, second) in combinations(enumerate(shown), 2):
-        pair = answers[(names == first) | (names == second)]
-        log_odds = model.estimates[first] - model.estimates[second]
-        yield RatingContrast(
-            set=set_name,
-            a=first,
-            b=second,
-            question=question,
-            difference=RatedDifference(**vars(mean_difference(cells, a, b))),
-            log_odds=log_odds,
-            odds_ratio=math.exp(log_odds),
-            cliffs_delta=cliffs_delta(
-                pair["value"].to_numpy(np.float64),
-                pair["condition"].to_numpy(object) == first,
-                codes(pair, "participant"),
-                codes(pair, "segment"),
-            ),
-            remark=model.reason or model.remark,
-        )
-
-
-def _rated_cells(answers: pd.DataFrame) -> RatedCells:
-    """Arrange the ratings of one question by participant and segment."""
-    present, conditions = np.unique(codes(answers, "condition"), return_inverse=True)
-    return rated_cells(
-        answers["value"].to_numpy(np.float64),
-        conditions,
-        codes(answers, "participant"),
-        codes(answers, "segment"),
-        count=len(present),
-    )
-
-
 @dataclass(frozen=True, kw_only=True)
 class RatedCondition(RatingSummary, ConditionKey):
     """How a condition was rated."""
@@ -274,18 +230,34 @@ def rating_results(
     models: dict[tuple[str | None, str], RatingModel] = {}
     for set_name, question, answers in split_by_question(table, analysed):
         model = models[set_name, question] = rating_model(answers)
-        cells = _rated_cells(answers)
         shown = shown_conditions(answers)
         conditions += [
             RatedCondition(set=set_name, question=question, **vars(summary))
             for summary in rating_table(answers, shown, scores_of(table), table.limits(question))
         ]
-        differences = list(_contrasts(set_name, question, answers, cells, model))
-        contrasts += differences
-        if margin is not None:
-            equivalents += _equivalents(answers, differences, margin)
-        for contrast in differences:
-            effects += _heterogeneity(contrast, answers, cells)
+        cells = rated_cells(
+            answers["value"].to_numpy(np.float64),
+            np.unique(codes(answers, "condition"), return_inverse=True)[1],
+            codes(answers, "participant"),
+            codes(answers, "segment"),
+            count=len(shown),
+        )
+        for a, b in combinations(range(len(shown)), 2):
+            key = PairKey(set=set_name, a=shown[a], b=shown[b], question=question)
+            contrast = _contrast(key, answers, mean_difference(cells, a, b), model)
+            contrasts.append(contrast)
+            if margin is not None:
+                equivalents.append(_equivalent(key, answers, contrast.difference, margin))
+            differences = cells.means[:, a] - cells.means[:, b]
+            paired = ~np.isnan(differences)
+            effects += heterogeneity(
+                PairHeterogeneity,
+                key,
+                answers.iloc[cells.first][paired],
+                differences[paired],
+                measure="difference",
+                null=0.0,
+            )
     return RatingResults(
         conditions=tuple(conditions),
         clmm=as_by_question(table, models),
@@ -294,6 +266,38 @@ def rating_results(
         test_retest=by_question(table, left_out.kept, retest_of),
         equivalence=tuple(equivalents),
         heterogeneity=correct_tests(effects),
+    )
+
+
+def _contrast(
+    key: PairKey, answers: pd.DataFrame, difference: Estimate, model: RatingModel
+) -> RatingContrast:
+    pair = answers[answers["condition"].isin(key.names)]
+    log_odds = model.estimates[key.a] - model.estimates[key.b]
+    return RatingContrast(
+        **vars(key),
+        difference=RatedDifference(**vars(difference)),
+        log_odds=log_odds,
+        odds_ratio=math.exp(log_odds),
+        cliffs_delta=cliffs_delta(
+            pair["value"].to_numpy(np.float64),
+            (pair["condition"] == key.a).to_numpy(bool),
+            codes(pair, "participant"),
+            codes(pair, "segment"),
+        ),
+        remark=model.reason or model.remark,
+    )
+
+
+def _equivalent(
+    key: PairKey, answers: pd.DataFrame, difference: Estimate, margin: float
+) -> RatedEquivalent:
+    """Test the means of those participants who rated both conditions, and paired ratings."""
+    means = answers.groupby(["participant", "condition"], observed=True)["value"].mean().unstack()
+    return RatedEquivalent(
+        **vars(key),
+        **vars(equivalence_of_means((means[key.a] - means[key.b]).dropna().to_numpy(), margin)),
+        two_way=equivalence_of(difference, margin),
     )
 
 
@@ -306,40 +310,3 @@ def scores_of(table: AnswerTable) -> tuple[int, ...]:
     low = min((low for low, _ in table.scales.values()), default=min(1, scores[0]))
     high = max((high for _, high in table.scales.values()), default=max(5, scores[-1]))
     return tuple(range(low, high + 1)) if high - low < MOST_SCORES else tuple(scores)
-
-
-def _equivalents(
-    answers: pd.DataFrame, contrasts: Sequence[RatingContrast], margin: float
-) -> Iterator[RatedEquivalent]:
-    """Test the means of those participants who rated both conditions, and paired ratings."""
-    means = answers.pivot_table(
-        index="participant", columns="condition", values="value", aggfunc="mean", observed=True
-    )
-    for contrast in contrasts:
-        differences = (means[contrast.a] - means[contrast.b]).dropna().to_numpy(np.float64)
-        yield RatedEquivalent(
-            set=contrast.set,
-            a=contrast.a,
-            b=contrast.b,
-            question=contrast.question,
-            **vars(equivalence_of_means(differences, margin)),
-            two_way=equivalence_of(contrast.difference, margin),
-        )
-
-
-def _heterogeneity(
-    contrast: RatingContrast, answers: pd.DataFrame, cells: RatedCells
-) -> Iterator[PairHeterogeneity]:
-    """Yield a difference of paired ratings by emotion, speaker and segment."""
-    shown = shown_conditions(answers)
-    differences = cells.means[:, shown.index(contrast.a)] - cells.means[:, shown.index(contrast.b)]
-    paired = ~np.isnan(differences)
-    key = PairKey(set=contrast.set, a=contrast.a, b=contrast.b, question=contrast.question)
-    return heterogeneity(
-        PairHeterogeneity,
-        key,
-        answers.iloc[cells.first][paired],
-        differences[paired],
-        measure="difference",
-        null=0.0,
-    )

@@ -182,7 +182,6 @@ def analyse_table(
     InputError
         If the table cannot be used, or the protocol has no test of equivalence.
     """
-    check_margin(protocol, margin)
     table = read_answers(path, LAYOUTS[protocol], scale)
     return analyse_answers(
         table,

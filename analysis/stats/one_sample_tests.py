@@ -75,20 +75,13 @@ class SignedRank:
 
     Attributes
     ----------
-    statistic : float
-        Sum of the ranks of positive values; NaN where there is no test.
     p_value : float
         Two-sided; NaN where there is no test.
-    normal_p : float
-        The same by the normal approximation with tie correction, without one for continuity, as
-        other software gives it; NaN where there is no test.
     reason : str
         Why there is no test; empty where there is one.
     """
 
-    statistic: float = math.nan
     p_value: float = math.nan
-    normal_p: float = math.nan
     reason: str = ""
 
 
@@ -110,44 +103,26 @@ def signed_rank(values: Floats) -> SignedRank:
         return SignedRank(reason="all values are zero" if len(values) else "no values")
     ranks = tied_ranks(size[nonzero])
     positive = values[nonzero] > 0
-    total, above = ranks.sum(), ranks[positive].sum()
+    if len(ranks) <= EXACT:
+        return SignedRank(p_value=_by_counting(ranks, positive))
+    above = ranks[positive].sum() - ranks.sum() / 2
     deviation = math.sqrt(ranks @ ranks) / 2
-    normal = float(2 * stats.norm.sf(abs(above - total / 2) / deviation))
-    return SignedRank(
-        statistic=float(above),
-        p_value=_by_counting(ranks, positive) if len(ranks) <= EXACT else normal,
-        normal_p=normal,
-    )
-
-
-def sign_distribution(weights: NDArray[np.int64]) -> Floats:
-    """Return the chances of each sum 0, 1, ... of `weights`, each of which counts or not.
-
-    Parameters
-    ----------
-    weights : ndarray of int, shape (N,)
-        Not negative.
-
-    Returns
-    -------
-    ndarray, shape (sum of the weights + 1,)
-    """
-    chances = np.zeros(int(weights.sum()) + 1)
-    chances[0] = 1.0
-    reached = 0
-    for weight in weights.tolist():
-        end = reached + weight + 1
-        chances[:end] *= 0.5
-        chances[weight:end] += chances[: reached + 1].copy()
-        reached += weight
-    return chances
+    return SignedRank(p_value=float(2 * stats.norm.sf(abs(above) / deviation)))
 
 
 def _by_counting(ranks: Floats, positive: NDArray[np.bool_]) -> float:
+    """Return p by the chances of each sum of doubled ranks, each of which counts or not."""
     doubled = np.rint(2 * ranks).astype(np.int64)
     total, above = int(doubled.sum()), int(doubled[positive].sum())
-    lower = sign_distribution(doubled)[: min(above, total - above) + 1].sum()
-    return float(min(1.0, 2 * lower))
+    chances = np.zeros(total + 1)
+    chances[0] = 1.0
+    reached = 0
+    for rank in doubled.tolist():
+        end = reached + rank + 1
+        chances[:end] *= 0.5
+        chances[rank:end] += chances[: reached + 1].copy()
+        reached += rank
+    return float(min(1.0, 2 * chances[: min(above, total - above) + 1].sum()))
 
 
 @dataclass(frozen=True, kw_only=True)

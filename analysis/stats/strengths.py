@@ -287,13 +287,6 @@ class FittedStrengths:
         """Why clustered errors are NaN although there are strengths; empty where they are not."""
         return ONE_PARTICIPANT if self.participants < 2 and not self.reason else ""
 
-    @property
-    def errors_two_way(self) -> Floats:
-        """Standard errors clustered by participant and segment; NaN where there are none."""
-        if self.two_way is None:
-            return np.full(len(self.conditions), math.nan)
-        return self.two_way.errors
-
 
 def centring(count: int) -> Floats:
     """Return the matrix from strengths relative to the first to ones that add up to zero."""

@@ -83,7 +83,7 @@ def _of_ratings(
     return {
         DIFFERENCE: of_mean(mean_difference(_cells(judged, given), 0, 1)),
         MEAN: of_mean(mean),
-        NAIVE: Conclusion(p_value=naive.normal_p),
+        NAIVE: Conclusion(p_value=naive.p_value),
     }
 
 

@@ -42,7 +42,7 @@ def test_very_many_values_are_taken_for_normal() -> None:
     values = np.random.default_rng(2).integers(-2, 4, 400).astype(float)
     expected = stats.wilcoxon(values, correction=False, method="approx")
     result = signed_rank(values)
-    assert result.p_value == result.normal_p == pytest.approx(expected.pvalue)
+    assert result.p_value == pytest.approx(expected.pvalue)
 
 
 def test_pooled_tests_are_the_plain_ones() -> None:
