@@ -14,7 +14,7 @@ from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import LAYOUTS, AnswerTable
 from studyapp.results.answer_table import empty_answers, study_answers
 from studyapp.results.answers import has_current_design
-from studyapp.results.stated_beforehand import StudyExclusions, decided_by_hand, study_exclusions
+from studyapp.results.stated_beforehand import StudyExclusions, study_exclusions
 from studyapp.results.stored_answers import Answers
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.protocols.rating import RatingStudy
@@ -56,7 +56,7 @@ def exclusions_of(study: Study, answers: Answers) -> StudyExclusions:
     return study_exclusions(
         study.settled_exclusions,
         None if before is None else before.settled_exclusions,
-        by_hand=None if answers.stored is None else decided_by_hand(answers.stored.study_sessions),
+        None if answers.stored is None else answers.stored.study_sessions,
     )
 
 

@@ -138,28 +138,31 @@ def arm_states(study: Study, stored: StoredAnswers) -> tuple[ArmState, ...]:
     stored : StoredAnswers
         All study sessions, and the number of additional places.
     """
-    study_sessions = stored.study_sessions
+    sessions = stored.study_sessions
     places = {arm.name: arm.places + stored.more_places for arm in study.arms}
-    names = dict.fromkeys((*places, *map(str, study_sessions["arm"])))
-    present = has_current_design(study_sessions)
-    withdrawn = study_sessions["withdrawn"].to_numpy(bool)
-    completed = study_sessions["completed"].to_numpy(bool)
-    unwatched = study_sessions["unwatched"].to_numpy(bool) & ~withdrawn
-    states = []
-    for name in names:
-        in_arm = (study_sessions["arm"] == name).to_numpy(bool)
-        states.append(
-            ArmState(
-                arm=name if len(names) > 1 else EVERYBODY,
-                places=places.get(name),
-                opened=int(in_arm.sum()),
-                withdrawn=int((in_arm & withdrawn).sum()),
-                earlier=int((in_arm & ~present & ~withdrawn).sum()),
-                unwatched=int((in_arm & present & unwatched).sum()),
-                completed=int((in_arm & present & ~withdrawn & completed).sum()),
-            )
+    names = dict.fromkeys((*places, *map(str, sessions["arm"])))
+    present, withdrawn = has_current_design(sessions), sessions["withdrawn"]
+    counts = (
+        pd.DataFrame(
+            {
+                "opened": np.ones(len(sessions), bool),
+                "withdrawn": withdrawn,
+                "earlier": ~present & ~withdrawn,
+                "unwatched": present & ~withdrawn & sessions["unwatched"],
+                "completed": present & ~withdrawn & sessions["completed"],
+            }
         )
-    return tuple(states)
+        .groupby(sessions["arm"].astype(str))
+        .sum()
+        .reindex(list(names), fill_value=0)
+        .to_dict("index")
+    )
+    return tuple(
+        ArmState(
+            arm=str(name) if len(names) > 1 else EVERYBODY, places=places.get(str(name)), **count
+        )
+        for name, count in counts.items()
+    )
 
 
 def arm_by_session(study: Study, study_sessions: pd.DataFrame) -> dict[str, str]:

@@ -138,17 +138,12 @@ def _document(
     folder: StudyFolder,
     summarise: Callable[[AnalysedTask], Iterable[AgreedSoFar] | Iterable[HeadlineNumber]],
 ) -> Document:
-    basis, tasks = _analysed(folder)
-    rows = tuple(_row(task.protocol, number) for task in tasks for number in summarise(task))
-    return Document(basis=basis, rows=rows)
-
-
-def _analysed(folder: StudyFolder) -> tuple[Basis, Sequence[AnalysedTask]]:
     study = folder.study()
     answers = read_answers(folder, "participants")
     if answers.stored is None or answers.origin == "none":
         planned = sum(arm.places for arm in study.arms)
-        return Basis(finished=0, planned=planned, answers=0, answered=0, analysed=0), ()
+        basis = Basis(finished=0, planned=planned, answers=0, answered=0, analysed=0)
+        return Document(basis=basis, rows=())
     tasks = analysed_tasks(study, answers)
     state = study_state(study, answers.stored)
     basis = Basis(
@@ -158,7 +153,8 @@ def _analysed(folder: StudyFolder) -> tuple[Basis, Sequence[AnalysedTask]]:
         answered=max(task.left_out.recruited for task in tasks),
         analysed=max(task.left_out.attentive for task in tasks),
     )
-    return basis, tasks
+    rows = tuple(_row(task.protocol, number) for task in tasks for number in summarise(task))
+    return Document(basis=basis, rows=rows)
 
 
 def _row(task: str, number: AgreedSoFar | HeadlineNumber) -> dict[str, Any]:

@@ -18,11 +18,11 @@ from analysis.measurement.presets import PRESETS, REPORT
 from analysis.metrics.scores import StudyMetrics
 from analysis.report.sections.metrics import PAPER_OF
 from analysis.report.subject import Excerpt, Origin, Still, Subject
-from motion.audio import Audio, read_audio
+from motion.audio import read_audio
 from motion.errors import InputError
 from motion.files import sha256_of
 from motion.segment import Segment
-from renderer.figures.strip import even_moments, loud_moments
+from renderer.figures.strip import Moment, even_moments, loud_moments
 from studyapp.rehearsal.record import read_truth
 from studyapp.results.analysed_tasks import compared_conditions, study_notes
 from studyapp.results.metrics import measure_study
@@ -170,7 +170,8 @@ def study_stills(folder: StudyFolder, study: Study, segments: Sequence[Segment])
     if not chosen_videos:
         return Stills(reason=NO_VIDEOS)
     try:
-        moments = _moments(folder, chosen, chosen_videos)
+        first = next(iter(chosen_videos.values()))
+        moments = [moment.seconds for moment in _moments(folder, chosen, first)]
     except InputError as error:
         return Stills(reason=f"There are no stills of the conditions: {error.what}.")
     stills: list[Still] = []
@@ -194,25 +195,13 @@ def study_stills(folder: StudyFolder, study: Study, segments: Sequence[Segment])
     )
 
 
-def _moments(
-    folder: StudyFolder, segment: Segment, videos: Mapping[str, Path]
-) -> tuple[float, ...]:
+def _moments(folder: StudyFolder, segment: Segment, video: Path) -> tuple[Moment, ...]:
     """Return the loudest moments of the speech, or even moments if it cannot be read."""
-    first = next(iter(videos.values()))
-    speech = _speech(folder, segment, first)
-    if speech is None:
-        return tuple(moment.seconds for moment in even_moments(video_duration(first), STILL_COUNT))
-    return tuple(moment.seconds for moment in loud_moments(speech, STILL_COUNT))
-
-
-def _speech(folder: StudyFolder, segment: Segment, video: Path) -> Audio | None:
-    recording = folder.speech / segment.wav
     try:
-        if recording.is_file():
-            return read_audio(recording).cut(segment.start, segment.end)
-        return read_audio(video)
+        speech = read_audio(folder.recording(segment)).cut(segment.start, segment.end)
     except InputError:
-        return None
+        return even_moments(video_duration(video), STILL_COUNT)
+    return loud_moments(speech, STILL_COUNT)
 
 
 def _data_url(frame: Image.Image) -> str:

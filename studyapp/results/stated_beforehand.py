@@ -53,26 +53,10 @@ class StudyExclusions:
     notes: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, kw_only=True)
-class ByHand:
-    """Exclusions by researchers.
-
-    Attributes
-    ----------
-    count : int
-        Number of participants.
-    after_look : int
-        Number of those excluded after somebody had looked at results.
-    """
-
-    count: int
-    after_look: int
-
-
 def study_exclusions(
     stated: Sequence[ExclusionSection],
     before: Sequence[ExclusionSection] | None = None,
-    by_hand: ByHand | None = None,
+    study_sessions: pd.DataFrame | None = None,
 ) -> StudyExclusions:
     """Return the exclusion rules of a study, and which of them are exploratory.
 
@@ -83,11 +67,12 @@ def study_exclusions(
     before : sequence of ExclusionSection, optional
         The rules before the first participant arrived (see `stated_study`); by default, as in a
         rehearsal, those in the study file.
-    by_hand : ByHand, optional
-        Exclusions by researchers.
+    study_sessions : DataFrame, optional
+        See `StoredAnswers`; researchers may have excluded some by hand.
     """
     planned = stated if before is None else before
     planned_names = {rule.shorthand() for rule in planned}
+    by_hand = () if study_sessions is None else _decisions(study_sessions)
     return StudyExclusions(
         rules=(
             *(
@@ -99,31 +84,21 @@ def study_exclusions(
             *((excluded_by_hand(),) if by_hand else ()),
         ),
         planned=tuple(rule.to_rule() for rule in planned),
-        notes=(*_changes(planned, stated), *_decisions(by_hand)),
+        notes=(*_changes(planned, stated), *by_hand),
     )
 
 
-def decided_by_hand(study_sessions: pd.DataFrame) -> ByHand | None:
-    """Return how many participants researchers exclude; None where it is nobody.
-
-    Parameters
-    ----------
-    study_sessions : DataFrame
-        See `StoredAnswers`.
-    """
-    excluded = study_sessions[study_sessions["excluded_because"] != ""]
-    if excluded.empty:
-        return None
-    return ByHand(count=len(excluded), after_look=int(excluded["excluded_after_look"].sum()))
-
-
-def _decisions(by_hand: ByHand | None) -> tuple[str, ...]:
-    if by_hand is None:
+def _decisions(study_sessions: pd.DataFrame) -> tuple[str, ...]:
+    """Say how many participants researchers exclude by hand, and when they decided it."""
+    excluded = study_sessions["excluded_because"] != ""
+    count = int(excluded.sum())
+    after_look = int(study_sessions.loc[excluded, "excluded_after_look"].sum())
+    if not count:
         return ()
-    people = "1 participant" if by_hand.count == 1 else f"{by_hand.count} participants"
+    people = "1 participant" if count == 1 else f"{count} participants"
     seen = "before anybody had looked at results"
-    if by_hand.after_look:
-        whom = "" if by_hand.after_look == by_hand.count else f"{by_hand.after_look} of them "
+    if after_look:
+        whom = "" if after_look == count else f"{after_look} of them "
         seen = f"{whom}after somebody had looked at results"
     return (f"Researchers excluded {people} by hand, {seen}.",)
 

@@ -19,28 +19,12 @@ from motion.segment import Segment
 from renderer.look import COPY_VERSION
 from renderer.stream_copy import copy_video, end_of
 from studyapp.stimuli.media_probe import flaw_of
+from studyapp.stimuli.render_record import RenderCount
 from studyapp.study.design.trial import Stimulus
 from studyapp.study.finished_videos import finished_video_path, shows_copy, similar_file
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Stimuli, VideoCopy, read_stimuli, stimulus_of_copy, write_stimuli
 from studyapp.study.settings.study import Study
-
-
-@dataclass(frozen=True, kw_only=True)
-class CopyCount:
-    """The result of a run.
-
-    Attributes
-    ----------
-    made, kept : int
-        Copies made by this run, and existing ones that are up to date.
-    failures : tuple of str
-        Videos that could not be copied, and why.
-    """
-
-    made: int
-    kept: int
-    failures: tuple[str, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +40,7 @@ class _Original:
         return digest(COPY_VERSION, self.made_from)
 
 
-def copy_videos(folder: StudyFolder) -> CopyCount:
+def copy_videos(folder: StudyFolder) -> RenderCount:
     """Copy all videos that participants see as copies, unless a copy is up to date.
 
     All copies of a segment get the length of the longest, within the tolerance of `motionjury
@@ -104,7 +88,7 @@ def copy_videos(folder: StudyFolder) -> CopyCount:
         write_stimuli(folder.stimuli, before.model_copy(update={"copies": tuple(current)}))
     for file in {copy.file for copy in before.copies} - {copy.file for copy in current}:
         (folder.root / file).unlink(missing_ok=True)
-    return CopyCount(made=len(made), kept=len(kept), failures=tuple(dict.fromkeys(failures)))
+    return RenderCount(made=len(made), kept=len(kept), failures=tuple(dict.fromkeys(failures)))
 
 
 def out_of_date(folder: StudyFolder) -> list[VideoCopy]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -161,49 +161,39 @@ def _log(session: Session) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(LOG.names))
 
 
-KEPT: Final[Mapping[str, object]] = {
-    "excluded": False,
-    **dict.fromkeys(("exclusion_rule", "exclusion_kind", "exclusion_reason"), ""),
-}
+EXCLUSION: Final = ("excluded", "exclusion_rule", "exclusion_kind", "exclusion_reason")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Judged:
     """What the rules of a study say of each participant.
 
     Attributes
     ----------
-    by_part : mapping of str to mapping
-        By part of the study ('' where all parts are judged together): by study session, the
-        columns about exclusion. Study sessions that the rules were not applied to are not there.
+    rows : DataFrame
+        The columns about exclusion by `study_session`, and by `part` where each part of the study
+        is judged by itself. Study sessions that the rules were not applied to are not there.
     remark : str
         Why the rules were applied to nobody, as a sentence; empty where they were.
     """
 
-    by_part: Mapping[str, Mapping[str, Mapping[str, object]]] = field(default_factory=dict)
+    rows: pd.DataFrame = field(
+        default_factory=lambda: pd.DataFrame(columns=["study_session", *EXCLUSION], dtype=object)
+    )
     remark: str = ""
 
     def mark_answers(self, answers: pd.DataFrame) -> pd.DataFrame:
         """Return `answers` with the columns about exclusion; of a task, by its own rules."""
-        return _marked(
-            answers,
-            [
-                self._of(str(who), str(part))
-                for who, part in zip(answers["study_session"], answers["part"], strict=True)
-            ],
-        )
+        keys = [key for key in ("study_session", "part") if key in self.rows]
+        return answers.merge(self.rows, on=keys, how="left")
 
     def mark_participants(self, participants: pd.DataFrame) -> pd.DataFrame:
         """Return `participants` with the same columns: of a task that leaves them out, if any."""
-        found = []
-        for who in participants["study_session"].astype(str):
-            judged = [columns[who] for columns in self.by_part.values() if who in columns]
-            found.append(next((one for one in judged if one["excluded"]), next(iter(judged), {})))
-        return _marked(participants, found)
-
-    def _of(self, who: str, part: str) -> Mapping[str, object]:
-        own = self.by_part.get(part, self.by_part.get("", {}))
-        return own.get(who, {})
+        worst_first = self.rows.sort_values("excluded", ascending=False, kind="stable")
+        once = worst_first.drop_duplicates("study_session")
+        return participants.merge(
+            once[["study_session", *EXCLUSION]], on="study_session", how="left"
+        )
 
 
 def judge(study: Study, answers: Answers) -> Judged:
@@ -213,35 +203,27 @@ def judge(study: Study, answers: Answers) -> Judged:
     except InputError as error:
         return Judged(remark=f"The exclusion rules could not be applied: {error}")
     if len(tasks) == 1:
-        return Judged(by_part={"": _of_task(tasks[0])})
-    return Judged(by_part={PARTS_OF[task.protocol]: _of_task(task) for task in tasks})
+        return Judged(rows=_of_task(tasks[0]))
+    return Judged(
+        rows=pd.concat([_of_task(task).assign(part=PARTS_OF[task.protocol]) for task in tasks])
+    )
 
 
-def _of_task(task: AnalysedTask) -> dict[str, Mapping[str, object]]:
+def _of_task(task: AnalysedTask) -> pd.DataFrame:
     left_out = task.left_out
-    return {
-        who: {
-            "excluded": True,
-            "exclusion_rule": left_out.rules[left_out.removed_by[who]].rule,
-            "exclusion_kind": _kind(left_out.rules[left_out.removed_by[who]]),
-            "exclusion_reason": left_out.exclusions[who],
-        }
-        if who in left_out.exclusions
-        else KEPT
-        for who in map(str, task.table.participants)
-    }
+    rows: list[tuple[object, ...]] = []
+    for who in map(str, task.table.participants):
+        if who in left_out.exclusions:
+            rule = left_out.rules[left_out.removed_by[who]]
+            rows.append((int(who), True, rule.rule, _kind(rule), left_out.exclusions[who]))
+        else:
+            rows.append((int(who), False, "", "", ""))
+    return pd.DataFrame(rows, columns=["study_session", *EXCLUSION]).astype(
+        dict.fromkeys(("study_session", "excluded"), object)
+    )
 
 
 def _kind(rule: RuleOutcome) -> str:
     if rule.rule == BY_HAND:
         return "by hand"
     return "exploratory" if rule.exploratory else "planned"
-
-
-def _marked(frame: pd.DataFrame, found: Sequence[Mapping[str, object]]) -> pd.DataFrame:
-    return frame.assign(
-        **{
-            name: pd.Series([one.get(name) for one in found], index=frame.index, dtype=object)
-            for name in KEPT
-        }
-    )

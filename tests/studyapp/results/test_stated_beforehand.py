@@ -1,27 +1,27 @@
-"""A rule that was not settled before anybody came is exploratory, however it came in."""
+"""Researchers' own exclusions come after the rules of the study file and are never planned."""
 
 from __future__ import annotations
 
+import pandas as pd
 import pytest
 
-from studyapp.results.stated_beforehand import ByHand, study_exclusions
+from studyapp.results.stated_beforehand import study_exclusions
 from studyapp.study.settings.exclusions import FailedCatch, Incomplete
-
-STATED = (Incomplete(), FailedCatch(more_than=1))
 
 
 @pytest.mark.parametrize(
     ("after_look", "when"),
     [
-        (0, "before anybody had looked at results."),
-        (1, "1 of them after somebody had looked at results."),
-        (2, "after somebody had looked at results."),
+        ([False, False], "before anybody had looked at results."),
+        ([True, False], "1 of them after somebody had looked at results."),
+        ([True, True], "after somebody had looked at results."),
     ],
 )
-def test_what_researchers_decide_comes_after_the_rules_of_the_file_and_is_never_planned(
-    after_look: int, when: str
-) -> None:
-    found = study_exclusions(STATED, STATED, by_hand=ByHand(count=2, after_look=after_look))
+def test_a_report_says_whether_results_had_been_seen(after_look: list[bool], when: str) -> None:
+    sessions = pd.DataFrame(
+        {"excluded_because": ["asleep", "left", ""], "excluded_after_look": [*after_look, False]}
+    )
+    found = study_exclusions((Incomplete(), FailedCatch()), study_sessions=sessions)
 
     marks = [(rule.name, rule.exploratory) for rule in found.rules]
     assert marks == [("incomplete", False), ("catch", False), ("researcher", True)]
