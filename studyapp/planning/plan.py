@@ -1,17 +1,21 @@
-"""`motionjury plan`: how large a study must be to find what it looks for."""
+"""`motionjury plan`: how large a study must be, by what is assumed or a pilot tells of people."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from analysis.answers.participants import LeftOut, leave_out, table_rules
+from analysis.answers.reading import read_answers
+from analysis.answers.table import LAYOUTS, AnswerTable
 from analysis.planning.grid import Runner, Show
 from analysis.planning.part import Opinions, Size
+from analysis.planning.pilot_spreads import pilot_opinions
 from analysis.planning.plan import Plan, Request, plan
 from analysis.planning.power import Effort
 from analysis.planning.writing import CELLS, write_plan
 from motion.errors import InputError
-from studyapp.planning.pilot import Assumptions, read_pilot
 from studyapp.planning.planned_study import (
     PlannedStudy,
     excluded_by_default,
@@ -19,6 +23,8 @@ from studyapp.planning.planned_study import (
     notes_of,
     planned_segments,
 )
+from studyapp.results.analysed_tasks import analysed_tasks
+from studyapp.results.answers import answers_to_report
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
@@ -121,3 +127,96 @@ def _refuse_huge(one_participant: Size, participants: int) -> None:
             remedy="Plan fewer; the powers of larger studies are hardly higher, since segments "
             "limit them",
         )
+
+
+ROUGH: Final = 10
+"""Participants or segments below which spreads are rough."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assumptions:
+    """What a plan assumes about participants, estimated from a pilot or not.
+
+    Attributes
+    ----------
+    opinions : Opinions
+        How people answer.
+    excluded : float
+        Share of participants who are excluded.
+    source : str
+        Where the assumptions come from, in words.
+    notes : tuple of str
+        What limits them, as sentences.
+    """
+
+    opinions: Opinions
+    excluded: float
+    source: str
+    notes: tuple[str, ...] = ()
+
+
+def read_pilot(path: Path, protocol: str) -> Assumptions:
+    """Read a pilot: the folder of a study that was answered, or a table of answers.
+
+    Parameters
+    ----------
+    path : Path
+        A study folder, or a CSV or Parquet file as ``motionjury report --responses`` takes it.
+    protocol : {'pairwise', 'rating', 'ranking', 'mismatch'}
+        Of the study that is planned; the pilot's must be the same.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or tells nothing.
+    """
+    rehearsed = False
+    if path.is_dir():
+        table, left_out, rehearsed = _of_study(StudyFolder(path), protocol)
+    else:
+        table = read_answers(path, LAYOUTS[protocol])
+        left_out = leave_out(table, table_rules(table))
+    if left_out.analysed.empty:
+        raise _no_answers(path, protocol)
+    opinions, answers = pilot_opinions(table, left_out.analysed)
+    groups = {name: int(left_out.analysed[name].nunique()) for name in ("participant", "segment")}
+    few = [f"{count} {name}s" for name, count in groups.items() if count < ROUGH]
+    notes = []
+    if few:
+        notes.append(
+            f"The pilot has {' and '.join(few)}: its spreads are rough. Plan without it as well, "
+            "and with larger ones (rehearsal.participants_differ, rehearsal.segments_differ)."
+        )
+    if rehearsed:
+        notes.append("The pilot was answered by simulated raters: it tells nothing about people.")
+    return Assumptions(
+        opinions=opinions,
+        excluded=1 - left_out.attentive / left_out.recruited,
+        source=f"Estimated from {answers:,} answers of {groups['participant']} participants about "
+        f"{groups['segment']} segments in {path.name or path}",
+        notes=tuple(notes),
+    )
+
+
+def _of_study(folder: StudyFolder, protocol: str) -> tuple[AnswerTable, LeftOut, bool]:
+    study = folder.study()
+    if study.protocol != protocol:
+        raise InputError(
+            f"the pilot is a {study.protocol} study, and a {protocol} study is planned",
+            where=folder.root,
+            remedy="Name a pilot of the same protocol",
+        )
+    answers = answers_to_report(folder)
+    tasks = analysed_tasks(study, answers)
+    task = next((task for task in tasks if task.protocol == protocol), None)
+    if task is None:
+        raise _no_answers(folder.root, protocol)
+    return task.table, task.left_out, answers.origin == "rehearsal"
+
+
+def _no_answers(pilot: Path, protocol: str) -> InputError:
+    return InputError(
+        f"the pilot has no answers to a {protocol} task that are analysed",
+        where=pilot,
+        remedy="Name a study that was answered, or leave --pilot away",
+    )

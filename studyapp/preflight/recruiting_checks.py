@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, NamedTuple, get_args
+from typing import Final, get_args
 
 from motion.errors import InputError, listed
 from studyapp.preflight.finding import Finding, make_finding
@@ -17,7 +16,7 @@ from studyapp.recruitment.record import FILE, count_places, read_record
 from studyapp.study.settings.presentation import Language, reaches_somebody
 from studyapp.study.settings.recruitment import MIN_FAILED_CHECKS, format_amount, hourly_rate
 from studyapp.study.settings.study import Study
-from studyapp.study.template_language import render_template, untranslated_keys
+from studyapp.study.template_language import template_texts, untranslated_keys
 
 
 def recruiting_findings(study: Study) -> Iterator[Finding]:
@@ -71,17 +70,14 @@ def _place_findings(study: Study) -> Iterator[Finding]:
         )
 
 
-class HourlyFloors(NamedTuple):
-    """The least that Prolific allows per hour, and what it recommends."""
-
-    minimum: int
-    recommended: int
-
-
-PROLIFIC: Final[Mapping[str, HourlyFloors]] = MappingProxyType(
-    {"GBP": HourlyFloors(6, 9), "USD": HourlyFloors(8, 12)}
+PROLIFIC: Final[Mapping[str, Mapping[str, int]]] = MappingProxyType(
+    {
+        "GBP": {"pay-below-prolific-minimum": 6, "pay-below-prolific-advice": 9},
+        "USD": {"pay-below-prolific-minimum": 8, "pay-below-prolific-advice": 12},
+    }
 )
-"""By currency, from Prolific's payment principles (researcher-help.prolific.com)."""
+"""The least that Prolific allows per hour and what it recommends, by currency, from its payment
+principles (researcher-help.prolific.com)."""
 
 _NUMBER: Final = re.compile(r"\d+(?:[.,]\d{1,2})?")
 
@@ -140,16 +136,12 @@ def _minimum_findings(study: Study, paid: float) -> Iterator[Finding]:
         return
     if not currency:
         yield make_finding("currency-unknown")
-    elif (floors := PROLIFIC.get(currency)) is not None:
-        for name, floor in (
-            ("pay-below-prolific-minimum", floors.minimum),
-            ("pay-below-prolific-advice", floors.recommended),
-        ):
-            if paid < floor:
-                yield make_finding(
-                    name, paid=format_amount(paid, currency), floor=format_amount(floor, currency)
-                )
-                return
+    for name, floor in PROLIFIC.get(currency, {}).items():
+        if paid < floor:
+            yield make_finding(
+                name, paid=format_amount(paid, currency), floor=format_amount(floor, currency)
+            )
+            return
 
 
 def _payment_text_findings(study: Study, amount: Decimal) -> Iterator[Finding]:
@@ -181,29 +173,20 @@ def page_findings(study: Study) -> Iterator[Finding]:
 
 
 def _text_findings(study: Study) -> Iterator[Finding]:
-    consents, titles = _template_texts(study)
+    file = f"{study.protocol}.toml"
+    texts = [template_texts([file], language) for language in get_args(Language)]
+    titles = {_normalise_space(title) for found, _, _ in texts for title in found}
+    consents = {_normalise_space(consent) for _, found, _ in texts for consent in found}
     if not study.page.consent.strip():
         yield make_finding("consent-blank")
     elif _normalise_space(study.page.consent) in consents:
         yield make_finding("consent-from-template")
     if _normalise_space(study.title) in titles:
         yield make_finding("title-from-template", title=study.title)
-    english = untranslated_keys(study)
-    if english:
+    if english := untranslated_keys(study):
         yield make_finding(
             "texts-untranslated", language=study.page.language, texts=listed(english)
         )
-
-
-def _template_texts(study: Study) -> tuple[set[str], set[str]]:
-    """Return the consent texts and titles of the protocol's templates in all languages."""
-    file = f"{study.protocol}.toml"
-    consents, titles = set(), set()
-    for language in get_args(Language):
-        source = tomllib.loads(render_template(file, language))
-        consents.add(_normalise_space(source["page"]["consent"]))
-        titles.add(_normalise_space(source["title"]))
-    return consents, titles
 
 
 def _normalise_space(text: str) -> str:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
@@ -28,19 +27,12 @@ MOST_SILENCE: Final = 0.6
 _BLOCK_SECONDS: Final = 0.1
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Loudness:
-    name: str
-    segment: str
-    lufs: float
-
-
 def sound_findings(material: Material) -> Iterator[Finding]:
     """Yield videos that are silent, and those that are louder than others.
 
     Of the videos rendered with the same speech, one is measured.
     """
-    loudness: list[_Loudness] = []
+    loudness: defaultdict[str, dict[str, float]] = defaultdict(dict)
     for name, (stimulus, file) in _distinct_sounds(material).items():
         try:
             audio = read_audio(file, sample_rate=None)
@@ -48,7 +40,7 @@ def sound_findings(material: Material) -> Iterator[Finding]:
             continue  # reported by the checks of videos
         lufs = integrated_loudness(audio)
         if lufs is not None:
-            loudness.append(_Loudness(name=name, segment=stimulus.segment, lufs=lufs))
+            loudness[stimulus.segment][name] = lufs
             share = silent_share(audio)
             if share > MOST_SILENCE:
                 yield make_finding("sound-mostly-silent", where=name, share=share)
@@ -80,32 +72,33 @@ def silent_share(audio: Audio) -> float:
     return float((power < 10 ** (QUIET_DB / 10)).mean())
 
 
-def _loudness_findings(loudness: Sequence[_Loudness]) -> Iterator[Finding]:
-    """Yield differences within a segment or, if there are none, between segments."""
-    by_segment: defaultdict[str, list[_Loudness]] = defaultdict(list)
-    for video in loudness:
-        by_segment[video.segment].append(video)
+def _loudness_findings(by_segment: Mapping[str, Mapping[str, float]]) -> Iterator[Finding]:
+    """Yield differences within a segment or, if there are none, between segments.
+
+    Parameters
+    ----------
+    by_segment : mapping of str to mapping of str to float
+        The loudness of each video in LUFS, by segment and display name.
+    """
     differs = False
     for videos in by_segment.values():
-        difference = _describe_difference(videos)
-        if difference:
+        if difference := _describe_difference(videos):
             differs = True
-            yield make_finding("loudness-differs-beside", difference, where=videos[0].name)
-    difference = _describe_difference(loudness)
-    if difference and not differs:
+            yield make_finding("loudness-differs-beside", difference, where=next(iter(videos)))
+    everything = {name: lufs for videos in by_segment.values() for name, lufs in videos.items()}
+    if not differs and (difference := _describe_difference(everything)):
         yield make_finding("loudness-differs", difference)
 
 
-def _describe_difference(videos: Sequence[_Loudness]) -> str:
+def _describe_difference(videos: Mapping[str, float]) -> str:
     """Return how much louder the loudest video is than the softest; empty within tolerance."""
     if not videos:
         return ""
-    softest = min(videos, key=lambda video: video.lufs)
-    loudest = max(videos, key=lambda video: video.lufs)
-    difference = loudest.lufs - softest.lufs
+    softest, loudest = min(videos, key=videos.__getitem__), max(videos, key=videos.__getitem__)
+    difference = videos[loudest] - videos[softest]
     if difference <= LOUDNESS_TOLERANCE:
         return ""
     return (
-        f"{loudest.name} is {difference:.1f} LU louder than {softest.name} "
-        f"({loudest.lufs:.1f} and {softest.lufs:.1f} LUFS)"
+        f"{loudest} is {difference:.1f} LU louder than {softest} "
+        f"({videos[loudest]:.1f} and {videos[softest]:.1f} LUFS)"
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -23,7 +23,7 @@ from studyapp.stimuli.render_record import RenderCount
 from studyapp.study.design.trial import Stimulus
 from studyapp.study.finished_videos import finished_video_path, shows_copy, similar_file
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import Stimuli, VideoCopy, read_stimuli, stimulus_of_copy, write_stimuli
+from studyapp.study.media import Stimuli, VideoCopy, read_stimuli, write_stimuli
 from studyapp.study.settings.study import Study
 
 
@@ -105,7 +105,7 @@ def out_of_date(folder: StudyFolder) -> list[VideoCopy]:
     return [
         copy
         for copy in stimuli.copies
-        if not copy.key.startswith(current.get(stimulus_of_copy(copy), copy.key))
+        if not copy.key.startswith(current.get(copy.stimulus, copy.key))
     ]
 
 
@@ -115,9 +115,7 @@ def _originals(
     """Return the videos to copy, by segment and by the stimulus that the copy shows."""
     # A rendered clip is identified by its key, since its file is padded after copying.
     rendered = {
-        (clip.condition, clip.segment, clip.speech or clip.segment): _Original(
-            file=folder.root / clip.file, made_from=clip.key
-        )
+        clip.content: _Original(file=folder.root / clip.file, made_from=clip.key)
         for clip in stimuli.clips
     }
     originals: defaultdict[str, dict[Stimulus, _Original]] = defaultdict(dict)
@@ -125,8 +123,8 @@ def _originals(
         if not shows_copy(study, content):
             continue
         (stimulus,) = content
-        speech = stimulus.speech or stimulus.segment
-        original = rendered.get((stimulus.condition, stimulus.segment, speech))
+        heard = replace(stimulus, speech=stimulus.speech or stimulus.segment)
+        original = rendered.get((heard,))
         if study.is_finished(stimulus.condition):
             file = finished_video_path(folder.videos, stimulus)
             original = _Original(file=file, made_from=digest(file) if file.is_file() else "")

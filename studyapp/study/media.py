@@ -56,6 +56,12 @@ class ClipVideo(_RenderedVideo):
     condition: str
     speech: str | None = None
 
+    @property
+    def content(self) -> Content:
+        """What it shows."""
+        speech = self.speech or self.segment
+        return (Stimulus(condition=self.condition, segment=self.segment, speech=speech),)
+
 
 class PairVideo(_RenderedVideo):
     """Two motions in one video, `left` labelled A and `right` B.
@@ -65,6 +71,11 @@ class PairVideo(_RenderedVideo):
 
     left: str
     right: str
+
+    @property
+    def content(self) -> Content:
+        """What it shows."""
+        return (Stimulus.own(self.left, self.segment), Stimulus.own(self.right, self.segment))
 
 
 class VideoCopy(_RenderedVideo):
@@ -83,6 +94,11 @@ class VideoCopy(_RenderedVideo):
     condition: str
     heard: str | None
     original: str
+
+    @property
+    def stimulus(self) -> Stimulus:
+        """What it shows."""
+        return Stimulus(condition=self.condition, segment=self.segment, speech=self.heard)
 
 
 class Stimuli(_Record):
@@ -167,46 +183,23 @@ class Media:
     def of(cls, folder: StudyFolder, study: Study) -> Self:
         """Read the videos in `folder`; `InputError` if nothing has been rendered yet."""
         stimuli = read_stimuli(folder.stimuli)
+
+        def file(video: _RenderedVideo, made_from: str) -> VideoFile:
+            path = folder.root / video.file
+            return VideoFile(file=path, duration=video.duration, made_from=made_from)
+
         return cls(
             study=study,
-            rendered=_rendered_videos(folder, stimuli),
-            copies={
-                (stimulus_of_copy(copy),): VideoFile(
-                    file=folder.root / copy.file, duration=copy.duration, made_from=copy.original
-                )
-                for copy in stimuli.copies
+            rendered={
+                video.content: file(video, video.key) for video in (*stimuli.clips, *stimuli.pairs)
             },
+            copies={(copy.stimulus,): file(copy, copy.original) for copy in stimuli.copies},
         )
 
     def find(self, content: Content) -> VideoFile | None:
         """Return the recorded video of `content`, whether or not its file exists; else None."""
         videos = self.copies if shows_copy(self.study, content) else self.rendered
         return videos.get(content)
-
-
-def stimulus_of_copy(copy: VideoCopy) -> Stimulus:
-    """Return the stimulus that a copy shows."""
-    return Stimulus(condition=copy.condition, segment=copy.segment, speech=copy.heard)
-
-
-def _rendered_videos(folder: StudyFolder, stimuli: Stimuli) -> dict[Content, VideoFile]:
-    clips: dict[Content, VideoFile] = {
-        (
-            Stimulus(
-                condition=clip.condition,
-                segment=clip.segment,
-                speech=clip.speech or clip.segment,
-            ),
-        ): VideoFile(file=folder.root / clip.file, duration=clip.duration, made_from=clip.key)
-        for clip in stimuli.clips
-    }
-    pairs: dict[Content, VideoFile] = {
-        tuple(Stimulus.own(side, pair.segment) for side in (pair.left, pair.right)): VideoFile(
-            file=folder.root / pair.file, duration=pair.duration, made_from=pair.key
-        )
-        for pair in stimuli.pairs
-    }
-    return clips | pairs
 
 
 @dataclass(frozen=True)

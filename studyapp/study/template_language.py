@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 import tomlkit
@@ -97,6 +97,16 @@ def _multiline_array(items: list[Any]) -> tomlkit.items.Array:
     return array.multiline(multiline=True)
 
 
+def template_texts(files: Iterable[str], language: str) -> tuple[set[str], set[str], set[str]]:
+    """Return the titles, consent texts and question texts of templates in `language`."""
+    templates = [tomllib.loads(render_template(file, language)) for file in files]
+    return (
+        {template["title"] for template in templates},
+        {template["page"]["consent"] for template in templates},
+        {question["text"] for template in templates for question in template["questions"]},
+    )
+
+
 def untranslated_keys(study: Study) -> tuple[str, ...]:
     """Return the keys with the text of an English template, if the pages are not in English.
 
@@ -104,14 +114,8 @@ def untranslated_keys(study: Study) -> tuple[str, ...]:
     """
     if study.page.language == TEMPLATE_LANGUAGE:
         return ()
-    templates = [
-        tomllib.loads(render_template(name))
-        for name in _TEMPLATES.list_templates()
-        if "/" not in name
-    ]
-    titles = {template["title"] for template in templates}
-    consents = {template["page"]["consent"] for template in templates}
-    texts = {question["text"] for template in templates for question in template["questions"]}
+    names = [name for name in _TEMPLATES.list_templates() if "/" not in name]
+    titles, consents, texts = template_texts(names, TEMPLATE_LANGUAGE)
     return (
         *(["title"] if study.title in titles else []),
         *(["page.consent"] if study.page.consent in consents else []),

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from studyapp.planning.pilot import read_pilot
+from studyapp.planning.plan import read_pilot
 from tests.studyapp.conftest import OwnStudy
 from tests.support.studies.answered_study import answer_study
 
@@ -33,7 +33,7 @@ def test_an_answered_study_tells_spreads_and_who_is_left_out(pairwise: Path) -> 
 
 
 def test_a_study_that_nobody_answered_tells_nothing(pairwise: Path) -> None:
-    with pytest.raises(InputError, match="nobody has answered the pilot"):
+    with pytest.raises(InputError, match="no answers to a pairwise task"):
         read_pilot(pairwise, "pairwise")
 
 
