@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,10 +13,7 @@ from motion.skeleton import joint_index
 from studyapp.preflight.catch_checks import (
     catch_motion_findings,
     motion_difference,
-    picture_difference,
-    read_pictures,
 )
-from tests.support.encoded import Told, write_video
 from tests.support.studies.made_study import make_study
 
 FRAMES = 40
@@ -81,16 +77,3 @@ def test_a_flaw_shows_in_positions_or_accelerations_unless_it_is_frozen(
     assert set(findings) == names
     similar = "'broken' and 'rule_based' hardly differ in 1 of 1 segments: in one"
     assert similar in findings.get("catch-hardly-differs", similar)
-
-
-def test_pictures_differ_where_videos_do(tmp_path: Path) -> None:
-    videos = {"one": Told(frames=30), "shorter": Told(frames=24), "slow": Told(frames=30, rate=10)}
-    for name, video in videos.items():
-        write_video(tmp_path / f"{name}.mp4", video)
-    one, shorter, slow = (read_pictures(tmp_path / f"{name}.mp4") for name in videos)
-
-    assert one is not None and shorter is not None and slow is not None
-    assert picture_difference(one, shorter) == pytest.approx(0, abs=1.0)
-    assert picture_difference(one, slow) > 5
-    (tmp_path / "text.mp4").write_bytes(b"no video")
-    assert read_pictures(tmp_path / "text.mp4") is None

@@ -14,32 +14,15 @@ from tests.support.studies.made_study import make_segments, make_study
 
 
 @pytest.mark.parametrize(
-    ("emotions", "changes", "expected"),
+    ("emotions", "changes", "balance", "unused"),
     [
-        (
-            ["neutral", "anger"] * 2,
-            {},
-            {"balance": "50 planned participants judge each segment 50"},
-        ),
-        (
-            ["neutral", "anger", "anger"],
-            {"trials": 2, "practice": 0},
-            {"balance": "each segment 24 to 50 times"},
-        ),
-        (
-            ["neutral"] * 3,
-            {"comparisons": "adaptive", "participants": 60},
-            {"balance": "pairs are chosen as answers arrive"},
-        ),
-        (
-            ["neutral"] * 99,
-            {"trials": 1, "practice": 0},
-            {"balance": "1 to 2 times", "segments-unused": "segment-4 and 50 more"},
-        ),
+        (["neutral", "anger"] * 2, {}, "50 planned participants judge each segment 50", ""),
+        (["neutral"] * 3, {"comparisons": "adaptive"}, "chosen as answers arrive", ""),
+        (["neutral"] * 99, {"trials": 1, "practice": 0}, "1 to 2 times", "segment-4 and 50 more"),
     ],
 )
 def test_judgements_of_segments_are_counted(
-    emotions: list[str], changes: dict[str, Any], expected: dict[str, str]
+    emotions: list[str], changes: dict[str, Any], balance: str, unused: str
 ) -> None:
     material = Material(
         folder=StudyFolder(Path()),
@@ -50,6 +33,6 @@ def test_judgements_of_segments_are_counted(
 
     findings = {finding.name: finding.what for finding in balance_findings(material)}
 
-    assert findings.keys() == expected.keys()
-    for name, words in expected.items():
-        assert words in findings[name]
+    assert balance in findings["balance"]
+    assert ("segments-unused" in findings) == bool(unused)
+    assert unused in findings.get("segments-unused", "")

@@ -115,6 +115,11 @@ def test_silence_is_measured_in_blocks() -> None:
 def test_videos_of_catch_trials_that_look_alike_are_found(own_study: OwnStudy) -> None:
     study = own_study("pairwise")
     assert "hardly differ in 3 of 3 segments" in check_videos(study)["catch-hardly-differs"]
+    for segment, spoilt in (("one", Told(rate=10)), ("two", Told(frames=24))):
+        write_video(study.videos / "broken" / f"{segment}.mp4", spoilt)
+        write_video(study.videos / "real" / f"{segment}.mp4", Told())
+    # A slower video differs, a shorter one is alike as far as it goes.
+    assert "hardly differ in 2 of 3 segments" in check_videos(study)["catch-hardly-differs"]
     for segment in ("one", "two", "three"):
         write_video(study.videos / "broken" / f"{segment}.mp4", Told(size=120))
 

@@ -114,24 +114,18 @@ def test_a_report_is_no_look_before_itself_but_one_before_later_answers(
     assert before(folder).false_positive_rate == pytest.approx(false_positive_rate([2, 3]))
 
 
-def test_a_look_that_cannot_be_logged_is_said_to_be_so(
-    folder: StudyFolder, monkeypatch: pytest.MonkeyPatch
+def test_without_answers_there_is_no_look_and_one_that_cannot_be_logged_is_said_to_be_so(
+    folder: StudyFolder, finished_study: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise OSError("the disk is full")
 
     monkeypatch.setattr("studyapp.results.looks.log_look", refuse)
+    unanswered = StudyFolder(finished_study("rating"))
 
+    assert (noted(unanswered), before(unanswered)) == ("", NOT_LOGGED)
+    assert not unanswered.responses.exists()
     assert "This look could not be logged: the disk is full" in noted(folder)
-
-
-def test_a_study_that_nobody_has_answered_has_no_looks(
-    finished_study: Callable[[str], Path],
-) -> None:
-    folder = StudyFolder(finished_study("rating"))
-
-    assert (noted(folder), before(folder)) == ("", NOT_LOGGED)
-    assert not folder.responses.exists()
 
 
 def test_an_export_is_a_look_that_later_reports_tell_of(

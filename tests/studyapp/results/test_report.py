@@ -15,16 +15,12 @@ from tests.support.studies.finished_study import PROTOCOLS
 
 
 def shares(results: dict[str, Any]) -> dict[tuple[str, ...], float]:
-    """Return every win share and strength, whichever of two conditions was named first."""
+    """Return every win share, whichever of two conditions was named first."""
     found: dict[tuple[str, ...], float] = {}
     for one in results["comparisons"]:
-        a, b = sorted((one["a"], one["b"]))
         share = one["win_share"]["estimate"]
-        found[a, b, one["question"]] = share if a == one["a"] else 1 - share
-    for question, fitted in results["bradley_terry"].items():
-        for one in fitted["conditions"]:
-            strength = one["estimate"]
-            found[one["condition"], question] = -1.0 if strength is None else strength
+        found[one["a"], one["b"], one["question"]] = share
+        found[one["b"], one["a"], one["question"]] = 1 - share
     return found
 
 

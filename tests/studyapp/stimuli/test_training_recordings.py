@@ -41,25 +41,21 @@ def test_a_studys_recordings_have_their_take_emotion_and_frozen_channels(
     assert recordings.read_body().has_arkit_slots
 
 
-def test_nested_motion_files_are_separate_recordings(
+def test_nested_motion_files_are_separate_recordings_unless_a_table_says_otherwise(
     folder_of_motion: Path,
 ) -> None:
-    recordings = recordings_of(folder_of_motion, condition="", file_rate=15)
-    assert [(s.name, s.recording, s.emotion) for s in recordings.sources] == [
+    nested = recordings_of(folder_of_motion, condition="", file_rate=15)
+    table = folder_of_motion / "segments.csv"
+    table.write_text("name,emotion,wav\na,anger,take.wav\nb,calm,take.wav\n")
+    stated = recordings_of(folder_of_motion, condition="")
+
+    assert [(s.name, s.recording, s.emotion) for s in nested.sources] == [
         ("a.npz", "a", ""),
         ("deep/b.npz", "b", ""),
     ]
-    assert recordings.sources[1].read().frame_rate == 15
-    assert recordings.frozen == ()
-
-
-def test_a_table_states_emotions_and_recordings(
-    folder_of_motion: Path,
-) -> None:
-    table = folder_of_motion / "segments.csv"
-    table.write_text("name,emotion,wav\na,anger,take.wav\nb,calm,take.wav\n")
-    recordings = recordings_of(folder_of_motion, condition="")
-    assert [(s.recording, s.emotion) for s in recordings.sources] == [
+    assert nested.sources[1].read().frame_rate == 15
+    assert nested.frozen == ()
+    assert [(s.recording, s.emotion) for s in stated.sources] == [
         ("take.wav", "anger"),
         ("take.wav", "calm"),
     ]
