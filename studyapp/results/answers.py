@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -155,14 +156,13 @@ def arm_states(study: Study, stored: StoredAnswers) -> tuple[ArmState, ...]:
         .groupby(sessions["arm"].astype(str))
         .sum()
         .reindex(list(names), fill_value=0)
-        .to_dict("index")
     )
-    return tuple(
-        ArmState(
-            arm=str(name) if len(names) > 1 else EVERYBODY, places=places.get(str(name)), **count
-        )
-        for name, count in counts.items()
-    )
+    states = []
+    for name in names:
+        count: dict[Any, int] = counts.loc[name].to_dict()
+        arm = name if len(names) > 1 else EVERYBODY
+        states.append(ArmState(arm=arm, places=places.get(name), **count))
+    return tuple(states)
 
 
 def arm_by_session(study: Study, study_sessions: pd.DataFrame) -> dict[str, str]:

@@ -188,11 +188,10 @@ class Media:
             path = folder.root / video.file
             return VideoFile(file=path, duration=video.duration, made_from=made_from)
 
+        rendered: tuple[ClipVideo | PairVideo, ...] = (*stimuli.clips, *stimuli.pairs)
         return cls(
             study=study,
-            rendered={
-                video.content: file(video, video.key) for video in (*stimuli.clips, *stimuli.pairs)
-            },
+            rendered={video.content: file(video, video.key) for video in rendered},
             copies={(copy.stimulus,): file(copy, copy.original) for copy in stimuli.copies},
         )
 

@@ -10,7 +10,9 @@ from typing import Any
 import pytest
 
 from studyapp.preflight.check import check
+from studyapp.preflight.design_checks import balance_findings
 from studyapp.preflight.finding import SEVERITIES, Finding, Severity
+from studyapp.preflight.material import Material
 from studyapp.results.analysed_tasks import study_notes
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
@@ -19,6 +21,7 @@ from studyapp.study.media import PairVideo, Stimuli, read_stimuli, write_stimuli
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.study_file import new_study
 from tests.support.studies.edited_study import edited
+from tests.support.studies.made_study import make_segments, make_study
 from tests.support.studies.takes import write_motion, write_speech
 
 
@@ -262,3 +265,28 @@ def test_every_broken_clip_is_an_error_beside_all_other_findings(
     ]
     assert len(clauses(findings, "error")) == 2
     assert clauses(findings, "warning") == clauses(original, "warning")
+
+
+@pytest.mark.parametrize(
+    ("emotions", "changes", "balance", "unused"),
+    [
+        (["neutral", "anger"] * 2, {}, "50 planned participants judge each segment 50", ""),
+        (["neutral"] * 3, {"comparisons": "adaptive"}, "chosen as answers arrive", ""),
+        (["neutral"] * 99, {"trials": 1, "practice": 0}, "1 to 2 times", "segment-4 and 50 more"),
+    ],
+)
+def test_judgements_of_segments_are_counted(
+    emotions: list[str], changes: dict[str, Any], balance: str, unused: str
+) -> None:
+    material = Material(
+        folder=StudyFolder(Path()),
+        study=make_study(**changes),
+        segments=make_segments(emotions),
+        media=None,
+    )
+
+    findings = {finding.name: finding.what for finding in balance_findings(material)}
+
+    assert balance in findings["balance"]
+    assert ("segments-unused" in findings) == bool(unused)
+    assert unused in findings.get("segments-unused", "")

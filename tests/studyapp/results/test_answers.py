@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
@@ -8,10 +9,17 @@ from click.testing import CliRunner
 
 from motion.errors import InputError
 from studyapp.cli.main import group
+from studyapp.results.answer_table import MIDDLE, StudyAnswers, study_answers
 from studyapp.results.answers import answers_to_report, read_rehearsal
 from studyapp.results.export.writing import export
+from studyapp.results.stated_beforehand import study_exclusions
+from studyapp.results.stored_answers import stored_answers
 from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.exclusions import FailedCatch, Incomplete
 from tests.studyapp.results.conftest import leave
+from tests.support.studies.exported import responses_table
+from tests.support.studies.finished_study import PROTOCOLS
+from tests.support.studies.stored import reading
 from tests.support.studies.taking_part_steps import taking_part
 
 
@@ -69,3 +77,74 @@ def test_what_was_kept_of_who_withdrew_is_exported_apart(
     assert stored is not None
     assert stored.answers.empty
     assert stored.study_sessions["withdrawn"].tolist() == [True]
+
+
+Once = Callable[..., Path]
+
+
+def read(folder: StudyFolder) -> tuple[pd.DataFrame, StudyAnswers]:
+    """Return the answers as they are exported, and as they are analysed."""
+    with reading(folder.responses) as session:
+        return responses_table(session), study_answers(folder.study(), stored_answers(session))
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_the_same_answers_stand_in_the_table_and_in_the_export(
+    answered_once: Once, protocol: str
+) -> None:
+    folder = StudyFolder(answered_once(protocol))
+    exported, given = read(folder)
+
+    count = sum(len(table) for table in given.tables.values())
+    assert count == len(exported)
+    for name, table in given.tables.items():
+        answer = "rank" if name == "ranking" else "response"
+        shift = 0 if name in ("rating", "ranking") else MIDDLE
+        part = exported
+        if protocol == "mismatch":
+            part = exported[exported["part"] == ("fit" if name == "mismatch" else "realism")]
+        assert table[answer].astype(int).tolist() == (part["value"] + shift).tolist()
+        assert table["participant"].astype(int).tolist() == part["study_session"].tolist()
+        assert table["trial"].astype(int).tolist() == part["position"].tolist()
+        assert table["watched"].astype(float).tolist() == part["watched"].tolist()
+
+
+def test_right_answers_of_pairs_are_those_shown_and_failures_those_that_the_protocol_finds(
+    answered_once: Once,
+) -> None:
+    _, given = read(StudyFolder(answered_once("pairwise")))
+    table = given.tables["pairwise"]
+
+    assert len(given.known) == 2
+    assert (table[table["kind"] == "main"]["correct_side"] == "").all()
+    for session, known in given.known.items():
+        own = table[table["participant"] == session]
+        catch = own[own["kind"] == "catch"].iloc[0]
+        assert catch[catch["correct_side"]] == "real"
+        towards = int(catch["response"]) - MIDDLE
+        right = towards > 0 if catch["correct_side"] == "right" else towards < 0
+        assert known.failed_catch == int(not right)
+        asked = own[own["kind"] == "attention"].iloc[0]
+        assert int(asked["instructed"]) in (1, 2, 4, 5)
+        assert known.failed_attention == int(asked["response"] != asked["instructed"])
+        assert (known.trials, known.settled) == (6, 6)
+
+
+@pytest.mark.parametrize(
+    ("after_look", "when"),
+    [
+        ([False, False], "before anybody had looked at results."),
+        ([True, False], "1 of them after somebody had looked at results."),
+        ([True, True], "after somebody had looked at results."),
+    ],
+)
+def test_a_report_says_whether_results_had_been_seen(after_look: list[bool], when: str) -> None:
+    sessions = pd.DataFrame(
+        {"excluded_because": ["asleep", "left", ""], "excluded_after_look": [*after_look, False]}
+    )
+    found = study_exclusions((Incomplete(), FailedCatch()), study_sessions=sessions)
+
+    marks = [(rule.name, rule.exploratory) for rule in found.rules]
+    assert marks == [("incomplete", False), ("catch", False), ("researcher", True)]
+    assert [rule.name for rule in found.planned] == ["incomplete", "catch"]
+    assert found.notes == (f"Researchers excluded 2 participants by hand, {when}",)

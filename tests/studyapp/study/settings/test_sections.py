@@ -1,0 +1,184 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from studyapp.study.settings.presentation import Page
+from studyapp.study.settings.questions import Form, FormQuestion
+from studyapp.study.settings.reading import PROTOCOLS, parse_text
+from studyapp.study.settings.recruitment import (
+    CODE_LENGTH,
+    code_weakness,
+    draw_code,
+)
+from studyapp.study.settings.rehearsal import Rehearsal, stated_strength
+from studyapp.study.template_language import render_template
+from tests.support.studies.made_study import make_study
+
+
+def asked(**keys: Any) -> FormQuestion:
+    return FormQuestion.model_validate({"name": "q", "text": "Which?", **keys})
+
+
+YES_NO = asked(choices=["yes", "no"])
+AGE = asked(kind="number", low=18, high=99)
+SCALE = asked(kind="scale", low=1, high=5, choices=["never", "always"])
+
+
+@pytest.mark.parametrize(
+    ("question", "accepted", "refused"),
+    [
+        (YES_NO, ["yes", "no"], ["maybe", "Yes", ""]),
+        (AGE, ["18", "99"], ["17", "100", "20.5", "old", "", "１８", "9" * 30]),
+        (SCALE, ["1", "5"], ["0", "6", "never"]),
+        (asked(kind="text"), ["anything", "<b>"], ["", "   ", "x" * 2001]),
+        (asked(kind="text", required=False), ["", "words"], ["x" * 2001]),
+    ],
+)
+def test_only_what_is_offered_can_be_answered(
+    question: FormQuestion, accepted: list[str], refused: list[str]
+) -> None:
+    assert [question.problem(answer) for answer in accepted] == [None] * len(accepted)
+    assert all(question.problem(answer) is not None for answer in refused)
+
+
+@pytest.mark.parametrize(
+    "question", [YES_NO, AGE, SCALE, asked(kind="text"), asked(choices=["a", "b"], eligible=["b"])]
+)
+def test_an_example_can_be_answered_and_lets_a_person_in(question: FormQuestion) -> None:
+    assert question.problem(question.example) is None
+    assert not question.eligible or question.example in question.eligible
+
+
+def test_a_scale_names_its_ends() -> None:
+    assert [SCALE.label(step) for step in SCALE.offered] == [
+        "1 – never", "2", "3", "4", "5 – always",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"kind": "choice"}, "needs choices"),
+        ({"kind": "text", "choices": ["a"]}, "cannot have choices"),
+        ({"kind": "scale", "choices": ["a"]}, "or two"),
+        ({"kind": "number", "low": 5, "high": 5}, "must be below"),
+        ({"choices": ["yes", "no"], "eligible": ["perhaps"]}, "only name choices"),
+    ],
+)
+def test_a_question_that_cannot_be_asked_is_refused(keys: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValidationError, match=said):
+        asked(**keys)
+
+
+YES = {"name": "q", "text": "?", "choices": ["yes", "no"]}
+
+
+@pytest.mark.parametrize(
+    ("form", "said"),
+    [
+        ({"eligibility": [YES], "closing": [YES]}, "the same name"),
+        (
+            {"closing": [YES | {"eligible": ["yes"]}]},
+            "under eligibility, consent and comprehension",
+        ),
+        # A question about the instructions can be answered rightly and wrongly.
+        ({"comprehension": [YES]}, "comprehension question 'q'"),
+        ({"comprehension": [YES | {"eligible": ["yes", "no"]}]}, "comprehension question 'q'"),
+    ],
+)
+def test_a_form_that_cannot_be_filled_in_is_refused(form: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValidationError, match=said):
+        Form.model_validate(form)
+
+
+@pytest.mark.parametrize(
+    ("every", "presentations", "breaks"),
+    [(10, 24, [10]), (10, 25, [10, 20]), (1, 4, [1, 2]), (0, 100, [])],
+)
+def test_breaks_come_after_so_many_trials_but_not_shortly_before_the_end(
+    every: int, presentations: int, breaks: list[int]
+) -> None:
+    page = Page(consent="You agree.", break_every=every)
+
+    due = [done for done in range(presentations + 1) if page.break_after(done, presentations)]
+
+    assert due == breaks
+
+
+CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"unpaid_failed_checks": 1}, "not enough to refuse pay"),
+        (
+            {"prolific": CODES | {"completed": "DONE-ALL-99"}},
+            "prolific.completed: the code contains the word",
+        ),
+        ({"prolific": CODES | {"screened_out": "kx7qm2pwtr"}}, "two outcomes have the same code"),
+        ({"prolific": {"screened_out_reward": 10}}, "or neither"),
+        (
+            {"prolific": {"reward": 9, "screened_out_reward": 9, "screened_out_places": 5}},
+            "less than reward",
+        ),
+        ({"pay": {"amount": "2,50", "currency": "EUR"}}, "pattern"),
+        ({"pay": {"currency": "euro"}}, "pattern"),
+        ({"pay": {"amount": "2.50"}}, "recruitment.pay: an amount needs a currency"),
+        ({"pay": {"hourly_minimum": "12.00"}}, "recruitment.pay: an amount needs a currency"),
+    ],
+)
+def test_codes_and_pay_that_cannot_be_right_are_refused(keys: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValidationError) as refused:
+        make_study(recruitment=keys)
+    assert said in str(refused.value)
+
+
+def test_one_failed_check_costs_pay_in_short_studies() -> None:
+    page = {"consent": "You agree.", "minutes": 4}
+    short = make_study(page=page, recruitment={"unpaid_failed_checks": 1})
+    assert short.recruitment.outcome(1) == "failed_attention"
+
+
+GUESSABLE = "KX7QM2P AAAAAAAAAA ABABABABAB COMPLETED7X prolific-42 K1234567X9 XQWERTY79K 9876PWTRKX"
+
+
+def test_a_code_that_could_be_guessed_is_told_and_those_of_recruiters_are_fine() -> None:
+    for code in ("", *GUESSABLE.split(), "DONE-KX7QM2", "KXQM7KXQM7"):
+        assert code_weakness(code) is not None, code
+    for code in ("KX7QM2PWTR", "C1G9PC0D", "8E8AC860"):
+        assert code_weakness(code) is None, code
+
+
+def test_drawn_codes_are_fine_and_each_is_another() -> None:
+    drawn = {draw_code() for _ in range(500)}
+
+    assert len(drawn) == 500
+    assert {len(code) for code in drawn} == {CODE_LENGTH}
+    assert not any(code_weakness(code) for code in drawn)
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_every_template_writes_down_what_would_hold_without_it(protocol: str) -> None:
+    text = render_template(f"{protocol}.toml")
+    assert parse_text(text, where="study.toml").rehearsal == Rehearsal()
+    commented = text[text.index("# [rehearsal.strength]") : text.index("# What participants read")]
+    stated = "\n".join(
+        line.removeprefix("# ")
+        for line in commented.splitlines()
+        if "=" in line or line.startswith("# [")
+    )
+    study = parse_text(text.replace(commented, f"{stated}\n\n"), where="study.toml")
+    assert study.rehearsal.strength
+
+
+def test_a_number_alone_is_that_of_every_question_that_is_not_named() -> None:
+    stated = {"rule_based": 1, "mismatched": {"emotion": 0.25, "*": -1}}
+    strength = make_study(rehearsal={"strength": stated}).rehearsal.strength
+    assert stated_strength(strength, "rule_based", "emotion") == 1
+    assert stated_strength(strength, "mismatched", "emotion") == 0.25
+    assert stated_strength(strength, "mismatched", "rhythm") == -1
+    assert stated_strength(strength, "broken", "emotion") is None
