@@ -4,75 +4,36 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from motion.formats import read_clip, write_clip
 from studyapp.preflight.check import check
 from studyapp.preflight.design_checks import balance_findings
 from studyapp.preflight.finding import SEVERITIES, Finding, Severity
 from studyapp.preflight.material import Material
 from studyapp.results.analysed_tasks import study_notes
-from studyapp.stimuli.generation import generate
-from studyapp.stimuli.recordings import Take, import_take
+from studyapp.stimuli.rendering import equalise_sizes
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import PairVideo, Stimuli, read_stimuli, write_stimuli
-from studyapp.study.protocols.pairwise import PairwiseStudy
-from studyapp.study.study_file import new_study
+from studyapp.study.media import Stimuli, read_stimuli, write_stimuli
 from tests.support.studies.edited_study import edited
 from tests.support.studies.made_study import make_segments, make_study
-from tests.support.studies.takes import write_motion, write_speech
-
-
-def pretend_rendered(folder: StudyFolder, video: Path) -> None:
-    """Put a copy of `video` where each pair video belongs."""
-    study = folder.study()
-    assert isinstance(study, PairwiseStudy)
-    pairs = tuple(
-        PairVideo(
-            segment=segment.name,
-            left=left,
-            right=right,
-            file=f"videos/{segment.name}-{left}-{right}.mp4",
-            duration=segment.duration,
-            key="k",
-        )
-        for segment in folder.segments()
-        for left, right in study.pairs
-    )
-    for pair in pairs:
-        path = folder.root / pair.file
-        path.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(video, path)
-    write_stimuli(folder.stimuli, Stimuli(pairs=pairs))
+from tests.support.studies.takes import write_motion
+from tests.support.studies.tiny_study import SECONDS
 
 
 @pytest.fixture(scope="module")
-def video(tiny_study_template: Path) -> Path:
-    """Return a video of two seconds, as long as the segments here."""
-    return next((tiny_study_template / "videos").rglob("*.mp4"))
-
-
-@pytest.fixture(scope="module")
-def ready_once(video: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
-    """Return a study with a recording, whose videos are there; tests take copies."""
-    root = tmp_path_factory.mktemp("ready")
-    folder = StudyFolder(root / "study")
-    new_study(folder.definition, name="study", trials=2)
-    import_take(
-        folder,
-        Take(
-            motion=write_motion(root / "motion.npz", 6.0),
-            speech=write_speech(root / "take.wav", 6.0),
-            frame_rate=None,
-            segment_seconds=2.0,
-            condition="ground_truth",
-            speaker="scott",
-            emotion="neutral",
-        ),
-    )
-    pretend_rendered(folder, video)
+def ready_once(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    """Return a study whose videos are there, and the motion of its reference."""
+    root = tmp_path_factory.mktemp("ready") / "study"
+    folder = StudyFolder(Path(shutil.copytree(tiny_study_template, root)))
+    for segment in folder.segments():
+        write_motion(folder.clip("rule_based", segment.name), SECONDS)
+    equalise_sizes(folder)
     return folder
 
 
@@ -102,7 +63,7 @@ def change(folder: StudyFolder, keys: Mapping[str, object]) -> None:
             *tables, name = key.split(".")
             table: Any = document
             for each in tables:
-                table = table[int(each) if each.isdigit() else each]
+                table = table[int(each)] if each.isdigit() else table.setdefault(each, {})
             table[name] = value
 
 
@@ -143,16 +104,15 @@ NUMBERED = (
     "1. who gave at least 50% of the answers in less than 8 s (time<8,share=0.5); "
     "2. who did not finish (incomplete)"
 )
-MANNEQUIN = {"video.avatar": "mannequin", "freeze": []}
-SMALL_FACE = {"video.size": 240, "freeze": [], "questions.1.text": "Which face fits?"}
+FACE = "Which face fits?"
 
 
 @pytest.mark.parametrize(
     ("severity", "words", "keys"),
     [
-        ("note", "3 pairs instead of 24", {"trials": 24}),
-        ("warning", "'ground_truth' has 30 frames per second", {"video.frame_rate": 60}),
-        ("warning", "the English template's text is still used", {"page.language": "ja"}),
+        ("note", "4 pairs instead of 24", {"trials": 24}),
+        ("warning", "'rule_based' has 30 frames per second", {"video.frame_rate": 60}),
+        ("warning", "nobody to contact", {"page.contact": ""}),
         ("warning", "neither catch trials", {"catch.trials": 0}),
         ("warning", "excludes nobody", COVERAGE),
         ("note", f"{EXCLUDED}nobody", {"catch.trials": 0, "exclusions": []}),
@@ -166,9 +126,13 @@ SMALL_FACE = {"video.size": 240, "freeze": [], "questions.1.text": "Which face f
         (
             "warning",
             "frame the face, but the study's body has no face",
-            {"video.framing": "face", **MANNEQUIN},
+            {"video.framing": "face", "video.avatar": "mannequin"},
         ),
-        ("note", "the question 'emotion' is about the face, but a head is only", SMALL_FACE),
+        (
+            "note",
+            "the question 'emotion' is about the face, but a head is only",
+            {"video.size": 240, "questions.1.text": FACE},
+        ),
         ("error", "no such expression matrix", {"video.expression_matrix": "face.npy"}),
     ],
 )
@@ -188,8 +152,8 @@ def test_settings_are_compared_with_each_other_and_with_the_material(
     "keys",
     [
         {"video.framing": "hands", "freeze": ["face"]},
-        SMALL_FACE | {"video.framing": "face"},
-        MANNEQUIN | {"freeze": ["face", "hands"]},
+        {"video.framing": "face", "video.size": 240, "questions.1.text": FACE},
+        {"video.avatar": "mannequin", "freeze": ["face", "hands"]},
     ],
 )
 def test_a_framing_of_what_moves_is_fine(ready: StudyFolder, keys: dict[str, object]) -> None:
@@ -199,31 +163,26 @@ def test_a_framing_of_what_moves_is_fine(ready: StudyFolder, keys: dict[str, obj
     assert count(findings, "note", "about the face") == 0
 
 
-def test_findings_vanish_once_the_study_file_is_changed(
+def test_notes_of_the_design_vanish_once_the_study_file_is_changed(
     ready: StudyFolder, original: list[Finding]
 ) -> None:
-    # Two of three segments are heard in pairs, which leaves one for a catch trial.
-    repeated = "2 of 3 catch trials and attention checks repeat the speech"
+    repeated = "1 of 1 catch trials and attention checks repeat the speech"
+    catch = "catch trials show rule based against broken"
     rules = (
         f"{EXCLUDED}1. who did not finish (incomplete); 2. who failed more than 1 catch trial "
         "(catch>1)"
     )
-    notes = (repeated, "published design has 24", "say nothing about happiness", rules)
+    notes = (repeated, "published design has 24", "say nothing about", rules, catch)
     assert clauses(original, "error") == []
-    assert [count(original, "note", words) for words in notes] == [1] * 4
-    assert count(original, "warning", "nobody to contact") == 1
+    assert [count(original, "note", words) for words in notes] == [1] * 5
 
-    change(
-        ready,
-        {
-            "page.contact": "lab@example.org",
-            "catch.trials": 1,
-            "exclusions": [{"rule": "coverage", "below": 0.99}],
-        },
-    )
+    # Three of four segments are heard in pairs, which leaves one for a catch trial.
+    change(ready, {"trials": 3, "exclusions": [{"rule": "coverage", "below": 0.99}]})
+    with edited(ready.definition) as document:
+        document["conditions"]["ground_truth"] = {}
 
+    assert study_notes(ready.study()) == ()
     findings = check(ready)
-    assert count(findings, "warning", "nobody to contact") == 0
     assert count(findings, "note", "repeat the speech") == 0
     assert count(findings, "warning", "excludes nobody") == 0
 
@@ -231,36 +190,26 @@ def test_findings_vanish_once_the_study_file_is_changed(
 def test_a_channel_that_moves_in_some_conditions_only_is_found_until_it_is_frozen(
     ready: StudyFolder,
 ) -> None:
-    generate(ready)
-    change(ready, {"freeze": []})
-    assert count(check(ready), "warning", "face never moves in ground_truth") == 1
-    change(ready, {"freeze": ["face", "hands", "root", "lower_body"]})
+    for segment in ready.segments():
+        clip = read_clip(ready.clip("rule_based", segment.name))
+        weights = np.random.default_rng(1).random((len(clip), 52), np.float32)
+        write_clip(ready.clip("mismatched", segment.name), replace(clip, arkit=weights))
+    assert count(check(ready), "warning", "face never moves in rule_based") == 1
+    change(ready, {"freeze": ["face"]})
     assert count(check(ready), "warning", "never moves") == 0
-
-
-def test_a_study_without_a_recording_says_what_its_catch_trials_show(
-    ready: StudyFolder, video: Path
-) -> None:
-    assert study_notes(ready.study()) == ()
-    with edited(ready.definition) as document:
-        del document["conditions"]["ground_truth"]
-    (note,) = study_notes(ready.study())
-    assert "rule based against broken" in note
-    pretend_rendered(ready, video)
-    assert note.rstrip(".") in clauses(check(ready), "note")
 
 
 def test_every_broken_clip_is_an_error_beside_all_other_findings(
     ready: StudyFolder, original: list[Finding]
 ) -> None:
     segments = [segment.name for segment in ready.segments()][:2]
-    for condition, segment in zip(("ground_truth", "broken"), segments, strict=True):
+    for condition, segment in zip(("rule_based", "broken"), segments, strict=True):
         path = ready.clip(condition, segment)
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("torn")
     findings = check(ready)
     assert [f.where for f in findings if f.name == "motion-unreadable"] == [
-        f"motion/ground_truth/{segments[0]}.npz",
+        f"motion/rule_based/{segments[0]}.npz",
         f"motion/broken/{segments[1]}.npz",
     ]
     assert len(clauses(findings, "error")) == 2

@@ -63,6 +63,9 @@ def test_texts_of_a_template_are_recognised_in_every_language(tmp_path: Path) ->
         study = new_study(tmp_path / f"{language}.toml", name="s", language=language)
         names = {finding.name for finding in page_findings(study)}
         assert {"consent-from-template", "title-from-template"} <= names
+        english = study.page.model_copy(update={"language": "ja"})
+        mixed = {f.name for f in page_findings(study.model_copy(update={"page": english}))}
+        assert ("texts-untranslated" in mixed) == (language == "en")
 
 
 def test_time_covers_videos_questions_and_texts() -> None:
@@ -118,9 +121,9 @@ def test_the_pace_is_that_of_participants_who_finished(tiny_study: Path) -> None
 
     expected = expected_time(material)
     assert expected is not None
-    # Six trials of ten seconds each.
-    assert (pace.finished, pace.minutes) == (3, 1.0)
-    assert pace.times_expected == pytest.approx(60 / expected.seconds)
+    # Six trials of thirteen seconds each.
+    assert (pace.finished, pace.minutes) == (3, 1.3)
+    assert pace.times_expected == pytest.approx(78 / expected.seconds)
     assert minutes_needed(expected, pace) == 1
 
 

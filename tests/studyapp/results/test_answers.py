@@ -14,11 +14,12 @@ from studyapp.results.answers import answers_to_report, read_rehearsal
 from studyapp.results.export.writing import export
 from studyapp.results.stated_beforehand import study_exclusions
 from studyapp.results.stored_answers import stored_answers
+from studyapp.session.refusal import ConflictError, log_refusal
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.exclusions import FailedCatch, Incomplete
-from tests.studyapp.results.conftest import leave
 from tests.support.studies.exported import responses_table
 from tests.support.studies.finished_study import PROTOCOLS
+from tests.support.studies.redefining import redefine
 from tests.support.studies.stored import reading
 from tests.support.studies.taking_part_steps import taking_part
 
@@ -65,13 +66,16 @@ def test_a_table_that_became_empty_is_not_left_as_it_was(
 def test_what_was_kept_of_who_withdrew_is_exported_apart(
     folder: StudyFolder, tmp_path: Path
 ) -> None:
-    definition = folder.definition
-    text = definition.read_text("utf-8").replace("[page]\n", '[page]\nwithdrawn = "kept"\n')
-    definition.write_text(text, "utf-8")
-    answer_once(folder, folder.responses)
-    leave(folder, 1)
+    redefine(folder.root, ("[page]\n", '[page]\nwithdrawn = "kept"\n'))
+    with taking_part(folder.root) as participant:
+        participant.enrol().begin().take_trial()
+        refusal = ConflictError("No.", "Try again.")
+        log_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
+        participant.withdraw()
 
     assert export(folder, tmp_path / "responses.csv").answers == 0
+    for table in ("form", "watching", "refusals"):
+        assert pd.read_csv(tmp_path / f"responses_{table}.csv").empty
     assert export(folder, tmp_path / "withdrawn.csv", withdrawn=True).answers == 2
     stored = answers_to_report(folder).stored
     assert stored is not None

@@ -244,10 +244,11 @@ def test_unshown_faces_and_silent_speech_are_noted(
 ) -> None:
     with edited(study.definition) as document:
         document["freeze"].remove("face")
-    path = study.clip("mismatched", "take_01")
-    clip = read_clip(path)
-    faces = np.full((len(clip), 100), 0.5)
-    write_clip(path, replace(clip, expressions=faces, arkit=None))
+    for segment in study.segments():
+        path = study.clip("mismatched", segment.name)
+        clip = read_clip(path)
+        faces = np.full((len(clip), 100), 0.5)
+        write_clip(path, replace(clip, expressions=faces, arkit=None))
     speech = read_audio(study.speech / "take.wav")
     samples = speech.samples.copy()
     samples[: speech.sample_rate] = 0
