@@ -127,7 +127,13 @@ class Mismatched:
         nothing jumps; the provenance then says so.
         """
         clips = required_source(source, self.name)
-        partner = _partner(speech.segment, clips.segments, seed)
+        partners = assign_partners(clips.segments, seed)
+        if speech.segment.name not in partners:
+            raise InputError(
+                f"segment {speech.segment.name} is not in the study",
+                remedy=f"Use one of {', '.join(sorted(partners))}",
+            )
+        partner = partners[speech.segment.name]
         clip = resample(clips.clip(partner), frame_rate)
         frames = speech.frame_count(frame_rate)
         return with_length(clip, frames).with_provenance(
@@ -173,16 +179,6 @@ def assign_partners(segments: Sequence[Segment], seed: int) -> Mapping[str, str]
         ordered[taker].name: ordered[giver].name
         for taker, giver in zip(takers, givers, strict=True)
     }
-
-
-def _partner(segment: Segment, segments: Sequence[Segment], seed: int) -> str:
-    partner_of = assign_partners(segments, seed)
-    if segment.name not in partner_of:
-        raise InputError(
-            f"segment {segment.name} is not in the study",
-            remedy=f"Use one of {', '.join(sorted(partner_of))}",
-        )
-    return partner_of[segment.name]
 
 
 class Broken:

@@ -53,20 +53,9 @@ def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tu
     with _THREADS_LOCK:
         threads = torch.get_num_threads()
         if threads > 1:
-            return _run_on_half_the_threads(first, second, threads)
+            with torch_threads(threads // 2), ThreadPoolExecutor(1, "side-by-side") as pool:
+                # Inference mode belongs to a thread.
+                future = pool.submit(torch.inference_mode()(first))
+                result = second()
+                return future.result(), result
     return first(), second()
-
-
-def _run_on_half_the_threads(
-    first: Callable[[], First], second: Callable[[], Second], threads: int
-) -> tuple[First, Second]:
-    with torch_threads(threads // 2), ThreadPoolExecutor(1, "side-by-side") as pool:
-        future = pool.submit(_without_gradients, first)
-        result = second()
-        return future.result(), result
-
-
-def _without_gradients(work: Callable[[], First]) -> First:
-    """Return the result of `work`; inference mode belongs to a thread."""
-    with torch.inference_mode():
-        return work()

@@ -188,21 +188,12 @@ def training_features(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[
     -------
     tuple of Feature
         ``gesture``, ``expression``, ``mel``, ``hubert``; of BEAT also ``semantic``.
-
-    Raises
-    ------
-    InputError
-        If motion is told as nobody's.
     """
     speech = (mel(frame_rate), hubert_features(frame_rate, hubert))
     if dataset == "beat":
         scores = semantic_scores(frame_rate)
         return (beat_gesture(frame_rate), beat_expression(frame_rate), *speech, scores)
-    if dataset == "show":
-        return (show_gesture(frame_rate), show_expression(frame_rate), *speech)
-    raise InputError(
-        f"there is no motion representation of {dataset!r}", remedy="Use 'beat' or 'show'"
-    )
+    return (show_gesture(frame_rate), show_expression(frame_rate), *speech)
 
 
 def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:

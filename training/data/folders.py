@@ -30,8 +30,7 @@ from training.data.found_take import (
     usable_name,
     with_unique_names,
 )
-from training.data.split_list import USUAL_NAMES, read_split_list
-from training.data.splitting import by_list, by_rule
+from training.data.splitting import USUAL_NAMES, by_list, by_rule, read_split_list
 from training.data.take import KINDS, Kind, Split, Take, TakeFolder
 
 DATABASE = "data.mdb"
@@ -159,8 +158,8 @@ def read_takes(
     kind : {'beat', 'beat2', 'show', 'ted'}, optional
         Its layout; by default recognised from the files.
     split_list : Path, optional
-        See `training.data.split_list`. By default the folder's own list, else the rule of the data
-        set, else a hash of each recording's name.
+        See `training.data.splitting.read_split_list`. By default the folder's own list, else the
+        rule of the data set, else a hash of each recording's name.
 
     Returns
     -------

@@ -158,20 +158,9 @@ def _free_port() -> int:
 _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
 
 
-class StopRequest:
-    """Whether a stop was requested."""
-
-    def __init__(self) -> None:
-        self.times = 0
-
-    def __bool__(self) -> bool:
-        """Tell whether the request was made."""
-        return self.times > 0
-
-
 @contextmanager
-def stop_request(*, heeded: int = 1) -> Iterator[StopRequest]:
-    """Note Ctrl-C, and a batch system's request to end, rather than break off at once.
+def stop_request(*, heeded: int = 1) -> Iterator[list[int]]:
+    """Note the signals of Ctrl-C, and of a batch system's end, rather than break off at once.
 
     Outside the main thread, where signals cannot be caught, nothing changes.
 
@@ -181,19 +170,19 @@ def stop_request(*, heeded: int = 1) -> Iterator[StopRequest]:
         How many requests are noted; one more breaks off. A launcher of several processes may hand
         on a Ctrl-C that the terminal had sent to each of them already.
     """
-    request = StopRequest()
+    signals: list[int] = []
     if threading.current_thread() is not threading.main_thread():
-        yield request
+        yield signals
         return
 
     def note(number: int, frame: FrameType | None) -> None:
-        if request.times >= heeded:
+        if len(signals) >= heeded:
             raise KeyboardInterrupt
-        request.times += 1
+        signals.append(number)
 
     previous = {number: signal.signal(number, note) for number in _SIGNALS}
     try:
-        yield request
+        yield signals
     finally:
         for number, handler in previous.items():
             signal.signal(number, handler)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,29 +108,14 @@ class TextVectors:
         return vector
 
 
-@dataclass(frozen=True, eq=False)
-class BinaryVectors:
-    """FastText's ``.bin``, which has parts of words and so every word; gensim reads it."""
-
-    vectors: Any
-    width: int
-    description: str
-
-    def lookup(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
-        """Return a vector of every word."""
-        return {word: np.asarray(self.vectors[word], np.float32) for word in set(words)}
-
-
-def read_word_vectors(path: Path) -> WordVectors:
-    """Return the vectors of a FastText file.
+def read_word_vectors(path: Path) -> TextVectors:
+    """Return the vectors of a FastText file in text form.
 
     Raises
     ------
     InputError
-        If the file is no such file, or needs gensim and it is not installed.
+        If the file is no such file.
     """
-    if path.suffix.lower() == ".bin":
-        return _read_binary(path)
     try:
         with path.open(encoding="utf-8", errors="replace") as file:
             count, width = (int(number) for number in next(file).split())
@@ -140,28 +125,9 @@ def read_word_vectors(path: Path) -> WordVectors:
         raise InputError(
             "the file holds no vectors of words",
             where=path,
-            remedy="Give FastText's .vec, whose first line gives the numbers of words and values, "
-            "or its .bin",
+            remedy="Give FastText's .vec, whose first line gives the numbers of words and values",
         ) from error
     return TextVectors(path, width, path.name)
-
-
-def _read_binary(path: Path) -> BinaryVectors:
-    try:
-        from gensim.models.fasttext import load_facebook_vectors
-    except ImportError as error:
-        raise InputError(
-            "FastText's .bin is read by gensim, which is not installed",
-            where=path,
-            remedy="Install it: pip install 'motionjury[vectors]'; or give the .vec",
-        ) from error
-    try:
-        vectors = load_facebook_vectors(str(path))
-    except Exception as error:  # gensim raises whatever its parsing runs into
-        raise InputError(
-            "the file holds no vectors of words", where=path, remedy="Give FastText's .bin or .vec"
-        ) from error
-    return BinaryVectors(vectors, int(vectors.vector_size), path.name)
 
 
 def word_rows(

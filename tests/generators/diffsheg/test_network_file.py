@@ -13,10 +13,10 @@ import pytest
 import torch
 from safetensors.torch import save_file
 
-from generators.diffsheg import load_released
 from generators.diffsheg.config import BEAT
 from generators.diffsheg.network_file import (
     load_network,
+    load_released,
     read_normalisation,
     read_weights,
 )

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from motion.errors import InputError
 from training.data.beat import BeatName
 from training.data.folders import read_takes
-from training.data.split_list import read_split_list
-from training.data.splitting import held_out_recordings, split_by_hash
+from training.data.splitting import held_out_recordings, read_split_list, split_by_hash
 from training.data.take import Split, TakeFolder
 
 NAMES = ("2_scott_0_9_9", "2_scott_0_10_10", "2_scott_0_11_11")

@@ -39,9 +39,3 @@ def test_a_file_without_vectors_is_refused(tmp_path: Path, content: str) -> None
     (tmp_path / "a.vec").write_text(content)
     with pytest.raises(InputError, match="holds no vectors of words"):
         read_word_vectors(tmp_path / "a.vec")
-
-
-def test_a_binary_file_needs_gensim_or_is_none(tmp_path: Path) -> None:
-    (tmp_path / "a.bin").write_bytes(b"none")
-    with pytest.raises(InputError, match=r"gensim|holds no vectors"):
-        read_word_vectors(tmp_path / "a.bin")
