@@ -13,29 +13,26 @@ from generators import registry
 from generators.amuse.config import MOTION_PRESETS, SPEECH_PRESETS
 from generators.diffsheg import config as diffsheg
 from generators.learned_settings import ModelSettings
-from generators.registry import TRAINABLE, find_trainable, load_generator, needs_model
+from generators.registry import TRAINABLE, find_trainable, load_generator
 from generators.s2ue import config as s2ue
 from motion.errors import InputError
 
 
-def test_an_unknown_name_lists_the_known_ones() -> None:
-    with pytest.raises(InputError, match="rule_based") as refusal:
-        load_generator("telepathic")
-    assert "telepathic" in refusal.value.what
-
-
-def test_a_network_without_weights_is_refused_with_the_key_that_names_them() -> None:
-    assert needs_model("diffsheg")
-    with pytest.raises(InputError, match="diffsheg is a network and was given no weights") as error:
-        load_generator("diffsheg")
-    assert "'checkpoint' in study.toml" in str(error.value.remedy)
-
-
-def test_weights_for_a_generator_without_a_network_are_refused(tmp_path: Path) -> None:
-    weights = tmp_path / "weights.pt"
-    weights.write_bytes(b"")
-    with pytest.raises(InputError, match="static is no network"):
-        load_generator("static", ModelSettings(checkpoint=weights))
+@pytest.mark.parametrize(
+    ("name", "weights", "message"),
+    [
+        ("telepathic", False, r"no generator 'telepathic'.*rule_based"),
+        ("diffsheg", False, r"diffsheg is a network and was given no weights.*'checkpoint' in"),
+        ("static", True, "static is no network"),
+    ],
+)
+def test_a_generator_that_is_not_there_or_needs_other_settings_is_refused(
+    name: str, weights: bool, message: str, tmp_path: Path
+) -> None:
+    (tmp_path / "weights.pt").write_bytes(b"")
+    settings = ModelSettings(checkpoint=tmp_path / "weights.pt") if weights else None
+    with pytest.raises(InputError, match=message):
+        load_generator(name, settings)
 
 
 HOME = Path(registry.__file__).parent

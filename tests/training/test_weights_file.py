@@ -22,12 +22,6 @@ def test_weights_written_are_read_back(tmp_path: Path) -> None:
     assert list(result.with_prefix("a")) == ["weight"]
 
 
-def test_equal_content_makes_equal_bytes(tmp_path: Path) -> None:
-    for name, facts in (("1", {"a": 1, "b": 2}), ("2", {"b": 2, "a": 1})):
-        write_weights(tmp_path / name, TENSORS, facts)
-    assert (tmp_path / "1").read_bytes() == (tmp_path / "2").read_bytes()
-
-
 def test_a_file_that_cannot_be_used_is_named_with_a_remedy(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
         read_weights(tmp_path / "none.safetensors")

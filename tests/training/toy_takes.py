@@ -10,7 +10,7 @@ from generators.diffsheg.config import BEAT
 from motion.errors import InputError
 from tests.training.takes import prepared_takes, take_named
 from training.data.feature_cache import PreparedTakes
-from training.data.take import Split, TakeFolder
+from training.data.take import Split
 
 SPEAKERS = ("1", "2", "3")
 WIDTHS = {
@@ -49,7 +49,3 @@ def toy_takes(takes: int = 12, frames: int = 70) -> PreparedTakes:
             arrays[name].append(values.astype(np.float32))
         named.append(take_named(f"{number:02}", speaker=speaker, split=split))
     return prepared_takes(named, arrays, BEAT.frame_rate, skipped=(SKIPPED,))
-
-
-def toy_folder(prepared: PreparedTakes) -> TakeFolder:
-    return TakeFolder(kind="beat", takes=prepared.takes, speakers=SPEAKERS)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import os
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import cast
 
@@ -20,18 +21,14 @@ from generators.amuse.config import MOTION_PRESETS
 from generators.amuse.losses import MOTION_LOSSES
 from generators.amuse.network_file import load_motion, load_speech
 from generators.amuse.train import MotionTask, speech_latents, train_amuse
-from generators.registry import TrainedGenerator, TrainingRequest, show_nothing
 from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from tests.generators.amuse.small_networks import MOTION, written_networks
-from tests.generators.one_device import require_one_device
+from tests.generators.small_training import Learn, require_one_device, training_on
 from tests.training.takes import prepared_takes, take_named
 from training.data.feature_cache import PreparedTakes
-from training.data.take import TakeFolder
 from training.data.windows import Windows
 from training.run.loop import TrainingStopped
-
-Learn = Callable[..., TrainedGenerator]
 
 FRAMES = 12
 
@@ -63,26 +60,8 @@ def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
         align_steps=5,
     )
     monkeypatch.setattr("generators.amuse.train.MOTION_PRESETS", {"tiny": tiny})
-    monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: takes)
-
-    def train(
-        steps: int,
-        out: Path,
-        show: Callable[[int, int, str], None] = show_nothing,
-        **choices: str | None,
-    ) -> TrainedGenerator:
-        named = {"speech_model": str(settings.speech_model), **choices}
-        request = TrainingRequest(
-            takes=TakeFolder(kind="beat", takes=takes.takes, speakers=("1",)),
-            out=out,
-            cache=tmp_path,
-            config="tiny",
-            changes={"steps": steps, "batch_size": 16, "learning_rate": 3e-3},
-            choices={key: value for key, value in named.items() if value is not None},
-        )
-        return train_amuse(replace(request, show_training=show))
-
-    return train
+    learn = training_on(takes, train_amuse, monkeypatch, batch_size=16, learning_rate=3e-3)
+    return partial(learn, speech_model=str(settings.speech_model))
 
 
 def test_a_short_training_reconstructs_and_denoises_better_than_its_beginning(
@@ -148,7 +127,7 @@ def test_a_stopped_training_goes_on_to_the_same_bytes(learn: Learn, tmp_path: Pa
 
     learn(4, whole)
     with pytest.raises(TrainingStopped):
-        learn(4, parts, stop)
+        learn(4, parts, show=stop)
     learn(4, parts)
     assert whole.read_bytes() == parts.read_bytes()
 

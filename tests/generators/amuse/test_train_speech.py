@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -14,49 +13,24 @@ from generators.amuse.config import SPEECH_PRESETS
 from generators.amuse.network_file import load_speech
 from generators.amuse.speech import SpeechEncoder, SpeechModel
 from generators.amuse.train_speech import train_amuse_speech
-from generators.registry import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from tests.generators.amuse.test_speech import SMALL
 from tests.generators.amuse.toy_speech import toy_speech
-from tests.generators.one_device import require_one_device
+from tests.generators.small_training import Learn, require_one_device, training_on
 from training.corpus.request import CorpusRequest, claim_folder
-from training.data.feature_cache import PreparedTakes
-from training.data.take import TakeFolder
-
-Learn = Callable[..., TrainedGenerator]
 
 TOY_SPEECH: Final = toy_speech()
 TWO_TEXTS_HELD_OUT: Final = toy_speech(held_out=2)
 
 
 @pytest.fixture(name="learn")
-def _learn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
+def _learn(monkeypatch: pytest.MonkeyPatch) -> Learn:
     small = replace(
         SPEECH_PRESETS["tiny"], network=replace(SMALL, frames=100, patch_stride=16), seconds=1
     )
     monkeypatch.setattr("generators.amuse.train_speech.SPEECH_PRESETS", {"tiny": small})
-
-    def train(
-        steps: int,
-        out: Path,
-        prepared: PreparedTakes = TOY_SPEECH,
-        folder: Path = tmp_path,
-        rate: float = 3e-3,
-        **choices: str,
-    ) -> TrainedGenerator:
-        monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: prepared)
-        takes = tuple(replace(take, speech=folder / take.speech) for take in prepared.takes)
-        request = TrainingRequest(
-            takes=TakeFolder(kind="beat", takes=takes, speakers=("ann", "bob")),
-            out=out,
-            cache=tmp_path,
-            config="tiny",
-            changes={"steps": steps, "batch_size": 2, "learning_rate": rate, "validate_every": 5},
-            choices=choices,
-        )
-        return train_amuse_speech(request)
-
-    return train
+    usual = {"batch_size": 2, "learning_rate": 3e-3, "validate_every": 5}
+    return training_on(TOY_SPEECH, train_amuse_speech, monkeypatch, **usual)
 
 
 def test_it_learns_to_take_apart_speech_of_texts_it_never_heard(
@@ -104,7 +78,7 @@ def test_the_encoders_set_out_from_the_weights_of_a_folder(learn: Learn, tmp_pat
     network.save_pretrained(tmp_path / "ast")
     out = tmp_path / "out.safetensors"
     # A tiny learning rate leaves them almost unchanged.
-    outcome = learn(1, out, encoder_weights=str(tmp_path / "ast"), rate=1e-12)
+    outcome = learn(1, out, encoder_weights=str(tmp_path / "ast"), changes={"learning_rate": 1e-12})
     learned = load_speech(out)
     assert isinstance(learned.model, SpeechModel)
     for encoder in (learned.model.content, learned.model.emotion, learned.model.style):
@@ -150,9 +124,10 @@ def test_a_corpus_whose_speakers_share_no_texts_is_refused(
     learn: Learn, tmp_path: Path, shared: bool
 ) -> None:
     claim_folder(tmp_path / "corpus", CorpusRequest(sentences=32, shared_passages=shared))
-    out = tmp_path / "out.safetensors"
+    takes = [replace(take, speech=tmp_path / "corpus" / take.speech) for take in TOY_SPEECH.takes]
+    in_corpus = replace(TOY_SPEECH, takes=tuple(takes))
     if shared:
-        learn(1, out, folder=tmp_path / "corpus")
+        learn(1, tmp_path / "out.safetensors", in_corpus)
         return
     with pytest.raises(InputError, match=r"texts of their own.*--shared-passages"):
-        learn(1, out, folder=tmp_path / "corpus")
+        learn(1, tmp_path / "out.safetensors", in_corpus)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,23 +10,21 @@ import numpy as np
 import pytest
 import torch
 
-from generators.diffsheg.config import ABLATIONS, PRESETS
+from generators.diffsheg.config import PRESETS
 from generators.diffsheg.losses import LOSSES, LossWeights
-from generators.diffsheg.network_file import MotionNetwork, load_network
+from generators.diffsheg.network_file import load_network
 from generators.diffsheg.train import METRIC, DiffShegTask, normalisation_of, train_diffsheg
-from generators.registry import TrainedGenerator, TrainingRequest, show_nothing
+from generators.registry import TrainingRequest
 from motion.errors import InputError
 from tests.generators.diffsheg.small_network import smaller
-from tests.generators.one_device import require_one_device
-from tests.training.toy_takes import SKIPPED, toy_folder, toy_takes
+from tests.generators.small_training import Learn, require_one_device, training_on
+from tests.training.toy_takes import SKIPPED, toy_takes
 from training.data.feature_cache import PreparedTakes
 from training.data.take import Kind, TakeFolder
 from training.data.windows import Windows
 from training.speakers import Speakers
 
 SMALL = replace(smaller(PRESETS["tiny"]["beat"].network), dropout=0.0)
-
-Train = Callable[..., TrainedGenerator]
 
 
 @pytest.fixture(scope="module")
@@ -41,27 +38,11 @@ def _few_are_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Train:
-    """Return a training of a small network on the toy takes, given steps and choices."""
+def learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch) -> Learn:
     tiny = PRESETS["tiny"]["beat"]
     small = replace(tiny, network=SMALL)
     monkeypatch.setattr("generators.diffsheg.config.PRESETS", {**PRESETS, "tiny": {"beat": small}})
-    monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: takes)
-
-    def train(
-        steps: int, out: Path, show: Callable[[int, int, str], None] = show_nothing, **changes: Any
-    ) -> TrainedGenerator:
-        request = TrainingRequest(
-            takes=toy_folder(takes),
-            out=out,
-            cache=tmp_path,
-            config="tiny",
-            changes={"steps": steps, "batch_size": 16, "learning_rate": 1e-2},
-            **changes,
-        )
-        return train_diffsheg(replace(request, show_training=show))
-
-    return train
+    return training_on(takes, train_diffsheg, monkeypatch, batch_size=16, learning_rate=1e-2)
 
 
 def task_of(takes: PreparedTakes, **changes: Any) -> DiffShegTask:
@@ -76,16 +57,12 @@ def task_of(takes: PreparedTakes, **changes: Any) -> DiffShegTask:
     return replace(task, **changes)
 
 
-def read(out: Path) -> MotionNetwork:
-    return load_network(out, "beat", None)
-
-
 def test_a_short_training_finds_noise_that_an_untrained_network_does_not(
-    learn: Train, tmp_path: Path
+    learn: Learn, tmp_path: Path
 ) -> None:
     out = tmp_path / "small.safetensors"
     outcome = learn(24, out)
-    facts = read(out).training
+    facts = load_network(out, "beat", None).training
     for measure in ("noise", "loss"):
         assert facts["held_out"][measure] < 0.85 * facts["untrained"][measure]
     assert outcome.skipped == (SKIPPED,)
@@ -95,17 +72,17 @@ def test_a_short_training_finds_noise_that_an_untrained_network_does_not(
 
 
 def test_it_is_computed_where_its_device_is(
-    learn: Train, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     require_one_device(monkeypatch, lambda: learn(1, tmp_path / "out.safetensors"))
 
 
 def test_the_file_names_its_training_and_another_ablation_does_not_go_on_with_it(
-    learn: Train, tmp_path: Path
+    learn: Learn, tmp_path: Path
 ) -> None:
     out = tmp_path / "small.safetensors"
-    learn(2, out, choices={"ablation": "without_x0", "preset": "release"})
-    network = read(out)
+    learn(2, out, ablation="without_x0", preset="release")
+    network = load_network(out, "beat", None)
     assert network.dataset == "beat"
     assert network.speakers == Speakers(("1", "2"), SMALL.speakers)
     assert network.hubert is not None
@@ -116,9 +93,9 @@ def test_the_file_names_its_training_and_another_ablation_does_not_go_on_with_it
     assert network.training["config"]["steps"] == 2
     assert network.training["versions"]["torch"] == torch.__version__
     with pytest.raises(InputError, match="network flow was 'none' and is 'joint'"):
-        learn(3, out, choices={"ablation": "naive_concat", "preset": "release"})
+        learn(3, out, ablation="naive_concat", preset="release")
     with pytest.raises(InputError, match=r"loss noise was 1000.* and is 10\b"):
-        learn(3, out, choices={"ablation": "without_x0", "preset": "paper"})
+        learn(3, out, ablation="without_x0", preset="paper")
 
 
 def test_motion_is_normalised_by_the_training_split_only(takes: PreparedTakes) -> None:
@@ -159,15 +136,6 @@ def test_the_network_gets_the_speaker(takes: PreparedTakes) -> None:
     speakers = [("1", "2").index(task.training.take_of(int(row)).speaker) for row in rows]
     assert told[0].argmax(dim=1).tolist() == speakers
     assert torch.equal(told[0].sum(dim=1), torch.ones(len(rows)))
-
-
-@pytest.mark.parametrize("name", ABLATIONS)
-def test_every_ablation_learns(name: str, takes: PreparedTakes) -> None:
-    task = task_of(takes, config=replace(SMALL, **ABLATIONS[name]))
-    network = task.network().train()
-    losses = task.losses(network, np.arange(4))
-    torch.autograd.backward(losses["loss"])
-    assert any(one.grad is not None and one.grad.abs().max() > 0 for one in network.parameters())
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -11,20 +10,16 @@ import pytest
 import torch
 from scipy.ndimage import gaussian_filter1d
 
-from generators.registry import TrainedGenerator, TrainingRequest
 from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights
 from generators.s2ue.network_file import load_network
 from generators.s2ue.train import S2ueTask, train_s2ue
 from motion.errors import InputError
-from tests.generators.one_device import require_one_device
 from tests.generators.s2ue.small_network import FACE, SMALL, standing
+from tests.generators.small_training import Learn, require_one_device, training_on
 from tests.training.takes import prepared_takes, take_named
 from training.data.feature_cache import PreparedTakes
-from training.data.take import Kind, TakeFolder
 from training.data.windows import Windows
 from training.speakers import Speakers
-
-Learn = Callable[..., TrainedGenerator]
 
 
 @pytest.fixture(scope="module", name="takes")
@@ -53,20 +48,7 @@ def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch) -> Learn:
     sizes = {name: getattr(SMALL, name) for name in ("hidden", "node_width", "part_width", "reach")}
     tiny = replace(PRESETS["tiny"], sizes=sizes)
     monkeypatch.setattr("generators.s2ue.train.PRESETS", {"tiny": tiny})
-    monkeypatch.setattr("generators.learned.prepare", lambda *given, **options: takes)
-
-    def train(steps: int, out: Path, kind: Kind = "beat", **choices: str) -> TrainedGenerator:
-        request = TrainingRequest(
-            takes=TakeFolder(kind=kind, takes=takes.takes, speakers=("a", "b")),
-            out=out,
-            cache=out.parent,
-            config="tiny",
-            changes={"steps": steps, "batch_size": 8, "checkpoint_every": 100},
-            choices=choices,
-        )
-        return train_s2ue(request)
-
-    return train
+    return training_on(takes, train_s2ue, monkeypatch, batch_size=8, checkpoint_every=100)
 
 
 def task(takes: PreparedTakes) -> S2ueTask:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from motion.audio import Audio
-from motion.errors import InputError
 from motion.segment import EMOTIONS
 from tests.generators.conftest import syllables
 from training.corpus.chance import EXPECTED, Chance
@@ -122,19 +121,3 @@ def test_silence_moves_nothing_which_has_no_correlation_but_a_reason(process: Pr
     for result in correlate_motions(still, process.drive(30.0)):
         assert np.isnan(result.correlation)
         assert "does not change" in result.reason
-
-
-@pytest.mark.parametrize(
-    ("audio", "emotion", "rate", "complaint"),
-    [
-        (Audio(np.zeros(8000, np.float32), 8000), "neutral", 30.0, "8000 Hz"),
-        (Audio(np.zeros(100, np.float32), 16000), "neutral", 30.0, "0.01 s"),
-        (Audio(np.zeros(16000, np.float32), 16000), "boredom", 30.0, "boredom"),
-        (Audio(np.zeros(16000, np.float32), 16000), "neutral", 0.0, "frame rate"),
-    ],
-)
-def test_unusable_arguments_are_refused(
-    audio: Audio, emotion: str, rate: float, complaint: str
-) -> None:
-    with pytest.raises(InputError, match=complaint):
-        drive(audio, emotion, SPEAKER, rate)
