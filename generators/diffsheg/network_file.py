@@ -124,12 +124,10 @@ def _read_statistic(folder: Path, name: str, width: int) -> NDArray[np.float64]:
     )
     try:
         values = np.load(path, allow_pickle=False)
-    except FileNotFoundError as error:
-        raise InputError("there is no such file", where=path, remedy=_STATS_REMEDY) from error
     except (OSError, EOFError, ValueError) as error:
-        raise InputError(
-            "the file cannot be read as a plain array", where=path, remedy=_STATS_REMEDY
-        ) from error
+        missing = isinstance(error, FileNotFoundError)
+        problem = "there is no such file" if missing else "the file is no plain array"
+        raise InputError(problem, where=path, remedy=_STATS_REMEDY) from error
     if values.shape != (width,) or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
         raise InputError(
             f"the array has shape {values.shape} and type {values.dtype}, and {width} finite "

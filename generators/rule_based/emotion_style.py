@@ -6,10 +6,11 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
-from generators.rule_based.hand_pose import POSES, HandPose
+from pydantic import TypeAdapter
+
+from generators.rule_based.hand_pose import NamedPose
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +38,7 @@ class GestureManner:
     """
 
     forms: Mapping[str, float]
-    rest: HandPose
+    rest: NamedPose
     amplitude: float = 1.0
     tempo: float = 1.0
     least_gap: float = 0.6
@@ -129,25 +130,11 @@ class EmotionStyle:
     """All that an emotion sets."""
 
     gestures: GestureManner
-    posture: Posture
-    liveliness: Liveliness
     face: Face
+    posture: Posture = Posture()
+    liveliness: Liveliness = Liveliness()
 
 
-def _style(table: Mapping[str, Mapping[str, Any]]) -> EmotionStyle:
-    gestures = table["gestures"]
-    rest = POSES[gestures.get("rest", "by_the_side")]
-    return EmotionStyle(
-        gestures=GestureManner(**{**gestures, "rest": rest}),
-        posture=Posture(**table.get("posture", {})),
-        liveliness=Liveliness(**table.get("liveliness", {})),
-        face=Face(**table["face"]),
-    )
-
-
-def _read_styles() -> Mapping[str, EmotionStyle]:
-    tables = tomllib.loads(Path(__file__).with_name("emotions.toml").read_text("utf-8"))
-    return MappingProxyType({emotion: _style(values) for emotion, values in tables.items()})
-
-
-STYLES: Final = _read_styles()
+STYLES: Final = TypeAdapter(dict[str, EmotionStyle]).validate_python(
+    tomllib.loads(Path(__file__).with_name("emotions.toml").read_text("utf-8"))
+)

@@ -9,16 +9,17 @@ loudest moment, between its onset and that.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import TypeAdapter
 
 from generators.rule_based.emotion_style import GestureManner
-from generators.rule_based.hand_pose import RELATED_SHAPES, SHAPES, HandPose, HandShape, read_pose
+from generators.rule_based.hand_pose import RELATED_SHAPES, SHAPES, HandPose, NamedShape
 from motion.prosody import Prosody
 
 FloatArray = NDArray[np.float64]
@@ -62,7 +63,7 @@ class GestureForm:
     apex: HandPose
     stroke: tuple[float, float, float]
     wind_up: tuple[float, float]
-    wind_up_shape: HandShape
+    wind_up_shape: NamedShape = SHAPES["relaxed"]
     one_hand: bool = True
     both_hands: bool = True
 
@@ -74,17 +75,9 @@ class GestureForm:
         return (1 - blend) * np.array(astuple(self.apex.shape)) + blend * np.array(astuple(target))
 
 
-def _form(table: Mapping[str, Any]) -> GestureForm:
-    shape = SHAPES[table.get("wind_up_shape", "relaxed")]
-    return GestureForm(**{**table, "apex": read_pose(table["apex"]), "wind_up_shape": shape})
-
-
-FORMS: Final = {
-    name: _form(table)
-    for name, table in tomllib.loads(
-        Path(__file__).with_name("forms.toml").read_text("utf-8")
-    ).items()
-}
+FORMS: Final = TypeAdapter(dict[str, GestureForm]).validate_python(
+    tomllib.loads(Path(__file__).with_name("forms.toml").read_text("utf-8"))
+)
 """Gesture forms by name."""
 
 

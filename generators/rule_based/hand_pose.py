@@ -6,10 +6,11 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BeforeValidator, TypeAdapter
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,6 +23,19 @@ class HandShape:
     ring: float
     pinky: float
     spread: float
+
+
+_HANDS: Final = tomllib.loads(Path(__file__).with_name("hands.toml").read_text("utf-8"))
+
+SHAPES: Final = {name: HandShape(**values) for name, values in _HANDS["shapes"].items()}
+
+RELATED_SHAPES: Final[Mapping[HandShape, Sequence[HandShape]]] = {
+    SHAPES[name]: [SHAPES[other] for other in others] for name, others in _HANDS["related"].items()
+}
+"""Shapes that a hand may come near to instead."""
+
+NamedShape = Annotated[HandShape, BeforeValidator(lambda name: SHAPES[name])]
+"""A shape, which a table names."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,13 +65,18 @@ class HandPose:
     pronation: float
     flexion: float
     deviation: float = 0
-    shape: HandShape
+    shape: NamedShape
 
     def channels(self) -> NDArray[np.float64]:
         """Return the pose as one vector, shape (13,); its parts are the slices below."""
         *arm, shape = astuple(self)
         return np.array([*arm, *shape], float)
 
+
+POSES: Final = TypeAdapter(dict[str, HandPose]).validate_python(_HANDS["poses"])
+
+NamedPose = Annotated[HandPose, BeforeValidator(lambda name: POSES[name])]
+"""A pose, which a table names."""
 
 PLACE: Final = slice(0, 3)
 ELBOW_OUT: Final = 3
@@ -86,23 +105,6 @@ def clip_to_joint_range(course: NDArray[np.float64]) -> NDArray[np.float64]:
     limited[:, SPREAD] = np.clip(limited[:, SPREAD], -0.6, 1)
     return limited
 
-
-_HANDS: Final = tomllib.loads(Path(__file__).with_name("hands.toml").read_text("utf-8"))
-
-SHAPES: Final = {name: HandShape(**values) for name, values in _HANDS["shapes"].items()}
-
-RELATED_SHAPES: Final[Mapping[HandShape, Sequence[HandShape]]] = {
-    SHAPES[name]: [SHAPES[other] for other in others] for name, others in _HANDS["related"].items()
-}
-"""Shapes that a hand may come near to instead."""
-
-
-def read_pose(values: Mapping[str, Any]) -> HandPose:
-    """Return the pose of a table that names its shape."""
-    return HandPose(**{**values, "shape": SHAPES[values["shape"]]})
-
-
-POSES: Final = {name: read_pose(values) for name, values in _HANDS["poses"].items()}
 
 FloatArray = NDArray[np.float64]
 

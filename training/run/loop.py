@@ -100,12 +100,8 @@ def train(
         folder.root.mkdir(parents=True, exist_ok=True)
     with _generators_restored(task.device), _deterministic(task.device):
         torch.manual_seed(config.seed)
-        progress = show if show is not None and group.leads else _show_nothing
-        return _Run(task, config, folder, group, progress).finish()
-
-
-def _show_nothing(done: int, total: int, detail: str) -> None:
-    """Show nothing."""
+        progress = show if group.leads else None
+        return _Run(task, config, folder, group, progress or (lambda *_: None)).finish()
 
 
 class _Run(Generic[Network]):
