@@ -54,6 +54,15 @@ RATE: Final = 15.0
 SEEDS: Final = 4
 FEATURES: Final = 32
 """Of the autoencoders behind FGD and FLD."""
+VALUES: Final = {"pose": slice(BONE_VALUES), "face": slice(BONE_VALUES, None)}
+"""Where each part lies among the values of motion."""
+
+PARTS: Final = (
+    ("pose", "FGD", (("MAJE", MAJE), ("MAcE-P", MACE_POSES))),
+    ("face", "FLD", (("MALE", MALE), ("MAcE-LM", MACE_LANDMARKS))),
+)
+"""Each part's distance and errors, by their columns."""
+
 COLUMNS: Final = ("MALE", "MAJE", "MAcE-LM", "MAcE-P", "FLD", "FGD", "synchrony")
 
 _RATE: Final = 15.0
@@ -70,39 +79,23 @@ class Measure:
         seen = learned.batch(np.arange(len(learned)))["motion"]
         self.synchrony = FaceBodySynchrony.of(seen[:, SEEDS:].astype(np.float64))
         self._encoders = {
-            part: _encoder(seen[:, SEEDS:, values])
-            for part, values in (("pose", slice(BONE_VALUES)), ("face", slice(BONE_VALUES, None)))
+            part: _encoder(seen[:, SEEDS:, values]) for part, values in VALUES.items()
         }
 
     def __call__(self, values: FloatArray, *, face: bool, pose: bool) -> Mapping[str, float]:
         """Return the columns; NaN of what is not told."""
-        joints, landmarks = (
-            list(zip(*pair, strict=True))
-            for pair in zip(self._points(values), self._points(self.recorded), strict=True)
-        )
         row_values = dict.fromkeys(COLUMNS, float("nan"))
-        if face:
-            row_values["MALE"], row_values["MAcE-LM"] = (
-                mean(
-                    point_error(
-                        one, two, frame_rate=RATE, settings=how, scale=self._scales[1]
-                    ).value
-                    for one, two in landmarks
-                )
-                for how in (MALE, MACE_LANDMARKS)
-            )
-            row_values["FLD"] = self._distance(values, "face", slice(BONE_VALUES, None))
-        if pose:
-            row_values["MAJE"], row_values["MAcE-P"] = (
-                mean(
-                    point_error(
-                        one, two, frame_rate=RATE, settings=how, scale=self._scales[0]
-                    ).value
-                    for one, two in joints
-                )
-                for how in (MAJE, MACE_POSES)
-            )
-            row_values["FGD"] = self._distance(values, "pose", slice(BONE_VALUES))
+        told, recorded = self._points(values), self._points(self.recorded)
+        for number, (part, distance, errors) in enumerate(PARTS):
+            if (pose, face)[number]:
+                for column, settings in errors:
+                    row_values[column] = mean(
+                        point_error(
+                            *pair, frame_rate=RATE, settings=settings, scale=self._scales[number]
+                        ).value
+                        for pair in zip(told[number], recorded[number], strict=True)
+                    )
+                row_values[distance] = self._distance(values, part)
         if face and pose:
             row_values["synchrony"] = self.synchrony(values[:, SEEDS:])
         return row_values
@@ -115,8 +108,8 @@ class Measure:
         shifts = values[..., BONE_VALUES:].reshape(count, frames, -1, 3)
         return joints.reshape(count, frames, -1, 3), self._neutral + shifts
 
-    def _distance(self, values: FloatArray, part: str, of: slice) -> float:
-        encode = self._encoders[part]
+    def _distance(self, values: FloatArray, part: str) -> float:
+        encode, of = self._encoders[part], VALUES[part]
         with torch.inference_mode():
             one, two = (
                 encode(torch.from_numpy(motion[:, SEEDS:, of]).float()).double().numpy()

@@ -22,10 +22,10 @@ from typing import Final
 
 import numpy as np
 
-from benchmarks.validity.conclusions.conclusion import EFFECT, Protocol
-from benchmarks.validity.document import write_sections
+from benchmarks.validity.conclusions.conclusion import Protocol
+from benchmarks.validity.document import section, write_section
 from benchmarks.validity.experiments import EXPERIMENTS, Experiment
-from benchmarks.validity.realised import Realised, Row, Tally, overall, tally
+from benchmarks.validity.realised import Realised, Row, Tally, tally
 from benchmarks.validity.studies import Design
 
 BLOCK: Final = 20
@@ -76,7 +76,7 @@ def _count(experiment: Experiment, studies: int) -> int:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Simulate, and print the table, the verdicts and the last lines."""
+    """Simulate, and print the tables with their verdicts, and the last lines."""
     parser = argparse.ArgumentParser(description="Simulate studies with a known truth.")
     parser.add_argument("--studies", type=int, default=600, help="of each design and effect")
     parser.add_argument("--seed", type=int, default=1)
@@ -89,8 +89,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
     asked = parser.parse_args(arguments)
     began = time.monotonic()
     rows: list[Row] = []
-    print(f"Effect {EFFECT} logits where there is one; ± is one Monte-Carlo standard error.")
-    print(_HEAD.format(*_COLUMNS))
     with _processes(asked.processes) as pool:
         for experiment in EXPERIMENTS:
             if experiment.name in asked.only:
@@ -98,46 +96,21 @@ def main(arguments: Sequence[str] | None = None) -> None:
                     experiment, studies=asked.studies, seed=asked.seed, pool=pool
                 )
                 rows += measured_rows
-                print("\n".join(map(_line, measured_rows)), flush=True)
+                count = _count(experiment, asked.studies)
+                text = section(experiment.name, measured_rows, studies=count, seed=asked.seed)
+                print(text, flush=True)
                 if asked.write:
-                    count = _count(experiment, asked.studies)
-                    write_sections(
-                        asked.write, experiment.name, measured_rows, studies=count, seed=asked.seed
-                    )
-    print()
-    numbers: dict[tuple[str, str], list[Row]] = {}
+                    write_section(asked.write, experiment.name, text)
+    numbers: dict[tuple[str, str], list[Realised]] = {}
     for row in rows:
-        numbers.setdefault((row.experiment, row.number), []).append(row)
-    for (name, number), measured_rows in numbers.items():
-        naive = " (as papers do)" if measured_rows[0].naive else ""
-        print(f"{name}: {number}{naive}: {overall(measured_rows)}")
-    print()
-    for (name, number), measured_rows in numbers.items():
-        outcomes = [row.realised for row in measured_rows]
+        numbers.setdefault((row.experiment, row.number), []).append(row.realised)
+    for (name, number), outcomes in numbers.items():
         key = re.sub(r"[^a-z0-9]+", "_", f"{name} {number}".lower().replace("'", "")).strip("_")
         print(f"{key}_most_false_positives: {max(r.false_positives.value for r in outcomes):.3f}")
         if not np.isnan(outcomes[0].coverage.value):
             print(f"{key}_least_coverage: {min(r.coverage.value for r in outcomes):.3f}")
     print(f"studies: {asked.studies}")
     print(f"seconds: {time.monotonic() - began:.0f}")
-
-
-_COLUMNS: Final = (
-    "study", "people x items, SDs", "number", "false +", "covered", "power", "none", "verdict",
-)  # fmt: skip
-_HEAD: Final = "{:18} {:20} {:40} {:>11} {:>11} {:>11} {:>5}  {}"
-
-
-def _line(row: Row) -> str:
-    outcomes = row.realised
-    shares = [
-        "-" if np.isnan(share.value) else f"{share.value:.3f}±{share.error:.3f}"
-        for share in (outcomes.false_positives, outcomes.coverage, outcomes.power)
-    ]
-    verdict = f"as papers do: {outcomes.verdict}" if row.naive else outcomes.verdict
-    return _HEAD.format(
-        row.experiment, row.size, row.number, *shares, f"{outcomes.silent:.2f}", verdict
-    )
 
 
 def _simulated(

@@ -14,12 +14,12 @@ from benchmarks.validity.realised import (
     CONSERVATIVE,
     LEAST_COVERED,
     MOST_FALSE,
-    Realised,
     Row,
     Share,
     overall,
 )
 from motion.files import write_text
+from tools.markdown import table
 
 HEAD: Final = f"""# What the report's numbers are worth
 
@@ -45,7 +45,7 @@ study has a side bias, so that the power of the left side's share is a share of 
 _COLUMNS: Final = ("number", "people × segments, SDs", "false +", "covered", "power", "none")
 
 
-def write_sections(path: Path, name: str, rows: Sequence[Row], *, studies: int, seed: int) -> None:
+def write_section(path: Path, name: str, section: str) -> None:
     """Put the section of one kind of study into the document, and leave all others as they are.
 
     Parameters
@@ -54,17 +54,15 @@ def write_sections(path: Path, name: str, rows: Sequence[Row], *, studies: int, 
         Made where it does not exist.
     name : str
         Of the kind of study.
-    rows : sequence of Row
+    section : str
         What was found.
-    studies, seed : int
-        How many were simulated of each design and effect, and what drew them.
     """
     text = path.read_text("utf-8") if path.exists() else ""
     sections = {
         part.split("\n", 1)[0]: f"## {part.rstrip()}\n"
         for part in re.split(r"^## ", text, flags=re.MULTILINE)[1:]
     }
-    sections[_heading(name)] = _section(name, rows, studies, seed)
+    sections[_heading(name)] = section
     write_text(path, document(sections))
 
 
@@ -81,31 +79,29 @@ def _heading(name: str) -> str:
     return name[0].upper() + name[1:]
 
 
-def _section(name: str, rows: Sequence[Row], studies: int, seed: int) -> str:
+def section(name: str, rows: Sequence[Row], *, studies: int, seed: int) -> str:
+    """Return what was found of one kind of study, in Markdown.
+
+    `studies` says how many were simulated of each design and effect, and `seed` what drew them.
+    """
     numbers: dict[str, list[Row]] = {}
     for row in rows:
         numbers.setdefault(row.number, []).append(row)
-    lines = [
-        f"## {_heading(name)}",
-        "",
-        f"{studies:,} studies of each size without and with an effect, seed {seed}.",
-        "",
-        f"| {' | '.join((*_COLUMNS, 'verdict'))} |",
-        f"|{'---|' * (len(_COLUMNS) + 1)}",
-    ]
+    cells: list[Sequence[str]] = []
     for number, measured_rows in numbers.items():
         naive = " (as papers do)" if measured_rows[0].naive else ""
         verdict = overall(measured_rows).replace(" x ", " × ")
-        lines.append(f"| **{number}**{naive} | | | | | | **{verdict}** |")
-        lines += [_line(row) for row in measured_rows]
-    return "\n".join(lines) + "\n"
+        cells.append((f"**{number}**{naive}", "", "", "", "", "", f"**{verdict}**"))
+        cells += map(_cells, measured_rows)
+    told = f"{studies:,} studies of each size without and with an effect, seed {seed}."
+    return f"## {_heading(name)}\n\n{told}\n\n{table((*_COLUMNS, 'verdict'), cells)}\n"
 
 
-def _line(row: Row) -> str:
-    outcome: Realised = row.realised
+def _cells(row: Row) -> Sequence[str]:
+    outcome = row.realised
     shares = (outcome.false_positives, outcome.coverage, outcome.power)
-    cells = ["", row.size.replace(" x ", " × "), *map(_share, shares), f"{outcome.silent:.2f}"]
-    return f"| {' | '.join(cells)} | {outcome.verdict} |"
+    size = row.size.replace(" x ", " × ")
+    return ("", size, *map(_share, shares), f"{outcome.silent:.2f}", outcome.verdict)
 
 
 def _share(share: Share) -> str:

@@ -51,15 +51,18 @@ class Experiment:
     name: str
     protocol: Protocol
     designs: tuple[Design, ...]
-    share: float = 1.0
+    share: float
 
 
 def _designs(
-    participants: int, items: int, few: Sequence[int], spreads: Sequence[tuple[float, float]]
+    *,
+    items: int = 24,
+    few: Sequence[int] = FEW,
+    spreads: Sequence[tuple[float, float]] = SPREADS,
 ) -> tuple[Design, ...]:
     """Return studies of one size in which answers vary more and more, and some with few items."""
     crossed = [
-        Design(participants=participants, items=items, effect=0.0, participant_sd=p, item_sd=i)
+        Design(participants=22, items=items, effect=0.0, participant_sd=p, item_sd=i)
         for p, i in spreads
     ]
     clustered = Design(participants=25, items=items, effect=0.0, participant_sd=0.6, item_sd=0.45)
@@ -79,44 +82,21 @@ OTHERS: Final = tuple(
 )
 """One size of study, with answers that come about otherwise than in a rehearsal."""
 
-EXPERIMENTS: Final = (
-    Experiment(
-        name="pairs", protocol=PREFERENCES, designs=_designs(22, 24, FEW, SPREADS), share=1.0
-    ),
-    Experiment(
-        name="pairs, mixed model", protocol=NET_PREFERENCE, designs=_designs(22, 24, FEW, SPREADS)
-    ),
-    Experiment(
-        name="pairs, equivalence",
-        protocol=EQUIVALENCE,
-        designs=_designs(22, 24, FEW, SPREADS),
-        share=2.0,
-    ),
-    Experiment(
-        name="pairs, heterogeneity",
-        protocol=HETEROGENEITY,
-        designs=_designs(22, 24, FEW[:1], SPREADS),
-        share=2.0,
-    ),
-    Experiment(
-        name="mismatch", protocol=MISMATCH, designs=_designs(22, 24, FEW, SPREADS), share=6.0
-    ),
-    Experiment(name="ratings", protocol=RATINGS, designs=_designs(22, 24, FEW, SPREADS), share=2.0),
-    Experiment(
-        name="ratings, one taste",
-        protocol=AGREED_RATINGS,
-        designs=_designs(22, 24, FEW[1:], SPREADS[2:3]),
-        share=2.0,
-    ),
-    Experiment(
-        name="ratings, equivalence",
-        protocol=RATED_EQUIVALENCE,
-        designs=_designs(22, 24, FEW[1:], SPREADS),
-        share=2.0,
-    ),
-    Experiment(name="votes", protocol=VOTES, designs=_designs(22, 24, FEW, SPREADS), share=3.0),
-    Experiment(
-        name="rankings", protocol=RANKINGS, designs=_designs(22, 8, FEW[2:], SPREADS), share=1.0
-    ),
-    Experiment(name="verdicts, other processes", protocol=VERDICTS, designs=OTHERS),
+_ONE_TASTE: Final = _designs(few=FEW[1:], spreads=SPREADS[2:3])
+
+EXPERIMENTS: Final = tuple(
+    Experiment(name=name, protocol=protocol, designs=designs, share=share)
+    for name, protocol, designs, share in (
+        ("pairs", PREFERENCES, _designs(), 1.0),
+        ("pairs, mixed model", NET_PREFERENCE, _designs(), 1.0),
+        ("pairs, equivalence", EQUIVALENCE, _designs(), 2.0),
+        ("pairs, heterogeneity", HETEROGENEITY, _designs(few=FEW[:1]), 2.0),
+        ("mismatch", MISMATCH, _designs(), 6.0),
+        ("ratings", RATINGS, _designs(), 2.0),
+        ("ratings, one taste", AGREED_RATINGS, _ONE_TASTE, 2.0),
+        ("ratings, equivalence", RATED_EQUIVALENCE, _designs(few=FEW[1:]), 2.0),
+        ("votes", VOTES, _designs(), 3.0),
+        ("rankings", RANKINGS, _designs(items=8, few=FEW[2:]), 1.0),
+        ("verdicts, other processes", VERDICTS, OTHERS, 1.0),
+    )
 )

@@ -30,9 +30,8 @@ from studyapp.web.site import attach, site_of
 from tests.functional.adversary import unlike_videos
 from tests.functional.adversary.guessing import Guess, Received, guesses
 from tests.functional.adversary.listening import Exchange, HeardTrial, Listener
-from tests.functional.adversary.mp4_facts import facts_of
 from tests.functional.adversary.studies import STUDIES, instructs, write_study
-from tests.functional.adversary.telling import stimulus_facts, trial_facts
+from tests.functional.adversary.telling import facts_of, stimulus_facts, trial_facts
 from tests.support.studies.taking_part_steps import SetClock
 
 pytestmark = pytest.mark.slow

@@ -10,10 +10,14 @@ import pytest
 from flask import Flask
 from playwright.sync_api import Browser, Locator, Page, expect
 
+from studyapp.web.language import language_of, speak
+from studyapp.web.site import site_of
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.looking import video_sizes
 from tests.functional.shown_studies import write_shown_study
-from tests.functional.taking_part import first_trial, shown
+from tests.functional.taking_part import answer, first_trial, shown
+from tests.studyapp.web.brackets import bracketed, left_in_english
+from tests.studyapp.web.page_reader import PageReader
 
 pytestmark = IN_A_BROWSER
 
@@ -265,3 +269,25 @@ def test_a_press_or_a_touch_chooses_where_it_falls(
     line(touched).tap(position={"x": box["width"] * 0.8, "y": box["height"] / 2})
     assert 78 <= int(field(touched).input_value()) <= 82
     touched.context.close()
+
+
+@pytest.mark.parametrize("page", ["sliders", "ties"], indirect=True)
+def test_scripts_say_nothing_that_is_not_translated(
+    page: Page, served: dict[str, tuple[str, Flask]]
+) -> None:
+    (app,) = (app for address, app in served.values() if page.url.startswith(address))
+
+    def english() -> str:
+        return left_in_english(PageReader(page.content()), site_of(app).study)
+
+    speak(app, bracketed())
+    page.reload()
+    page.locator("#next").click()
+    expect(page.locator("#needed")).to_have_class("asked")
+    assert english() == ""
+    for button in page.locator(".play").all():
+        button.click()
+        assert english() == ""
+    answer(page)
+    assert english() == ""
+    speak(app, language_of("en"))

@@ -8,21 +8,34 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from threading import Event, Semaphore
 
 import httpx
 import pandas as pd
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
+from playwright.sync_api import Page as BrowserPage
 
-from tests.functional.arriving_crowd import arriving_crowd
+from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.forms import FormFields
+from studyapp.rehearsal.pages import Page
+from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.simulation.judgement import Judgement
+from studyapp.rehearsal.simulation.population import default_population
+from studyapp.rehearsal.visit import Visit, study_client
+from studyapp.study.folder import StudyFolder
 from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, watched_page
 from tests.functional.joining import NAME, join
 from tests.functional.looking import examination, photograph
 from tests.functional.taking_part import answer
 from tests.support.researchers_at_hand import PASSWORD
 from tests.support.studies.redefining import redefine
+from tests.support.studies.stored import opened
 
 pytestmark = IN_A_BROWSER
 
@@ -44,6 +57,10 @@ text = "Is there anything you would like to tell us?"
 kind = "text"
 required = false
 """
+
+AS_REAL = 1.0
+"""How fast the clock runs of a study that is not rehearsed."""
+
 
 LookAt = Callable[[str], None]
 
@@ -74,12 +91,12 @@ def export(study: Path) -> pd.DataFrame:
     return people.set_index("study_session")
 
 
-def go_to(page: Page, name: str) -> None:
+def go_to(page: BrowserPage, name: str) -> None:
     pages = page.get_by_role("navigation", name="Researchers' pages")
     follow(pages.get_by_role("link", name=name))
 
 
-def send(page: Page, button: str, reason: str) -> None:
+def send(page: BrowserPage, button: str, reason: str) -> None:
     form = page.locator("form").filter(has=page.get_by_role("button", name=button, exact=True))
     form.get_by_label("Reason").fill(reason)
     follow(form.get_by_role("button", name=button, exact=True))
@@ -161,7 +178,7 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
     assert "researcher" in json.dumps(book)
 
 
-def join_and_log_in(page: Page, address: str, link: str, look_at: LookAt) -> None:
+def join_and_log_in(page: BrowserPage, address: str, link: str, look_at: LookAt) -> None:
     """Become the owner by the printed link, log out, and log in."""
     page.goto(link)
     look_at("join")
@@ -178,7 +195,7 @@ def join_and_log_in(page: Page, address: str, link: str, look_at: LookAt) -> Non
     expect(page.locator(".truth")).to_contain_text(f"0 of {PEOPLE} places done")
 
 
-def prepare(page: Page, look_at: LookAt) -> None:
+def prepare(page: BrowserPage, look_at: LookAt) -> None:
     """Keep newcomers out, look at a trial as they will see it, and let them in."""
     go_to(page, "Recruitment")
     send(page, "Pause", "nobody before we have looked")
@@ -199,7 +216,7 @@ def prepare(page: Page, look_at: LookAt) -> None:
     expect(page.locator(".truth")).to_contain_text("New participants are admitted")
 
 
-def exclude(page: Page, pseudonym: str, look_at: LookAt) -> None:
+def exclude(page: BrowserPage, pseudonym: str, look_at: LookAt) -> None:
     """Find a participant by the pseudonym of an export, and leave them out of the analysis."""
     go_to(page, "Study sessions")
     look_at("study-sessions")
@@ -214,7 +231,7 @@ def exclude(page: Page, pseudonym: str, look_at: LookAt) -> None:
     look_at("after-the-exclusion")
 
 
-def close(page: Page, address: str, look_at: LookAt) -> None:
+def close(page: BrowserPage, address: str, look_at: LookAt) -> None:
     """Close the study; a newcomer is told that it is over."""
     go_to(page, "Recruitment")
     send(page, "Close", "all we need")
@@ -225,7 +242,7 @@ def close(page: Page, address: str, look_at: LookAt) -> None:
     assert "The study is over" in late.text
 
 
-def go_through_the_other_pages(page: Page, look_at: LookAt) -> None:
+def go_through_the_other_pages(page: BrowserPage, look_at: LookAt) -> None:
     """Look at the final results, and at the pages that nothing was decided on."""
     go_to(page, "Results")
     expect(page.get_by_role("note")).to_contain_text(f"All {PEOPLE + 1} participants have finished")
@@ -248,3 +265,81 @@ def go_through_the_other_pages(page: Page, look_at: LookAt) -> None:
         expect(page.get_by_role("heading", level=1)).to_be_visible()
         look_at(name.lower().replace(" ", "-"))
     assert page.title() != "taken"
+
+
+@dataclass(frozen=True)
+class ArrivingCrowd:
+    """Attentive participants, each in a thread of their own.
+
+    Attributes
+    ----------
+    come : callable
+        Lets participants of these names come at once; each gives a completion code in the end.
+    at_first_trial : Semaphore
+        Released by each who comes to the first trial.
+    may_answer : Event
+        What they wait for there.
+    """
+
+    come: Callable[[Sequence[str]], list[Future[str]]]
+    at_first_trial: Semaphore
+    may_answer: Event
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Arriving(Participant):
+    remark: str
+    at_first_trial: Semaphore = field(default_factory=lambda: Semaphore(0))
+    may_answer: Event = field(default_factory=Event)
+
+    def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
+        """Watch in real time, and think in none."""
+        if not self.may_answer.is_set():
+            self.at_first_trial.release()
+            self.may_answer.wait()
+        return super().answer(replace(visit, thinks=0.0), page, judgement)
+
+    def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
+        """Write the remark where one is asked for."""
+        texts = {
+            name: (self.remark,) if name.endswith("remarks") else values
+            for name, values in answers.items()
+        }
+        return super().fill(visit, page, texts)
+
+
+@contextmanager
+def arriving_crowd(
+    study: Path, server: str, *, at_once: int, remark: str
+) -> Iterator[ArrivingCrowd]:
+    """Give a crowd for the study at the address `server`; whoever is left is sent away."""
+    folder, stop = StudyFolder(study), Event()
+    with (
+        opened(folder.responses) as database,
+        ThreadPoolExecutor(at_once, thread_name_prefix="participant") as pool,
+    ):
+        first = _Arriving(
+            name="",
+            study=folder.study(),
+            population=replace(default_population(folder.study()), kinds={}),
+            seed=7,
+            eyes=Eyes(database),
+            speed=AS_REAL,
+            stop=stop,
+            remark=remark,
+        )
+
+        def take_part(name: str) -> str:
+            with study_client(server) as client:
+                return replace(first, name=name).take_part(client)
+
+        try:
+            yield ArrivingCrowd(
+                lambda names: [pool.submit(take_part, name) for name in names],
+                first.at_first_trial,
+                first.may_answer,
+            )
+        finally:
+            stop.set()
+            first.may_answer.set()
+            pool.shutdown(cancel_futures=True)

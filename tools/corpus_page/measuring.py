@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from operator import attrgetter
 from pathlib import Path
 from typing import Final
 
@@ -255,18 +256,8 @@ def told(takes: Sequence[MeasuredTake]) -> tuple[Told, ...]:
     familiar = [take for take in takes if not take.plan.held_out_speaker]
     strangers = [take for take in takes if take.plan.split != "test" or take.plan.held_out_speaker]
 
-    def emotion(take: MeasuredTake) -> str:
-        return take.plan.emotion
-
-    def speaker(take: MeasuredTake) -> str:
-        return take.plan.speaker.name
-
-    def pose(take: MeasuredTake) -> FloatArray:
-        return take.pose
-
-    def sound(take: MeasuredTake) -> FloatArray:
-        return take.sound
-
+    pose, sound = attrgetter("pose"), attrgetter("sound")
+    emotion, speaker = attrgetter("plan.emotion"), attrgetter("plan.speaker.name")
     return (
         _told("emotion from motion, known speakers", familiar, pose, emotion),
         _told("emotion from motion, held-out speakers", strangers, pose, emotion),

@@ -37,23 +37,23 @@ def judged(
     return {verdict.claim: verdict.holds for verdict in made}
 
 
-def test_a_network_that_does_all_is_told_so() -> None:
-    assert all(judged().values())
-    assert len(judged()) == 9
-
-
 @pytest.mark.parametrize(
     ("distances", "failed"),
     [
-        ({"trained_2": 6.0}, "at most half"),
-        ({"trained_1": 9.0, "untrained": 30.0}, "below that of `rule_based`"),
-        ({"trained_1": math.nan}, "at most half"),
+        ({}, ()),
+        ({"trained_2": 6.0}, ("at most half",)),
+        ({"trained_1": 9.0, "untrained": 30.0}, ("below that of `rule_based`",)),
+        ({"trained_1": math.nan}, ("at most half", "below that of `rule_based`")),
     ],
 )
 def test_one_seed_that_falls_short_fails_the_claim(
-    distances: dict[str, float], failed: str
+    distances: dict[str, float], failed: tuple[str, ...]
 ) -> None:
-    assert [claim for claim, holds in judged(distances).items() if failed in claim and not holds]
+    claims = judged(distances)
+    assert len(claims) == 9
+    fallen = [claim for claim, holds in claims.items() if not holds]
+    assert len(fallen) == len(failed)
+    assert all(words in claim for words, claim in zip(failed, fallen, strict=True))
 
 
 def score(condition: str, name: str, value: float) -> ConditionScore:

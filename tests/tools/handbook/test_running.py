@@ -8,7 +8,7 @@ import pytest
 from motion.errors import InputError
 from tools.handbook.fenced import fenced_blocks
 from tools.handbook.guide import GUIDE
-from tools.handbook.running import run_page, shortened, steady
+from tools.handbook.running import run_page, steady
 
 
 def page_of(script: str, *, info: str = "", printed: str = "text", between: str = "\n") -> str:
@@ -77,16 +77,6 @@ def test_what_differs_from_run_to_run_is_not_shown(tmp_path: Path) -> None:
         "Open http://127.0.0.1:8000/research/join/… (once)",
         "Wrote report.html",
     ]
-
-
-def test_long_outputs_lose_their_middle() -> None:
-    lines = list("abcdefgh")
-
-    assert shortened(lines, "3+2") == ["a", "b", "c", "…", "g", "h"]
-    assert shortened(lines, "3+0") == ["a", "b", "c", "…"]
-    assert shortened(lines, "5+2") == lines
-    with pytest.raises(ValueError, match="6\\+2"):
-        shortened(lines, "short")
 
 
 @pytest.mark.slow
