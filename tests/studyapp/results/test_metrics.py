@@ -125,7 +125,6 @@ def test_motion_and_speech_of_any_format_are_taken_by_their_names(
     ("made", "reference", "said"),
     [
         ((), None, "no such folder"),
-        (("notes.txt",), None, "no motion file"),
         (("a.npz", "a.bvh"), None, "a.bvh and a.npz have the same segment"),
         (("a.npz",), ("b.npz",), "no reference has the name"),
         (("recorded/a.npz",), ("a.npz",), "name of the reference, 'recorded'"),

@@ -15,6 +15,7 @@ from studyapp.stimuli.recordings import RecordingFacts
 from studyapp.study.folder import StudyFolder
 from tests.support.command_line import refused, run
 from tests.support.encoded import Told, write_video
+from tests.support.studies.redefining import redefine
 from tests.support.studies.takes import write_motion, write_speech
 
 FACTS = ("--speaker", "ada", "--emotion", "anger")
@@ -62,8 +63,7 @@ def test_everything_is_imported_by_segment_and_condition(folder: StudyFolder, so
 def test_nothing_is_stored_that_the_study_file_cannot_hold(
     folder: StudyFolder, source: Path
 ) -> None:
-    text = folder.definition.read_text("utf-8")
-    folder.definition.write_text(text.replace('layout = "players"\n', ""), "utf-8")
+    redefine(folder.root, ('layout = "players"\n', ""))
     said = refused("import", source, folder.root, *FACTS)
     assert 'set layout = "players"' in said
     assert not folder.videos.exists()

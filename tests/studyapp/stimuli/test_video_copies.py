@@ -26,6 +26,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media, read_stimuli
 from tests.support.encoded import Told, write_video
 from tests.support.studies.finished_study import write_finished_study
+from tests.support.studies.redefining import redefine
 
 LOUD = Audio((0.4 * np.sin(np.arange(2 * SOUND_RATE) / 20)).astype(np.float32), SOUND_RATE)
 LONGER = Audio((0.1 * np.sin(np.arange(98_000) / 25)).astype(np.float32), SOUND_RATE)
@@ -132,8 +133,7 @@ def test_a_misspelt_original_is_reported_with_a_suggestion(
 def test_unused_copies_are_removed(study: Callable[..., StudyFolder]) -> None:
     folder = study("ranking")
     gone = shown(folder, "theirs", "two")
-    text = folder.definition.read_text().replace('"theirs"]', '"real"]')
-    folder.definition.write_text(text.replace('reference = "real"\n', ""))
+    redefine(folder.root, ('"theirs"]', '"real"]'), ('reference = "real"\n', ""))
 
     render(folder, processes=1)
 
@@ -156,10 +156,8 @@ def test_differences_that_copies_keep_are_errors(
 ) -> None:
     # Without speech, a segment is as long as the first condition's video of it.
     folder = study()
-    text = folder.definition.read_text().replace("[conditions.real]\nvideos = true\n", "")
-    folder.definition.write_text(
-        text.replace("[conditions.ours]", "[conditions.real]\nvideos = true\n[conditions.ours]")
-    )
+    real = "[conditions.real]\nvideos = true\n"
+    redefine(folder.root, (real, ""), ("[conditions.ours]", f"{real}[conditions.ours]"))
     write_video(folder.videos / "ours" / "one.mp4", ours)
     render(folder, processes=1)
 

@@ -12,6 +12,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media, PairVideo, Stimuli, read_stimuli, write_stimuli
 from tests.studyapp.conftest import OwnStudy
 from tests.support.studies.finished_study import PROTOCOLS, SEGMENTS
+from tests.support.studies.redefining import redefine
 from tests.support.studies.takes import write_speech
 
 
@@ -43,8 +44,7 @@ def segment_names(folder: StudyFolder) -> list[str]:
 
 
 def allow_gaps(folder: StudyFolder) -> None:
-    text = folder.definition.read_text("utf-8")
-    folder.definition.write_text(f"allow_gaps = true\n{text}", "utf-8")
+    redefine(folder.root, ("participants = 3", "participants = 3\nallow_gaps = true"))
 
 
 @pytest.mark.parametrize("has_speech", [False, True])

@@ -101,8 +101,6 @@ def test_conditions_can_have_other_labels_which_are_distinct(study: StudyFolder)
         (["still", "--segment", SEGMENT, "--condition", "no", "--at", "0"], "ground_truth, "),
         ([*BROKEN, "--at", "1.5"], "0 to 1.00 s"),
         (["strip", "--segment", SEGMENT, *["--at", "0.1"] * 17], "1 to 16"),
-        (["still", "--segment", SEGMENT, "--condition", "broken=x", "--at", "0"], "ground_truth, "),
-        (["strip", "--segment", SEGMENT, "--at", "soon"], "'soon' is not a moment"),
         (["strip", "--segment", SEGMENT, "--output", "strip.svg"], ".pdf or .png"),
         ([*BROKEN, "--at", "1", "--output", "a.jpg"], "as PNG"),
         (["grid", "--segment", SEGMENT, "--output", "grid.avi"], ".mp4"),
