@@ -14,7 +14,7 @@ from studyapp.cli.output import progress
 from studyapp.study.folder import StudyFolder
 
 if TYPE_CHECKING:
-    from studyapp.stimuli.figures.stills import Choice, Print
+    from studyapp.stimuli.figures.paper_figures import Choice, Print
 
 _OUTPUT = click.Path(dir_okay=False, path_type=Path)
 _ENDINGS = (".pdf", ".png")
@@ -115,7 +115,7 @@ def command() -> None:
 @output
 def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
     """Write one frame of a condition as PNG."""
-    from studyapp.stimuli.figures.stills import write_still
+    from studyapp.stimuli.figures.paper_figures import write_still
 
     name = f"still-{choice['segment']}-{choice['condition']}-{choice['seconds']:g}s.png"
     path = output or folder.figures / name
@@ -152,7 +152,7 @@ def strip(
     **options: Any,
 ) -> None:
     """Write a strip with a row per condition and a column per key word."""
-    from studyapp.stimuli.figures.stills import write_strip
+    from studyapp.stimuli.figures.paper_figures import write_strip
 
     choice, printed = _split(folder, "strip", output, options)
     write_strip(folder, choice, printed, count=count, wave=wave, skeleton=skeleton)
@@ -186,7 +186,7 @@ def overlay(
     Several moments make a trail that fades with age; several conditions or motion files are tinted
     in different colours.
     """
-    from studyapp.stimuli.figures.stills import write_overlay
+    from studyapp.stimuli.figures.paper_figures import write_overlay
 
     choice, printed = _split(folder, "overlay", output, options)
     write_overlay(folder, choice, printed, motions=motions)
@@ -211,7 +211,7 @@ def overlay(
 @output
 def grid(folder: StudyFolder, output: Path | None, **options: Any) -> None:
     """Write a video of several conditions side by side, with their names."""
-    from studyapp.stimuli.figures.grids import write_condition_grid
+    from studyapp.stimuli.figures.paper_figures import write_condition_grid
 
     slow = "" if options["speed"] == 1 else f"-slow{options['speed']:g}"
     path = output or folder.figures / f"grid-{options['segment']}{slow}.mp4"
@@ -224,7 +224,7 @@ def _split(
     folder: StudyFolder, kind: str, output: Path | None, options: dict[str, Any]
 ) -> tuple[Choice, Print]:
     """Split the options of a figure into its content and its print."""
-    from studyapp.stimuli.figures.stills import Choice, Print
+    from studyapp.stimuli.figures.paper_figures import Choice, Print
 
     outputs = (
         (output,)

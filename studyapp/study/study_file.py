@@ -26,6 +26,12 @@ from studyapp.study.template_language import render_template, translate_study_fi
 TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch", *ALIASES, "three-systems")
 """The protocols, the papers whose studies they follow, and all three papers' systems together."""
 
+_AS_STATED: Final = (
+    *("title", "participants", "channel", "minutes"),
+    *("organisation", "contact", "ethics"),
+)
+"""Options that are template variables of the same name."""
+
 _PARTICIPANTS: Final = ("participants_per_comparison", "participants")
 """The key for the number of participants; each template has one of them."""
 
@@ -148,15 +154,8 @@ def _template_variables(options: StudyOptions) -> dict[str, Any]:
     pay = options.pay or Pay()
     payment = pay.payment or Decimal(0)
     has_own_reward = options.channel in ("prolific", "mturk")
-    variables: dict[str, Any] = {
+    variables: dict[str, Any] = {key: getattr(options, key) for key in _AS_STATED} | {
         "name": check_name(options.name, "study"),
-        "title": options.title,
-        "participants": options.participants,
-        "channel": options.channel,
-        "minutes": options.minutes,
-        "organisation": options.organisation,
-        "contact": options.contact,
-        "ethics": options.ethics,
         "payment": format_amount(payment, pay.currency) if payment else None,
         "pay": pay.model_dump(
             exclude_defaults=True, exclude={"amount"} if has_own_reward else None

@@ -169,11 +169,7 @@ class Prolific(Section):
     @property
     def codes(self) -> dict[str, str]:
         """All three codes by key."""
-        return {
-            "completed": self.completed,
-            "screened_out": self.screened_out,
-            "failed_attention": self.failed_attention,
-        }
+        return self.model_dump(include={"completed", "screened_out", "failed_attention"})
 
 
 class MTurk(Section):
