@@ -13,7 +13,7 @@ from sqlalchemy import or_, select
 from sqlalchemy.orm import Session, selectinload
 
 from studyapp.database.tables import FormAnswer, RefusalLine, StudySession, Trial, Video
-from studyapp.results.answer_table import sides
+from studyapp.results.analysed_tasks import sides
 from studyapp.results.export.columns import REFUSALS, WATCHING
 from studyapp.results.stored_answers import StoredAnswers, select_sessions
 from studyapp.session.watch_evidence import NOTHING_PLAYED, measure_watched, total_seconds

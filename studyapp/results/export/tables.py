@@ -16,8 +16,7 @@ from motion.errors import InputError
 from studyapp.database.tables import AuditLine, StudySession
 from studyapp.researchers.audit import detail_label
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
-from studyapp.results.answer_table import PARTS_OF
+from studyapp.results.analysed_tasks import PARTS_OF, AnalysedTask, analysed_tasks
 from studyapp.results.export.columns import (
     ANSWERS,
     FORM,

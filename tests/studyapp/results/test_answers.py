@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from motion.errors import InputError
 from studyapp.cli.main import group
-from studyapp.results.answer_table import MIDDLE, StudyAnswers, study_answers
+from studyapp.results.analysed_tasks import MIDDLE, study_answers
 from studyapp.results.answers import answers_to_report, read_rehearsal
 from studyapp.results.export.writing import export
 from studyapp.results.stated_beforehand import study_exclusions
@@ -86,22 +86,17 @@ def test_what_was_kept_of_who_withdrew_is_exported_apart(
 Once = Callable[..., Path]
 
 
-def read(folder: StudyFolder) -> tuple[pd.DataFrame, StudyAnswers]:
-    """Return the answers as they are exported, and as they are analysed."""
-    with reading(folder.responses) as session:
-        return responses_table(session), study_answers(folder.study(), stored_answers(session))
-
-
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_the_same_answers_stand_in_the_table_and_in_the_export(
     answered_once: Once, protocol: str
 ) -> None:
     folder = StudyFolder(answered_once(protocol))
-    exported, given = read(folder)
+    with reading(folder.responses) as session:
+        exported = responses_table(session)
+        tables, _ = study_answers(folder.study(), stored_answers(session))
 
-    count = sum(len(table) for table in given.tables.values())
-    assert count == len(exported)
-    for name, table in given.tables.items():
+    assert sum(map(len, tables.values())) == len(exported)
+    for name, table in tables.items():
         answer = "rank" if name == "ranking" else "response"
         shift = 0 if name in ("rating", "ranking") else MIDDLE
         part = exported
@@ -116,13 +111,15 @@ def test_the_same_answers_stand_in_the_table_and_in_the_export(
 def test_right_answers_of_pairs_are_those_shown_and_failures_those_that_the_protocol_finds(
     answered_once: Once,
 ) -> None:
-    _, given = read(StudyFolder(answered_once("pairwise")))
-    table = given.tables["pairwise"]
+    folder = StudyFolder(answered_once("pairwise"))
+    with reading(folder.responses) as session:
+        tables, facts = study_answers(folder.study(), stored_answers(session))
+    table = tables["pairwise"]
 
-    assert len(given.known) == 2
+    assert len(facts) == 2
     assert (table[table["kind"] == "main"]["correct_side"] == "").all()
-    for session, known in given.known.items():
-        own = table[table["participant"] == session]
+    for participant, known in facts.items():
+        own = table[table["participant"] == participant]
         catch = own[own["kind"] == "catch"].iloc[0]
         assert catch[catch["correct_side"]] == "real"
         towards = int(catch["response"]) - MIDDLE
