@@ -7,17 +7,16 @@ import hmac
 import threading
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, Literal, cast
+from typing import Final, cast
 
 from flask import current_app
 
 from motion.errors import InputError
-from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.desk.studies import NAME, RESERVED, LabStudy
 from studyapp.researchers.account import Account, find_account_by_identity
 from studyapp.study.folder import StudyFolder
-from studyapp.web.site import EXTENSION, Desk
+from studyapp.web.site import EXTENSION, Site
 
 ACCOUNTS: Final = "desk.db"
 """The desk's database in its folder: the tables of a study's, of which those of accounts are used.
@@ -25,8 +24,8 @@ ACCOUNTS: Final = "desk.db"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Lab:
-    """A folder of studies with a desk; see `studyapp.web.site.Site`.
+class Lab(Site):
+    """A folder of studies with a desk.
 
     Attributes
     ----------
@@ -34,12 +33,8 @@ class Lab:
         Holds the studies as sub-folders.
     """
 
+    kind = "desk"
     folder: Path
-    database: Database
-    clock: Clock
-    origin: str = ""
-    kind: Literal["study", "desk"] = field(default="desk", init=False)
-    desk: Desk | None = field(default=None, init=False)
     _known: dict[tuple[str, int], LabStudy] = field(default_factory=dict, init=False, repr=False)
     _lock: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
 

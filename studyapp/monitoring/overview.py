@@ -46,8 +46,8 @@ from studyapp.monitoring.study_sessions import (
     progress_of_sessions,
 )
 from studyapp.session.ending import JUDGED
+from studyapp.session.form_answers import count_screened_out
 from studyapp.session.intake import Intake, current_intake
-from studyapp.session.screening import count_screened_out
 from studyapp.session.served_study import ServedStudy
 
 KINDS: Final = ("practice", "main", "repeat", *JUDGED)

@@ -1,6 +1,9 @@
 """Researchers' credentials: passwords, second factors (TOTP, RFC 6238) and random tokens.
 
-Of passwords, recovery codes and tokens, only hashes are stored.
+Of passwords, recovery codes and tokens, only hashes are stored. Login attempts are limited, so that
+nobody can guess them. They are counted in the database for all server processes, by network address
+and by address and name, so that strangers elsewhere lock nobody out. They are counted before the
+password is compared, so that simultaneous attempts get no further than successive ones.
 """
 
 from __future__ import annotations
@@ -8,25 +11,29 @@ from __future__ import annotations
 import base64
 import hashlib
 import hmac
+import math
 import re
 import secrets
 import threading
 import unicodedata
 from base64 import b64encode
-from collections.abc import Callable
-from datetime import datetime
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import datetime, timedelta
 from typing import Final
 
 import pyotp
 from argon2 import PasswordHasher
 from argon2.exceptions import InvalidHashError, VerificationError
+from sqlalchemy import ColumnElement, and_, delete, select
+from sqlalchemy.orm import Session
 
 from motion.errors import InputError
-from studyapp.clock import Clock
+from studyapp.clock import APART, Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import Event, Researcher
+from studyapp.database.postgresql import Turn, take_turn
+from studyapp.database.tables import Event, LoginAttempt, Researcher
 from studyapp.researchers.account import find_researcher, name_hash, name_key
-from studyapp.researchers.attempts import count_attempt, forget_attempts
 from studyapp.researchers.audit import log_change
 
 TOKEN_BYTES: Final = 32
@@ -130,6 +137,88 @@ def _is_common(password: str, name: str) -> bool:
     return any(zxcvbn(each[:SCORED_LENGTH], known)["score"] < REQUIRED_SCORE for each in written)
 
 
+WINDOW: Final = timedelta(minutes=15)
+MAX_ATTEMPTS_PER_NAME: Final = 10
+MAX_ATTEMPTS_PER_ADDRESS: Final = 50
+"""Higher, as a whole institute may share one."""
+
+
+class TooManyAttemptsError(InputError):
+    """Logins from this address, or with this name from it, are blocked for some `seconds`."""
+
+    def __init__(self, seconds: int) -> None:
+        self.seconds = seconds
+        minutes = math.ceil(seconds / 60)
+        super().__init__(
+            "there were too many attempts to log in",
+            remedy=f"Try again in {minutes} {'minute' if minutes == 1 else 'minutes'}, or ask an "
+            "owner for a link to set a new password",
+        )
+
+
+def count_attempt(database: Database, name_hash: str, address: str, now: datetime) -> None:
+    """Count one more attempt.
+
+    Raises
+    ------
+    TooManyAttemptsError
+        If there were too many with this name from this address, or from this address at all; this
+        one is then not counted, so that waiting helps.
+    """
+    # Reading first: floods of attempts must not block participants' writes.
+    with database.reading() as session:
+        _require_few_attempts(session, name_hash, address, now)
+    with database.writing() as session:
+        take_turn(session.connection(), Turn.LOGIN)
+        _require_few_attempts(session, name_hash, address, now)
+        session.execute(delete(LoginAttempt).where(~_is_recent(now)))
+        session.add(LoginAttempt(at=now, name_hash=name_hash, address=address))
+
+
+def forget_attempts(session: Session, name_hash: str, address: str) -> None:
+    """Forget the attempts with a name from `address`, after the right password."""
+    session.execute(delete(LoginAttempt).where(_of_name_and_address(name_hash, address)))
+
+
+def forget_all_attempts(session: Session, name_hash: str) -> None:
+    """Forget all attempts with a name, after a change of the password."""
+    session.execute(delete(LoginAttempt).where(LoginAttempt.name_hash == name_hash))
+
+
+def _of_name_and_address(name_hash: str, address: str) -> ColumnElement[bool]:
+    return and_(LoginAttempt.name_hash == name_hash, LoginAttempt.address == address)
+
+
+def _is_recent(now: datetime) -> ColumnElement[bool]:
+    """Return the condition that an attempt counts; one before a clock was set back does not."""
+    return and_(LoginAttempt.at > now - WINDOW, LoginAttempt.at <= now + APART)
+
+
+def _require_few_attempts(session: Session, name_hash: str, address: str, now: datetime) -> None:
+    for condition, limit in (
+        (_of_name_and_address(name_hash, address), MAX_ATTEMPTS_PER_NAME),
+        (LoginAttempt.address == address, MAX_ATTEMPTS_PER_ADDRESS),
+    ):
+        end = _end_of_lockout(session, condition, limit, now)
+        if end is not None:
+            raise TooManyAttemptsError(max(1, math.ceil((end - now).total_seconds())))
+
+
+def _end_of_lockout(
+    session: Session, condition: ColumnElement[bool], limit: int, now: datetime
+) -> datetime | None:
+    """Return when fewer than `limit` attempts will count; None if fewer count now."""
+    counted = (
+        select(LoginAttempt.at)
+        .where(condition, _is_recent(now))
+        .order_by(LoginAttempt.at.desc())
+        .offset(limit - 1)
+        .limit(1)
+    )
+    oldest = session.scalar(counted)
+    return None if oldest is None else oldest + WINDOW
+
+
 STEP_SECONDS: Final = 30
 ALLOWED_STEP_OFFSETS: Final = (0, -1, 1)
 """Allowed differences between clocks, in steps."""
@@ -183,20 +272,19 @@ def enable_second_factor(
     InputError
         If the password is wrong, or `code` is not a current code of `secret`.
     """
-    codes = [_recovery_code() for _ in range(RECOVERY_CODES)]
-
-    def change(researcher: Researcher, now: datetime) -> Event:
+    with _changed_account(
+        database, clock, researcher_id, password, address, Event.SECOND_FACTOR_ON
+    ) as researcher:
+        now = clock.now()
         step = _matching_step(secret, "".join(code.split()), now) if _is_secret(secret) else None
         if step is None:
             raise InputError(
                 "the code is wrong",
                 remedy="Type the newest one, and check the device's clock",
             )
+        codes = [_recovery_code() for _ in range(RECOVERY_CODES)]
         researcher.totp_secret, researcher.totp_step = secret, step
         researcher.recovery_hashes = [token_hash(each.replace("-", "")) for each in codes]
-        return Event.SECOND_FACTOR_ON
-
-    _change_second_factor(database, clock, researcher_id, password, address, change)
     return codes
 
 
@@ -204,13 +292,10 @@ def disable_second_factor(
     database: Database, clock: Clock, researcher_id: int, *, password: str, address: str
 ) -> None:
     """Turn the second factor off; `InputError` if the password is wrong."""
-
-    def change(researcher: Researcher, now: datetime) -> Event:
-        del now
+    with _changed_account(
+        database, clock, researcher_id, password, address, Event.SECOND_FACTOR_OFF
+    ) as researcher:
         _remove_second_factor(researcher)
-        return Event.SECOND_FACTOR_OFF
-
-    _change_second_factor(database, clock, researcher_id, password, address, change)
 
 
 def reset_second_factor(database: Database, clock: Clock, *, name: str) -> None:
@@ -222,15 +307,11 @@ def reset_second_factor(database: Database, clock: Clock, *, name: str) -> None:
         log_change(session, clock.now(), Event.SECOND_FACTOR_RESET, by="", detail=detail)
 
 
-def _change_second_factor(
-    database: Database,
-    clock: Clock,
-    researcher_id: int,
-    password: str,
-    address: str,
-    change: Callable[[Researcher, datetime], Event],
-) -> None:
-    """Check the password, change the account, and log the change."""
+@contextmanager
+def _changed_account(
+    database: Database, clock: Clock, researcher_id: int, password: str, address: str, event: Event
+) -> Iterator[Researcher]:
+    """Give the account to be changed once the password has proved right, and log the change."""
     now = clock.now()
     with database.reading() as session:
         account = session.get_one(Researcher, researcher_id)
@@ -239,8 +320,9 @@ def _change_second_factor(
         raise InputError("the password is wrong", remedy="Type it again")
     with database.writing() as session:
         researcher = session.get_one(Researcher, researcher_id, with_for_update=True)
+        yield researcher
         forget_attempts(session, name_hash(researcher.name), address)
-        log_change(session, now, change(researcher, now), by=researcher.name)
+        log_change(session, now, event, by=researcher.name)
 
 
 def _remove_second_factor(researcher: Researcher) -> None:

@@ -178,10 +178,15 @@ class StoredFigures:
     """
 
     answers: int
-    document: str
-    is_current: bool
-    is_computing: bool
-    problem: str
+    document: str = ""
+    is_current: bool = False
+    is_computing: bool = False
+    problem: str = ""
+
+    @property
+    def contents(self) -> Document | None:
+        """What the last document holds; None before the first."""
+        return Document.read(self.document)
 
 
 def stored_figures(
@@ -202,16 +207,13 @@ def stored_figures(
         figures.begin(partial(_compute, database, clock, what, begun, figures))
         with database.reading() as session:
             row = _row(session, what)
-    is_computing = row is not None and _is_running(row, now)
     if row is None:
-        return StoredFigures(
-            answers=answers, document="", is_current=False, is_computing=False, problem=""
-        )
+        return StoredFigures(answers=answers)
     return StoredFigures(
         answers=answers,
         document=row.document,
         is_current=row.state == state,
-        is_computing=is_computing,
+        is_computing=_is_running(row, now),
         problem=row.problem,
     )
 

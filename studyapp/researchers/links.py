@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from typing import Final, Literal, cast
+from typing import Any, Final, Literal
 
-from sqlalchemy import Select, delete, select
+from sqlalchemy import Select, delete, func, select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
@@ -38,7 +38,7 @@ LIFETIME: Final = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Link:
     """One usable link.
 
@@ -112,7 +112,7 @@ def list_usable_links(database: Database, now: datetime) -> list[Link]:
     """Return the usable links, the first to expire at the top."""
     query = _usable_links_query(now).order_by(ResearcherLink.expires_at, ResearcherLink.id)
     with database.reading() as session:
-        return [_link(row, name) for row, name in session.execute(query)]
+        return [Link(*row) for row in session.execute(query)]
 
 
 def find_link(database: Database, token: str, now: datetime) -> Link:
@@ -122,7 +122,7 @@ def find_link(database: Database, token: str, now: datetime) -> Link:
         row = session.execute(query).first()
     if row is None:
         raise UnusableLinkError
-    return _link(*row)
+    return Link(*row)
 
 
 def revoke_link(database: Database, clock: Clock, link_id: int, *, by: str) -> None:
@@ -249,20 +249,17 @@ def _use_link(session: Session, token: str, now: datetime) -> int | None:
     return used[0]
 
 
-def _usable_links_query(now: datetime) -> Select[ResearcherLink, str]:
+def _usable_links_query(now: datetime) -> Select[*tuple[Any, ...]]:
+    """Select the fields of `Link`."""
     return (
-        select(ResearcherLink, Researcher.name)
+        select(
+            ResearcherLink.id,
+            ResearcherLink.purpose,
+            ResearcherLink.role,
+            func.coalesce(Researcher.name, ""),
+            ResearcherLink.made_by,
+            ResearcherLink.expires_at,
+        )
         .outerjoin(Researcher, Researcher.id == ResearcherLink.researcher_id)
         .where(ResearcherLink.expires_at > now, Researcher.disabled_at.is_(None))
-    )
-
-
-def _link(row: ResearcherLink, name: str | None) -> Link:
-    return Link(
-        id=row.id,
-        purpose=cast(Purpose, row.purpose),
-        role=cast("Role | None", row.role),
-        name=name or "",
-        made_by=row.made_by,
-        expires_at=row.expires_at,
     )

@@ -13,15 +13,13 @@ from studyapp.clock import Clock, has_passed
 from studyapp.database.engine import Database
 from studyapp.database.tables import Event, Researcher, ResearcherLogin
 from studyapp.researchers.account import Account, account_of, end_logins, name_hash, name_key
-from studyapp.researchers.attempts import (
-    count_attempt,
-    forget_all_attempts,
-    forget_attempts,
-)
 from studyapp.researchers.audit import log_change, read_reason
 from studyapp.researchers.credentials import (
     accept_code,
     check_password,
+    count_attempt,
+    forget_all_attempts,
+    forget_attempts,
     hash_password,
     needs_rehash,
     new_token,

@@ -9,13 +9,13 @@ import json
 import os
 import secrets
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, NamedTuple, Protocol, Self
+from typing import Final, Self
 
-from sqlalchemy import ColumnElement, func, or_, select, true
+from sqlalchemy import ColumnElement, Row, func, or_, select, true
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
@@ -35,25 +35,8 @@ PREFIX: Final = "p"
 
 OTHER_USERS: Final = 0o077
 
-
-class Identified(Protocol):
-    """The columns of a study session that identify its participant."""
-
-    @property
-    def id(self) -> int:
-        """Number of the study session."""
-
-    @property
-    def token(self) -> str:
-        """See `studyapp.database.tables.StudySession`."""
-
-    @property
-    def visit(self) -> str | None:
-        """See `studyapp.database.tables.StudySession`."""
-
-    @property
-    def recruiter_participant(self) -> str | None:
-        """See `studyapp.database.tables.StudySession`."""
+Identified = StudySession | Row[int, str, str | None, str | None]
+"""A study session, or its `id`, `token`, `visit` and `recruiter_participant`."""
 
 
 @dataclass(frozen=True)
@@ -155,15 +138,6 @@ class PseudonymKey:
         return hmac.compare_digest(self.pseudonym(participant).encode(), pseudonym.encode())
 
 
-class _Identity(NamedTuple):
-    """See `Identified`."""
-
-    id: int
-    token: str
-    visit: str | None
-    recruiter_participant: str | None
-
-
 def pseudonyms_of(
     database: Database, key: PseudonymKey, numbers: Collection[int]
 ) -> Mapping[int, str]:
@@ -203,16 +177,13 @@ def find_number_by_recruiter(session: Session, name: str) -> int | None:
     )
 
 
-def _identities(session: Session, chosen: ColumnElement[bool]) -> list[_Identity]:
-    rows = session.execute(
-        select(
-            StudySession.id,
-            StudySession.token,
-            StudySession.visit,
-            StudySession.recruiter_participant,
-        ).where(chosen)
+def _identities(
+    session: Session, chosen: ColumnElement[bool]
+) -> Sequence[Row[int, str, str | None, str | None]]:
+    query = select(
+        StudySession.id, StudySession.token, StudySession.visit, StudySession.recruiter_participant
     )
-    return [_Identity(*row) for row in rows]
+    return session.execute(query.where(chosen)).all()
 
 
 def _existing_number(session: Session, digits: str) -> int | None:

@@ -31,8 +31,8 @@ from studyapp.database.tables import (
 from studyapp.researchers.audit import COMMAND_LINE
 from studyapp.researchers.exclusion_decisions import current_exclusions
 from studyapp.session.ending import JUDGED
+from studyapp.session.form_answers import count_screened_out
 from studyapp.session.intake import current_intake
-from studyapp.session.screening import count_screened_out
 from studyapp.session.state import state_of
 from studyapp.session.watch_evidence import watched_share
 from studyapp.study.settings.study import Study

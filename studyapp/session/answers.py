@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final, cast
 
 from sqlalchemy import Table, insert
@@ -24,7 +23,7 @@ from studyapp.session.state import (
     update_row,
 )
 from studyapp.session.watch_evidence import failed_to_play, missing_seconds
-from studyapp.study.design.trial import AnswerKey, Answers, Ask
+from studyapp.study.design.trial import AnswerKey, Ask
 from studyapp.study.design.trial import Trial as AskedTrial
 from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.study import Study
@@ -35,17 +34,8 @@ Fields = Mapping[str, Sequence[str]]
 WHOLE_NUMBER: Final = re.compile(r"-?[1-9][0-9]{0,2}|0")
 
 
-@dataclass(frozen=True, kw_only=True)
-class SubmittedAnswers:
-    """Valid answers to one trial."""
-
-    values: Answers
-    reasons: Mapping[AnswerKey, tuple[str, ...]]
-
-    def stored(self) -> dict[AnswerKey, tuple[int, tuple[str, ...]]]:
-        """Return the value and reasons of every answer."""
-        return {key: (value, self.reasons.get(key, ())) for key, value in self.values.items()}
-
+SubmittedAnswers = Mapping[AnswerKey, tuple[int, tuple[str, ...]]]
+"""Valid answers to one trial: value and reasons of each."""
 
 RESPONSES: Final = insert(cast(Table, Response.__table__))
 
@@ -103,10 +93,10 @@ def store_answers(
                     "question": question,
                     "stimulus": stimulus,
                     "value": value,
-                    "reasons": list(submitted.reasons.get((question, stimulus), ())),
+                    "reasons": list(reasons),
                     "answered_at": now,
                 }
-                for (question, stimulus), value in submitted.values.items()
+                for (question, stimulus), (value, reasons) in submitted.items()
             ],
         )
         update_row(session, trial, answered_at=now, seconds=clock.seconds_since(shown_at))
@@ -180,7 +170,7 @@ def _require_same(trial: Trial, submitted: SubmittedAnswers) -> None:
         (response.question, response.stimulus): (response.value, tuple(response.reasons))
         for response in trial.responses
     }
-    if stored != submitted.stored():
+    if stored != submitted:
         raise ConflictError(
             "You have already answered this page, and your first answer is stored.",
             "An answer cannot be changed once it is sent. Please go on with the next page.",
@@ -212,7 +202,7 @@ def read_answers(study: Study, trial: AskedTrial, fields: Fields) -> SubmittedAn
         raise UnacceptableError(
             "{problem}", "Please look at it again; your answers are kept.", problem=problem
         )
-    return SubmittedAnswers(values=values, reasons={ask.key: _reasons(ask, fields) for ask in asks})
+    return {ask.key: (values[ask.key], _reasons(ask, fields)) for ask in asks}
 
 
 def _check_value(ask: Ask, texts: Sequence[str]) -> None:

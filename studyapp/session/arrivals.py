@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from sqlalchemy import Connection, Select, bindparam, delete, exists, false, func, insert, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
@@ -149,16 +149,15 @@ def full_study_error() -> StudyFullError:
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Admission:
+class Admission(NamedTuple):
     """What decides about admitting somebody who arrives.
 
     Attributes
     ----------
     study_session_id : int or None
         The study session that they already have.
-    intake : Intake
-        The researchers' current decision.
+    state, more_places
+        The researchers' current decision; see `intake_of`.
     newcomers_from_address : int
         Newcomers from their network address within an hour.
     version_id : int or None
@@ -169,11 +168,17 @@ class Admission:
     """
 
     study_session_id: int | None
-    intake: Intake
+    state: str | None
+    more_places: int | None
     newcomers_from_address: int
     version_id: int | None
     has_stale_place: bool
     has_expired_newcomers: bool
+
+    @property
+    def intake(self) -> Intake:
+        """The researchers' current decision."""
+        return intake_of(self.state, self.more_places)
 
 
 def read_admission(
@@ -201,14 +206,7 @@ def read_admission(
             "silent_since": stale_before(served, now),
         },
     ).one()
-    return Admission(
-        study_session_id=row.study_session_id,
-        intake=intake_of(row.state, row.more_places),
-        newcomers_from_address=row.newcomers,
-        version_id=row.version_id,
-        has_stale_place=row.has_stale_place,
-        has_expired_newcomers=row.has_expired_newcomers,
-    )
+    return Admission(*row)
 
 
 def require_uncrowded_address(served: ServedStudy, admission: Admission) -> None:
@@ -222,16 +220,17 @@ def require_uncrowded_address(served: ServedStudy, admission: Admission) -> None
 
 
 def _admission_query(column: InstrumentedAttribute[str | None], *, in_turn: bool) -> Select[Any]:
+    """Select the fields of `Admission`."""
     study_session = select(StudySession.id).where(column == bindparam("name"))
     version = select(StudyVersion.id).where(StudyVersion.design == bindparam("design"))
     return select(
-        study_session.scalar_subquery().label("study_session_id"),
-        NEWEST_STATE.label("state"),
-        NEWEST_MORE_PLACES.label("more_places"),
-        NEWCOMERS_FROM_ADDRESS.label("newcomers"),
-        version.scalar_subquery().label("version_id"),
-        (HAS_STALE_PLACE if in_turn else false()).label("has_stale_place"),
-        (HAS_EXPIRED if in_turn else false()).label("has_expired_newcomers"),
+        study_session.scalar_subquery(),
+        NEWEST_STATE,
+        NEWEST_MORE_PLACES,
+        NEWCOMERS_FROM_ADDRESS,
+        version.scalar_subquery(),
+        HAS_STALE_PLACE if in_turn else false(),
+        HAS_EXPIRED if in_turn else false(),
     )
 
 

@@ -1,20 +1,35 @@
-"""Participants' answers about themselves: validated, checked for eligibility, stored once."""
+"""Participants' answers about themselves: validated, checked for eligibility, stored once.
+
+A study may also ask questions below its instructions. Participants who answer those wrongly have a
+second try, as Prolific requires; after that, everything about them is deleted except the fact of
+the screen-out if a recruiter named them.
+
+A screen-out is final for participants with a name or an invitation. The recruiter's screen-out
+code is shown only once it is stored: nobody can get it, go back and change their answers.
+Everybody else is only counted.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from datetime import datetime
+from types import MappingProxyType
 from typing import Final
+
+from sqlalchemy import func, select, update
+from sqlalchemy.exc import IntegrityError
+from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import FormAnswer
+from studyapp.database.tables import FormAnswer, ScreenOut, StudySession, StudyVersion
 from studyapp.session.ending import advance
 from studyapp.session.participation import sound_check_due
 from studyapp.session.places import regain_place
 from studyapp.session.refusal import ConflictError, IneligibleError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.state import find_study_session, form_due
+from studyapp.session.state import find_study_session, form_due, state_of
+from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
 
@@ -56,10 +71,14 @@ def read_entrance_answers(
 
 def _require_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> None:
     if not is_eligible(study, stage, fields):
-        raise IneligibleError(
-            "Thank you for your interest: this study looks for other participants.",
-            "Nothing about you has been stored, and you may close this page.",
-        )
+        raise _ineligible_error()
+
+
+def _ineligible_error() -> IneligibleError:
+    return IneligibleError(
+        "Thank you for your interest: this study looks for other participants.",
+        "Nothing about you has been stored, and you may close this page.",
+    )
 
 
 def ineligible_stage(study: Study, fields: Mapping[str, str]) -> Stage:
@@ -148,24 +167,144 @@ def read_form_answers(
 
 
 def _check_answers(study: Study, stage: Stage, fields: Mapping[str, str]) -> None:
-    questions = dict(enumerate(study.form.questions_at(stage), start=1))
-    answers = {number: fields.get(q.name, "").strip() for number, q in questions.items()}
-    problems = {number: q.problem(answers[number], number) for number, q in questions.items()}
-    invalid = {number: problem for number, problem in problems.items() if problem is not None}
-    if len(invalid) == 1:
-        (problem,) = invalid.values()
+    problems = find_problems(study, stage, fields)
+    if len(problems) == 1:
+        (problem,) = problems.values()
         raise UnacceptableError(
             "{problem}", "The other answers you gave are kept.", problem=problem
         )
-    if invalid and not any(answers[number] for number in invalid):
+    names = [question.name for question in study.form.questions_at(stage)]
+    numbers = tuple(number for number, name in enumerate(names, start=1) if name in problems)
+    if numbers and not any(fields.get(name, "").strip() for name in problems):
         raise UnacceptableError(
             "Questions {numbers} are not answered yet.",
             "The other answers you gave are kept.",
-            numbers=tuple(invalid),
+            numbers=numbers,
         )
-    if invalid:
+    if numbers:
         raise UnacceptableError(
             "Questions {numbers} have no answer yet, or one that cannot be accepted.",
             "The other answers you gave are kept.",
-            numbers=tuple(invalid),
+            numbers=numbers,
         )
+
+
+def find_problems(study: Study, stage: Stage, fields: Mapping[str, str]) -> dict[str, Message]:
+    """Return why answers to questions of `stage` cannot be accepted, by question."""
+    problems = {
+        question.name: question.problem(fields.get(question.name, "").strip(), number)
+        for number, question in enumerate(study.form.questions_at(stage), start=1)
+    }
+    return {name: problem for name, problem in problems.items() if problem is not None}
+
+
+def start_trials(
+    database: Database,
+    served: ServedStudy,
+    token: str,
+    clock: Clock,
+    *,
+    answers: Mapping[str, str] | None = None,
+) -> None:
+    """Start the trials; starting twice or too early changes nothing.
+
+    Parameters
+    ----------
+    answers : mapping of question name to text, optional
+        Answers to the comprehension questions. Those of the first try are stored.
+
+    Raises
+    ------
+    UnacceptableError
+        If an answer is missing, which does not count as a try, or the first try is wrong.
+    IneligibleError
+        If the second try is wrong; the study session has been deleted.
+    """
+    study, answers = served.study, answers or {}
+    with database.writing() as session:
+        study_session = find_study_session(session, token)
+        waiting = sound_check_due(study_session, served) or form_due(study_session, study)
+        if state_of(study_session) != "instructed" or waiting:
+            return
+        now = clock.now()
+        rows = read_form_answers(study, "comprehension", answers, now)
+        has_tried = any(answer.stage == "comprehension" for answer in study_session.form_answers)
+        if not has_tried:
+            study_session.form_answers.extend(rows)
+        study_session.last_active_at = now
+        if is_eligible(study, "comprehension", answers):
+            study_session.started_at = now
+            return
+        if has_tried:
+            _screen_out_and_delete(session, study, study_session)
+    if has_tried:
+        raise _ineligible_error()
+    raise UnacceptableError(
+        "At least one answer does not fit the instructions.",
+        "Please read them again: you have one more try.",
+    )
+
+
+def _screen_out_and_delete(session: Session, study: Study, study_session: StudySession) -> None:
+    """Delete a study session, and screen out the name under which its participant was sent."""
+    name = study_session.recruiter_participant
+    if name is None and study.recruitment.names_participants:
+        name = study_session.visit
+    _screen_out(session, name, "comprehension", study_session.last_active_at)
+    study_session.place = None
+    session.flush()
+    session.delete(study_session)
+
+
+COUNTS: Final[Mapping[Stage, InstrumentedAttribute[int]]] = MappingProxyType(
+    {
+        "eligibility": StudyVersion.screened_by_eligibility,
+        "consent": StudyVersion.screened_by_consent,
+        "comprehension": StudyVersion.screened_by_comprehension,
+    }
+)
+"""The column that counts screen-outs at each stage."""
+
+
+def was_screened_out(database: Database, name: str) -> bool:
+    """Tell whether the person who comes by `name` was screened out before."""
+    with database.reading() as session:
+        return _is_stored(session, name)
+
+
+def note_screen_out(database: Database, name: str | None, stage: Stage, clock: Clock) -> None:
+    """Count a person as screened out at `stage`.
+
+    Parameters
+    ----------
+    name : str or None
+        The name to store, so that they stay screened out and are counted once.
+    """
+    try:
+        with database.writing() as session:
+            if name is None or not _is_stored(session, name):
+                _screen_out(session, name, stage, clock.now())
+    except IntegrityError:
+        pass  # the same person in another window, at the same moment
+
+
+def _screen_out(session: Session, name: str | None, stage: Stage, now: datetime) -> None:
+    """Count a screen-out, and store the person's name if there is one."""
+    if name is not None:
+        session.add(ScreenOut(participant=name, screened_out_at=now))
+        session.flush()
+    count = COUNTS[stage]
+    session.execute(
+        update(StudyVersion).where(StudyVersion.in_force).values({count: count + 1}),
+        execution_options={"synchronize_session": False},
+    )
+
+
+def count_screened_out(session: Session) -> dict[str, int]:
+    """Count the screen-outs at each stage, in all versions of the study."""
+    sums = [func.coalesce(func.sum(count), 0) for count in COUNTS.values()]
+    return dict(zip(COUNTS, map(int, session.execute(select(*sums)).one()), strict=True))
+
+
+def _is_stored(session: Session, name: str) -> bool:
+    return session.scalar(select(ScreenOut.id).where(ScreenOut.participant == name)) is not None

@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from functools import cache
 from types import MappingProxyType
-from typing import Any, Final, Literal, Protocol, cast
+from typing import Any, Final, Literal, cast
 
-from sqlalchemy import Table, Update, bindparam, select, update
+from sqlalchemy import Row, Table, Update, bindparam, select, update
 from sqlalchemy.orm import Session, joinedload
 from sqlalchemy.orm.attributes import set_committed_value
 
@@ -61,32 +61,8 @@ def find_study_session(session: Session, token: str, *, to_change: bool = True) 
     return study_session
 
 
-class SessionFacts(Protocol):
-    """What decides about the state of a study session; each may be None."""
-
-    @property
-    def withdrawn_at(self) -> datetime | None:
-        """When they withdrew."""
-
-    @property
-    def completed_at(self) -> datetime | None:
-        """When the last answer was stored."""
-
-    @property
-    def outcome(self) -> str | None:
-        """How it ended."""
-
-    @property
-    def place(self) -> object | None:
-        """The place they hold."""
-
-    @property
-    def started_at(self) -> datetime | None:
-        """When they saw the first trial."""
-
-
-def state_of(study_session: SessionFacts) -> State:
-    """Return the state of `study_session`.
+def state_of(study_session: StudySession | Row[*tuple[Any, ...]]) -> State:
+    """Return the state of `study_session`, or of a row of the columns that decide about it.
 
     ``instructed`` has consented but not begun, ``unwatched`` ended because too many videos did not
     play, ``lapsed`` was inactive for so long that its place was released.

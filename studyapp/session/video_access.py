@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from datetime import datetime
 from itertools import groupby
-from typing import Final
+from typing import Any, Final
 
 from sqlalchemy import Row, bindparam, func, select, update
 from sqlalchemy.orm import aliased
@@ -68,7 +68,7 @@ def content_of(database: Database, video_token: str) -> Content | None:
     Only the current and the next trial of a running study session have videos. Videos are
     requested most, so this is one statement.
     """
-    return _content(_find_stimuli(database, video_token))
+    return _content(_find_stimuli(database, video_token)) or None
 
 
 def content_to_send(database: Database, video_token: str, clock: Clock) -> Content | None:
@@ -81,7 +81,7 @@ def content_to_send(database: Database, video_token: str, clock: Clock) -> Conte
         with database.writing() as session:
             parameters = {"video_token": video_token, "now": clock.now()}
             session.connection().execute(MARK_SENT, parameters)
-    return _content(shown)
+    return _content(shown) or None
 
 
 def _find_stimuli(database: Database, video_token: str) -> Sequence[Shown]:
@@ -89,11 +89,10 @@ def _find_stimuli(database: Database, video_token: str) -> Sequence[Shown]:
         return connection.execute(SHOWN_STIMULI, {"token": video_token}).all()
 
 
-def _content(shown: Sequence[Shown]) -> Content | None:
-    stimuli = (
-        Stimulus(condition=row.condition, segment=row.segment, speech=row.speech) for row in shown
+def _content(rows: Iterable[Row[*tuple[Any, ...]]]) -> Content:
+    return tuple(
+        Stimulus(condition=row.condition, segment=row.segment, speech=row.speech) for row in rows
     )
-    return tuple(stimuli) or None
 
 
 _Asked = aliased(Video)
@@ -122,10 +121,5 @@ def earlier_contents(database: Database, video_token: str) -> list[Content]:
     for token, stimuli in groupby(rows, key=lambda row: row.token):
         if token == video_token:
             break
-        contents.append(
-            tuple(
-                Stimulus(condition=row.condition, segment=row.segment, speech=row.speech)
-                for row in stimuli
-            )
-        )
+        contents.append(_content(stimuli))
     return contents

@@ -135,19 +135,11 @@ def page_language() -> Language:
     return cast(Language, current_app.extensions[EXTENSION])
 
 
-def gettext(text: str, /, **values: object) -> str:
+def _(text: str, /, **values: object) -> str:
     """Return `text` in the page's language, ``%(places)s`` filled with `values`."""
     return page_language().texts.gettext(text) % values
-
-
-def ngettext(one: str, many: str, count: int, /, **values: object) -> str:
-    """Return the form for `count` things in the page's language; ``%(num)s`` is the count."""
-    return page_language().texts.ngettext(one, many, count) % {"num": count, **values}
 
 
 def say(message: Message) -> str:
     """Return `message` in the page's language."""
     return page_language().say(message)
-
-
-_ = gettext

@@ -5,10 +5,11 @@ from __future__ import annotations
 import hashlib
 import ipaddress
 import os
-from dataclasses import dataclass, field
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from datetime import timedelta
 from pathlib import Path
-from typing import Final, Literal, Protocol, cast
+from typing import ClassVar, Final, Literal, cast
 
 from flask import Flask, Response, current_app, request
 
@@ -21,38 +22,6 @@ from studyapp.study.settings.study import Study
 from studyapp.web.media_store import MediaStore
 
 EXTENSION: Final = "motionjury"
-
-
-class Site(Protocol):
-    """Where researchers log in: a study, or the desk of several."""
-
-    @property
-    def kind(self) -> Literal["study", "desk"]:
-        """What it is."""
-
-    @property
-    def name(self) -> str:
-        """Its name among others on the host."""
-
-    @property
-    def title(self) -> str:
-        """The title of its pages."""
-
-    @property
-    def database(self) -> Database:
-        """Where its accounts are."""
-
-    @property
-    def clock(self) -> Clock:
-        """Its clock."""
-
-    @property
-    def origin(self) -> str:
-        """What its public addresses begin with, before the path; empty if unknown."""
-
-    @property
-    def desk(self) -> Desk | None:
-        """The desk at which researchers log in; None if they log in here."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +41,39 @@ class Desk:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StudySite:
-    """The study being served, its database and its clock.
+class Site(ABC):
+    """Where researchers log in: a study, or the desk of several.
+
+    Attributes
+    ----------
+    database : Database
+        Where the accounts are.
+    origin : str
+        What the public addresses begin with, before the path; empty if unknown.
+    desk : Desk or None
+        The desk at which researchers log in; None if they log in here.
+    """
+
+    kind: ClassVar[Literal["study", "desk"]]
+    database: Database
+    clock: Clock
+    origin: str = ""
+    desk: Desk | None = None
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Its name among others on the host."""
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """The title of its pages."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudySite(Site):
+    """The study being served; see `Site` for what it shares with a desk.
 
     Attributes
     ----------
@@ -87,23 +87,15 @@ class StudySite:
         Where a proxy in front finds that folder; None if this server sends the videos itself.
     store : MediaStore or None
         Where participants load the videos from instead.
-    origin : str
-        What the study's public addresses begin with, before the path; empty if unknown.
-    desk : Desk or None
-        The desk at which researchers log in; None if they log in here.
     """
 
+    kind = "study"
     served: ServedStudy
-    database: Database
-    clock: Clock
     folder: Path
     record: VideoRecord
     figures: FigureProcess
     accel_prefix: str | None = None
     store: MediaStore | None = None
-    origin: str = ""
-    desk: Desk | None = None
-    kind: Literal["study", "desk"] = field(default="study", init=False)
 
     @property
     def name(self) -> str:

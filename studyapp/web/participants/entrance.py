@@ -10,7 +10,7 @@ import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Literal
 
 from flask import Blueprint, Response, make_response, render_template, request
 from flask.typing import ResponseReturnValue
@@ -18,9 +18,13 @@ from flask.typing import ResponseReturnValue
 from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import return_address
 from studyapp.session.enrolment import enrol, require_admission, resume
-from studyapp.session.form_answers import check_eligibility, ineligible_stage
+from studyapp.session.form_answers import (
+    check_eligibility,
+    ineligible_stage,
+    note_screen_out,
+    was_screened_out,
+)
 from studyapp.session.refusal import IneligibleError, StudyFullError, UnacceptableError
-from studyapp.session.screening import note_screen_out, was_screened_out
 from studyapp.study.settings.presentation import Device, Message
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
@@ -67,20 +71,20 @@ class Entrant:
         """The same, as the study knows them."""
         return arrival_of(self.recruiter, visit=self.visit, form=self.answers)
 
-    def page(self, stage: Stage, *, problem: str = "") -> str:
-        """Return the page of a stage, with the problem of the submitted answers."""
+    def page(self, name: Stage | Literal["preview"], *, problem: str = "") -> str:
+        """Return the page of a stage, with the problem of the submitted answers; or the preview."""
         site = study_site()
         study = site.study
         return render_template(
-            f"{stage}.html",
+            f"{name}.html",
             study=study,
             sound=site.served.has_sound,
-            paragraphs=_paragraphs(study),
+            paragraphs=[text for text in study.page.consent.split("\n\n") if text.strip()],
             visit=self.visit,
             recruiter=self.recruiter,
             answers=self.answers,
             problem=problem,
-            problems=problems_of(stage, self.answers) if problem else {},
+            problems={} if name == "preview" or not problem else problems_of(name, self.answers),
             devices=_devices_needed(study),
             refused=_stated_device() not in study.page.devices,
         )
@@ -89,17 +93,6 @@ class Entrant:
         """Return the page that comes first."""
         return self.page("eligibility" if study_site().study.form.eligibility else "consent")
 
-    def preview(self) -> str:
-        """Return a description of the study for people who cannot begin yet."""
-        site = study_site()
-        return render_template(
-            "preview.html",
-            study=site.study,
-            sound=site.served.has_sound,
-            paragraphs=_paragraphs(site.study),
-            devices=_devices_needed(site.study),
-        )
-
 
 @pages.get("/consent")
 @pages.get("/")
@@ -107,7 +100,7 @@ def arrive() -> ResponseReturnValue:
     """Ask for eligibility, or describe the study; nothing is stored."""
     visit = secrets.token_urlsafe(24)
     if is_preview(request.args):
-        return Entrant(visit=visit, recruiter={}, answers={}).preview()
+        return Entrant(visit=visit, recruiter={}, answers={}).page("preview")
     entrant = Entrant(visit=visit, recruiter=read_names(request.args), answers={})
     if _was_screened_out(entrant):
         return _screened_out(entrant)
@@ -194,19 +187,15 @@ def _was_screened_out(entrant: Entrant) -> bool:
     site = study_site()
     if not site.study.recruitment.names_participants:
         return False
-    return was_screened_out(site.database, entrant.arrival)
+    return was_screened_out(site.database, entrant.arrival.name)
 
 
 def _screen_out(entrant: Entrant) -> ResponseReturnValue:
     """Count them; people named by the recruiter stay screened out, and only then get a code."""
     site = study_site()
-    note_screen_out(
-        site.database,
-        entrant.arrival,
-        ineligible_stage(site.study, entrant.answers),
-        site.clock,
-        named=site.study.recruitment.names_participants,
-    )
+    name = entrant.arrival.name if site.study.recruitment.names_participants else None
+    stage = ineligible_stage(site.study, entrant.answers)
+    note_screen_out(site.database, name, stage, site.clock)
     return _screened_out(entrant)
 
 
@@ -224,10 +213,6 @@ def _entrant() -> Entrant:
             "The start did not come from the start page.", "Please open the study's link again."
         )
     return Entrant(visit=visit, recruiter=recruiter, answers=form_fields())
-
-
-def _paragraphs(study: Study) -> list[str]:
-    return [text for text in study.page.consent.split("\n\n") if text.strip()]
 
 
 DEVICES: Final[Mapping[Device, Message]] = MappingProxyType(

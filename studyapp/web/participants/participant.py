@@ -10,9 +10,8 @@ from flask.typing import ResponseReturnValue
 from pydantic import ValidationError
 
 from studyapp.session.answers import Fields, skip_unplayable, store_answers
-from studyapp.session.comprehension import start_trials
 from studyapp.session.ending import screened_out_exit, withdraw, withdrawal_promise
-from studyapp.session.form_answers import store_form_answers
+from studyapp.session.form_answers import find_problems, start_trials, store_form_answers
 from studyapp.session.participation import TRIES_BEFORE_LEAVING, leave_break, load_situation
 from studyapp.session.refusal import IneligibleError, UnacceptableError
 from studyapp.session.shown_trials import ShownTrial
@@ -264,12 +263,9 @@ def form_page(
 
 
 def problems_of(stage: Stage, form_answers: Mapping[str, str]) -> dict[str, str]:
-    """Return why answers to questions of `stage` cannot be accepted, by question."""
-    problems = {
-        question.name: question.problem(form_answers.get(question.name, "").strip(), number)
-        for number, question in enumerate(study_site().study.form.questions_at(stage), start=1)
-    }
-    return {name: say(problem) for name, problem in problems.items() if problem is not None}
+    """Return in words why answers to questions of `stage` cannot be accepted, by question."""
+    problems = find_problems(study_site().study, stage, form_answers)
+    return {name: say(problem) for name, problem in problems.items()}
 
 
 def form_fields() -> dict[str, str]:

@@ -5,19 +5,20 @@ from __future__ import annotations
 from typing import cast
 
 import segno
-from flask import Response, make_response, redirect, request, url_for
+from flask import Response, abort, make_response, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 from markupsafe import Markup
 
 from motion.errors import InputError
-from studyapp.researchers.attempts import TooManyAttemptsError
 from studyapp.researchers.credentials import (
+    TooManyAttemptsError,
     disable_second_factor,
     enable_second_factor,
     new_secret,
     provisioning_uri,
 )
 from studyapp.researchers.links import (
+    Link,
     UnusableLinkError,
     choose_password,
     find_link,
@@ -83,27 +84,25 @@ def log_out() -> ResponseReturnValue:
 
 def link(token: str) -> ResponseReturnValue:
     """Show what a one-time link is for, without using it."""
+    return page("link", link=_usable_link(token), token=token, name="", problem=None)
+
+
+def _usable_link(token: str) -> Link:
+    """Return the link; where it is used is at the desk if there is one."""
     site = current_site()
     if site.desk is not None:
-        return redirect(f"{site.desk.address}join/{token}", 303)
+        abort(redirect(f"{site.desk.address}join/{token}", 303))
     try:
-        usable_link = find_link(site.database, token, site.clock.now())
+        return find_link(site.database, token, site.clock.now())
     except UnusableLinkError as error:
-        return refusal_page(error, 404)
-    return page("link", link=usable_link, token=token, name="", problem=None)
+        abort(make_response(refusal_page(error, 404)))
 
 
 def use_link(token: str) -> ResponseReturnValue:
     """Join, or choose a new password, and be logged in."""
-    site = current_site()
-    if site.desk is not None:
-        return redirect(f"{site.desk.address}join/{token}", 303)
+    site, usable_link = current_site(), _usable_link(token)
     name, password, again = (request.form.get(key, "") for key in ("name", "password", "again"))
     login_token: str | None
-    try:
-        usable_link = find_link(site.database, token, site.clock.now())
-    except UnusableLinkError as error:
-        return refusal_page(error, 404)
     try:
         require_same(password, again)
         if usable_link.purpose == "new_password":

@@ -24,7 +24,7 @@ from studyapp.monitoring.study_sessions import (
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import MAX_LINES, MAX_REASON_LENGTH, latest_changes
 from studyapp.researchers.exclusion_decisions import decide_exclusion
-from studyapp.researchers.interim_figures import Document, StoredFigures, stored_figures
+from studyapp.researchers.interim_figures import stored_figures
 from studyapp.researchers.pseudonyms import (
     PseudonymKey,
     find_number_by_name,
@@ -87,33 +87,21 @@ LARGEST_NUMBER: Final = 2**31 - 1
 """Of a row in the database."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class AgreementSoFar:
-    """The agreement of raters, as the overview shows it; no document before the first result."""
-
-    figures: StoredFigures
-    document: Document | None
-
-
 def overview(data: Data) -> ResponseReturnValue:
     """Show the study's progress."""
-    site = study_site()
+    site, agreement = study_site(), None
     with open_data(data) as database:
         progress = overview_of(database, site.served, site.clock.now())
+    if data == "study":
+        agreement = stored_figures(site.database, site.clock, "agreement", site.figures)
     return page(
         "overview",
         data=data,
-        agreement=_agreement() if data == "study" else None,
+        agreement=agreement,
         rehearsed=is_rehearsed(),
         overview=progress,
         refreshes=request.args.get("refresh") != "off",
     )
-
-
-def _agreement() -> AgreementSoFar:
-    site = study_site()
-    figures = stored_figures(site.database, site.clock, "agreement", site.figures)
-    return AgreementSoFar(figures=figures, document=Document.read(figures.document))
 
 
 def study_sessions(data: Data) -> ResponseReturnValue:

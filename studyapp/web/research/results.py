@@ -16,7 +16,7 @@ from studyapp.database.tables import Look
 from studyapp.monitoring.counts import PlaceCounts
 from studyapp.monitoring.overview import places_so_far
 from studyapp.researchers.audit import latest_looks, log_look
-from studyapp.researchers.interim_figures import Document, stored_figures
+from studyapp.researchers.interim_figures import stored_figures
 from studyapp.researchers.logins import UNBLINDED_FOR, unblind, unblinding_reason
 from studyapp.session.intake import current_intake
 from studyapp.session.served_study import ServedStudy
@@ -40,7 +40,7 @@ def results() -> ResponseReturnValue:
         return _reason_page()
     figures = stored_figures(site.database, site.clock, "results", site.figures)
     awaited = figures.is_computing and not figures.is_current
-    document = None if awaited else Document.read(figures.document)
+    document = None if awaited else figures.contents
     if document is not None:
         with site.database.writing() as session:
             log_look(

@@ -19,8 +19,8 @@ from studyapp.researchers.audit import StudyState, latest_changes, log_change, l
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.rows import form_answers_table
 from studyapp.session.arrivals import Arrival
+from studyapp.session.form_answers import note_screen_out
 from studyapp.session.refusal import ConflictError, UnknownAddressError, log_refusal
-from studyapp.session.screening import note_screen_out
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.support.read_once import read_once
@@ -176,7 +176,7 @@ def test_a_finished_participant_is_found_by_the_completion_code(person: Particip
 def test_a_screen_out_is_erased_too(person: Participant) -> None:
     for name in ("screened-out", "another"):
         arrival = Arrival(recruiter_participant=name, recruiter_study="one")
-        note_screen_out(person.database, arrival, "eligibility", person.clock, named=True)
+        note_screen_out(person.database, arrival.name, "eligibility", person.clock)
 
     (entry,) = find_data(person.database, "screened-out", KEY)
 

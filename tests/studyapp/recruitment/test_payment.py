@@ -15,7 +15,7 @@ from studyapp.recruitment.payment import (
     known_participants,
 )
 from studyapp.session.arrivals import Arrival
-from studyapp.session.screening import note_screen_out
+from studyapp.session.form_answers import note_screen_out
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.recruitment import Prolific, Recruitment
 from tests.support.servers.both_databases import BOTH
@@ -109,7 +109,7 @@ def test_everybody_sent_by_name_is_known_with_where_they_stand(
     left.withdraw()
     for name in ("turned away", "finished"):
         arrival = Arrival(recruiter_participant=name)
-        note_screen_out(opened, arrival, "eligibility", clock, named=True)
+        note_screen_out(opened, arrival.name, "eligibility", clock)
     finished.another().enrol("of-nobody")
 
     names = ("finished", "under way", "left", "turned away", "never came")

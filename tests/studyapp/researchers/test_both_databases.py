@@ -10,7 +10,7 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.researchers.account import list_accounts, remove_access, restore_access
-from studyapp.researchers.attempts import MAX_ATTEMPTS_PER_NAME, TooManyAttemptsError
+from studyapp.researchers.credentials import MAX_ATTEMPTS_PER_NAME, TooManyAttemptsError
 from studyapp.researchers.links import UnusableLinkError
 from studyapp.researchers.logins import WrongLoginError
 from tests.studyapp.researchers.conftest import NEW, Door

@@ -10,9 +10,10 @@ from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.database.tables import Researcher
-from studyapp.researchers.attempts import MAX_ATTEMPTS_PER_NAME, TooManyAttemptsError
 from studyapp.researchers.credentials import (
+    MAX_ATTEMPTS_PER_NAME,
     MAX_PASSWORD_LENGTH,
+    TooManyAttemptsError,
     check_password,
     disable_second_factor,
     enable_second_factor,

@@ -10,7 +10,7 @@ from motion.errors import InputError
 from studyapp.database.tables import LoginAttempt, Researcher, ResearcherLink, ResearcherLogin
 from studyapp.researchers import credentials
 from studyapp.researchers.account import remove_access
-from studyapp.researchers.attempts import (
+from studyapp.researchers.credentials import (
     MAX_ATTEMPTS_PER_ADDRESS,
     MAX_ATTEMPTS_PER_NAME,
     WINDOW,

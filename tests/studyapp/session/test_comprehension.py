@@ -6,8 +6,8 @@ import pytest
 from sqlalchemy import func, select
 
 from studyapp.database.tables import FormAnswer, Place, ScreenOut, StudySession, Trial
+from studyapp.session.form_answers import count_screened_out
 from studyapp.session.refusal import IneligibleError, UnacceptableError, UnknownAddressError
-from studyapp.session.screening import count_screened_out
 from tests.studyapp.session.conftest import Open
 from tests.support.studies.asked_forms import COMPREHENSION
 from tests.support.studies.taking_part_steps import Participant

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Base, RefusalLine
-from studyapp.session.screening import COUNTS
+from studyapp.session.form_answers import COUNTS
 
 MAY_CHANGE: Final = frozenset(
     {"last_active_at", "sound_tries", *(column.key for column in COUNTS.values())}

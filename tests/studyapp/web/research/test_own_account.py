@@ -11,7 +11,7 @@ import pytest
 from flask import Flask
 
 from studyapp.database.engine import Database
-from studyapp.researchers.attempts import MAX_ATTEMPTS_PER_NAME
+from studyapp.researchers.credentials import MAX_ATTEMPTS_PER_NAME
 from studyapp.researchers.links import first_owner_link
 from studyapp.web.research.page import COOKIE
 from studyapp.web.site import attach, client_address, site_of

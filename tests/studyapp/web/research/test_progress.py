@@ -7,9 +7,8 @@ from contextlib import closing
 from pathlib import Path
 
 from studyapp.database.tables import StudySession
-from studyapp.session.arrivals import Arrival
+from studyapp.session.form_answers import note_screen_out
 from studyapp.session.intake import intake_changes
-from studyapp.session.screening import note_screen_out
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.support.studies.taking_part_steps import Participant, taking_part
@@ -23,8 +22,7 @@ def test_what_is_counted_leads_to_those_counted_and_names_nobody(
     viewer = log_in("viewer")
     assert "screened out" not in viewer.get("/research/").text
     for name in ("p1", "p1", "p2"):
-        arrival = Arrival(recruiter_participant=name)
-        note_screen_out(log_in.stored, arrival, "eligibility", log_in.clock, named=True)
+        note_screen_out(log_in.stored, name, "eligibility", log_in.clock)
 
     page = viewer.get("/research/")
 
