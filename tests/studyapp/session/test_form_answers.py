@@ -11,22 +11,23 @@ from studyapp.session.refusal import ConflictError, UnacceptableError
 from tests.studyapp.session.conftest import Open
 from tests.support.read_once import read_once
 from tests.support.studies.asked_forms import ABOUT, ADULT, FORM
-from tests.support.studies.taking_part_steps import Participant
-
-
-@pytest.fixture
-def asking(open_changed: Open) -> Participant:
-    """Return an enrolled participant of a study that asks about its participants."""
-    return open_changed(added=FORM).arrive(Arrival(visit="visit", form=ADULT))
 
 
 def test_questions_come_before_the_trials_and_after_them_and_are_answered_once(
-    asking: Participant,
+    open_changed: Open,
 ) -> None:
+    asking = open_changed(added=FORM).arrive(Arrival(visit="visit", form=ADULT))
     assert asking.look().form == "demographics"
     assert asking.begin().look().state == "instructed"
     with pytest.raises(ConflictError, match="not the questions you are on"):
         asking.do(store_form_answers, "closing", {"comment": "Early."})
+    # Every question that needs another answer is named.
+    for answers, words in (
+        ({"age": "17"}, "Question 1 needs a whole number from 18 to 120"),
+        ({"age": "", "work": "x" * 2001}, "Questions 1 and 2 have no answer yet, or one"),
+    ):
+        with pytest.raises(UnacceptableError, match=words):
+            asking.do(store_form_answers, "demographics", answers)
 
     for _ in range(2):
         asking.do(store_form_answers, "demographics", ABOUT)
@@ -49,15 +50,3 @@ def test_questions_come_before_the_trials_and_after_them_and_are_answered_once(
             ("demographics", "work", ""),
             ("closing", "comment", "Good."),
         ]
-
-
-def test_every_question_that_needs_another_answer_is_named(asking: Participant) -> None:
-    too_long = "x" * 2001
-    for answers, words in (
-        ({"age": "17"}, "Question 1 needs a whole number from 18 to 120"),
-        ({"age": "", "work": too_long}, "Questions 1 and 2 have no answer yet, or one"),
-        ({"age": "31", "work": too_long}, "to question 2 is longer than 2000 characters"),
-    ):
-        with pytest.raises(UnacceptableError, match=words):
-            asking.do(store_form_answers, "demographics", answers)
-    assert asking.look().form == "demographics"

@@ -21,7 +21,7 @@ from studyapp.session.versions import open_study
 from tests.studyapp.session.ledger import Ledger, Person, good_value, stored_sessions
 from tests.support.studies.emptying import empty
 from tests.support.studies.taking_part_steps import Participant, SetClock
-from tests.support.studies.three_arms import three_arms
+from tests.support.studies.three_arms import PRESENTATIONS, three_arms
 
 WHO = st.integers(min_value=0, max_value=100)
 
@@ -123,16 +123,10 @@ class Schedule(RuleBasedStateMachine):
         return False
 
     @precondition(lambda self: self.people)
-    @rule(who=WHO, careless=st.booleans())
-    def take_trial(self, who: int, careless: bool) -> None:
-        self.take(self.person(who), careless=careless)
-
-    @precondition(lambda self: self.people)
-    @rule(who=WHO, careless=st.booleans())
-    def finish(self, who: int, careless: bool) -> None:
-        person = self.person(who)
-        while not person.over and self.ledger.come_back(person):
-            self.take(person, careless=careless)
+    @rule(who=WHO, careless=st.booleans(), trials=st.integers(1, PRESENTATIONS))
+    def take_trials(self, who: int, careless: bool, trials: int) -> None:
+        for _ in range(trials):
+            self.take(self.person(who), careless=careless)
 
     def take(self, person: Person, *, careless: bool) -> None:
         if not self.look(person):

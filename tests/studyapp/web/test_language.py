@@ -1,14 +1,99 @@
+"""Every page of every study says everything in the language of the study, and says it well.
+
+A made-up language puts brackets around each text that it is asked for. What stands outside them
+would be English for everybody.
+"""
+
 from __future__ import annotations
+
+from pathlib import Path
 
 import pytest
 from flask import Flask, render_template_string
 
 from studyapp.session.refusal import UnacceptableError
 from studyapp.study.settings.presentation import Message
+from studyapp.study.settings.study import Study
 from studyapp.web.errors import note_and_explain
 from studyapp.web.language import language_of, speak
+from studyapp.web.site import site_of
+from tests.functional.shown_studies import NAMES, write_shown_study
+from tests.studyapp.web.brackets import bracketed, left_in_english
+from tests.studyapp.web.conftest import Serve
+from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.visitor import Visitor
+from tests.support.studies.taking_part_steps import SetClock
 
-NEXT = {"en": "Next", "de": "Weiter", "ja": "次へ"}
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("studies")
+
+
+@pytest.fixture
+def folder(folders: Path, request: pytest.FixtureRequest) -> Path:
+    """Return the folder of a study, made once for all languages."""
+    folder: Path = folders / request.param
+    if not folder.exists():
+        write_shown_study(folder, request.param)
+        definition = folder / "study.toml"
+        text = definition.read_text("utf-8")
+        if "sound_check" not in text:
+            definition.write_text(text.replace("[page]", "[page]\nsound_check = true"), "utf-8")
+    return folder
+
+
+@pytest.fixture
+def visitor(folder: Path, serve: Serve, tmp_path: Path, clock: SetClock) -> Visitor:
+    database_url = f"sqlite:///{tmp_path / 'walked.db'}"
+    return Visitor(serve(folder=folder, database_url=database_url), clock)
+
+
+def study_of(app: Flask) -> Study:
+    return site_of(app).study
+
+
+@pytest.mark.parametrize("folder", NAMES, indirect=True)
+def test_no_page_of_a_study_says_anything_that_is_not_translated(visitor: Visitor) -> None:
+    speak(visitor.app, bracketed())
+    study = study_of(visitor.app)
+
+    for page in visitor.every_page():
+        assert left_in_english(page, study) == "", page.heading
+
+
+@pytest.mark.parametrize("folder", ["players"], indirect=True)
+def test_neither_does_a_page_beside_the_way(visitor: Visitor, clock: SetClock) -> None:
+    speak(visitor.app, bracketed())
+    study = study_of(visitor.app)
+    pages = visitor.every_page()
+    while not visitor.address:
+        next(pages)
+    beside = [
+        visitor.client.get(f"{visitor.address}/withdraw"),
+        visitor.client.get("/nowhere"),
+        visitor.client.get("/take/nobody"),
+        visitor.client.put("/"),
+        visitor.client.post("/", data={"visit": "too short"}),
+        visitor.client.post("/", data={"visit": "x" * 70_000}),
+        visitor.client.post(f"{visitor.address}/answers", data={"trial": "none"}),
+        visitor.client.post(f"{visitor.address}/form/closing", data={}),
+    ]
+    withdrawal = PageReader(beside[0].text)
+    beside += [
+        visitor.client.post(withdrawal.action, follow_redirects=True),
+        visitor.client.post(f"{visitor.address}/answers", data={"trial": "none"}),
+    ]
+
+    for answer in beside:
+        assert left_in_english(PageReader(answer.text), study) == "", answer.status
+
+
+def test_what_is_not_bracketed_is_seen(serve: Serve) -> None:
+    study = study_of(serve())
+    page = PageReader(f'<p title="⟦Help⟧ me">⟦say ⟦it⟧⟧ now, {study.title} A</p>')
+
+    assert left_in_english(page, study) == "now me"
 
 
 def speaking(code: str) -> Flask:
