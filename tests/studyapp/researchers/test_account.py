@@ -3,9 +3,19 @@ from __future__ import annotations
 import pytest
 
 from motion.errors import InputError
+from studyapp.database.engine import Database
 from studyapp.researchers.account import change_role, remove_access, restore_access
 from studyapp.researchers.audit import latest_changes
-from tests.studyapp.researchers.conftest import Door
+from studyapp.researchers.links import (
+    LIFETIME,
+    UnusableLinkError,
+    find_link,
+    first_owner_link,
+    list_usable_links,
+    revoke_link,
+)
+from tests.studyapp.researchers.conftest import NEW, Door
+from tests.support.studies.taking_part_steps import SetClock
 
 
 def test_the_last_owner_can_neither_leave_nor_become_something_else(door: Door) -> None:
@@ -42,3 +52,75 @@ def test_whose_access_or_role_changes_is_logged_out_at_once(door: Door) -> None:
         ("access restored", "Ada", "Charles"),
         ("logged in", "Charles", ""),
     ]
+
+
+def test_a_newer_link_for_the_first_owner_replaces_the_older(
+    database: Database, clock: SetClock
+) -> None:
+    older, newer = (first_owner_link(database, clock) or "" for _ in range(2))
+
+    with pytest.raises(UnusableLinkError):
+        find_link(database, older, clock.now())
+    assert find_link(database, newer, clock.now()).role == "owner"
+
+
+@pytest.mark.parametrize("purpose", ["invitation", "new_password"])
+def test_a_link_expires(door: Door, purpose: str) -> None:
+    token = door.invite() if purpose == "invitation" else door.offer("ada")
+    door.clock.advance(seconds=LIFETIME[purpose].total_seconds() - 1)
+    assert door.purpose(token) == purpose
+
+    door.clock.advance(seconds=1)
+
+    for use in (door.purpose, door.choose, door.use):
+        with pytest.raises(UnusableLinkError):
+            use(token)
+    assert list_usable_links(door.database, door.clock.now()) == []
+
+
+def test_a_name_is_given_once_and_a_refused_one_leaves_the_link_usable(door: Door) -> None:
+    token = door.invite("analyst")
+
+    for name, problem in (("ADA", "already"), ("A", "2 to 100"), ("A\x00da", "visible")):
+        with pytest.raises(InputError, match=problem):
+            door.use(token, name)
+    door.use(token, "Ada Byron")
+
+
+def test_a_link_for_a_new_password_replaces_it_and_ends_all_logins(door: Door) -> None:
+    elsewhere, older, token = door.enter(), door.offer(), door.offer("ADA")
+    for use, link in ((door.purpose, older), (door.use, token)):
+        with pytest.raises(UnusableLinkError):
+            use(link)
+
+    login = door.choose(token)
+
+    assert door.who(elsewhere) is None
+    assert door.who(login or "") is not None
+    door.enter(password=NEW)
+
+
+def test_who_is_shut_out_gets_no_new_password(door: Door) -> None:
+    out = door.join("Charles", "analyst")
+    before = door.offer("Charles")
+    remove_access(door.database, door.clock, out, by="Ada")
+
+    with pytest.raises(InputError, match="no access"):
+        door.offer("Charles")
+    with pytest.raises(UnusableLinkError):
+        door.choose(before)
+    with pytest.raises(InputError, match=r"no researcher 'Nobody'.*list"):
+        door.offer("Nobody")
+
+
+def test_a_link_that_was_taken_back_cannot_be_used(door: Door) -> None:
+    token = door.invite("owner")
+    (link,) = list_usable_links(door.database, door.clock.now())
+
+    for _ in range(2):
+        revoke_link(door.database, door.clock, link.id, by="Ada")
+
+    with pytest.raises(UnusableLinkError):
+        door.purpose(token)
+    lines = [(line.researcher, line.event) for line in latest_changes(door.database)]
+    assert lines[:2] == [("Ada", "link taken back"), ("Ada", "invited")]

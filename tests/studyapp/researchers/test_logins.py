@@ -1,7 +1,10 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from datetime import timedelta
+from typing import NamedTuple
 
+import pyotp
 import pytest
 from argon2 import PasswordHasher
 from sqlalchemy import func, select
@@ -13,11 +16,18 @@ from studyapp.researchers.account import remove_access
 from studyapp.researchers.credentials import (
     MAX_ATTEMPTS_PER_ADDRESS,
     MAX_ATTEMPTS_PER_NAME,
+    MAX_PASSWORD_LENGTH,
     WINDOW,
     TooManyAttemptsError,
+    check_password,
+    disable_second_factor,
+    enable_second_factor,
+    hash_password,
+    new_secret,
+    verify_password,
 )
-from studyapp.researchers.logins import MAX_DURATION, MAX_IDLE, change_password
-from tests.studyapp.researchers.conftest import Door
+from studyapp.researchers.logins import MAX_DURATION, MAX_IDLE, WrongLoginError, change_password
+from tests.studyapp.researchers.conftest import NEW, Door
 from tests.support.researchers_at_hand import HERE, PASSWORD
 
 ELSEWHERE = "192.0.2.9"
@@ -137,3 +147,109 @@ def test_the_database_holds_neither_passwords_nor_what_cookies_and_links_hold(do
     assert len(stored) == 4
     assert not secrets & set(stored)
     assert PASSWORD not in "".join(stored)
+
+
+GOOD = (
+    *("correct horse battery", "tr0ub4dor&3xyz", "83920174650192837465"),
+    *("password and purple rain", "日本語のとても長い合言葉です"),
+)
+COMMON = (
+    *("password1234", "qwertyuiop12", "welcome-to-study", "MotionJury2026!"),
+    *("secret shadow master", "a1" * 128, "Ada Lovelace 1815", "lovelace.ada.lovelace"),
+)
+
+
+def test_what_everybody_tries_first_and_what_is_too_short_or_long_is_refused() -> None:
+    for password in GOOD:
+        check_password(password, name="Ada Lovelace")
+    for password in COMMON:
+        with pytest.raises(InputError, match=r"first that anybody would try.*words"):
+            check_password(password, name="Ada Lovelace")
+    for length in (0, 11, MAX_PASSWORD_LENGTH + 1):
+        with pytest.raises(InputError, match=rf"12 to 256 characters, this one has {length}"):
+            check_password(("zq7!kvmw2p#" * 50)[:length], name="Ada Lovelace")
+
+
+def test_a_password_is_the_same_however_its_letters_are_encoded() -> None:
+    assert verify_password(hash_password("gru\u0308ne Wiesen im Mai"), "gr\u00fcne Wiesen im Mai")
+
+
+class Device(NamedTuple):
+    """What Ada has of her second factor."""
+
+    door: Door
+    secret: str
+    recovery: list[str]
+
+    def code(self, seconds: float = 0) -> str:
+        return code_of(self.door, self.secret, seconds)
+
+
+def code_of(door: Door, secret: str, seconds: float = 0) -> str:
+    return pyotp.TOTP(secret).at(door.clock.now() + timedelta(seconds=seconds))
+
+
+@pytest.fixture
+def device(door: Door) -> Device:
+    secret = new_secret()
+    given = {"secret": secret, "code": code_of(door, secret), "password": PASSWORD}
+    recovery = enable_second_factor(door.database, door.clock, door.ada, **given, address=HERE)
+    door.clock.advance(seconds=30)
+    return Device(door, secret, recovery)
+
+
+def test_each_code_of_the_device_logs_in_once(door: Door, device: Device) -> None:
+    code = device.code()
+    for wrong in ("", "000000", device.code(60)):
+        door.turns_away(code=wrong)
+
+    assert door.enter(code=f"{code[:3]} {code[3:]}")
+
+    door.turns_away(code=code)
+    # The device's clock may be off by half a minute.
+    assert door.enter(code=device.code(30))
+
+
+def test_a_recovery_code_logs_in_once_and_none_is_stored(door: Door, device: Device) -> None:
+    first, second, *_ = device.recovery
+
+    assert door.enter(code=first.upper())
+
+    door.turns_away(code=first)
+    assert door.enter(code=second.replace("-", " "))
+    with door.database.reading() as session:
+        kept = session.scalars(select(Researcher.recovery_hashes)).one()
+    assert len(kept) == len(device.recovery) - 2
+    assert not set(kept) & set(device.recovery)
+
+
+def test_turning_it_on_or_off_needs_the_password_and_a_code_that_fits(door: Door) -> None:
+    secret = new_secret()
+    right = {"secret": secret, "code": code_of(door, secret), "password": PASSWORD}
+    for wrong in ({"password": "wrong"}, {"code": "000000"}, {"secret": "short"}):
+        with pytest.raises(InputError):
+            enable_second_factor(door.database, door.clock, door.ada, **right | wrong, address=HERE)
+    door.enter()
+    enable_second_factor(door.database, door.clock, door.ada, **right, address=HERE)
+
+    with pytest.raises(InputError):
+        disable_second_factor(door.database, door.clock, door.ada, password="wrong", address=HERE)  # noqa: S106
+    door.turns_away()
+    disable_second_factor(door.database, door.clock, door.ada, password=PASSWORD, address=HERE)
+    door.enter()
+
+
+def test_codes_cannot_be_guessed_on_and_on(door: Door, device: Device) -> None:
+    for number in range(MAX_ATTEMPTS_PER_NAME):
+        with suppress(WrongLoginError):
+            door.enter(code=f"{number:06}")
+
+    with pytest.raises(TooManyAttemptsError):
+        door.enter(code=device.code())
+
+
+def test_a_link_for_a_new_password_does_not_go_around_it(door: Door, device: Device) -> None:
+    assert door.choose(door.offer()) is None
+
+    door.turns_away(password=NEW)
+    assert door.enter(password=NEW, code=device.code())

@@ -1,16 +1,36 @@
 from __future__ import annotations
 
+import shutil
 import socket
+from collections.abc import Iterator
 from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
 
+import httpx
 import pytest
 from flask import Flask
 from sqlalchemy import select
+from werkzeug.test import TestResponse
 
+from motion.errors import InputError
 from studyapp.database.tables import StudySession, Video
+from studyapp.session.served_study import ServedStudy
+from studyapp.stimuli.publishing import MARK_BYTES, publish
+from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli, write_stimuli
+from studyapp.web.media_store import FILE, SIGNED_SECONDS, MediaStore, Place
+from studyapp.web.site import site_of
 from studyapp.web.worker import StudyWorker
+from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.visitor import Visitor, stored_in
+from tests.support.servers.s3_stand_in import (
+    BUCKET,
+    KEY,
+    Store,
+    forget_keys,
+    s3_stand_in,
+    use_keys,
+)
 from tests.support.studies.added_condition import make_videos_anew
 from tests.support.studies.taking_part_steps import SetClock
 
@@ -106,3 +126,130 @@ def test_nobody_is_shown_a_video_that_is_rendered_anew_while_it_is_served(
     write_stimuli(tiny_study / "stimuli.json", before)
     for each in requested:
         assert app.test_client().get(each, buffered=True).status_code == 200
+
+
+@pytest.fixture(scope="module")
+def published(
+    tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[Path, Store]]:
+    """Return a study whose videos are in a store, and that store; tests copy the study."""
+    folder = tmp_path_factory.mktemp("published") / "study"
+    shutil.copytree(tiny_study_template, folder)
+    with pytest.MonkeyPatch.context() as patch, s3_stand_in() as store:
+        use_keys(patch)
+        place = Place(bucket=BUCKET, folder="my-study/", endpoint=store.endpoint)
+        publish(StudyFolder(folder), place, lambda _done, _total: None)
+        yield folder, store
+
+
+@pytest.fixture
+def store(published: tuple[Path, Store]) -> Store:
+    """Return the store that holds the study's videos."""
+    _, store = published
+    store.asked.clear()
+    return store
+
+
+@pytest.fixture
+def study(published: tuple[Path, Store], tmp_path: Path) -> Path:
+    """Return a copy of the folder of the published study."""
+    return Path(shutil.copytree(published[0], tmp_path / "published"))
+
+
+@pytest.fixture
+def from_store(study: Path, store: Store, serve: Serve) -> Flask:
+    """Return the application of a study whose videos are in the store."""
+    served = ServedStudy.read(study)
+    return serve(folder=study, served=served, store=MediaStore.of(study, served))
+
+
+def redirects(app: Flask, clock: SetClock) -> list[TestResponse]:
+    """Take the study to its end, and return what was said of each video, in order."""
+    visitor = Visitor(app, clock).enrol().begin()
+    responses = []
+    for page in visitor.take_trials():
+        for video in page.soup.select("video"):
+            responses.append(visitor.client.get(str(video["src"])))
+            # Loaded again, a video stays where it is.
+            again = visitor.client.get(f"{video['src']}?again=1").location
+            assert urlsplit(again).path == urlsplit(responses[-1].location).path
+    return responses
+
+
+def test_what_is_shown_again_cannot_be_told_from_what_is_new(
+    from_store: Flask, clock: SetClock
+) -> None:
+    served = site_of(from_store).served
+    known = {video.file.read_bytes() for video in served.videos.values()}
+    shown_again = 0
+    # Of four participants, some see the practice video again, others its mirrored pair.
+    for _ in range(4):
+        answers = redirects(from_store, clock)
+        require_alike(answers)
+        loaded = [httpx.get(answer.location) for answer in answers]
+
+        contents = [each.content[:-MARK_BYTES] for each in loaded]
+        assert set(contents) <= known
+        shown_again += len(contents) - len(set(contents))
+        for contents_or_names in (
+            [urlsplit(answer.location).path for answer in answers],
+            [each.headers["ETag"] for each in loaded],
+            [each.content for each in loaded],
+        ):
+            assert len(set(contents_or_names)) == len(contents_or_names)
+    assert shown_again > 0
+
+
+def require_alike(answers: list[TestResponse]) -> None:
+    """Require that addresses differ in name, moment and signature alone, and headers in nothing."""
+    parts = [urlsplit(answer.location) for answer in answers]
+    assert len({(each.netloc, len(each.path), len(each.query)) for each in parts}) == 1
+    for each in parts:
+        query = parse_qs(each.query)
+        signed_fields = {"X-Amz-Date", "X-Amz-Signature"}
+        assert {name: query[name] for name in query.keys() - signed_fields} == {
+            "X-Amz-Algorithm": ["AWS4-HMAC-SHA256"],
+            "X-Amz-Credential": [f"{KEY}/{query['X-Amz-Date'][0][:8]}/here-1/s3/aws4_request"],
+            "X-Amz-Expires": [str(SIGNED_SECONDS)],
+            "X-Amz-SignedHeaders": ["host"],
+        }
+    headers = [
+        {name: value for name, value in answer.headers if name != "Location"} for answer in answers
+    ]
+    assert all(sent == headers[0] for sent in headers)
+    assert headers[0]["Referrer-Policy"] == "no-referrer"
+    assert headers[0]["Cache-Control"] == "private, max-age=300"
+    assert "Set-Cookie" not in headers[0]
+
+
+def test_pages_may_load_from_the_store_and_from_nobody_else(
+    from_store: Flask, app: Flask, clock: SetClock, store: Store
+) -> None:
+    policies = []
+    for each in (from_store, app):
+        visitor = Visitor(each, clock).enrol().begin()
+        policies.append(visitor.client.get(visitor.address).headers["Content-Security-Policy"])
+    inside = from_store.test_client().get("/research/login").headers["Content-Security-Policy"]
+
+    assert f"media-src 'self' {store.endpoint}; " in policies[0]
+    assert f"connect-src 'self' {store.endpoint}; " in policies[0]
+    assert policies[0].replace(f" {store.endpoint}", "") == policies[1]
+    assert store.endpoint not in inside
+
+
+def test_what_is_not_in_the_store_as_it_is_here_is_said_before_serving(
+    study: Path, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    served = ServedStudy.read(study)
+    forget_keys(monkeypatch)
+    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        monkeypatch.delenv(name)
+    with pytest.raises(InputError, match=r"sign an address .*AWS_ACCESS_KEY_ID"):
+        MediaStore.of(study, served)
+    with (study / "videos" / "pairs" / "003.mp4").open("ab") as video:
+        video.write(b"\0\0\0\x08free")
+    with pytest.raises(InputError, match=r"003\.mp4: the video is not in the store as it is here"):
+        MediaStore.of(study, served)
+    (study / FILE).unlink()
+    with pytest.raises(InputError, match="the videos were not published"):
+        MediaStore.of(study, served)
