@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
 from dataclasses import replace
 
 import pytest
@@ -140,23 +139,6 @@ def test_many_arrivals_at_once_leave_connections_to_those_who_answer(
 
     assert len(tokens) == 3
     assert held_places(database) == 4
-
-
-@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
-def test_newcomers_are_placed_side_by_side_and_evenly(database: Database, clock: SetClock) -> None:
-    served = three_arms(2)
-    open_study(database, served, clock)
-    wanted = dict.fromkeys(served.arms, 2)
-
-    taken = []
-    with ExitStack() as at_once:
-        for number in (0, 0, 0, 1, 1, 1):
-            place = take_open_place(at_once.enter_context(database.writing()), wanted)
-            assert place is not None and place.number == number
-            taken.append(place.arm)
-
-    arms = {arm for arm, _ in served.arms}
-    assert set(taken[:3]) == set(taken[3:]) == arms
 
 
 @pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)

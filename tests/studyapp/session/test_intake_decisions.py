@@ -5,12 +5,11 @@ from __future__ import annotations
 import pytest
 from sqlalchemy import func, select
 
-from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place
 from studyapp.monitoring.overview import overview
 from studyapp.researchers.audit import latest_changes
-from studyapp.session.intake import MAX_ADDED_PLACES, add_places, change_intake, intake_changes
+from studyapp.session.intake import add_places, change_intake
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -65,18 +64,3 @@ def test_a_full_study_that_is_extended_takes_as_many_more(
     assert (places.wanted, places.active, places.open) == (6, 6, 0)
     with opened.reading() as session:
         assert session.scalar(select(func.count()).select_from(Place)) == 6
-
-
-def test_what_cannot_be_decided_changes_nothing(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    with pytest.raises(InputError, match="reason of 1 to 500"):
-        change_intake(opened, served, clock, "paused", by="Ada", reason="  ")
-    with pytest.raises(InputError, match="the case already"):
-        change_intake(opened, served, clock, "open", by="Ada", reason="why not")
-    for more in (0, -1, MAX_ADDED_PLACES + 1):
-        with pytest.raises(InputError, match="not a number of places"):
-            add_places(opened, served, clock, more, by="Ada", reason="why not")
-
-    assert intake_changes(opened) == []
-    assert latest_changes(opened) == []

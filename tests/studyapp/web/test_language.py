@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from flask import Flask, render_template_string
+from flask import Flask
 
 from studyapp.session.refusal import UnacceptableError
 from studyapp.study.settings.presentation import Message
@@ -118,15 +118,3 @@ def test_a_refusal_is_said_whole_with_its_list(code: str, message: str) -> None:
 
     with speaking(code).test_request_context():
         assert note_and_explain(refusal) == message
-
-
-def test_what_stands_in_a_place_is_escaped_and_marks_in_a_text_are_not() -> None:
-    with speaking("de").app_context():
-        page = render_template_string(
-            "{{ _('Questions or trouble? %(contact)s', contact='<b>') }}"
-            "{{ _('<strong>Answer the question</strong> under them.') }}"
-        )
-
-    assert page == (
-        "Fragen oder Probleme? &lt;b&gt;<strong>Beantworten Sie die Frage</strong> darunter."
-    )

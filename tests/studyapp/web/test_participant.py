@@ -213,10 +213,10 @@ def test_players_are_labelled_in_order_and_under_each_stand_its_questions(arrive
     for number, (player, label) in enumerate(
         zip(page.soup.select(".player"), "ABC", strict=True), 1
     ):
-        shown = (player["aria-label"], words(player.select(".label")[0]))
-        assert shown == (f"Video {label}", label)
-        buttons = [words(button) for button in player.select(".controls button")]
-        assert buttons == [f"▶ Play {label}", "↺ Replay"]
+        assert (player["aria-label"], words(player.select(".label")[0])) == (
+            f"Video {label}",
+            label,
+        )
         fields = {str(radio["name"]) for radio in player.select("[type=radio]")}
         assert fields == {f"quality:{number}", f"synchrony:{number}"}
         for question in player.select(".question"):

@@ -146,8 +146,13 @@ def test_a_study_is_paused_resumed_extended_and_closed_with_reasons(log_in: LogI
     def start() -> int:
         return log_in.app.test_client().post("/", data={"visit": "v" * 32}).status_code
 
-    assert status("state", state="paused") == status("state", state="x", reason="r") == 422
-    assert {status("more", more=m, reason="r") for m in ("", "-1", "1e9", "٣")} == {422}
+    for undecidable in (
+        {"state": "paused"},
+        {"state": "x", "reason": "r"},
+        {"state": "open", "reason": "r"},
+    ):
+        assert status("state", **undecidable) == 422
+    assert {status("more", more=m, reason="r") for m in ("", "-1", "1001", "1e9", "٣")} == {422}
     assert (status("state", state="paused", reason="a video stalls <b>"), start()) == (303, 409)
     assert (status("state", state="open", reason="it plays"), start()) == (303, 303)
     assert status("more", more="2", reason="two were ill") == 303
