@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from statistics import median
@@ -12,7 +12,7 @@ from typing import Final
 from studyapp.database.tables import StudySession, Trial, Video
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.watch_evidence import Watched, measure_watched
-from studyapp.study.design.trial import Ask, PlannedTrial
+from studyapp.study.design.trial import Ask, Content, PlannedTrial, Stimulus
 from studyapp.study.settings.study import Study
 
 
@@ -185,6 +185,20 @@ def _shown_video(video: Video, coverage: float) -> ShownVideo:
     )
 
 
+def numbered_stimuli(players: Mapping[int, Content]) -> Iterator[tuple[int, int, Stimulus]]:
+    """Yield each stimulus with the number of its player and its own: 1 for A; 0 is the reference.
+
+    Parameters
+    ----------
+    players : mapping of int to Content
+        The content of each player, by its number; 0 is the reference.
+    """
+    judged = count(1)
+    for player, content in sorted(players.items()):
+        for stimulus in content:
+            yield player, next(judged) if player else 0, stimulus
+
+
 def previewed_trial(
     served: ServedStudy, trials: Sequence[PlannedTrial], position: int
 ) -> ShownTrial:
@@ -209,13 +223,14 @@ def previewed_trial(
 
 
 def _previewed_videos(served: ServedStudy, planned: PlannedTrial) -> tuple[ShownVideo, ...]:
-    shown, judged = [], count(1)
-    for number, content in planned.players.items():
+    shown = []
+    numbered = list(numbered_stimuli(planned.players))
+    for player, content in planned.players.items():
         duration = served.videos[content].duration
         shown.append(
             ShownVideo(
-                token=str(number),
-                shows=tuple(next(judged) if number else 0 for _ in content),
+                token=str(player),
+                shows=tuple(number for shown_by, number, _ in numbered if shown_by == player),
                 duration=duration,
                 muted=all(stimulus.speech is None for stimulus in content),
                 watched=Watched(intervals=((0.0, duration),), missing=0.0, next_batch=0),

@@ -10,7 +10,6 @@ import json
 import secrets
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import count
 from typing import Any, Final
 
 from sqlalchemy import (
@@ -36,6 +35,7 @@ from analysis.answers.table import ANALYSED_KINDS
 from studyapp.database.tables import Base, Response, StudySession, Trial, TrialStimulus, Video
 from studyapp.researchers.exclusion_decisions import current_exclusions
 from studyapp.session.served_study import ServedStudy
+from studyapp.session.shown_trials import numbered_stimuli
 from studyapp.study.design.trial import NO_VOTES, PlannedTrial, Tally
 
 TOKEN_BYTES: Final = 24
@@ -143,17 +143,18 @@ def store_trials(
         for trial_id, number, video_id in connection.execute(INSERT_VIDEOS, as_parameters(shown))
     }
     stimuli = (
-        {"trial_id": trials[trial.position], **stimulus}
+        {
+            "trial_id": trials[trial.position],
+            "video_id": videos[trials[trial.position], player],
+            "number": number,
+            "condition": stimulus.condition,
+            "segment": stimulus.segment,
+            "speech": stimulus.speech,
+        }
         for trial in planned
-        for stimulus in _stimuli(trial)
+        for player, number, stimulus in numbered_stimuli(trial.players)
     )
-    connection.execute(
-        INSERT_STIMULI,
-        as_parameters(
-            {"video_id": videos[stimulus["trial_id"], stimulus.pop("player")], **stimulus}
-            for stimulus in stimuli
-        ),
-    )
+    connection.execute(INSERT_STIMULI, as_parameters(stimuli))
 
 
 def _trial(planned: PlannedTrial, token: str) -> dict[str, Any]:
@@ -169,20 +170,6 @@ def _trial(planned: PlannedTrial, token: str) -> dict[str, Any]:
         "instructed": planned.instructed,
         "repeats": planned.repeats,
     }
-
-
-def _stimuli(planned: PlannedTrial) -> Iterator[dict[str, Any]]:
-    """Yield the columns of each stimulus and the number of its player; 0 is the reference."""
-    judged = count(1)
-    for player, content in planned.players.items():
-        for stimulus in content:
-            yield {
-                "player": player,
-                "number": next(judged) if player else 0,
-                "condition": stimulus.condition,
-                "segment": stimulus.segment,
-                "speech": stimulus.speech,
-            }
 
 
 def count_votes(session: Session, served: ServedStudy) -> Tally:

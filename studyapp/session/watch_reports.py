@@ -97,34 +97,18 @@ class PlayedVideo:
     watch_record: Record | None
 
 
-@dataclass(frozen=True, kw_only=True)
-class Playing:
-    """The current trial of a study session.
-
-    Attributes
-    ----------
-    video : PlayedVideo
-        The reported video.
-    others : sequence of PlayedVideo
-        The other videos on the page.
-    shown_at : datetime
-        When the page was first shown.
-    """
-
-    video: PlayedVideo
-    others: Sequence[PlayedVideo]
-    shown_at: datetime
-
-
-def load_playing(session: Session, token: str, video_token: str, now: datetime) -> Playing | None:
-    """Return the current trial if `video_token` is one of its videos.
+def load_playing(
+    session: Session, token: str, video_token: str, now: datetime
+) -> tuple[PlayedVideo, Sequence[PlayedVideo], datetime] | None:
+    """Return the reported video if it is one of the current trial's.
 
     The study session is marked as active, and locked.
 
     Returns
     -------
-    Playing or None
-        None if they are at no trial or at another one, or have lost the place.
+    video, others, shown_at : PlayedVideo, sequence of PlayedVideo, datetime
+        The video, the other videos on the page, and when the page was first shown. None if they
+        are at no trial or at another one, or have lost the place.
     """
     connection = session.connection()
     parameters = {"session_token": token, "now": now}
@@ -148,7 +132,7 @@ def load_playing(session: Session, token: str, video_token: str, now: datetime) 
     if video_token not in videos:
         return None
     video = videos.pop(video_token)
-    return Playing(video=video, others=tuple(videos.values()), shown_at=shown_at)
+    return video, tuple(videos.values()), shown_at
 
 
 def store_record(session: Session, video: PlayedVideo, record: Record, now: datetime) -> None:
@@ -203,7 +187,7 @@ def record_watched(
             playing = load_playing(session, token, video_token, now)
         if playing is None:
             raise RuntimeError("SQL and Python disagree about the current trial")
-        video, coverage = playing.video, served.study.watching.coverage
+        (video, others, shown_at), coverage = playing, served.study.watching.coverage
         report = _clip_report(video, report)
         record = video.watch_record or NOTHING_PLAYED
         stored = is_stored(record, report)
@@ -211,11 +195,8 @@ def record_watched(
             return replace(measure_watched(video, coverage), stored=stored)
         record = add_report(record, report, soundless=video.soundless)
         watched = measure_watched(replace(video, watch_record=record), coverage)
-        passed = clock.seconds_since(playing.shown_at)
-        if (
-            passed is not None
-            and _claimed_seconds(report, record, playing.others) > passed + TOLERANCE
-        ):
+        passed = clock.seconds_since(shown_at)
+        if passed is not None and _claimed_seconds(report, record, others) > passed + TOLERANCE:
             raise TooMuchWatchedError(
                 "More of the video was reported as played than there was time for.",
                 "Please play it again.",

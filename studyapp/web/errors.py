@@ -16,11 +16,8 @@ from studyapp.session.refusal import (
     ConflictError,
     CrowdedAddressError,
     IneligibleError,
-    LateReportError,
     NotTheirsError,
     RefusalError,
-    StudyFullError,
-    TooMuchWatchedError,
     UnacceptableError,
     UninvitedError,
     UnknownAddressError,
@@ -38,12 +35,15 @@ STATUS: Final[dict[type[RefusalError], int]] = {
     UninvitedError: 403,
     UnprovenError: 403,
     CrowdedAddressError: 429,
-    StudyFullError: 409,
     ConflictError: 409,
-    LateReportError: 409,
     UnacceptableError: 422,
-    TooMuchWatchedError: 422,
 }
+
+
+def status_of(refusal: RefusalError) -> int:
+    """Return the status of a refusal, or of the kind of refusals to which it belongs."""
+    return next(STATUS[kind] for kind in type(refusal).__mro__ if kind in STATUS)
+
 
 WORDS: Final = {
     404: (
@@ -98,7 +98,7 @@ def register_error_pages(app: Flask) -> None:
     @app.errorhandler(RefusalError)
     def refuse(refusal: RefusalError) -> ResponseReturnValue:
         note_and_explain(refusal)
-        return _page(refusal.messages, STATUS[type(refusal)])
+        return _page(refusal.messages, status_of(refusal))
 
     @app.errorhandler(OperationalError)
     @app.errorhandler(PoolTimeoutError)

@@ -28,7 +28,7 @@ from studyapp.session.refusal import IneligibleError, StudyFullError, Unacceptab
 from studyapp.study.settings.presentation import Device, Message
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
-from studyapp.web.errors import STATUS, note_and_explain
+from studyapp.web.errors import note_and_explain, status_of
 from studyapp.web.language import page_language, say
 from studyapp.web.participants.participant import (
     form_fields,
@@ -167,7 +167,7 @@ def turn_away(refusal: StudyFullError) -> ResponseReturnValue:
         and request.method != "POST"
         and not read_names(request.args),
     )
-    return page, STATUS[type(refusal)]
+    return page, status_of(refusal)
 
 
 def _redirect(token: str) -> Response:

@@ -8,17 +8,17 @@ from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
-from itertools import count
 from pathlib import Path
 from threading import BoundedSemaphore
 from typing import Any, Final
 
 from flask import Response, abort, current_app, send_from_directory, url_for
 
+from studyapp.session.shown_trials import numbered_stimuli
 from studyapp.side_process import SideProcessError, output_of
 from studyapp.study.design.trial import Content, Stimulus
 from studyapp.web.participants.trial_page import letter
@@ -85,17 +85,11 @@ def scenes_of_trial(
         Returns the label of a clip, from its letter in the trial and its stimulus.
     """
     clips_by_speech: dict[tuple[str, str | None], list[tuple[str, str]]] = {}
-    for player, stimulus in _lettered(players):
-        clip = (label(player, stimulus), stimulus.condition)
+    for _, number, stimulus in numbered_stimuli(players):
+        name = letter(number) if number else "Reference"
+        clip = (label(name, stimulus), stimulus.condition)
         clips_by_speech.setdefault((stimulus.segment, stimulus.speech), []).append(clip)
     return [scene for key, clips in clips_by_speech.items() for scene in scenes_of(*key, clips)]
-
-
-def _lettered(players: Mapping[int, Content]) -> Iterator[tuple[str, Stimulus]]:
-    numbers = count(1)
-    for number, content in sorted(players.items()):
-        for stimulus in content:
-            yield letter(next(numbers)) if number else "Reference", stimulus
 
 
 def motion_page(
