@@ -8,19 +8,31 @@ and prints the same. The last lines are ``name: value``.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Literal
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from scipy.stats import kendalltau
 
-from benchmarks.adaptive_simulation import CHOICES, TRIALS, Choice, tournament
 from motion.files import replacing
+from studyapp.study.design.adaptive import Pair, most_informative_pairs, posterior
+from studyapp.study.design.allocation import shuffled
+
+Choice = Literal["adaptive", "even", "random"]
+"""How pairs are chosen: by what an answer is worth; all in turn along a ring in random order, as
+``comparisons = "all_pairs"`` does; or each by itself, any as likely as another."""
+
+CHOICES: Final[tuple[Choice, ...]] = ("adaptive", "even", "random")
+
+TRIALS: Final = 12
+"""Pairs that each participant answers."""
 
 CONDITIONS: Final = 10
 STRENGTH_SDS: Final = (1.0, 2.0)
@@ -39,6 +51,62 @@ _TITLES: Final = ("How well the order is known (Kendall's τ)", "Error of the st
 
 Curves = Mapping[Choice, NDArray[np.float64]]
 """By choice: tournaments × participants × (τ, error)."""
+
+
+def tournament(
+    strengths: NDArray[np.float64], *, choice: Choice, participants: int, seed: int
+) -> Iterator[tuple[float, float]]:
+    """Yield what is known after each of `participants`, who answer `TRIALS` pairs each.
+
+    They answer as a Bradley–Terry model says. All ways of choosing pairs are given the same
+    conditions and as many answers, and are judged by the same posterior.
+
+    Parameters
+    ----------
+    strengths : ndarray, shape (C,)
+        What is to be found out, in logits.
+    choice : {'adaptive', 'even', 'random'}
+        How pairs are chosen.
+    participants : int
+        How many come.
+    seed : int
+        Of the pairs and of the answers.
+
+    Yields
+    ------
+    tuple of (float, float)
+        Kendall's rank correlation of the estimated with the true strengths, and the root mean
+        square error of the strengths around their mean, in logits.
+    """
+    chance = np.random.default_rng(seed)
+    names = [str(index) for index in range(len(strengths))]
+    ring = shuffled(list(combinations(names, 2)), chance)
+    votes: dict[Pair, float] = {}
+    for number in range(participants):
+        for a, b in _pairs(names, ring, number, votes, chance, choice):
+            gap = strengths[int(a)] - strengths[int(b)]
+            winner = (a, b) if chance.random() < 1 / (1 + np.exp(-gap)) else (b, a)
+            votes[winner] = votes.get(winner, 0.0) + 1
+        estimate, _ = posterior(names, votes)
+        difference = (estimate - estimate.mean()) - (strengths - strengths.mean())
+        tau = float(kendalltau(estimate, strengths).statistic)
+        yield tau, float(np.sqrt(np.mean(difference**2)))
+
+
+def _pairs(
+    names: Sequence[str],
+    ring: Sequence[Pair],
+    number: int,
+    votes: dict[Pair, float],
+    chance: np.random.Generator,
+    choice: Choice,
+) -> list[Pair]:
+    """Return the pairs that participant `number` answers."""
+    if choice == "adaptive":
+        return most_informative_pairs(names, votes, TRIALS, chance)
+    if choice == "even":
+        return [ring[(number * TRIALS + step) % len(ring)] for step in range(TRIALS)]
+    return [ring[index] for index in chance.integers(len(ring), size=TRIALS)]
 
 
 def simulate(
@@ -60,7 +128,7 @@ def simulate(
         strengths = np.random.default_rng([seed, 1]).normal(0, strength_sd, conditions)
         for choice, runs in curves.items():
             known = tournament(strengths, choice=choice, participants=participants, seed=seed)
-            runs.append([(after.tau, after.error) for after in known])
+            runs.append(list(known))
     return {choice: np.array(runs) for choice, runs in curves.items()}
 
 

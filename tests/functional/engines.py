@@ -16,7 +16,7 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import httpx
 
@@ -47,16 +47,6 @@ PROGRAMS: Final = {
 """The programs that each engine needs."""
 
 
-class Wire(Protocol):
-    """A connection to one browser."""
-
-    def send(self, command: str, parameters: dict[str, Any]) -> Any:
-        """Send a command of WebDriver, by its name in Marionette, and return the answer."""
-
-    def close(self) -> None:
-        """End the browser's session, and the connection."""
-
-
 class Marionette:
     """A connection to Firefox."""
 
@@ -68,7 +58,7 @@ class Marionette:
         self.send("NewSession", {"capabilities": {"alwaysMatch": {}}})
 
     def send(self, command: str, parameters: dict[str, Any]) -> Any:
-        """Send one command."""
+        """Send a command of WebDriver, by its name in Marionette, and return the answer."""
         self._number += 1
         sent = json.dumps([0, self._number, f"WebDriver:{command}", parameters]).encode()
         self._socket.sendall(b"%d:%s" % (len(sent), sent))
@@ -113,7 +103,7 @@ class WebKitDriver:
         self._session = f"/session/{self._post('/session', {'capabilities': asked})['sessionId']}"
 
     def send(self, command: str, parameters: dict[str, Any]) -> Any:
-        """Send one command."""
+        """Send a command of WebDriver, by its name in Marionette, and return the answer."""
         method, path = self._PATHS[command]
         address = self._session + path.format(id=parameters.get("id"))
         if method == "POST":
@@ -138,7 +128,7 @@ def _value(answer: httpx.Response) -> Any:
 class Window:
     """One window of an engine."""
 
-    def __init__(self, wire: Wire) -> None:
+    def __init__(self, wire: Marionette | WebKitDriver) -> None:
         self._wire = wire
 
     def resize(self, width: int, height: int) -> None:
@@ -204,7 +194,7 @@ def window(engine: str, folder: Path) -> Iterator[Window]:
     """Give a window of a new browser, whose profile lies in `folder`."""
     port = free_port()
     with ExitStack() as running:
-        wire: Wire
+        wire: Marionette | WebKitDriver
         if engine == "firefox":
             (folder / "user.js").write_text(f'user_pref("marionette.port", {port});\n')
             started = ["firefox-esr", "--headless", "--marionette", "--profile", str(folder)]

@@ -27,6 +27,9 @@ PREFIX = "/studies/one"
 VIDEO_BYTES = 4 << 20
 """More than the buffers of lines and proxies hold."""
 
+PAGES = 3
+"""Consent, instructions and a trial."""
+
 TOKEN = re.compile(r"(?:take|media|join)/([\w-]{20,})")
 
 
@@ -52,10 +55,12 @@ def proxied(
 class Participant:
     """Goes through the study over HTTPS, and notes every token that a log might hold."""
 
-    def __init__(self, client: httpx.Client, address: str) -> None:
+    def __init__(self, client: httpx.Client, address: str, *, pages: int) -> None:
         self.client = client
         self.tokens: set[str] = set()
         self.page = self.read(client.get(address))
+        for _page in range(pages):
+            self.go_on()
 
     def read(self, answer: httpx.Response) -> PageReader:
         if answer.status_code == 303:
@@ -66,42 +71,31 @@ class Participant:
         return PageReader(answer.text)
 
     @property
-    def video_source(self) -> str:
-        return str(self.page.one("video")["src"])
+    def video(self) -> str:
+        """Where the first video of the page is."""
+        return urljoin(self.address, str(self.page.one("video")["src"]))
 
     def go_on(self) -> None:
-        """Watch what is shown, and send the page's form."""
+        """Watch all of what is shown, for which nobody has to wait, and send the page's form."""
         for video in self.page.soup.select("video"):
-            self.watch(
-                str(video["src"]),
-                str(video["data-watched-url"]),
-                float(str(video["data-duration"])),
+            source = urljoin(self.address, str(video["src"]))
+            assert self.client.get(source, headers={"Range": "bytes=0-"}).status_code == 206
+            report = {"batch": 0, "intervals": [[0.0, float(str(video["data-duration"]))]]}
+            told = self.client.post(
+                urljoin(self.address, str(video["data-watched-url"])), json=report
             )
+            assert told.json()["missing"] == 0
         to = urljoin(self.address, self.page.action)
         self.page = self.read(self.client.post(to, data=filled(self.page)))
-
-    def watch(self, source: str, report_to: str, seconds: float) -> None:
-        """Fetch a video and report all of it, which is so short that nobody has to wait."""
-        self.video = self.client.get(urljoin(self.address, source), headers={"Range": "bytes=0-"})
-        assert self.video.status_code == 206
-        report = {"batch": 0, "intervals": [[0.0, seconds]]}
-        answer = self.client.post(urljoin(self.address, report_to), json=report)
-        assert answer.json()["missing"] == 0
-
-
-def headers_of(answer: httpx.Response) -> dict[str, str]:
-    return {name.lower(): value for name, value in answer.headers.items()}
 
 
 def test_a_participant_answers_and_the_proxy_adds_and_logs_nothing_that_tells(
     proxied: Proxied,
 ) -> None:
     with proxied.client() as client:
-        participant = Participant(client, proxied.address)
-        for _page in range(3):  # consent, instructions, a trial
-            participant.go_on()
+        participant = Participant(client, proxied.address, pages=PAGES)
         page = client.get(participant.address)
-        video = urljoin(participant.address, participant.video_source)
+        video = participant.video
         whole = client.get(video)
         part = client.get(video, headers={"Range": "bytes=100-199"})
         unchanged = client.get(video, headers={"If-Modified-Since": whole.headers["date"]})
@@ -120,9 +114,8 @@ def test_a_participant_answers_and_the_proxy_adds_and_logs_nothing_that_tells(
     for answer in (whole, part):
         assert answer.headers["content-type"] == "video/mp4"
         assert answer.headers["x-content-type-options"] == "nosniff"
-        assert not {"etag", "last-modified", "set-cookie", "x-accel-redirect"} & set(
-            headers_of(answer)
-        )
+        names = {name.lower() for name in answer.headers}
+        assert not {"etag", "last-modified", "set-cookie", "x-accel-redirect"} & names
         assert "videos" not in str(answer.headers)
     assert participant.tokens
     assert not [token for token in participant.tokens if token in proxied.written()]
@@ -173,10 +166,8 @@ def test_researchers_cookies_are_for_https_and_their_path(proxied: Proxied) -> N
 def test_a_participant_answers_while_300_lines_of_another_address_hang(proxied: Proxied) -> None:
     tls = any_certificate()
     with proxied.client() as client:
-        other = Participant(client, proxied.address)
-        for _page in range(3):  # consent, instructions, a trial
-            other.go_on()
-        video = whole_video(urlsplit(urljoin(other.address, other.video_source)).path, HOST)
+        other = Participant(client, proxied.address, pages=PAGES)
+        video = whole_video(urlsplit(other.video).path, HOST)
         slow = slow_body(f"{PREFIX}/", HOST)
         with (
             hanging(proxied.port, slow, 300, trickle=b"x", tls=tls, host=HOST),
@@ -184,17 +175,14 @@ def test_a_participant_answers_while_300_lines_of_another_address_hang(proxied: 
         ):
             # Less than after which the lines are ended.
             client.timeout = httpx.Timeout(REQUEST_SECONDS - 5)
-            participant = Participant(client, proxied.address)
-            for _page in range(5):
-                participant.go_on()
+            participant = Participant(client, proxied.address, pages=PAGES + 2)
 
     assert participant.page.soup.select("#answers")
 
 
 def test_while_the_study_is_away_no_address_is_logged(proxied: Proxied) -> None:
     with proxied.client() as client:
-        participant = Participant(client, proxied.address)
-        participant.go_on()
+        participant = Participant(client, proxied.address, pages=1)
         proxied.server.send_signal(signal.SIGINT)
         proxied.server.wait(timeout=PATIENCE)
 

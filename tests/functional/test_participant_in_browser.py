@@ -181,6 +181,7 @@ def test_double_clicks_take_one_place_and_answer_one_trial_and_going_back_is_har
         (FORCED_RATE, "Please let the video play at normal speed"),
         (PRETENDED_HIDDEN, "Please keep the video in view while it plays"),
     ],
+    ids=("in part", "silently", "faster", "out of view"),
 )
 def test_playing_in_part_silently_faster_or_out_of_view_does_not_count_and_says_so(
     page: Page, address: str, way: str, words: str
