@@ -222,25 +222,10 @@ class Family:
         """Tell whether a test of this is a member."""
         return set(self.conditions) <= set(key.names) and self.question in ("", key.question)
 
-    def adjust(self, keys: Sequence[ResultKey], p_values: Sequence[float]) -> list[float]:
-        """Return p values corrected by Holm's method; NaN of tests that are no members.
-
-        Parameters
-        ----------
-        keys : sequence of ResultKey
-            What each test is about.
-        p_values : sequence of float
-            Of the tests.
-        """
-        adjusted = np.full(len(keys), np.nan)
-        members = [number for number, key in enumerate(keys) if self.contains(key)]
-        for question in dict.fromkeys(keys[number].question for number in members):
-            together = [n for n in members if not self.by_question or keys[n].question == question]
-            adjusted[together] = holm([p_values[number] for number in together])
-        return adjusted.tolist()
-
     def decide(self, results: Sequence[Tested], test_field: str = "") -> tuple[Tested, ...]:
-        """Return results with the corrected p of their test as `p_holm`.
+        """Return results with the p of their test, corrected by Holm's method, as `p_holm`.
+
+        It is NaN of tests that are no members.
 
         Parameters
         ----------
@@ -252,8 +237,19 @@ class Family:
         tests: list[Any] = [
             getattr(result, test_field) if test_field else result for result in results
         ]
-        adjusted = self.adjust(results, [test.p_value for test in tests])
-        decided = [replace(test, p_holm=p) for test, p in zip(tests, adjusted, strict=True)]
+        p_values = np.array([test.p_value for test in tests], np.float64)
+        adjusted = np.full(len(tests), np.nan)
+        members = [number for number, result in enumerate(results) if self.contains(result)]
+        for question in dict.fromkeys(results[number].question for number in members):
+            together = [
+                number
+                for number in members
+                if not self.by_question or results[number].question == question
+            ]
+            adjusted[together] = holm(p_values[together].tolist())
+        decided = [
+            replace(test, p_holm=p) for test, p in zip(tests, adjusted.tolist(), strict=True)
+        ]
         return tuple(
             replace(result, **{test_field: test}) if test_field else test
             for result, test in zip(results, decided, strict=True)

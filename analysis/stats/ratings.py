@@ -208,7 +208,7 @@ class RatingSummary(Estimate):
     counts : mapping of int to int
         How often each score was given.
     at_least : mapping of int to float
-        Ratings of this score or a higher one, in percent; NaN without any.
+        Ratings of this score or a higher one, in percent.
     """
 
     condition: str
@@ -230,41 +230,32 @@ def rating_table(
     answers : DataFrame
         Columns `participant`, `segment`, `condition` and `value`, one row per rating.
     conditions : sequence of str
-        In the order wanted.
+        In the order wanted; each has ratings.
     scores : sequence of int
         All scores that can be given, ascending; every rating is one of them.
     limits : (float, float)
         Where intervals are cut: the ends of the scale, where it is known.
     """
-    return tuple(
-        _summary(condition, answers[answers["condition"] == condition], scores, limits)
-        for condition in conditions
-    )
-
-
-def _summary(
-    condition: str,
-    ratings: pd.DataFrame,
-    scores: Sequence[int],
-    limits: tuple[float, float],
-) -> RatingSummary:
-    values = ratings["value"].to_numpy(np.float64)
-    counts = [int((values == score).sum()) for score in scores]
-    above = np.cumsum(counts[::-1])[::-1]
-    mean = clustered_mean(
-        values,
-        pd.factorize(ratings["participant"])[0],
-        pd.factorize(ratings["segment"])[0],
-        null=math.nan,
-        limits=limits,
-    )
-    return RatingSummary(
-        **vars(mean),
-        condition=condition,
-        sd=float(values.std(ddof=1)) if len(values) > 1 else math.nan,
-        counts=dict(zip(scores, counts, strict=True)),
-        at_least={
-            score: 100 * int(count) / len(values) if len(values) else math.nan
-            for score, count in zip(scores, above, strict=True)
-        },
-    )
+    summaries = []
+    for condition in conditions:
+        ratings = answers[answers["condition"] == condition]
+        values = ratings["value"].to_numpy(np.float64)
+        counts = [int((values == score).sum()) for score in scores]
+        above = np.cumsum(counts[::-1])[::-1].tolist()
+        mean = clustered_mean(
+            values,
+            pd.factorize(ratings["participant"])[0],
+            pd.factorize(ratings["segment"])[0],
+            null=math.nan,
+            limits=limits,
+        )
+        summaries.append(
+            RatingSummary(
+                **vars(mean),
+                condition=condition,
+                sd=float(values.std(ddof=1)) if len(values) > 1 else math.nan,
+                counts=dict(zip(scores, counts, strict=True)),
+                at_least={s: 100 * n / len(values) for s, n in zip(scores, above, strict=True)},
+            )
+        )
+    return tuple(summaries)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Final
@@ -120,18 +119,13 @@ def maximum(
             maximal = current.settled and distance < SHORT
         if (higher := _off_the_boundary(climb, best, current)) is not None:
             start, maximal = higher, False
-        elif maximal or limitless(answers, best):
+        # Beyond `LARGEST` there is no finite estimate to climb to.
+        elif maximal or (np.abs(best[answers.thresholds.count :]) > LARGEST).any():
             break
         else:
             start, precision = best, precision / FINER
         scale = None
     return best, current, curvature, maximal
-
-
-def limitless(answers: Answers, parameters: Floats) -> bool:
-    """Tell whether an effect or a deviation is so large that it has no finite estimate."""
-    _, effects, deviations = answers.split(parameters)
-    return bool((np.abs(np.concatenate([effects, deviations])) > LARGEST).any())
 
 
 def _off_the_boundary(climb: _Climb, at: Floats, current: Likelihood) -> Floats | None:
@@ -263,8 +257,13 @@ class _Climb:
         return -current.value / count, -current.gradient / count
 
     def curvature(self, parameters: Floats) -> Floats:
-        """Return minus the second derivatives."""
-        return -second_derivatives(lambda at: self.at(at).gradient, parameters)
+        """Return minus the second derivatives, by central differences of the gradient."""
+        columns = []
+        for step in STEP * np.diag(np.maximum(1.0, np.abs(parameters))):
+            after, before = (self.at(parameters + s).gradient for s in (step, -step))
+            columns.append((before - after) / (2 * step.max()))
+        matrix = np.column_stack(columns)
+        return np.asarray((matrix + matrix.T) / 2, np.float64)
 
 
 def _step(curvature: Floats, gradient: Floats) -> tuple[Floats, float]:
@@ -276,22 +275,3 @@ def _step(curvature: Floats, gradient: Floats) -> tuple[Floats, float]:
         return np.zeros_like(gradient), math.inf
     step = covariance @ gradient
     return step, float(np.abs(step / np.sqrt(np.diagonal(covariance))).max(initial=0.0))
-
-
-def second_derivatives(gradient: Callable[[Floats], Floats], at: Floats) -> Floats:
-    """Return the matrix of second derivatives by central differences of `gradient`.
-
-    Parameters
-    ----------
-    gradient : callable
-        From parameters, shape (k,), to the gradient there, shape (k,).
-    at : ndarray, shape (k,)
-        Where they are wanted.
-    """
-    columns = []
-    for place in range(len(at)):
-        step = np.zeros_like(at)
-        step[place] = STEP * max(1.0, abs(at[place]))
-        columns.append((gradient(at + step) - gradient(at - step)) / (2 * step[place]))
-    matrix = np.column_stack(columns)
-    return np.asarray((matrix + matrix.T) / 2, np.float64)

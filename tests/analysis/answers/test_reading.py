@@ -62,14 +62,6 @@ def test_names_stand_in_the_order_in_which_the_table_names_them(tmp_path: Path) 
     assert not result.has_sets
 
 
-def test_a_bad_cell_is_named_by_file_row_and_column(tmp_path: Path) -> None:
-    text = refusal(tmp_path, pairs({}, {}, {"response": 7}, {"response": 9}))
-    assert text == (
-        "answers.csv, row 4, column response: '7' is not a whole number from 1 (strongly left) to "
-        "5 (strongly right). Correct the cell, or remove the row."
-    )
-
-
 @pytest.mark.parametrize(
     ("change", "column"),
     [
@@ -91,7 +83,7 @@ def test_what_a_column_cannot_hold_is_refused(
 ) -> None:
     table = pairs({"kind": "main"}, change)
     text = refusal(tmp_path, table if "kind" in change else table.drop(columns="kind"))
-    assert f"row 3, column {column}:" in text
+    assert text.startswith(f"answers.csv, row 3, column {column}:")
 
 
 def test_empty_answers_are_left_out_and_unknown_columns_not_read_with_a_note(

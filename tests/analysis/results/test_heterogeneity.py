@@ -83,14 +83,6 @@ def test_ratings_without_a_partner_have_no_difference(tmp_path: Path) -> None:
     assert [level.level for level in pair.levels] == [f"s{n}" for n in range(1, 6)]
 
 
-def test_without_emotions_there_is_nothing_to_take_apart_by_them(tmp_path: Path) -> None:
-    table = TABLES["pairwise"](participants=4)
-
-    result = apart(tmp_path, table.assign(emotion="joy"), "pairwise")
-
-    assert {one.by for one in result} == {"segment"}
-
-
 def test_a_level_of_many_segments_is_tested_as_a_whole_study_is() -> None:
     chance = np.random.default_rng(2)
     people, items = np.repeat(np.arange(9), 12), np.tile(np.arange(12), 9)

@@ -38,10 +38,7 @@ def made_answers(
     seed: int = 1,
 ) -> MadeAnswers:
     chance = np.random.default_rng(seed)
-    who, what = (
-        part.ravel()
-        for part in np.meshgrid(np.arange(participants), np.arange(items), indexing="ij")
-    )
+    who, what = np.divmod(np.arange(participants * items), items)
     side = chance.choice([-1.0, 1.0], len(who))
     taste = effect + chance.normal(0, sd_participant, participants)[who]
     taste += chance.normal(0, sd_item, items)[what]
