@@ -6,8 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from motion.body.model import BodyModel
@@ -74,30 +72,6 @@ def test_no_triangle_that_reaches_out_of_the_picture_turns_dark() -> None:
             corners = chance.normal(size=(3, 3)).astype(np.float32)
             picture = renderer.draw(corners, _FACING)
             assert picture[..., :3].min() > 60
-
-
-SIDE = 320
-ONWARDS = np.array([[1.0, 0, 0, 0], [0, -1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
-"""A projection that only turns y downwards."""
-
-
-@given(st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3)), min_size=1, max_size=5))
-def test_a_box_lies_in_the_picture_and_holds_all_points_before_the_camera(
-    points: list[tuple[float, float]],
-) -> None:
-    vertices = np.array([(x, y, 0) for x, y in points], np.float32)
-    box = PixelBox.around(vertices, ONWARDS, SIDE)
-    assert 0 <= box.left < box.left + box.width <= SIDE
-    assert 0 <= box.top < box.top + box.height <= SIDE
-    assert box.left % 16 == box.top % 16 == 0
-    for x, y in points:
-        if max(abs(x), abs(y)) < 1:
-            column, row = (x + 1) / 2 * SIDE, (1 - y) / 2 * SIDE
-            assert box.left <= column <= box.left + box.width
-            assert box.top <= row <= box.top + box.height
-    behind = ONWARDS.copy()
-    behind[3] = (0, 0, 0, -1)
-    assert PixelBox.around(vertices, behind, SIDE) == PixelBox.full(SIDE)
 
 
 CLOSE = Camera(eye=(0.2, 0.1, 2.0), target=(0.2, 0.1, 0.0), field_of_view=14)

@@ -32,17 +32,10 @@ def test_use_makes_frames_young_again(folder: Path) -> None:
 
 
 def test_frames_of_no_clip_are_removed_and_drafts_are_let_be(folder: Path) -> None:
+    FrameCache(folder, 0).keep_only(())
     mine, stale, draft = (write(folder, name, 1, 1) for name in ("mine", "stale", ".draft"))
     FrameCache(folder, 100).keep_only({mine})
     assert (mine.exists(), stale.exists(), draft.exists()) == (True, False, True)
-
-
-def test_no_folder_is_an_empty_cache(folder: Path) -> None:
-    cache = FrameCache(folder, 0)
-    cache.shrink(required=())
-    cache.keep_only(())
-    cache.mark_used(folder / "gone.mkv")
-    assert cache.size() == 0
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -14,11 +14,12 @@ from motion.body.skinning import twist_angles
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion
-from motion.formats.bvh_motion import BvhJoint, BvhMotion
+from motion.formats.bvh import parse_hierarchy
+from motion.formats.bvh_motion import BvhMotion
 from motion.formats.joint_maps import JOINT_MAPS, JointMap
 from motion.formats.retarget import retarget
 from motion.skeleton import JOINT_NAMES, REST_JOINTS, forward_kinematics, joint_index
-from tests.motion.formats.bvh_text import Skeleton, depth_first, smplx_skeleton
+from tests.motion.formats.bvh_text import Skeleton, bvh_text, depth_first, smplx_skeleton
 
 OWN = JOINT_MAPS["smplx"]
 LIMB_BONES = [
@@ -34,21 +35,9 @@ LIMB_BONES = [
 
 def bvh_motion(skeleton: Skeleton, turns: Rotation, root: np.ndarray | None = None) -> BvhMotion:
     """Return a motion of `skeleton` with `turns` (T * J, in file order) as its rotations."""
-    order = depth_first(skeleton)
-    parents = {name: parent for name, parent, _ in skeleton}
-    offsets = {name: offset for name, _, offset in skeleton}
-    joints = tuple(
-        BvhJoint(
-            name=name,
-            parent=-1 if parents[name] is None else order.index(str(parents[name])),
-            offset=offsets[name],
-            channels=("Xposition", "Yposition", "Zposition", "Zrotation", "Xrotation", "Yrotation")
-            if parents[name] is None
-            else ("Zrotation", "Xrotation", "Yrotation"),
-        )
-        for name in order
-    )
-    angles = turns.as_euler("ZXY", degrees=True).reshape(-1, 3 * len(order))
+    lines = bvh_text(skeleton, np.zeros((0, 0))).splitlines()
+    joints = parse_hierarchy(list(enumerate(lines))[1 : lines.index("MOTION")], Path("a.bvh"))
+    angles = turns.as_euler("ZXY", degrees=True).reshape(-1, 3 * len(joints))
     root = np.zeros((len(angles), 3)) if root is None else root
     return BvhMotion(joints=joints, values=np.hstack([root, angles]), frame_rate=30)
 

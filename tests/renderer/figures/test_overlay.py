@@ -3,10 +3,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 from PIL import Image, ImageColor
 
-from motion.errors import InputError
 from renderer.figures.overlay import VARIATION_COLOURS, blended, draw_overlay, faded
 from renderer.figures.panels import NO_DEPTH, CutOut
 
@@ -44,16 +42,13 @@ def test_the_latest_of_figures_at_the_same_depth_is_seen() -> None:
     assert at(faded([square(RED, 10, 2.98), square(GREEN, 10, 3.0)]), 15) == GREEN
 
 
-def test_variations_have_the_colour_of_their_legend_where_they_differ() -> None:
+def test_variations_have_the_colour_of_their_legend_only_where_they_differ() -> None:
     both = blended([square(GREY, 0, 3.0), square(GREY, 20, 3.0)])
     for x, colour in zip((5, 25), VARIATION_COLOURS, strict=False):
         expected = np.array(ImageColor.getrgb(colour))
         result = np.array(at(both, x)[:3])
         assert np.argmax(result) == np.argmax(expected)
         assert np.ptp(result) > 60
-
-
-def test_shared_parts_of_variations_keep_their_colours() -> None:
     shared = blended([square(RED, 10, 3.0), square(RED, 10, 3.0)])
     assert np.abs(np.array(at(shared, 15)[:3]) - RED[:3]).max() <= 2
 
@@ -62,11 +57,6 @@ def test_no_variation_is_drawn_before_another() -> None:
     one = blended([square(RED, 5, 3.0), square(RED, 10, 3.0)]).picture
     other = blended([square(RED, 10, 3.0), square(RED, 5, 3.0)]).picture
     np.testing.assert_array_equal(one.getchannel("A"), other.getchannel("A"))
-
-
-def test_more_variations_than_colours_are_refused() -> None:
-    with pytest.raises(InputError, match="at most 7"):
-        blended([square(RED, 5, 3.0)] * 8)
 
 
 def test_the_page_has_a_legend_and_the_moments() -> None:

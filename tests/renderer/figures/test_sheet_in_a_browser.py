@@ -28,16 +28,11 @@ def written(folder: Path, conditions: tuple[str, ...]) -> Path:
     """Write the sheet of two segments in `conditions`."""
     segments = tuple(
         Segment(
-            name=name,
-            wav="a.wav",
-            start=0,
-            end=2,
-            speaker="robin",
-            emotion=emotion,
+            name=name, wav="a.wav", start=0, end=2, speaker="robin", emotion=emotion,
             transcript=text,
         )
         for name, emotion, text in (("one", "anger", "Die Straße"), ("two", "fear", "a house"))
-    )
+    )  # fmt: skip
     cells = {
         (segment.name, condition): SheetCell(
             cell=None, remark="jumps at 1.0 s" * (segment.name == "two"), video=""
@@ -59,15 +54,12 @@ def rows(page: Page) -> list[str]:
     return [name.inner_text() for name in page.locator("tbody b").all() if name.is_visible()]
 
 
-def test_rows_are_found_by_transcript_and_emotion(page: Page) -> None:
+def test_rows_are_found_by_transcript_emotion_and_remark(page: Page) -> None:
     assert rows(page) == ["one", "two"]
     for words, result in (("straße", ["one"]), ("FEAR", ["two"]), ("robin", ["one", "two"])):
         page.fill("#words", words)
         assert rows(page) == result
     page.fill("#words", "")
-
-
-def test_rows_without_a_remark_can_be_hidden(page: Page) -> None:
     page.check("#remarked")
     assert rows(page) == ["two"]
     page.uncheck("#remarked")
@@ -97,11 +89,3 @@ def test_it_fits_a_phone_and_on_a_laptop_fits_or_hints_at_more_columns(
     page.set_viewport_size({"width": 1366, "height": 768})
     assert page.evaluate("document.documentElement.scrollWidth") == 1366
     further.wait_for(state="hidden")
-
-
-def test_it_follows_light_and_dark(page: Page) -> None:
-    colours = set()
-    for scheme in ("light", "dark"):
-        page.emulate_media(color_scheme=scheme)
-        colours.add(page.evaluate("getComputedStyle(document.body).backgroundColor"))
-    assert len(colours) == 2

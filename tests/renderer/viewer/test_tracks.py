@@ -11,7 +11,7 @@ from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.body.model import BodyModel
 from motion.clip import ARKIT_COUNT, MotionClip
 from motion.skeleton import JOINT_COUNT
-from renderer.viewer.packing import LARGEST, pack, quantise
+from renderer.viewer.packing import LARGEST, pack
 from renderer.viewer.tracks import track
 from tests.renderer.viewer.decoding import unpacked
 
@@ -89,12 +89,3 @@ def test_packed_arrays_are_read_back(
     assert facts == {"rate": 30.0}
     assert np.array_equal(arrays["first"], values)
     assert np.array_equal(arrays["second"], values[::-1])
-
-
-def test_values_are_off_by_half_a_step_at_most() -> None:
-    values = np.array([-1.0, 0.3, 1.0])
-
-    numbers, step = quantise(values, 0.1)
-
-    assert step == pytest.approx(0.1)
-    assert np.abs(numbers * step - values).max() <= 0.05
