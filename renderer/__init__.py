@@ -1,1 +1,1 @@
-"""Motion and speech to video: body, scene, offscreen frames, encoder, side-by-side pairs."""
+"""Motion and speech to video: body, scene, frames, encoder, side-by-side pairs."""

@@ -1,21 +1,139 @@
-"""Rendering of one mesh: from vertices to pixels."""
+"""Rendering of one mesh: from vertices to pixels.
+
+One offscreen OpenGL context draws a part of a square picture and reads it back once.
+"""
 
 from __future__ import annotations
 
+import ctypes
+import importlib
 from collections.abc import Sequence
-from typing import Any, Self
+from pathlib import Path
+from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.contact_shadow import ContactShadow
+from motion.errors import InputError
+from renderer.contact_shadow import ELLIPSES, ContactShadow
 from renderer.framing import Camera, look_at
 from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS, Colour
-from renderer.offscreen import GROUND, OffscreenContext
-from renderer.opengl import pyrender
+from renderer.opengl import PLATFORM, pyrender
 from renderer.picture import RGB, SUPERSAMPLING, PixelBox
 
 Floats = NDArray[np.float32]
+
+_SHADERS: Final = Path(__file__).parent / "shaders"
+_PLATFORM_CLASSES: Final = {"osmesa": "OSMesaPlatform", "egl": "EGLPlatform"}
+GROUND: Final = "ground"
+"""Name of the scene's node whose mesh, four corners, shows the shadow."""
+
+PLANES: Final = 3
+"""A picture is drawn into as many buffers of one channel each."""
+
+_PLATFORM_BUFFER_SIZE: Final = 16  # of the buffer a context comes with, which nothing is drawn into
+
+
+class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
+    """pyrender's renderer with our shaders, drawing opaque meshes into a kept framebuffer.
+
+    pyrender's own forward pass multisamples, blends, hands camera and lights over anew for each
+    frame, and flushes, which on OSMesa copies the whole picture once more.
+    """
+
+    def __init__(self, size: int) -> None:
+        super().__init__(size, size)
+        self._gl = importlib.import_module("OpenGL.GL")
+        cache = importlib.import_module("pyrender.shader_program").ShaderProgramCache
+        self._program_cache = cache(str(_SHADERS))
+        self.box = PixelBox.full(size)
+        self.channels: NDArray[np.float64] = RGB
+        self.shadow: ContactShadow | None = None
+
+    def _forward_pass(self, scene: Any, flags: int, seg_node_map: Any = None) -> None:
+        """Draw the meshes of `scene`, upside down: the first row read back is then the top one."""
+        gl = self._gl
+        # The picture lies shifted, so that the box is what the framebuffer holds of it.
+        gl.glViewport(-self.box.left, -self.box.top, self.viewport_width, self.viewport_height)
+        gl.glEnable(gl.GL_DEPTH_TEST)
+        gl.glEnable(gl.GL_CULL_FACE)
+        gl.glFrontFace(gl.GL_CW)  # flipping the picture turns triangles round
+        background = self.channels @ [*scene.bg_color[:3], 1.0]
+        for plane in range(PLANES):
+            gl.glClearBufferfv(gl.GL_COLOR, plane, np.full(4, background[plane], np.float32))
+        gl.glClear(gl.GL_DEPTH_BUFFER_BIT)
+        grounds = [node for node in scene.mesh_nodes if node.name == GROUND]
+        meshes = [node for node in scene.mesh_nodes if node.name != GROUND]
+        if self.shadow is not None:
+            # The body is always before the ground, even where a foot sinks in.
+            gl.glDepthMask(gl.GL_FALSE)
+            self._draw(grounds, self._shadow_program(scene, self.shadow))
+            gl.glDepthMask(gl.GL_TRUE)
+        self._draw(meshes, self._lit_program(scene))
+
+    def _draw(self, nodes: list[Any], program: Any) -> None:
+        program._bind()
+        for node in nodes:
+            for primitive in node.mesh.primitives:
+                primitive._bind()
+                self._gl.glDrawElements(
+                    primitive.mode,
+                    primitive.indices.size,
+                    self._gl.GL_UNSIGNED_INT,
+                    ctypes.c_void_p(0),
+                )
+
+    def _lit_program(self, scene: Any) -> Any:
+        """Return the program for the body, with camera and lights set."""
+        program, new = self._program("lit", MAX_LIGHTS=len(scene.directional_light_nodes))
+        if new:
+            self._set_camera_and_lights(program, scene)
+        program.set_uniform("channels", self.channels)
+        return program
+
+    def _shadow_program(self, scene: Any, shadow: ContactShadow) -> Any:
+        """Return the program for the ground, with camera and shadow set."""
+        program, new = self._program("shadow", ELLIPSES=ELLIPSES)
+        if new:
+            program.set_uniform("projection", self.projection(scene))
+            program.set_uniform("background", np.array(scene.bg_color[:3]))
+        program.set_uniform("channels", self.channels)
+        for number in range(ELLIPSES):
+            program.set_uniform(f"centres[{number}]", shadow.centres[number])
+            program.set_uniform(f"into_circle[{number}]", np.linalg.inv(shadow.axes[number]))
+            program.set_uniform(f"darkness[{number}]", float(shadow.darkness[number]))
+        return program
+
+    def _program(self, name: str, **defines: int) -> tuple[Any, bool]:
+        """Return a shader program, bound, and whether it was compiled just now."""
+        program = self._program_cache.get_program(f"{name}.vert", f"{name}.frag", defines=defines)
+        new = not program._in_context()
+        if new:
+            program._add_to_context()
+        program._bind()
+        return program, new
+
+    def projection(self, scene: Any) -> NDArray[np.float64]:
+        """Return the matrix from positions to clip space, y down, shape (4, 4)."""
+        view, lens = self._get_camera_matrices(scene)
+        return np.asarray(np.diag([1.0, -1.0, 1.0, 1.0]) @ lens @ view)
+
+    def _set_camera_and_lights(self, program: Any, scene: Any) -> None:
+        """Hand camera and lights over, which stay the same for all frames.
+
+        The lights go in the order of their names: pyrender takes them from a set, whose order,
+        and with it the rounding of their sum, differs from run to run.
+        """
+        program.set_uniform("projection", self.projection(scene))
+        program.set_uniform("cam_pos", scene.get_pose(scene.main_camera_node)[:3, 3])
+        nodes = sorted(scene.directional_light_nodes, key=lambda light: str(light.name))
+        program.set_uniform("ambient_light", scene.ambient_light)
+        program.set_uniform("n_directional_lights", len(nodes))
+        for number, light in enumerate(nodes):
+            uniform = f"directional_lights[{number}]."
+            program.set_uniform(f"{uniform}direction", -scene.get_pose(light)[:3, 2])
+            program.set_uniform(f"{uniform}color", light.light.color)
+            program.set_uniform(f"{uniform}intensity", light.light.intensity)
 
 
 class FrameRenderer:
@@ -60,28 +178,39 @@ class FrameRenderer:
         )
         self.scene: Any = _build_scene(self._primitive, self._ground, camera, background)
         self.side = size * SUPERSAMPLING
-        self._context: OffscreenContext | None = None
 
     def __enter__(self) -> Self:
-        self._context = OffscreenContext(self.side)
-        self._context.render(self.scene, PixelBox.full(16), RGB)  # uploads what `draw` rewrites
+        self._gl = importlib.import_module("OpenGL.GL")
+        platforms = importlib.import_module(f"pyrender.platforms.{PLATFORM}")
+        # Kept for as long as the context: OSMesa refers to the platform object's own buffer.
+        self._platform: Any = getattr(platforms, _PLATFORM_CLASSES[PLATFORM])(
+            _PLATFORM_BUFFER_SIZE, _PLATFORM_BUFFER_SIZE
+        )
+        try:
+            self._platform.init_context()
+            self._platform.make_current()
+        except (AssertionError, OSError, RuntimeError) as error:
+            raise InputError(
+                f"OpenGL could not be started through {PLATFORM}: {error}",
+                remedy="Install Mesa's software renderer: sudo apt-get install libosmesa6",
+            ) from error
+        self._renderer = _DirectRenderer(self.side)
+        self._framebuffer = int(self._gl.glGenFramebuffers(1))
+        self._buffers = [int(self._gl.glGenRenderbuffers(1)) for _ in range(PLANES + 1)]
+        self._pixels = np.empty((PLANES, 0, 0), np.uint8)
+        self._render(PixelBox.full(16), RGB)  # uploads what `draw` rewrites
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._context is not None:
-            self._context.close()
-            self._context = None
-
-    @property
-    def context(self) -> OffscreenContext:
-        """The OpenGL context; only inside the ``with`` block."""
-        if self._context is None:
-            raise RuntimeError("a FrameRenderer draws only inside its with block")
-        return self._context
+        self._platform.make_current()
+        self._renderer.delete()
+        self._gl.glDeleteRenderbuffers(len(self._buffers), self._buffers)
+        self._gl.glDeleteFramebuffers(1, [self._framebuffer])
+        self._platform.delete_context()
 
     def box_around(self, points: Sequence[Floats]) -> PixelBox:
         """Return the part of the picture that arrays of points, shape (..., 3), take up."""
-        projection = self.context.projection(self.scene)
+        projection = self._renderer.projection(self.scene)
         boxes = [PixelBox.around(part, projection, self.side) for part in points]
         return PixelBox.union(boxes)
 
@@ -113,10 +242,68 @@ class FrameRenderer:
         """
         self._attributes[:, :3] = vertices
         self._attributes[:, 3:6] = normals
-        self.context.replace_attributes(self._primitive, self._attributes)
+        self._replace_attributes(self._primitive, self._attributes)
         if shadow is not None:
-            self.context.replace_attributes(self._ground, shadow.corners())
-        return self.context.render(self.scene, box or PixelBox.full(self.side), channels, shadow)
+            self._replace_attributes(self._ground, shadow.corners())
+        return self._render(box or PixelBox.full(self.side), channels, shadow)
+
+    def draw_into(
+        self,
+        framebuffer: int,
+        box: PixelBox,
+        channels: NDArray[np.float64],
+        shadow: ContactShadow | None = None,
+    ) -> None:
+        """Draw the part of the picture in `box` into a framebuffer of its size."""
+        self._platform.make_current()
+        self._gl.glBindFramebuffer(self._gl.GL_FRAMEBUFFER, framebuffer)
+        self._renderer.box, self._renderer.shadow = box, shadow
+        self._renderer.channels = channels
+        self._renderer.render(self.scene, pyrender.RenderFlags.NONE)
+
+    def read(self, box: PixelBox, planes: NDArray[np.uint8]) -> None:
+        """Copy what the current framebuffer holds to `planes`, shape (3, height, width)."""
+        gl = self._gl
+        gl.glPixelStorei(gl.GL_PACK_ALIGNMENT, 1)
+        for number, plane in enumerate(planes):
+            gl.glReadBuffer(gl.GL_COLOR_ATTACHMENT0 + number)
+            gl.glReadPixels(
+                0, 0, box.width, box.height, gl.GL_RED, gl.GL_UNSIGNED_BYTE, array=plane
+            )
+
+    def _render(
+        self, box: PixelBox, channels: NDArray[np.float64], shadow: ContactShadow | None = None
+    ) -> NDArray[np.uint8]:
+        """Return the part of the picture in `box`, shape (3, height, width)."""
+        self._platform.make_current()
+        if self._pixels.shape[1:] != (box.height, box.width):
+            self._resize(box)
+        self.draw_into(self._framebuffer, box, channels, shadow)
+        self.read(box, self._pixels)
+        return self._pixels
+
+    def _replace_attributes(self, primitive: Any, attributes: NDArray[np.float32]) -> None:
+        """Write the interleaved vertex attributes of a `primitive` that was already drawn."""
+        gl = self._gl
+        gl.glBindBuffer(gl.GL_ARRAY_BUFFER, primitive._buffers[0])
+        data = attributes.ctypes.data_as(ctypes.c_void_p)
+        gl.glBufferSubData(gl.GL_ARRAY_BUFFER, 0, attributes.nbytes, data)
+
+    def _resize(self, box: PixelBox) -> None:
+        """Give the framebuffer the size of `box`."""
+        gl = self._gl
+        self._pixels = np.empty((PLANES, box.height, box.width), np.uint8)
+        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._framebuffer)
+        colours = [gl.GL_COLOR_ATTACHMENT0 + number for number in range(PLANES)]
+        # A depth of floats is faster here than 24 bits, which share their word with a stencil.
+        formats = [gl.GL_R8] * PLANES + [gl.GL_DEPTH_COMPONENT32F]
+        for buffer, buffer_format, attachment in zip(
+            self._buffers, formats, [*colours, gl.GL_DEPTH_ATTACHMENT], strict=True
+        ):
+            gl.glBindRenderbuffer(gl.GL_RENDERBUFFER, buffer)
+            gl.glRenderbufferStorage(gl.GL_RENDERBUFFER, buffer_format, box.width, box.height)
+            gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, attachment, gl.GL_RENDERBUFFER, buffer)
+        gl.glDrawBuffers(PLANES, colours)
 
 
 def _build_scene(primitive: Any, ground: Any, camera: Camera, background: Colour) -> Any:

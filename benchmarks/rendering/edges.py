@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from motion.body.surface import VertexNormals, surface_colours
 from renderer.clip_video import Stage
-from renderer.frames import FrameRenderer
+from renderer.frames import PLANES, FrameRenderer
 from renderer.framing import Camera
 from renderer.look import BACKGROUND
-from renderer.offscreen import PLANES
 from renderer.picture import RGB, SUPERSAMPLING, PixelBox
 
 Pictures = NDArray[np.float64]
@@ -95,7 +94,7 @@ def _multisampled(
     gl.glDrawBuffers(PLANES, colours)
     gl.glEnable(gl.GL_MULTISAMPLE)
     whole = PixelBox.full(side)
-    drawing.context.draw_into(many, drawing.scene, whole, RGB)
+    drawing.draw_into(many, whole, RGB)
     gl.glBindFramebuffer(gl.GL_READ_FRAMEBUFFER, many)
     gl.glBindFramebuffer(gl.GL_DRAW_FRAMEBUFFER, target)
     for colour in colours:
@@ -106,5 +105,5 @@ def _multisampled(
         )  # fmt: skip
     gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, target)
     planes = np.empty((PLANES, side, side), np.uint8)
-    drawing.context.read(whole, planes)
+    drawing.read(whole, planes)
     return np.moveaxis(planes, 0, 2).astype(np.float64)

@@ -133,37 +133,6 @@ def read_expression_matrix(path: Path) -> FloatArray:
     return np.ascontiguousarray(matrix, np.float32)
 
 
-def arkit_from_expressions(expressions: FloatArray, matrix: FloatArray) -> FloatArray:
-    """Return ARKit weights in [0, 1], shape (T, 52), for SMPL-X coefficients (T, 100)."""
-    return np.asarray(np.clip(expressions @ matrix, 0, 1), np.float32)
-
-
-def expressions_from_arkit(arkit: FloatArray, matrix: FloatArray) -> FloatArray:
-    """Return SMPL-X coefficients, shape (T, 100), for ARKit weights (T, 52)."""
-    return np.asarray(arkit @ matrix.T, np.float32)
-
-
-def face_for(
-    clip: MotionClip, *, has_arkit_slots: bool, matrix: FloatArray | None
-) -> FloatArray | None:
-    """Return the clip's face in the parameters of a body, or None if there is none.
-
-    Parameters
-    ----------
-    clip : MotionClip
-        What it holds in the body's own terms comes first.
-    has_arkit_slots : bool
-        Whether the body shows ARKit's actions, rather than SMPL-X's expressions.
-    matrix : ndarray, shape (100, 52), or None
-        Turns what the clip has into what the body shows.
-    """
-    native, foreign = (clip.arkit, clip.expressions)[:: 1 if has_arkit_slots else -1]
-    if native is not None or foreign is None or matrix is None:
-        return native
-    convert = arkit_from_expressions if has_arkit_slots else expressions_from_arkit
-    return convert(foreign, matrix)
-
-
 def _numbers(path: Path) -> NDArray[np.generic]:
     """Return the one array in the file."""
     try:

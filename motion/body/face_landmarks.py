@@ -71,7 +71,7 @@ class FaceLandmarks:
                 "the body has no face that moves",
                 remedy="Name an avatar with a face, or an SMPL-X body, under [video] in study.toml",
             )
-        return cls(body=_body_of_landmarks(body, vertices), count=len(vertices))
+        return cls.from_arrays(_arrays_of(body, vertices))
 
     @classmethod
     def of_default_body(cls) -> FaceLandmarks:
@@ -191,15 +191,20 @@ class FaceLandmarks:
             raise InputError(
                 "the arrays of the landmarks do not fit together", remedy="Make the file again"
             )
-        body = _landmark_body(
+        count = rows - JOINT_COUNT
+        joints = sparse.eye_array(JOINT_COUNT, rows, k=count, format="csr", dtype=np.float32)
+        body = BodyModel(
             template=template,
+            faces=np.zeros((0, 3), np.int64),
+            shape_directions=np.zeros((rows, 3, 0), np.float32),
             expression_directions=directions,
-            weights=weights,
             pose_directions=pose,
+            joint_regressor=sparse.csr_array(joints),
+            weights=sparse.csr_array(weights),
             expression_matrix=matrix,
             has_arkit_slots=bool(slots[0]),
         )
-        return cls(body=body, count=rows - JOINT_COUNT)
+        return cls(body=body, count=count)
 
     @cached_property
     def _weights(self) -> FloatArray:
@@ -242,8 +247,8 @@ def _skin_mask(body: BodyModel) -> NDArray[np.bool_]:
     return np.isin(body.surface["material"], materials)
 
 
-def _body_of_landmarks(body: BodyModel, vertices: NDArray[np.int64]) -> BodyModel:
-    """Return a body whose vertices are `vertices` of `body`, then its joints.
+def _arrays_of(body: BodyModel, vertices: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a body whose vertices are `vertices` of `body`, then its joints.
 
     Joints are sums of vertices, and move with expressions as these sums do.
     """
@@ -254,42 +259,16 @@ def _body_of_landmarks(body: BodyModel, vertices: NDArray[np.int64]) -> BodyMode
         return np.concatenate([values[vertices], flat.astype(np.float32)])
 
     weights = body.weights[vertices].toarray()[:, :JOINT_COUNT]
+    arrays: dict[str, NDArray[Any]] = {
+        "template": kept(body.template),
+        "expression_directions": kept(body.expression_directions),
+        "weights": np.concatenate([weights, np.eye(JOINT_COUNT, dtype=np.float32)]),
+        "arkit_slots": np.array([body.has_arkit_slots]),
+    }
     pose = body.pose_directions
     if pose is not None:
         zero_directions = np.zeros((JOINT_COUNT, *pose.shape[1:]), np.float32)
-        pose = np.concatenate([pose[vertices], zero_directions])
-    return _landmark_body(
-        template=kept(body.template),
-        expression_directions=kept(body.expression_directions),
-        weights=np.concatenate([weights, np.eye(JOINT_COUNT, dtype=np.float32)]),
-        pose_directions=pose,
-        expression_matrix=body.expression_matrix,
-        has_arkit_slots=body.has_arkit_slots,
-    )
-
-
-def _landmark_body(
-    *,
-    template: FloatArray,
-    expression_directions: FloatArray,
-    weights: FloatArray,
-    pose_directions: FloatArray | None,
-    expression_matrix: FloatArray | None,
-    has_arkit_slots: bool,
-) -> BodyModel:
-    """Return the body of L landmarks, then joints, whose arrays have L + 55 rows."""
-    vertices = len(template)
-    joints = sparse.eye_array(
-        JOINT_COUNT, vertices, k=vertices - JOINT_COUNT, format="csr", dtype=np.float32
-    )
-    return BodyModel(
-        template=template,
-        faces=np.zeros((0, 3), np.int64),
-        shape_directions=np.zeros((vertices, 3, 0), np.float32),
-        expression_directions=expression_directions,
-        pose_directions=pose_directions,
-        joint_regressor=sparse.csr_array(joints),
-        weights=sparse.csr_array(weights),
-        expression_matrix=expression_matrix,
-        has_arkit_slots=has_arkit_slots,
-    )
+        arrays["pose_directions"] = np.concatenate([pose[vertices], zero_directions])
+    if body.expression_matrix is not None:
+        arrays["expression_matrix"] = body.expression_matrix
+    return arrays

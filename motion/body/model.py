@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
-from motion.body.abilities import BodyAbilities, face_for, read_expression_matrix
+from motion.body.abilities import BodyAbilities, read_expression_matrix
 from motion.body.archive import body_archive
 from motion.body.skinning import TwistJoints, skinning_matrices
 from motion.clip import EXPRESSION_COUNT, MotionClip, arkit_index
@@ -103,8 +103,15 @@ class BodyModel:
         )
 
     def face(self, clip: MotionClip) -> FloatArray | None:
-        """Return the clip's face in this body's terms, shape (n, 52) or (n, 100); None without."""
-        return face_for(clip, has_arkit_slots=self.has_arkit_slots, matrix=self.expression_matrix)
+        """Return the clip's face in this body's terms, shape (n, 52) or (n, 100); None without.
+
+        What the clip holds in the body's own terms comes first, then what the matrix makes of it.
+        """
+        native, foreign = (clip.arkit, clip.expressions)[:: 1 if self.has_arkit_slots else -1]
+        matrix = self.expression_matrix
+        if native is not None or foreign is None or matrix is None:
+            return native
+        return np.clip(foreign @ matrix, 0, 1) if self.has_arkit_slots else foreign @ matrix.T
 
     def expression_weights(self, clip: MotionClip) -> FloatArray | None:
         """Return the weight of each expression direction, shape (n, E); None where all are 0.

@@ -1,11 +1,18 @@
-"""A limit for the arrays of an ``.npz`` file: a small archive may unpack to very much."""
+"""Plain arrays of NumPy's files: nothing in them is unpickled, and what they unpack to is limited.
+
+A small archive may unpack to very much.
+"""
 
 from __future__ import annotations
 
+import zipfile
+import zlib
 from collections.abc import Collection
-from typing import Final
+from pathlib import Path
+from typing import Any, Final
 
-from numpy.lib.npyio import NpzFile
+import numpy as np
+from numpy.typing import NDArray
 
 from motion.errors import InputError
 
@@ -13,13 +20,58 @@ LARGEST: Final = 2**30
 """Bytes of all arrays unpacked, about an hour of motion at 120 fps."""
 
 
-def check_unpacked_size(archive: NpzFile, keys: Collection[str]) -> None:
-    """Raise `InputError` where the arrays of `keys` would unpack to more than a motion can be."""
-    names = {name for key in keys for name in (key, f"{key}.npy")}
-    members = archive.zip.infolist() if archive.zip else []
-    size = sum(member.file_size for member in members if member.filename in names)
-    if size > LARGEST:
+def load_array(path: Path) -> NDArray[Any]:
+    """Return the array of the ``.npy`` file at `path`.
+
+    Raises
+    ------
+    InputError
+        If it is no such file, or holds Python objects.
+    """
+    try:
+        return np.asarray(np.load(path, allow_pickle=False))
+    except (OSError, EOFError, ValueError, OverflowError, MemoryError) as error:
         raise InputError(
-            f"the archive unpacks to {size / 2**20:.0f} MiB, more than {LARGEST / 2**20:.0f}",
-            remedy="Cut the motion into shorter files",
+            "the file cannot be read as a plain array", remedy="Save it with numpy.save"
+        ) from error
+
+
+def load_arrays(path: Path, keys: Collection[str]) -> dict[str, NDArray[Any]]:
+    """Return the arrays of the ``.npz`` file at `path` whose key is in `keys`, by key.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it is damaged, would unpack to more than a motion can be, or one
+        of these arrays holds Python objects.
+    """
+    if not path.is_file():
+        raise InputError("there is no such motion file", remedy="Check the path")
+    if not zipfile.is_zipfile(path):
+        raise InputError(
+            "the file is not an .npz archive, or is truncated", remedy="Copy or export it again"
         )
+    arrays: dict[str, NDArray[Any]] = {}
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            present = [key for key in archive.files if key in keys]
+            names = {name for key in present for name in (key, f"{key}.npy")}
+            members = archive.zip.infolist()
+            size = sum(member.file_size for member in members if member.filename in names)
+            if size > LARGEST:
+                raise InputError(
+                    f"the archive unpacks to {size / 2**20:.0f} MiB, more than "
+                    f"{LARGEST / 2**20:.0f}",
+                    remedy="Cut the motion into shorter files",
+                )
+            for key in present:
+                try:
+                    arrays[key] = np.asarray(archive[key])
+                except (ValueError, OverflowError) as error:
+                    raise InputError(
+                        f"array {key!r} cannot be read without running code from the file",
+                        remedy="Save it as plain numbers or text instead of Python objects",
+                    ) from error
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, MemoryError) as error:
+        raise InputError("the archive is damaged", remedy="Copy or export it again") from error
+    return arrays

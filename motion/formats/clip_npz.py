@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-import zlib
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -21,7 +20,7 @@ from pydantic import TypeAdapter, ValidationError
 from motion.clip import EXPRESSION_COUNT, MotionClip, check_frame_rate
 from motion.errors import InputError, found_at
 from motion.files import replacing
-from motion.formats.archives import check_unpacked_size
+from motion.formats.archives import load_arrays
 from motion.formats.smplx_rows import MOTION_X_WIDTH, motion_x_clip
 from motion.skeleton import BODY_JOINTS, FACE_JOINTS, JOINT_COUNT
 
@@ -92,7 +91,7 @@ def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
     """
     path = Path(path)
     with found_at(path):
-        arrays = _load(path, keys=_KNOWN_KEYS)
+        arrays = load_arrays(path, _KNOWN_KEYS)
         given = arrays.get("poses", np.zeros(0))
         if given.ndim == 2 and given.shape[1] == MOTION_X_WIDTH:
             rate = _frame_rate(arrays) if frame_rate is None else frame_rate
@@ -120,7 +119,7 @@ def read_frame_rate(path: Path) -> float:
     """
     path = Path(path)
     with found_at(path):
-        frame_rate = _frame_rate(_load(path, keys=_RATE_KEYS))
+        frame_rate = _frame_rate(load_arrays(path, _RATE_KEYS))
         check_frame_rate(frame_rate)
     return frame_rate
 
@@ -137,37 +136,7 @@ def has_fingers_relative_to_mean_hands(path: Path) -> bool:
     Their finger rotations are zero where the hands are SMPL-X's mean ones (Liu et al. 2024,
     EMAGE: models are created with ``flat_hand_mean=False``); AMASS's where the hands are flat.
     """
-    return str(_load(path, keys=("model",)).get("model")) == _BEAT2_MODEL
-
-
-def _load(path: Path, *, keys: Collection[str]) -> Arrays:
-    """Return the arrays of the file whose key is in `keys`, by key."""
-    if not path.is_file():
-        raise InputError("there is no such motion file", remedy="Check the path")
-    if not zipfile.is_zipfile(path):
-        raise InputError(
-            "the file is not an .npz archive, or is truncated", remedy="Copy or export it again"
-        )
-    arrays: dict[str, NDArray[Any]] = {}
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            present = [key for key in archive.files if key in keys]
-            check_unpacked_size(archive, present)
-            for key in present:
-                arrays[key] = _array(archive, key)
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, MemoryError) as error:
-        raise InputError("the archive is damaged", remedy="Copy or export it again") from error
-    return arrays
-
-
-def _array(archive: Mapping[str, NDArray[Any]], key: str) -> NDArray[Any]:
-    try:
-        return np.asarray(archive[key])
-    except (ValueError, OverflowError) as error:
-        raise InputError(
-            f"array {key!r} cannot be read without running code from the file",
-            remedy="Save it as plain numbers or text instead of Python objects",
-        ) from error
+    return str(load_arrays(path, ("model",)).get("model")) == _BEAT2_MODEL
 
 
 def _first(arrays: Arrays, keys: tuple[str, ...], default: NDArray[Any]) -> NDArray[Any]:

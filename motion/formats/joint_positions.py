@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError, found_at
-from motion.formats.archives import check_unpacked_size
+from motion.formats.archives import load_array, load_arrays
 from motion.formats.joint_maps import JointMap
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
 from motion.formats.ted_npz import AXES, JOINTS, chain_bones, read_ted_npz
@@ -157,18 +157,9 @@ def _normalised_name(name: str) -> str:
 def _read(path: Path) -> _Recording:
     if path.suffix.lower() == ".csv":
         return _read_table(path)
-    try:
-        loaded = np.load(path, allow_pickle=False)
-        if isinstance(loaded, np.ndarray):
-            return _in_known_order(loaded, None)
-        with loaded:
-            keys = [key for key in ("joints", "directions", *_NAMES, *_RATES) if key in loaded]
-            check_unpacked_size(loaded, keys)
-            arrays = {key: loaded[key] for key in keys}
-    except (OSError, EOFError, ValueError, zipfile.BadZipFile) as error:
-        raise InputError(
-            "the file cannot be read as plain arrays", remedy="Save it with numpy.savez"
-        ) from error
+    if not zipfile.is_zipfile(path):
+        return _in_known_order(load_array(path), None)
+    arrays = load_arrays(path, (*TED_ARRAYS, *_NAMES, *_RATES))
     names = next((arrays[key] for key in _NAMES if key in arrays), None)
     rate = next((float(arrays[key]) for key in _RATES if key in arrays), None)
     joints = arrays.get("joints")

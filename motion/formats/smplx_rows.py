@@ -6,8 +6,6 @@ TalkSHOW (Yi et al. 2023) writes ``.npy`` of shape (T, 265), Motion-X (Lin et al
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,7 +14,7 @@ from numpy.typing import NDArray
 
 from motion.clip import EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError, found_at
-from motion.formats.archives import check_unpacked_size
+from motion.formats.archives import load_array, load_arrays
 from motion.skeleton import JOINT_COUNT
 
 FRAME_RATE: Final = 30.0
@@ -62,16 +60,13 @@ def read_show_npz(path: Path) -> MotionClip:
         must be given as 45 angles. Pickled content is never loaded.
     """
     with found_at(path):
-        try:
-            with np.load(path, allow_pickle=False) as archive:
-                check_unpacked_size(archive, [name for name, _ in _PARTS])
-                parts = [_part(archive.get(name), name, width) for name, width in _PARTS]
-            return _clip(np.concatenate(parts, axis=1), FRAME_RATE)
-        except (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error) as error:
+        arrays = load_arrays(path, [name for name, _ in _PARTS])
+        parts = [_part(arrays.get(name), name, width) for name, width in _PARTS]
+        if len({len(part) for part in parts}) > 1:
             raise InputError(
-                f"the file cannot be read as plain arrays of equal length ({error})",
-                remedy="Save SHOW's arrays with numpy.savez",
-            ) from error
+                "the arrays are not of equal length", remedy="Save all of SHOW's arrays"
+            )
+        return _clip(np.concatenate(parts, axis=1), FRAME_RATE)
 
 
 def _part(array: NDArray[Any] | None, name: str, width: int) -> NDArray[Any]:
@@ -109,20 +104,14 @@ def read_rows(path: Path, *, frame_rate: float | None = None) -> MotionClip:
         If the file is no such array. Pickled content is never loaded.
     """
     rate = FRAME_RATE if frame_rate is None else frame_rate
-    try:
-        rows = np.load(path, allow_pickle=False)
-    except (OSError, EOFError, ValueError, OverflowError, MemoryError) as error:
-        raise InputError(
-            "the file cannot be read as a plain array", where=path, remedy="Save it with numpy.save"
-        ) from error
-    width = rows.shape[1] if rows.ndim == 2 else 0
-    if width not in (WIDTH, MOTION_X_WIDTH) or rows.dtype.kind not in "fiu":
-        raise InputError(
-            f"the array has shape {rows.shape} and type {rows.dtype}",
-            where=path,
-            remedy=f"Give TalkSHOW's (T, {WIDTH}) or Motion-X's (T, {MOTION_X_WIDTH}) numbers",
-        )
     with found_at(path):
+        rows = load_array(path)
+        width = rows.shape[1] if rows.ndim == 2 else 0
+        if width not in (WIDTH, MOTION_X_WIDTH) or rows.dtype.kind not in "fiu":
+            raise InputError(
+                f"the array has shape {rows.shape} and type {rows.dtype}",
+                remedy=f"Give TalkSHOW's (T, {WIDTH}) or Motion-X's (T, {MOTION_X_WIDTH}) numbers",
+            )
         if width == MOTION_X_WIDTH:
             return motion_x_clip(rows, rate).with_provenance(format="motion-x")
         return _clip(rows, rate).with_provenance(format="talkshow")

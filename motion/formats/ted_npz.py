@@ -12,8 +12,7 @@ and, where it is not 15, ``frame_rate``.
 
 from __future__ import annotations
 
-import zipfile
-import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -23,7 +22,7 @@ from numpy.typing import NDArray
 
 from motion.clip import check_frame_rate
 from motion.errors import InputError, found_at
-from motion.formats.archives import check_unpacked_size
+from motion.formats.archives import load_arrays
 
 FRAME_RATE: Final = 15.0
 JOINTS: Final = 10
@@ -88,18 +87,10 @@ def read_ted_npz(path: Path) -> TedMotion:
         never loaded.
     """
     with found_at(path):
-        return _read(path)
+        return _motion(load_arrays(path, (*ARRAYS, "frame_rate")))
 
 
-def _read(path: Path) -> TedMotion:
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            check_unpacked_size(archive, (*ARRAYS, "frame_rate"))
-            arrays = {key: archive[key] for key in (*ARRAYS, "frame_rate") if key in archive}
-    except (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error) as error:
-        raise InputError(
-            "the file cannot be read as plain arrays", remedy="Save it with numpy.savez"
-        ) from error
+def _motion(arrays: Mapping[str, NDArray[Any]]) -> TedMotion:
     frame_rate = float(arrays["frame_rate"]) if "frame_rate" in arrays else FRAME_RATE
     check_frame_rate(frame_rate)
     if "directions" in arrays:

@@ -39,10 +39,9 @@ _NO_DATES: Final = {
 
 
 @cache
-def font(size: float, *, bold: bool = False) -> ImageFont.FreeTypeFont:
+def font(size: float) -> ImageFont.FreeTypeFont:
     """Return DejaVu Sans of `size` pixels; it covers Latin, Greek, Cyrillic and more."""
-    name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
-    return ImageFont.truetype(Path(mpl.get_data_path()) / "fonts" / "ttf" / name, size)
+    return ImageFont.truetype(Path(mpl.get_data_path(), "fonts", "ttf", "DejaVuSans.ttf"), size)
 
 
 def fitted(text: str, letters: ImageFont.FreeTypeFont, width: float) -> str:

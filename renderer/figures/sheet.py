@@ -1,4 +1,4 @@
-"""A contact sheet: every stimulus of a study at a glance, as one HTML page and as PNG pages.
+"""A contact sheet: every stimulus of a study at a glance, as one HTML page.
 
 Each cell is one small picture of a video.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import io
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -18,7 +18,7 @@ from PIL import Image, ImageDraw
 
 from motion.segment import Segment
 from renderer.figures.glance import MOMENTS, TILE_SIZE, Glance
-from renderer.figures.plate import FAINT_INK, INK, font, wrapped
+from renderer.figures.plate import FAINT_INK, font
 from renderer.look import BACKGROUND
 
 COLUMNS: Final = 4
@@ -31,16 +31,6 @@ _FULL_CURVE: Final = 40.0
 _CURVE_COLOUR: Final = (0x00, 0x72, 0xB2)
 _PRESENCE_COLOUR: Final = np.array((0x00, 0x44, 0x77))
 _DESCRIPTION: Final = 0x010E  # EXIF's ImageDescription
-
-ROWS_ON_PAGE: Final = 10
-
-_MARGIN: Final = 24
-_NAMES_WIDTH: Final = 300
-_LINE: Final = 24
-_LETTERS: Final = 17
-_HEADER: Final = 84
-_REMARK_COLOUR: Final = (0xB0, 0x45, 0x00)
-_CELL_HEIGHT: Final = CELL[1] + _LINE + 10
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,70 +97,9 @@ def sheet_page(sheet: Sheet) -> str:
     )
 
 
-def sheet_pictures(sheet: Sheet) -> Iterator[Image.Image]:
-    """Yield the sheet as pictures of `ROWS_ON_PAGE` segments each."""
-    pages = [
-        sheet.segments[first : first + ROWS_ON_PAGE]
-        for first in range(0, len(sheet.segments), ROWS_ON_PAGE)
-    ]
-    for number, rows in enumerate(pages, 1):
-        yield _page(sheet, rows, f"{sheet.facts}; page {number} of {len(pages)}")
-
-
 def _data_address(cell: Cell) -> str:
     """Return a cell's picture as a data address."""
     return "data:image/webp;base64," + base64.b64encode(cell.data).decode()
-
-
-def _page(sheet: Sheet, rows: Sequence[Segment], facts: str) -> Image.Image:
-    """Return one page with some of the segments."""
-    width = _NAMES_WIDTH + len(sheet.conditions) * (CELL[0] + _MARGIN) + _MARGIN
-    image = Image.new("RGB", (width, _HEADER + len(rows) * _CELL_HEIGHT + _MARGIN), "white")
-    pen = ImageDraw.Draw(image)
-    pen.text((_MARGIN, 14), sheet.title, INK, font(_LETTERS, bold=True))
-    pen.text((_MARGIN, 14 + _LINE), facts, FAINT_INK, font(_LETTERS * 0.85))
-    for column, condition in enumerate(sheet.conditions):
-        left = _NAMES_WIDTH + column * (CELL[0] + _MARGIN)
-        letters = font(_LETTERS, bold=True)
-        role = sheet.roles.get(condition, "")
-        room = CELL[0] - (font(_LETTERS).getlength(role) + 8 if role else 0)
-        (name,) = wrapped(condition, letters, room, 1)
-        pen.text((left, _HEADER - _LINE), name, INK, letters)
-        role_left = left + letters.getlength(name) + 8
-        pen.text((role_left, _HEADER - _LINE), role, FAINT_INK, font(_LETTERS))
-    for row, segment in enumerate(rows):
-        top = _HEADER + row * _CELL_HEIGHT
-        _write_segment(pen, segment, top)
-        for column, condition in enumerate(sheet.conditions):
-            left = _NAMES_WIDTH + column * (CELL[0] + _MARGIN)
-            _paste_cell(image, pen, sheet.cells[segment.name, condition], left, top)
-    return image
-
-
-def _write_segment(pen: ImageDraw.ImageDraw, segment: Segment, top: int) -> None:
-    """Write what a row's speech is."""
-    small = font(_LETTERS * 0.85)
-    room = _NAMES_WIDTH - 2 * _MARGIN
-    lines = wrapped(segment.name, font(_LETTERS, bold=True), room, 1)
-    pen.text((_MARGIN, top), lines[0], INK, font(_LETTERS, bold=True))
-    facts = f"{segment.emotion}, {segment.speaker}, {segment.duration:.1f} s"
-    for line, text in enumerate(wrapped(facts, small, room, 2), 1):
-        pen.text((_MARGIN, top + line * _LINE), text, FAINT_INK, small)
-    for line, text in enumerate(wrapped(segment.transcript, small, room, 6), 3):
-        pen.text((_MARGIN, top + line * _LINE), text, INK, small)
-
-
-def _paste_cell(
-    image: Image.Image, pen: ImageDraw.ImageDraw, entry: SheetCell, left: int, top: int
-) -> None:
-    """Put a cell and its remark on a page; a missing picture is drawn as a frame."""
-    if entry.cell is not None:
-        image.paste(entry.cell.picture, (left, top))
-    else:
-        pen.rectangle((left, top, left + CELL[0], top + CELL[1]), outline=_REMARK_COLOUR, width=2)
-    small = font(_LETTERS * 0.85)
-    for text in wrapped(entry.remark, small, CELL[0], 1):
-        pen.text((left, top + CELL[1] + 3), text, _REMARK_COLOUR, small)
 
 
 @dataclass(frozen=True)
@@ -184,12 +113,6 @@ class Cell:
     """
 
     data: bytes
-
-    @property
-    def picture(self) -> Image.Image:
-        """The picture, as RGB of `CELL` pixels."""
-        with Image.open(io.BytesIO(self.data)) as image:
-            return image.convert("RGB")
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -10,33 +10,13 @@ import heapq
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Protocol, Self
+from typing import TYPE_CHECKING
 
 from renderer.jobs.job import ClipJob, Job, Outcome
 from renderer.jobs.local_workers import LocalWorkers
 
-
-class Workers(Protocol):
-    """Processes that do jobs, each with one OpenGL context; a ``with`` block begins and ends it."""
-
-    def __enter__(self) -> Self:
-        """Connect or start; `InputError` if that is impossible."""
-
-    def __exit__(self, *_: object) -> None:
-        """Start no further job, and leave no half-written video."""
-
-    def room(self) -> bool:
-        """Return whether one more job would be started at once."""
-
-    def begin(self, number: int, job: Job) -> None:
-        """Start `job`, identified by `number`."""
-
-    def ended(self) -> Sequence[tuple[int, Outcome]]:
-        """Wait until at least one begun job has ended, and return those that have.
-
-        A job whose process died is done again by another process, and given up only when it
-        ends that one too.
-        """
+if TYPE_CHECKING:
+    from renderer.jobs.cluster import ClusterWorkers
 
 
 class JobOrder:
@@ -124,7 +104,9 @@ def run_jobs(
     return [outcomes[number] for number in range(len(jobs))]
 
 
-def _workers(jobs: Sequence[Job], processes: int, cluster: str | None) -> Workers:
+def _workers(
+    jobs: Sequence[Job], processes: int, cluster: str | None
+) -> LocalWorkers | ClusterWorkers:
     if cluster is None:
         return LocalWorkers(processes)
     # Imported here: Dask is an optional extra.
@@ -141,7 +123,9 @@ def _required_files(jobs: Sequence[Job]) -> list[Path]:
     return sorted(path for path in files if path is not None)
 
 
-def _run_in_order(jobs: Sequence[Job], workers: Workers) -> Iterator[tuple[int, Outcome]]:
+def _run_in_order(
+    jobs: Sequence[Job], workers: LocalWorkers | ClusterWorkers
+) -> Iterator[tuple[int, Outcome]]:
     """Yield each job's number and outcome as it ends."""
     order = JobOrder(jobs)
     busy = 0

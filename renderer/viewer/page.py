@@ -24,8 +24,7 @@ from motion.errors import InputError
 from motion.files import write_text
 from renderer.framing import frame_clips
 from renderer.look import Look
-from renderer.viewer.avatar import avatar_body, packed_avatar
-from renderer.viewer.tracks import track
+from renderer.viewer.packing import avatar_body, packed_avatar, track
 
 MAX_CLIPS: Final = 6
 """Clips side by side; more of them are too small to judge."""

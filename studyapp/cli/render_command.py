@@ -61,7 +61,7 @@ def command(
 
         with progress("sheet", "clip") as show:
             page = write_contact_sheet(folder, threads=processes, on_done=show)
-        click.echo(f"The contact sheet is {page}, with pictures beside it")
+        click.echo(f"The contact sheet is {page}")
     if count.failures:
         raise InputError(
             f"{counted(len(count.failures) + count.left_out, 'video')} could not be made",

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final
 
 from motion.errors import InputError
-from renderer.viewer.avatar import packed_avatar
+from renderer.viewer.packing import packed_avatar
 from renderer.viewer.page import data_address, packed_scene, viewed_body
 from studyapp.side_process import give_way
 from studyapp.stimuli.shown_motion import segment_scene, study_look

@@ -21,7 +21,7 @@ from renderer.encoder import SOUND_RATE
 from renderer.look import AVATARS, Colour, Look, default_body
 from renderer.loudness import at_common_loudness
 from renderer.shown_clip import as_shown
-from renderer.viewer.avatar import avatar_body
+from renderer.viewer.packing import avatar_body
 from renderer.viewer.page import MAX_CLIPS, Scene
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study

@@ -13,7 +13,7 @@ from motion.errors import InputError
 from motion.files import digest, replacing, write_text
 from motion.segment import Segment
 from renderer.figures.glance import glance_at
-from renderer.figures.sheet import Cell, Sheet, SheetCell, draw_cell, sheet_page, sheet_pictures
+from renderer.figures.sheet import Cell, Sheet, SheetCell, draw_cell, sheet_page
 from renderer.look import CELL_VERSION, Look
 from renderer.viewer.page import FILES, MAX_CLIPS, Scene, write_motion_page, write_shared_files
 from studyapp.stimuli.shown_motion import segment_scene, study_look
@@ -32,7 +32,7 @@ def write_contact_sheet(
 ) -> Path:
     """Write the contact sheet of the study's videos, and return its HTML page.
 
-    The same cells are also written as PNG pages. Cells of unchanged videos are kept.
+    Cells of unchanged videos are kept.
 
     Parameters
     ----------
@@ -92,12 +92,7 @@ def write_contact_sheet(
     write_text(page, sheet_page(sheet))
     current = {_cell_file(sheet_folder, video) for video in videos.values()}
     current |= {sheet_folder / address for address in motion.values()}
-    for number, picture in enumerate(sheet_pictures(sheet), 1):
-        path = sheet_folder / f"sheet-{number:02}.png"
-        with replacing(path) as draft:
-            picture.save(draft, "PNG")
-        current.add(path)
-    for pattern in ("sheet-*.png", ".cells/*.webp", "motion/*.html"):
+    for pattern in (".cells/*.webp", "motion/*.html"):
         for path in sheet_folder.glob(pattern):
             if path not in current:
                 path.unlink()

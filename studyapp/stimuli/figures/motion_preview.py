@@ -14,7 +14,7 @@ from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
-from motion.formats.clip_bvh import write_clip_bvh
+from motion.formats.bvh_motion import write_clip_bvh
 from motion.formats.glb import write_glb
 from motion.formats.joint_maps import JointMap
 from motion.placement import stand_on_ground

@@ -1,13 +1,15 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from motion.body.abilities import BodyAbilities, face_for, read_expression_matrix, unsupported
+from motion.body.abilities import BodyAbilities, read_expression_matrix, unsupported
+from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
@@ -104,7 +106,8 @@ def test_other_files_are_refused(
     assert caught.value.remedy
 
 
-def test_a_clips_face_in_the_bodys_own_parameters_comes_first() -> None:
-    both = _clip(expressions=np.ones((2, 100)), arkit=np.full((2, 52), 0.5))
+def test_a_clips_face_in_the_bodys_own_parameters_comes_first(body: BodyModel) -> None:
+    both = _clip(expressions=COEFFICIENTS, arkit=ARKIT)
     for has_arkit_slots, expected in ((True, both.arkit), (False, both.expressions)):
-        assert face_for(both, has_arkit_slots=has_arkit_slots, matrix=MATRIX) is expected
+        shown = replace(body, has_arkit_slots=has_arkit_slots, expression_matrix=MATRIX)
+        assert shown.face(both) is expected

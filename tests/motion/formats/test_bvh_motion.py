@@ -11,8 +11,13 @@ from hypothesis import example, given, settings
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats.bvh import read_bvh
-from motion.formats.bvh_motion import BvhJoint, BvhMotion, settle_first_frame, write_bvh
-from motion.formats.clip_bvh import write_clip_bvh
+from motion.formats.bvh_motion import (
+    BvhJoint,
+    BvhMotion,
+    settle_first_frame,
+    write_bvh,
+    write_clip_bvh,
+)
 from motion.skeleton import JOINT_NAMES, REST_JOINTS, forward_kinematics
 from tests.motion.formats.bvh_text import CHAIN, bvh_text, columns_of, save_bvh_text
 from tests.motion.random_clips import clip_of, clips

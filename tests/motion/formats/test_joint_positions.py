@@ -179,7 +179,7 @@ def test_joints_and_directions_are_read_the_same(tmp_path: Path) -> None:
         ({"joints": 0 * JOINTS}, "bone 0 has no length in frame 0"),
         ({"directions": np.full((3, 27), 0.5)}, "a direction has length"),
         ({"joints": JOINTS, "frame_rate": 0}, "frame rate 0"),
-        ({"joints": np.array([None] * 10)}, "cannot be read as plain arrays"),
+        ({"joints": np.array([None] * 10)}, "without running code"),
     ],
 )
 def test_other_arrays_are_refused_with_the_files_name(

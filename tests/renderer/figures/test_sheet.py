@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Sequence
 from html import unescape
@@ -7,17 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from motion.segment import Segment
 from renderer.figures.glance import MOMENTS, TILE_SIZE, Glance, glance_at
 from renderer.figures.sheet import (
-    ROWS_ON_PAGE,
     Cell,
     Sheet,
     SheetCell,
     draw_cell,
     sheet_page,
-    sheet_pictures,
 )
 from renderer.look import Look
 from tests.renderer.figures.small_videos import write_block_video
@@ -62,14 +62,12 @@ def test_the_page_shows_every_stimulus_or_that_it_is_missing_and_needs_no_file_b
         assert address.startswith(("data:image/webp;base64,", "../../videos/clips/"))
 
 
-def test_many_segments_fill_several_pictures_of_bounded_size(cell: Cell) -> None:
-    pages = list(sheet_pictures(sheet_of(cell, 2 * ROWS_ON_PAGE + 1)))
-    assert len(pages) == 3
-    assert pages[0].size == pages[1].size
-    assert pages[2].height < pages[0].height < 4000
-
-
 SWAYING: list[int | None] = [44 + round(12 * np.sin(k / 4)) for k in range(90)]
+
+
+def picture_of(cell: Cell) -> Image.Image:
+    with Image.open(io.BytesIO(cell.data)) as image:
+        return image.convert("RGB")
 
 
 def glance(tmp_path: Path, places: Sequence[int | None]) -> Glance:
@@ -117,7 +115,7 @@ def test_presence_is_the_share_of_frames_at_each_place(tmp_path: Path) -> None:
 def test_a_still_figure_has_a_flat_curve_and_a_moving_one_has_not(tmp_path: Path) -> None:
     inked = []
     for places in ([44] * 60, [*SWAYING[:60]]):
-        curve = np.asarray(draw_cell(glance(tmp_path, places)).picture).astype(int)[-30:-4]
+        curve = np.asarray(picture_of(draw_cell(glance(tmp_path, places)))).astype(int)[-30:-4]
         inked.append((curve[..., 2] - curve[..., 0] > 60).sum())
     assert inked[0] == 0
     assert inked[1] > 500

@@ -18,6 +18,7 @@ from motion.errors import InputError
 from renderer.jobs import cluster
 from renderer.jobs.job import ClipJob, Job
 from renderer.jobs.making import run_jobs
+from renderer.look import RENDERER_VERSION
 from tests.renderer.jobs.sample_jobs import clips_and_pairs, killing_writers, pair_of, video_of
 
 pytestmark = pytest.mark.slow
@@ -170,7 +171,7 @@ def test_workers_of_another_version_of_several_threads_or_without_the_files_are_
         run_jobs([clip_job], processes=1, cluster=cluster_of_two)
     monkeypatch.undo()
     two_threads = SimpleNamespace(state=SimpleNamespace(nthreads=2))
-    fitness: Any = (cluster.RENDERER_VERSION, sys.version_info[:2], (), two_threads)
+    fitness: Any = (RENDERER_VERSION, sys.version_info[:2], (), two_threads)
     assert "does 2 jobs at once" in str(cluster.find_misfit(*fitness))
 
 

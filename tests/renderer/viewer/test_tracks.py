@@ -11,8 +11,7 @@ from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.body.model import BodyModel
 from motion.clip import ARKIT_COUNT, MotionClip
 from motion.skeleton import JOINT_COUNT
-from renderer.viewer.packing import LARGEST, pack
-from renderer.viewer.tracks import track
+from renderer.viewer.packing import LARGEST, pack, track
 from tests.renderer.viewer.decoding import unpacked
 
 LARGEST_ANGLE = 0.05

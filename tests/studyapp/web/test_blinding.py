@@ -73,7 +73,7 @@ def test_scripts_and_style_know_nothing_of_conditions(script: Path) -> None:
 
 FIGURES = (
     *("figures/strip-take-0.png", "figures/grid-take-0.mp4"),
-    *("videos/sheet/index.html", "videos/sheet/sheet-01.png", "videos/sheet/.cells/0.webp"),
+    *("videos/sheet/index.html", "videos/sheet/.cells/0.webp"),
 )
 """Files that name the conditions, in the study folder."""
 

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 from bs4 import BeautifulSoup
-from PIL import Image
 
 from studyapp.stimuli.figures.contact_sheet import write_contact_sheet
 from studyapp.study.folder import StudyFolder
@@ -66,8 +65,6 @@ def test_the_sheet_shows_each_segment_in_each_condition_and_draws_only_what_chan
     assert steps[-1] == (16, 16)
     first, second, third = read_stimuli(study.stimuli).clips[:3]
     assert f'href="../../{first.file}"' in text
-    with Image.open(page.with_name("sheet-01.png")) as picture:
-        assert picture.width > 3 * 448
 
     write_contact_sheet(study, threads=1)
     assert kept_cells(study) == before
