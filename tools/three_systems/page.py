@@ -135,7 +135,7 @@ class _Metrics:
 
 
 def _preferences(results: Mapping[str, Any], study: Study) -> str:
-    given = default_population(study).quality
+    true_values = default_population(study).quality
     questions = results["questions"]
     rows = []
     for condition in results["conditions_shown"]:
@@ -146,9 +146,10 @@ def _preferences(results: Mapping[str, Any], study: Study) -> str:
             strength, low, high = (
                 _number(standing[key], ".2f") for key in ("estimate", "low", "high")
             )
-            row += [f"{given[condition][question]:.2f}", f"{strength} [{low}, {high}]"]
+            true_value = _number(true_values[condition][question], ".2f")
+            row += [true_value, f"{strength} [{low}, {high}]"]
         rows.append(row)
-    heads = [f"{question}, {what}" for question in questions for what in ("given", "found")]
+    heads = [f"{question}, {kind}" for question in questions for kind in ("true value", "estimate")]
     return table(("condition", *heads), rows)
 
 
@@ -175,7 +176,7 @@ def _network(network: Network) -> list[str]:
 def _number(value: float | None, form: str = ".3g") -> str:
     if value is None or math.isnan(value):
         return "–"
-    return f"{value:{form}}".replace("e+0", "e")
+    return f"{value:{form}}".replace("e+0", "e").replace("-", "−")
 
 
 def _duration(seconds: float) -> str:
