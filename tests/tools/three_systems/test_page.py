@@ -73,8 +73,8 @@ def study(tmp_path: Path) -> StudyFolder:
 def test_the_page_shows_what_the_report_found(study: StudyFolder) -> None:
     text = measured(study, {"motionjury render study": Took(seconds=9, processor=240)}, [])
     assert "60 simulated participants took part over HTTP, and 51 of them are analysed" in text
-    assert "| `amuse` | 0.50 | 1.00 [1.00, 1.00] | -0.50 | 1.00 [1.00, 1.00] |" in text
-    assert "| MALE, mm | ↓ | 4.25 | – | 4.25 | 4.25 | 4.25 | 4.25 | -0.60 | -0.60 | -0.60 |" in text
+    assert "| `amuse` | 0.50 | 1.00 [1.00, 1.00] | −0.50 | 1.00 [1.00, 1.00] |" in text
+    assert "| MALE, mm | ↓ | 4.25 | – | 4.25 | 4.25 | 4.25 | 4.25 | −0.60 | −0.60 | −0.60 |" in text
     assert "- Speech2UnifiedExpressions' MALE of `amuse`: the clip has no face." in text
     assert "| `motionjury render study` | 4 min |" in text
 
