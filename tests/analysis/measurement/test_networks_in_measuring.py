@@ -13,6 +13,7 @@ from analysis.evaluators import network_names as names
 from analysis.evaluators.feature_networks import networks
 from analysis.measurement.measured_clips import LandmarkBody
 from analysis.measurement.measuring import study_metrics
+from analysis.metrics.scores import StudyMetrics
 from motion.clip import MotionClip, arkit_index
 from motion.errors import InputError
 from motion.formats import write_clip
@@ -168,52 +169,26 @@ LANDMARK_ERRORS = (
 
 
 def test_landmarks_of_a_copied_face_have_no_error_and_of_another_one_millimetres(
-    talking: Clips,
+    talking: Clips, waving: Callable[..., MotionClip]
 ) -> None:
-    found = study_metrics(
-        talking,
-        {},
-        recorded=talking["truth"],
-        presets=["s2ue"],
-        face=LandmarkBody(path=default_body()),
-    )
+    def measured(**settings: Any) -> StudyMetrics:
+        face = {"face": LandmarkBody(path=default_body())} | settings
+        return study_metrics(talking, {}, recorded=talking["truth"], presets=["s2ue"], **face)
+
+    found = measured()
     for name in LANDMARK_ERRORS:
         assert score_of(found, "copied", name).value == 0
         assert score_of(found, "shy", name).value > 0.1
+        for settings, reason in (
+            ({"frozen": ("face",)}, "holds the face still"),
+            ({"face": None}, "no body is given"),
+        ):
+            assert reason in score_of(measured(**settings), "shy", name).reason
     assert score_of(found, "shy", LANDMARK_ERRORS[0]).settings["frame rate"] == "15 fps"
-
-
-@pytest.mark.parametrize(
-    ("frozen", "face", "said"),
-    [
-        (("face",), LandmarkBody(path=default_body()), "holds the face still"),
-        ((), None, "no body is given"),
-    ],
-)
-def test_where_there_are_no_landmarks_the_errors_say_why(
-    talking: Clips, frozen: tuple[str, ...], face: LandmarkBody | None, said: str
-) -> None:
-    found = study_metrics(
-        talking, {}, recorded=talking["truth"], presets=["s2ue"], face=face, frozen=frozen
-    )
-    for name in LANDMARK_ERRORS:
-        assert said in score_of(found, "shy", name).reason
-
-
-def test_a_face_that_is_told_in_other_terms_has_no_landmarks(
-    talking: Clips, waving: Callable[..., MotionClip]
-) -> None:
     write_clip(talking["shy"]["0"], waving(seconds=2.0))
-    found = study_metrics(
-        talking,
-        {},
-        recorded=talking["truth"],
-        presets=["s2ue"],
-        face=LandmarkBody(path=default_body()),
-    )
-    score = score_of(found, "shy", LANDMARK_ERRORS[0])
-    assert (score.scored, score.clips) == (1, 2)
-    assert "has no face" in score.reason
+    faceless = score_of(measured(), "shy", LANDMARK_ERRORS[0])
+    assert (faceless.scored, faceless.clips) == (1, 2)
+    assert "has no face" in faceless.reason
 
 
 def test_faces_differ_between_clips_unless_they_are_held_still(talking: Clips) -> None:

@@ -5,10 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from numpy.typing import NDArray
-from scipy.stats import ortho_group
 
 from analysis.metrics.kernel_distance import kernel_distance
 from analysis.metrics.samples import embeddings
@@ -33,13 +30,6 @@ def test_point_masses_agree_with_their_closed_form(closed_form: Mapping[str, Any
     assert distance(one, other) == pytest.approx(expected["value"])
 
 
-def test_equal_laws_score_zero_on_average_and_below_it_half_of_the_time() -> None:
-    chance = np.random.default_rng(0)
-    scores = np.array([distance(*chance.standard_normal((2, 20, 30))) for _ in range(400)])
-    assert abs(scores.mean()) < 4 * scores.std() / 20
-    assert 0.3 < (scores < 0).mean() < 0.7
-
-
 def test_it_is_the_mean_over_pairs_of_the_definition() -> None:
     one, other = np.random.default_rng(1).standard_normal((2, 6, 3))
 
@@ -52,15 +42,6 @@ def test_it_is_the_mean_over_pairs_of_the_definition() -> None:
     ]
     across = np.mean([kernel(a, b) for a in one for b in other])
     assert distance(one, other) == pytest.approx(sum(within) - 2 * across)
-
-
-@given(st.integers(0, 2**32 - 1))
-def test_sides_and_axes_may_be_exchanged(seed: int) -> None:
-    one, other = np.random.default_rng(seed).standard_normal((2, 7, 4))
-    turned = ortho_group.rvs(4, random_state=seed)
-    expected = pytest.approx(distance(one, other), rel=1e-8, abs=1e-9)
-    assert distance(other, one) == expected
-    assert distance(one @ turned, other @ turned) == expected
 
 
 def test_the_interval_is_as_wide_as_the_score_varies_between_samples() -> None:

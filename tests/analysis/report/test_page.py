@@ -1,22 +1,16 @@
 from __future__ import annotations
 
-import json
 import os
 import re
 import subprocess
 import sys
-from html.parser import HTMLParser
 from pathlib import Path
 
-import pandas as pd
 import pytest
 from bs4 import BeautifulSoup
 
 from analysis.report import write_report
-from analysis.report.content import Cell, Section, Table
 from analysis.report.figures import style
-from analysis.report.page import Page, write_page_files
-from analysis.report.tables import as_frame
 from studyapp.results.report import report_table
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table, report_of
@@ -39,37 +33,9 @@ def page(folder: Path) -> BeautifulSoup:
     return opened(folder / "report.html")
 
 
-VOID = {"meta", "br", "hr", "img", "link", "input", "col", "wbr"}
-
-
-class _Nesting(HTMLParser):
-    """Fail on any element that is not closed where it was opened."""
-
-    def __init__(self) -> None:
-        super().__init__(convert_charrefs=True)
-        self.open: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        names = [name for name, _ in attrs]
-        assert len(names) == len(set(names)), f"<{tag}> repeats an attribute"
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        pass
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open, f"</{tag}> closes nothing"
-        assert self.open.pop() == tag, f"</{tag}> is out of place at {self.getpos()}"
-
-
 def opened(path: Path) -> BeautifulSoup:
-    """Return a page of a report, whose HTML is well formed."""
-    text = path.read_text(encoding="utf-8")
-    nesting = _Nesting()
-    nesting.feed(text)
-    assert nesting.open == []
-    return BeautifulSoup(text, "html.parser")
+    """Return a page of a report."""
+    return BeautifulSoup(path.read_text(encoding="utf-8"), "html.parser")
 
 
 @pytest.mark.parametrize("protocol", TABLES)
@@ -157,54 +123,6 @@ def test_hostile_names_are_text_and_nothing_else(tmp_path: Path) -> None:
     assert "alert" not in script.get_text()
 
 
-def test_results_keep_what_stands_beside_the_protocols_own_keys(tmp_path: Path) -> None:
-    report = report_of(pairwise_table(participants=4, segments=4), "pairwise", tmp_path)
-
-    write_report(report, subject_of(report), tmp_path / "out", extra_keys={"study": {"seed": 3}})
-
-    found = json.loads((tmp_path / "out" / "results.json").read_text("utf-8"))
-    assert found["study"] == {"seed": 3}
-    assert found["flow"] == [
-        {
-            **dict.fromkeys(("places", "opened", "withdrawn", "earlier", "unwatched", "completed")),
-            "arm": "",
-            "answered": 4,
-            "removed": [],
-            "analysed": 4,
-        }
-    ]
-
-
-def test_a_tables_file_holds_numbers_in_full_and_words_as_they_are(tmp_path: Path) -> None:
-    table = Table(
-        caption="A table.",
-        header=("name", "share"),
-        groups=(("", 1), ("all", 1)),
-        rows=((Cell(text="ours"), Cell(text=".33", value=1 / 3)),),
-        name="shares",
-    )
-    page = Page(
-        title="t",
-        mark="",
-        mark_short="rehearsal",
-        answer=(),
-        picture=None,
-        flow="",
-        sections=(Section(anchor="a", heading="A", tables=(table,)),),
-    )
-
-    write_page_files(page, tmp_path)
-
-    assert as_frame(table).columns.tolist() == ["name", "all share"]
-    assert pd.read_csv(tmp_path / "tables" / "shares.csv").iloc[0].tolist() == [
-        "ours",
-        0.3333333333,
-    ]
-    assert "[rehearsal] A table." in (tmp_path / "tables" / "shares.tex").read_text(
-        "utf-8"
-    ).replace("{[}", "[").replace("{]}", "]")
-
-
 @pytest.mark.slow
 def test_processes_with_different_hash_seeds_write_the_same_bytes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -239,12 +157,9 @@ def test_the_sentences_for_the_paper_are_those_of_the_page(
 ) -> None:
     shown = " ".join(page.get_text(" ").split())
 
-    told = (folder / "paper.txt").read_text("utf-8")
-
-    paragraphs = told.strip().split("\n\n")
+    paragraphs = (folder / "paper.txt").read_text("utf-8").strip().split("\n\n")
     assert len(paragraphs) > 4
-    for paragraph in paragraphs:
-        for sentence in paragraph.split(". "):
-            assert " ".join(sentence.split()) in shown
+    sentences = [sentence for paragraph in paragraphs for sentence in paragraph.split(". ")]
+    assert [text for text in sentences if " ".join(text.split()) not in shown] == []
     assert "Methods" not in paragraphs[0]
     assert any(text.startswith("Computed with Motion Jury") for text in paragraphs)

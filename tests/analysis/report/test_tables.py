@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from analysis.report.content import Cell, Table
-from analysis.report.tables import LONGEST, as_latex, booktabs
+from analysis.report.tables import LONGEST, as_frame, as_latex, booktabs
 
 
 def cells(*texts: str) -> tuple[Cell, ...]:
@@ -39,6 +39,17 @@ def test_a_table_is_laid_out_as_booktabs_wants_it() -> None:
     assert r"ours\_1 & \textbf{54} & \underline{34} & 9 \\" in lines
     assert r"a \& b & -- & $-$1 $\pm$ 2 & \textless{} .001 \\" in lines
     assert r"{\footnotesize The larger one is bold.\par}" in lines
+    remark = r"\caption{{[}rehearsal{]} Answers in \%.}"
+    assert remark in booktabs(TABLE, remark="[rehearsal]")
+
+
+def test_a_tables_file_holds_numbers_in_full_and_words_as_they_are() -> None:
+    row = (Cell(text="ours"), Cell(text=".33", value=1 / 3), *cells("–", "9"))
+    frame = as_frame(replace(TABLE, rows=(row,)))
+    assert frame.columns.tolist() == [
+        *("condition", "Emotion & speech ours", "Emotion & speech others", "n")
+    ]
+    assert frame.iloc[0].tolist() == ["ours", 0.3333333333, "–", "9"]
 
 
 def test_a_long_table_breaks_over_pages_and_letters_pdflatex_lacks_are_announced() -> None:

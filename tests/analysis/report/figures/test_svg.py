@@ -10,13 +10,11 @@ from matplotlib.figure import Figure
 from analysis.report.content import FigureText, Picture
 from analysis.report.figures.style import (
     DIVERGING,
-    FORMATS,
     INK,
     PAGE_COLOURS,
     SERIES,
     STYLE,
     Drawing,
-    as_file,
     make_picture,
     place_colours,
     scale_colours,
@@ -40,22 +38,6 @@ def test_letters_of_every_script_are_drawn_without_a_warning_and_signs_are_no_ma
     assert svg is not None
     assert "条件 a < b & c" in [text.get_text() for text in svg("text")]
     assert "1 < 2" in [hint.get_text() for hint in svg("title")]
-
-
-def test_a_figure_is_the_same_bytes_every_time_and_has_no_date() -> None:
-    first, again = drawn(), drawn()
-    assert first.svg == again.svg
-    assert "dc:date" not in first.svg
-    assert first.figure is not None
-    assert again.figure is not None
-    begins = {"pdf": b"%PDF", "png": b"\x89PNG", "svg": b"<?xml"}
-    assert begins.keys() == FORMATS.keys()
-    for ending, begin in begins.items():
-        file = as_file(first.figure, ending)
-        assert file == as_file(again.figure, ending)
-        assert file.startswith(begin)
-        assert b"CreationDate" not in file
-        assert b"dc:date" not in file
 
 
 def test_words_and_lines_follow_the_colours_of_the_page() -> None:
