@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import pickle
 from dataclasses import replace
 from functools import reduce
 from operator import getitem
@@ -12,6 +13,7 @@ import pytest
 import torch
 
 from analysis.evaluators.evaluator import Evaluator, load_evaluator
+from analysis.evaluators.feature_networks import networks
 from motion.clip import freeze
 from motion.errors import InputError
 from motion.resample import resample
@@ -89,6 +91,10 @@ def test_every_setting_that_a_score_depends_on_is_told(
     assert told["trained on"].startswith("10 clips of 10 recordings")
     assert "2 of 10 recordings: accuracy" in told["held out"]
     assert all(isinstance(value, str) and value for value in told.values())
+    (network,) = networks([emotion_file])
+    assert network.settings == told
+    # It travels to the processes that measure.
+    assert pickle.loads(pickle.dumps(network)) == network  # noqa: S301
 
 
 @pytest.mark.parametrize(
