@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.metrics.joint_motion import UPPER_BODY_JOINTS, WRISTS, joint_motion, select
+from analysis.metrics.kinematics import UPPER_BODY_JOINTS, WRISTS, joint_motion, select
 from analysis.metrics.scores import Metric, MetricResult
 from motion.clip import MotionClip
 from motion.errors import InputError

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 from scipy.spatial.transform import Rotation
 
-from analysis.metrics.joint_motion import GESTURE_JOINTS
+from analysis.metrics.kinematics import GESTURE_JOINTS
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE, MotionClip
 from motion.errors import InputError

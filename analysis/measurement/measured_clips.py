@@ -17,7 +17,7 @@ from analysis.evaluators.feature_networks import ClipFeatures, Network, clip_fea
 from analysis.measurement.kept_arrays import KeptArrays, Kind
 from analysis.measurement.presets import Preset
 from analysis.measurement.recorded_spread import RecordedSpread
-from analysis.metrics.joint_motion import GESTURE_JOINTS, JointMotion, packed_joints
+from analysis.metrics.kinematics import GESTURE_JOINTS, JointMotion, packed_joints
 from analysis.metrics.self_penetration import PenetrableBody
 from motion.audio import read_audio
 from motion.audio_analysis import speech_onsets
@@ -162,7 +162,7 @@ class MeasuredClip:
     joints : JointMotion
         Joint positions.
     rotations : ndarray, shape (T, G, 3), or None
-        Axis-angle of `analysis.metrics.joint_motion.GESTURE_JOINTS`, if a preset needs them.
+        Axis-angle of `analysis.metrics.kinematics.GESTURE_JOINTS`, if a preset needs them.
     landmarks : Landmarks
         At `Setup.face_rate`.
     face : ndarray, shape (U, 52) or (U, 100), float32, or None

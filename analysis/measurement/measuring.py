@@ -32,7 +32,7 @@ from analysis.measurement.segment_scores import (
     recorded_extent,
     segment_scores,
 )
-from analysis.metrics.joint_motion import common_frame_rate
+from analysis.metrics.kinematics import common_frame_rate
 from analysis.metrics.scores import ClipScore, StudyMetrics
 from analysis.metrics.self_penetration import self_penetration
 from motion.errors import InputError

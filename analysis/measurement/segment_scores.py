@@ -22,12 +22,14 @@ from analysis.metrics.correct_motion import (
     semantic_recall,
 )
 from analysis.metrics.diversity import l1_deviation
-from analysis.metrics.joint_motion import GESTURE_JOINTS, UPPER_BODY_JOINTS, select
 from analysis.metrics.kinematics import (
     FEET,
+    GESTURE_JOINTS,
+    UPPER_BODY_JOINTS,
     Counts,
     foot_sliding,
     mean_derivative,
+    select,
     speed_counts,
 )
 from analysis.metrics.point_errors import S2UE_FRAME_RATE, point_error, velocity_error

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter1d
 from scipy.signal import find_peaks
 
-from analysis.metrics.joint_motion import ARM_JOINTS
+from analysis.metrics.kinematics import ARM_JOINTS
 from analysis.metrics.scores import Better, Metric, MetricResult
 
 FloatArray = NDArray[np.float64]

@@ -17,7 +17,7 @@ from markupsafe import Markup
 
 from analysis.measurement.score_tables import score_table
 from analysis.report import wording
-from analysis.report.content import Picture, Section
+from analysis.report.content import Picture, PlayableMotion, Section, Subject
 from analysis.report.figures.style import FORMATS, as_file
 from analysis.report.sections.against_people import against_people_section
 from analysis.report.sections.answer import (
@@ -42,7 +42,6 @@ from analysis.report.sections.participants import (
 from analysis.report.sections.preferences import mismatch_sections, pairwise_sections
 from analysis.report.sections.rankings import ranking_sections
 from analysis.report.sections.ratings import rating_sections
-from analysis.report.subject import PlayableMotion, Subject
 from analysis.report.tables import as_frame, booktabs, csv_tables, write_frame
 from analysis.report.texts import template_file
 from analysis.results.pairwise import MismatchResults, PairwiseResults

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis.evaluators.evaluator import Evaluator, load_evaluator
 from analysis.metrics.emotion_accuracy import emotion_confusion
-from analysis.metrics.joint_motion import WRISTS, joint_motion, select
+from analysis.metrics.kinematics import WRISTS, joint_motion, select
 from analysis.metrics.scores import EmotionConfusion
 from benchmarks.learned_motion.compared_study import segment_of
 from benchmarks.learned_motion.following import (

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.metrics.beat_alignment import AMUSE, BeatSettings, beat_alignment
-from analysis.metrics.joint_motion import WRISTS, joint_motion, select
+from analysis.metrics.kinematics import WRISTS, joint_motion, select
 from analysis.stats.samples import bootstrap_counts, percentile_interval
 from motion.audio_analysis import DETECTOR
 from motion.clip import ARKIT_NAMES, MotionClip

@@ -16,8 +16,8 @@ from analysis.answers.exclusion_rules import ExclusionRule
 from analysis.answers.participants import LeftOut
 from analysis.measurement.score_tables import metrics_document
 from analysis.report import Subject, wording, write_report
+from analysis.report.content import PlayableMotion
 from analysis.report.page import TASKS
-from analysis.report.subject import PlayableMotion
 from analysis.results.preferred_pairs import PreferredPair, preferred_pairs
 from analysis.results.report import Settings, Source, TableReport, analyse_answers, analyse_table
 from motion.files import harmless_frame, replacing

@@ -16,8 +16,8 @@ from PIL import Image
 
 from analysis.measurement.presets import PRESETS, REPORT
 from analysis.metrics.scores import StudyMetrics
+from analysis.report.content import Excerpt, Origin, Still, Subject
 from analysis.report.sections.metrics import PAPER_OF
-from analysis.report.subject import Excerpt, Origin, Still, Subject
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.files import sha256_of

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from analysis.report import wording
-from analysis.report.content import Picture, Section, Table
+from analysis.report.content import Picture, Section, Subject, Table
 from analysis.report.figures.dots import (
     MOST_METRICS,
     Dot,
@@ -20,7 +20,6 @@ from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale
 from analysis.report.sections.metric_table import ARROWS
 from analysis.report.sections.metrics import PAPER_OF, PAPER_TABLES, is_detail
-from analysis.report.subject import Subject
 from analysis.report.texts import figure_text, paragraphs, sentence, table
 from analysis.report.wording import between, question_name
 from analysis.results.against_people import AgainstPeople, MetricAgainstPeople

@@ -10,10 +10,9 @@ from importlib import metadata
 from typing import Any, Final, Literal
 
 from analysis.report import wording
-from analysis.report.content import Section
+from analysis.report.content import Section, Subject
 from analysis.report.sections.heterogeneity import overall_effects
 from analysis.report.sections.participants import looks_sentence, places_words
-from analysis.report.subject import Subject
 from analysis.report.texts import paragraphs
 from analysis.report.wording import INTERVAL, SIGNIFICANCE, between, number
 from analysis.results.grouping import ResultKey, Row

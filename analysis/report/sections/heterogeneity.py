@@ -9,12 +9,11 @@ from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 from analysis.report import wording
-from analysis.report.content import Picture, Section, Table
+from analysis.report.content import Picture, Section, Subject, Table
 from analysis.report.figures.dots import Dot, dot_of, dot_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale
 from analysis.report.sections.preferences import reference_of
-from analysis.report.subject import Subject
 from analysis.report.texts import figure_text, paragraphs, table
 from analysis.results.grouping import ResultKey
 from analysis.results.heterogeneity import (

@@ -14,9 +14,8 @@ from typing import Final
 
 from analysis.metrics.scores import ConditionScore, MetricResult, StudyMetrics
 from analysis.report import wording
-from analysis.report.content import PlayablePair, Section, Table
+from analysis.report.content import PlayablePair, Section, Subject, Table
 from analysis.report.sections.metric_table import ARROWS, Systems, TableColumn, metric_table
-from analysis.report.subject import Subject
 from analysis.report.texts import table, template_file
 from analysis.results.preferred_pairs import PreferredPair
 from analysis.results.report import TableReport

@@ -12,9 +12,8 @@ from markupsafe import Markup
 from analysis.answers.exclusion_rules import BY_HAND
 from analysis.answers.participants import Flow
 from analysis.report import wording
-from analysis.report.content import Picture, Section
+from analysis.report.content import Picture, Section, Still, Subject
 from analysis.report.sections.preferences import reference_of
-from analysis.report.subject import Still, Subject
 from analysis.report.texts import paragraphs, sentence, table
 from analysis.results.headline import Sensitivity
 from analysis.results.known_values import found_values

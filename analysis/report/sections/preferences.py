@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import Final, TypeVar
 
 from analysis.report import wording
-from analysis.report.content import FigureText, Picture, Section, Table, headline_section
+from analysis.report.content import FigureText, Picture, Section, Subject, Table, headline_section
 from analysis.report.figures.bars import Bar, MatrixCell, Part, bar_pictures, matrix_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import DIVERGING, Scale
@@ -19,7 +19,6 @@ from analysis.report.sections.rankings import (
     strength_pictures,
     strongest_first,
 )
-from analysis.report.subject import Subject
 from analysis.report.texts import figure_text, table
 from analysis.report.wording import SIGNIFICANCE, reason_for_no_figure, set_suffix, share_words
 from analysis.results.pairwise import MismatchResults, PairwiseResults

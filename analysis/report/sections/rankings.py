@@ -6,12 +6,11 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from analysis.report import wording
-from analysis.report.content import FigureText, Picture, Section, Table, headline_section
+from analysis.report.content import FigureText, Picture, Section, Subject, Table, headline_section
 from analysis.report.figures.bars import Bar, Part, bar_pictures, condition_bars
 from analysis.report.figures.dots import Dot, dot_of, dot_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale, place_colours
-from analysis.report.subject import Subject
 from analysis.report.texts import figure_text, table
 from analysis.report.wording import (
     SIGNIFICANCE,

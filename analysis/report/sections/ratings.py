@@ -9,12 +9,11 @@ from typing import Final
 from matplotlib.lines import Line2D
 
 from analysis.report import wording
-from analysis.report.content import Picture, Section, Table, headline_section
+from analysis.report.content import Picture, Section, Subject, Table, headline_section
 from analysis.report.figures.bars import Bar, Part, bar_pictures, condition_bars
 from analysis.report.figures.dots import Dot, dot_of, dot_pictures
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import LINE, SMALL_SIZE, Scale, scale_colours, series_style
-from analysis.report.subject import Subject
 from analysis.report.texts import figure_text, table
 from analysis.report.wording import number, reason_for_no_figure, set_suffix
 from analysis.results.rating import RatedCondition, RatingContrast, RatingResults

@@ -12,7 +12,7 @@ from analysis.evaluators.clip_views import (
     Face,
     face_of,
 )
-from analysis.metrics.joint_motion import GESTURE_JOINTS
+from analysis.metrics.kinematics import GESTURE_JOINTS
 from motion.errors import InputError
 from motion.skeleton import joint_index
 from tests.motion.random_clips import random_clip

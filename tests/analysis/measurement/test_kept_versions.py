@@ -11,7 +11,7 @@ from analysis.evaluators.design import SIZES, Design, Kind
 from analysis.evaluators.evaluator import DataFacts, Evaluator, EvaluatorFacts, TrainingFacts
 from analysis.evaluators.examples import Normalisation
 from analysis.measurement import measured_clips
-from analysis.metrics.joint_motion import joint_motion
+from analysis.metrics.kinematics import joint_motion
 from analysis.metrics.self_penetration import PenetrableBody
 from motion.audio_analysis import speech_onsets
 from motion.body.face_landmarks import FaceLandmarks

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -75,18 +76,15 @@ def test_a_missing_motion_is_named(study: Study, tmp_path: Path) -> None:
 def recorded_study(
     tmp_path: Path, study: Study, waving: Callable[..., MotionClip]
 ) -> RecordedStudy:
-    """Return a study of which the motion of 'still' is the recording itself."""
+    """Return a study with recordings, which two conditions are and are a copy of."""
     clips, speech = study
     recorded = {}
     for number, segment in enumerate("ab"):
         recorded[segment] = tmp_path / "recorded" / f"{segment}.npz"
         write_clip(recorded[segment], waving(amplitude=0.5 + 0.1 * number, frequency=0.8))
     clips["recorded"] = dict(recorded)
-    clips["copied"] = {}
-    for segment, path in recorded.items():
-        clips["copied"][segment] = tmp_path / "copied" / f"{segment}.npz"
-        clips["copied"][segment].parent.mkdir(exist_ok=True)
-        clips["copied"][segment].write_bytes(path.read_bytes())
+    copies = shutil.copytree(tmp_path / "recorded", tmp_path / "copied")
+    clips["copied"] = {segment: copies / f"{segment}.npz" for segment in recorded}
     return clips, speech, recorded
 
 

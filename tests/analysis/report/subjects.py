@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from analysis.report.content import Section
+from analysis.report.content import Excerpt, Section, Subject
 from analysis.report.page import headline_sections
-from analysis.report.subject import Excerpt, Subject
 from analysis.results.report import TableReport
 
 

@@ -33,58 +33,35 @@ def analyse(tmp_path_factory: pytest.TempPathFactory) -> Analyse:
 
 
 @pytest.fixture(scope="session")
-def all_pairs(analyse: Analyse) -> TableReport:
-    """Return every pair of three conditions on two questions."""
-    return analyse(
-        "pairwise", pairwise_table(questions=("rhythm", "emotion"), participants=6, segments=4)
+def reports(analyse: Analyse) -> Mapping[str, TableReport]:
+    """Return the results of a table of each protocol, and of comparisons with one condition."""
+    pairs = pairwise_table(participants=6, segments=4)
+    with_static = pairs[(pairs["left"] == "static") | (pairs["right"] == "static")]
+    # The table names another condition before 'static'.
+    first = with_static[(with_static["left"] == "ours") & (with_static["segment"] == "s3")]
+    sets = (
+        rating_table(participants=6, segments=4).assign(set="1"),
+        rating_table(("truth", "late"), participants=6, segments=4, seed=2).assign(set="2"),
     )
+    two_questions = pairwise_table(questions=("rhythm", "emotion"), participants=6, segments=4)
+    return {
+        "all pairs": analyse("pairwise", two_questions),
+        "against one": analyse("pairwise", pd.concat([first, with_static.drop(first.index)])),
+        "mismatch": analyse("mismatch", mismatch_table(participants=6, segments=4)),
+        "rating": analyse("rating", pd.concat(sets)),
+        "ranking": analyse("ranking", ranking_table(participants=6, segments=4)),
+    }
 
 
 @pytest.fixture(scope="session")
-def against_one(analyse: Analyse) -> TableReport:
-    """Return comparisons of 'static' with others, one of which the table names before it."""
-    table = pairwise_table(participants=6, segments=4)
-    shown = table[(table["left"] == "static") | (table["right"] == "static")]
-    first = shown[(shown["left"] == "ours") & (shown["segment"] == "s3")]
-    return analyse("pairwise", pd.concat([first, shown.drop(first.index)]))
-
-
-@pytest.fixture(scope="session")
-def matched(analyse: Analyse) -> TableReport:
-    """Return mismatch trials of two conditions."""
-    return analyse("mismatch", mismatch_table(participants=6, segments=4))
-
-
-@pytest.fixture(scope="session")
-def rated(analyse: Analyse) -> TableReport:
-    """Return ratings of two sets with different conditions."""
-    first = rating_table(participants=6, segments=4).assign(set="1")
-    second = rating_table(("truth", "late"), participants=6, segments=4, seed=2).assign(set="2")
-    return analyse("rating", pd.concat([first, second]))
-
-
-@pytest.fixture(scope="session")
-def ranked(analyse: Analyse) -> TableReport:
-    """Return rankings of three conditions."""
-    return analyse("ranking", ranking_table(participants=6, segments=4))
-
-
-@pytest.fixture(scope="session")
-def sections(
-    all_pairs: TableReport,
-    against_one: TableReport,
-    matched: TableReport,
-    rated: TableReport,
-    ranked: TableReport,
-) -> Mapping[str, tuple[Section, ...]]:
+def sections(reports: Mapping[str, TableReport]) -> Mapping[str, tuple[Section, ...]]:
     """Return the sections of all of these, drawn once."""
+    changes: dict[str, dict[str, object]] = {
+        "all pairs": {"origin": "rehearsal"},
+        "against one": {"reference": "static"},
+        "rating": {"scale_labels": {"match": SCALE}},
+    }
     with pytest.MonkeyPatch.context() as patch:
         # As `quick_fonts`, which holds for a module.
         patch.setitem(style.STYLE, "pdf.fonttype", 3)
-        return {
-            "all pairs": headline(all_pairs, origin="rehearsal"),
-            "against one": headline(against_one, reference="static"),
-            "mismatch": headline(matched),
-            "rating": headline(rated, scale_labels={"match": SCALE}),
-            "ranking": headline(ranked),
-        }
+        return {name: headline(found, **changes.get(name, {})) for name, found in reports.items()}

@@ -8,14 +8,13 @@ import pytest
 
 from analysis.evaluators import network_names
 from analysis.metrics.scores import Better, ConditionScore, EmotionConfusion, StudyMetrics
-from analysis.report.content import Table
+from analysis.report.content import Subject, Table
 from analysis.report.sections.metric_table import first_and_second
 from analysis.report.sections.metrics import (
     confusion_tables,
     metric_tables,
     metrics_not_tabled,
 )
-from analysis.report.subject import Subject
 from motion.errors import InputError
 
 NAMES = ("ground_truth", "ours", "camn", "broken")

@@ -21,6 +21,7 @@ from tests.analysis.report.sections.reading import (
 from tests.analysis.report.subjects import headline
 
 Sections = Mapping[str, tuple[Section, ...]]
+Reports = Mapping[str, TableReport]
 
 
 @pytest.fixture
@@ -36,11 +37,11 @@ def results(report: TableReport) -> PairwiseResults:
 
 
 def test_hints_and_the_text_alternative_have_every_number(
-    all_pairs: TableReport, section: Section
+    reports: Reports, section: Section
 ) -> None:
     picture = named_picture(section, "preferences")
     assert len(hints(picture)) == 3 * 2 * 5
-    for comparison in results(all_pairs).comparisons:
+    for comparison in results(reports["all pairs"]).comparisons:
         a, b = comparison.a, comparison.b
         levels = (f"clearly {a}", f"slightly {a}", "no difference")
         for level, count in zip(levels, comparison.counts.values(), strict=False):
@@ -50,9 +51,9 @@ def test_hints_and_the_text_alternative_have_every_number(
 
 
 def test_bars_are_as_wide_as_their_share_and_centred_on_no_difference(
-    all_pairs: TableReport, section: Section
+    reports: Reports, section: Section
 ) -> None:
-    (group,) = pairwise_groups(results(all_pairs), None)
+    (group,) = pairwise_groups(results(reports["all pairs"]), None)
     picture = named_picture(section, "preferences")
     for row, label in enumerate(group.labels):
         found = next(r for r in group.rows if r.label == label and r.result.question == "emotion")
@@ -64,14 +65,14 @@ def test_bars_are_as_wide_as_their_share_and_centred_on_no_difference(
 
 
 def test_emotion_comes_first_and_rows_are_sorted_by_its_win_share(
-    all_pairs: TableReport, section: Section
+    reports: Reports, section: Section
 ) -> None:
     said = words(named_picture(section, "preferences"))
     assert said.index("Emotion") < said.index("Rhythm")
     shares = [
         wording.share(one.win_share.estimate)
         for one in sorted(
-            (c for c in results(all_pairs).comparisons if c.question == "emotion"),
+            (c for c in results(reports["all pairs"]).comparisons if c.question == "emotion"),
             key=lambda one: -one.win_share.estimate,
         )
     ]
@@ -79,9 +80,9 @@ def test_emotion_comes_first_and_rows_are_sorted_by_its_win_share(
 
 
 def test_comparisons_are_seen_from_the_condition_that_all_have_in_common(
-    all_pairs: TableReport, against_one: TableReport, sections: Sections
+    reports: Reports, sections: Sections
 ) -> None:
-    found = results(against_one)
+    found = results(reports["against one"])
     (group,) = pairwise_groups(found, None)
     assert group.first == "static"
     turned = 0
@@ -99,12 +100,12 @@ def test_comparisons_are_seen_from_the_condition_that_all_have_in_common(
     assert 0 < turned < len(group.rows)
     (section,) = sections["against one"]
     assert [picture.name for picture in section.pictures] == ["preferences"]
-    (of_all,) = pairwise_groups(results(all_pairs), "ours")
+    (of_all,) = pairwise_groups(results(reports["all pairs"]), "ours")
     assert of_all.first == "the first"
 
 
 def test_the_sums_of_table_a5_and_p_values_as_published_are_those_of_the_results(
-    against_one: TableReport, sections: Sections
+    reports: Reports, sections: Sections
 ) -> None:
     (section,) = sections["against one"]
     table = named_table(section, "preferences")
@@ -112,7 +113,9 @@ def test_the_sums_of_table_a5_and_p_values_as_published_are_those_of_the_results
     as_published = named_table(section, "as-published")
     assert any("resemble each other" in note for note in as_published.notes)
     for row in table.rows:
-        one = next(c for c in results(against_one).comparisons if row[0].text in {c.a, c.b})
+        one = next(
+            c for c in results(reports["against one"]).comparisons if row[0].text in {c.a, c.b}
+        )
         ours, other = ("a", "b") if one.a == "static" else ("b", "a")
         assert [cell.value for cell in row[1:]] == pytest.approx(
             [one.share[ours], one.share[other], one.share["equal"], one.n]
@@ -125,14 +128,14 @@ def test_the_sums_of_table_a5_and_p_values_as_published_are_those_of_the_results
 
 
 def test_where_bars_are_too_many_a_matrix_holds_both_sides_of_every_comparison(
-    all_pairs: TableReport, monkeypatch: pytest.MonkeyPatch
+    reports: Reports, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(preferences, "MOST_BARS", 2)
-    (section,) = headline(all_pairs)
+    (section,) = headline(reports["all pairs"])
     assert [picture.name for picture in section.pictures] == ["win-share-matrix", "strengths"]
     said = hints(section.pictures[0])
     assert len(said) == 2 * 3 * 2
-    for one in results(all_pairs).comparisons:
+    for one in results(reports["all pairs"]).comparisons:
         share = one.win_share.estimate
         assert any(
             text.startswith(f"{one.a} against {one.b}: {wording.share(share)}") for text in said
@@ -143,15 +146,16 @@ def test_where_bars_are_too_many_a_matrix_holds_both_sides_of_every_comparison(
 
 
 def test_own_speech_stands_on_the_left_of_every_condition(
-    matched: TableReport, sections: Sections
+    reports: Reports, sections: Sections
 ) -> None:
-    assert isinstance(matched.results, MismatchResults)
+    mismatch = reports["mismatch"].results
+    assert isinstance(mismatch, MismatchResults)
     (section,) = sections["mismatch"]
     picture = named_picture(section, "own-speech")
     said = hints(picture)
-    for one in matched.results.conditions:
+    for one in mismatch.conditions:
         assert f"clearly own speech: {one.counts['own_strong']} of {one.n}" in " ".join(said)
     assert any(text.startswith("truth") for text in words(picture))
     table = named_table(section, "own-speech")
     best = {row[0].text: row[1].value for row in table.rows}
-    assert best == pytest.approx({c.condition: c.share["own"] for c in matched.results.conditions})
+    assert best == pytest.approx({c.condition: c.share["own"] for c in mismatch.conditions})

@@ -23,9 +23,10 @@ Sections = Mapping[str, tuple[Section, ...]]
 
 
 @pytest.fixture(scope="module")
-def results(rated: TableReport) -> RatingResults:
-    assert isinstance(rated.results, RatingResults)
-    return rated.results
+def results(reports: Mapping[str, TableReport]) -> RatingResults:
+    found = reports["rating"].results
+    assert isinstance(found, RatingResults)
+    return found
 
 
 def test_sets_are_kept_apart(sections: Sections) -> None:
@@ -98,9 +99,10 @@ def test_scores_have_their_labels_in_the_legend_or_where_they_differ_in_the_capt
 
 
 @pytest.fixture(scope="module")
-def ranking_results(ranked: TableReport) -> RankingResults:
-    assert isinstance(ranked.results, RankingResults)
-    return ranked.results
+def ranking_results(reports: Mapping[str, TableReport]) -> RankingResults:
+    found = reports["ranking"].results
+    assert isinstance(found, RankingResults)
+    return found
 
 
 def test_mean_ranks_first_places_and_worths_stand_in_one_section(

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from analysis.answers.exclusion_rules import watched_less
-from analysis.report.content import Section
+from analysis.report.content import Excerpt, Section, Still, Subject
 from analysis.report.sections.answer import answer, certainty, limits_section, methods_section
 from analysis.report.sections.participants import (
     MOST_LOOKS,
@@ -20,7 +20,6 @@ from analysis.report.sections.participants import (
     stills_section,
     truth_section,
 )
-from analysis.report.subject import Excerpt, Still, Subject
 from analysis.results.known_values import KnownValue
 from analysis.results.pairwise import PairwiseResults
 from analysis.stats.multiple_testing import Look, looks_before
