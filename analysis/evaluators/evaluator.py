@@ -33,7 +33,7 @@ FloatArray = NDArray[np.float32]
 
 _BATCH_SIZE: Final = 64
 
-_SHOWN_OF_HASH: Final = 16
+SHOWN_OF_HASH: Final = 16
 
 _FORMAT: Final = 2
 
@@ -212,13 +212,13 @@ class Evaluator:
         seconds = self.window / self.frame_rate
         described = {
             "feature network": facts.named(),
-            "network sha256": self.sha256[:_SHOWN_OF_HASH],
+            "network sha256": self.sha256[:SHOWN_OF_HASH],
             "representation": f"{self._view.described()}, in deviations of the training frames",
             "frame rate": f"{self.frame_rate:g} fps, resampled",
             "window": f"{self.window} frames ({seconds:.4g} s), not overlapping; a clip that is "
             f"up to {TOLERANCE:g} s too short holds its last frame",
             "trained on": f"{data.clips} clips of {data.recordings} recordings, {data.windows} "
-            f"windows, data sha256 {data.sha256[:_SHOWN_OF_HASH]}",
+            f"windows, data sha256 {data.sha256[:SHOWN_OF_HASH]}",
             "held out": f"{data.held_out}: {self._held_out()}",
         }
         if facts.frozen:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from torch import nn
 
 from analysis.evaluators.clip_views import cut_windows
-from analysis.evaluators.evaluator import in_batches
+from analysis.evaluators.evaluator import SHOWN_OF_HASH, in_batches
 from analysis.evaluators.published_networks import load_weights
 from analysis.evaluators.published_presets import PRESETS, Preset
 from analysis.metrics.frechet import Rule
@@ -24,8 +24,6 @@ from motion.errors import InputError
 from motion.resample import resample
 
 FloatArray = NDArray[np.float32]
-
-_SHOWN_OF_HASH: Final = 16
 
 _MEAN: Final = "bvh_mean.npy"
 _SPREAD: Final = "bvh_std.npy"
@@ -126,7 +124,7 @@ class PublishedEvaluator:
         return MappingProxyType(
             {
                 "feature network": f"{preset.source}, {preset.features} features",
-                "network sha256": self.sha256[:_SHOWN_OF_HASH],
+                "network sha256": self.sha256[:SHOWN_OF_HASH],
                 "representation": preset.sees,
                 "frame rate": f"{preset.frame_rate:g} fps, resampled",
                 "window": preset.cut,

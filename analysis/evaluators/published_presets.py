@@ -6,13 +6,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+from torch import nn
 
 from analysis.evaluators.network_names import PUBLISHED
+from analysis.evaluators.published_networks import EmageNetwork, TalkShowNetwork, YoonNetwork
 from analysis.metrics.frechet import Rule
 from motion.clip import MotionClip
 from motion.formats.bvh_motion import BvhMotion
@@ -142,10 +144,6 @@ def _beat_world(clip: MotionClip) -> dict[str, Rotation]:
     return world
 
 
-if TYPE_CHECKING:
-    from torch import nn
-
-
 @dataclass(frozen=True, kw_only=True)
 class Preset:
     """One published network, and how its authors used it.
@@ -196,14 +194,6 @@ class Preset:
     place: tuple[str, ...]
 
 
-def _network(name: str, *sizes: object) -> nn.Module:
-    # Imported here: torch takes seconds to load, and describing a network does without.
-    from analysis.evaluators import published_networks
-
-    network: nn.Module = getattr(published_networks, name)(*sizes)
-    return network
-
-
 PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
     {
         "emage": Preset(
@@ -218,7 +208,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             cut="the whole clip, without its last frames past a multiple of 32; a row of features "
             "for every 16 frames",
             rule="offset",
-            network=partial(_network, "EmageNetwork"),
+            network=EmageNetwork,
             place=("model_state",),
         ),
         "beat": Preset(
@@ -235,7 +225,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             shortest=34,
             cut="34 frames, every 10 frames: neighbours overlap",
             rule="pytorch-fid",
-            network=partial(_network, "YoonNetwork", 141, (300, 600, 600, 300), (1200, 600, 300)),
+            network=partial(YoonNetwork, 141, (300, 600, 600, 300), (1200, 600, 300)),
             place=("model_state",),
         ),
         "ted": Preset(
@@ -253,7 +243,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             cut="the first 34 of 42 frames, every 10 frames: neighbours overlap; no window is "
             "filtered out",
             rule="pytorch-fid",
-            network=partial(_network, "YoonNetwork", 27, (32, 64, 64, 32), (256, 128, 32)),
+            network=partial(YoonNetwork, 27, (32, 64, 64, 32), (256, 128, 32)),
             place=("gen_dict",),
         ),
         "talkshow": Preset(
@@ -267,7 +257,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             shortest=4,
             cut="the whole clip; a row of features for every 4 frames",
             rule="pytorch-fid",
-            network=partial(_network, "TalkShowNetwork"),
+            network=TalkShowNetwork,
             place=("generator", "g"),
         ),
     }

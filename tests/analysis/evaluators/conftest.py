@@ -59,7 +59,7 @@ def face_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def both_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return trained(tmp_path_factory.mktemp("both"), "motion", "both", steps=2, frozen=("root",))
+    return trained(tmp_path_factory.mktemp("both"), "motion", "both", steps=2, frozen=("hands",))
 
 
 @pytest.fixture

@@ -7,7 +7,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analysis.evaluators.clip_views import (
-    AMUSE_JOINTS,
     ClipView,
     Face,
     face_of,
@@ -16,12 +15,6 @@ from analysis.metrics.kinematics import GESTURE_JOINTS
 from motion.errors import InputError
 from motion.skeleton import joint_index
 from tests.motion.random_clips import random_clip
-
-
-def test_amuses_joints_are_the_47_above_the_legs() -> None:
-    assert len(AMUSE_JOINTS) == 47
-    assert {"pelvis", "jaw", "left_eye", "right_thumb3"} < set(AMUSE_JOINTS)
-    assert not any(part in name for name in AMUSE_JOINTS for part in ("hip", "knee", "ankle"))
 
 
 def test_a_rotation_is_the_first_two_columns_of_its_matrix() -> None:

@@ -50,8 +50,8 @@ def test_a_clip_shorter_than_a_window_says_so(gesture: Evaluator) -> None:
 def test_what_the_training_clips_were_held_still_in_is_held_still(both_file: Path) -> None:
     both = load_evaluator(both_file)
     clip = swinging("anger", 90)
-    assert both.describe()["held still"] == "root"
-    np.testing.assert_array_equal(both.embed(clip), both.embed(freeze(clip, ["root"])))
+    assert both.describe()["held still"] == "hands"
+    np.testing.assert_array_equal(both.embed(clip), both.embed(freeze(clip, ["hands"])))
 
 
 def test_a_clip_without_a_face_says_what_is_missing(both_file: Path, face_file: Path) -> None:

@@ -4,31 +4,14 @@ import math
 
 import pytest
 import torch
-from torch import nn
 
 from analysis.evaluators.networks import (
-    EMOTION_FULL,
     EMOTION_TINY,
     AutoencoderConfig,
     AutoencoderNetwork,
     EmotionNetwork,
     sinusoids,
 )
-
-
-def test_the_full_emotion_network_has_the_sizes_that_amuse_states() -> None:
-    with torch.device("meta"):
-        network = EmotionNetwork(EMOTION_FULL, 47 * 6, 8)
-    assert (len(network.encoder.layers), network.entry.out_features) == (8, 256)
-    assert network.encoder.layers[0].self_attn.num_heads == 4
-    assert network.encoder.layers[0].linear1.out_features == 1024
-    connected = [part for part in network.classifier if isinstance(part, nn.Linear)]
-    assert [(part.in_features, part.out_features) for part in connected] == [
-        (256, 128),
-        (128, 64),
-        (64, 8),
-    ]
-    assert EMOTION_FULL.seconds == 10
 
 
 def test_an_embedding_of_the_emotion_network_is_the_mean_over_its_frames() -> None:

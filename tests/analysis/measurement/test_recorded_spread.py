@@ -20,24 +20,19 @@ def clips() -> Iterator[tuple[FloatArray, FloatArray]]:
         yield rotations, chance.normal(0, 1, (frames, 5, 3))
 
 
-def test_the_spread_of_clips_is_that_of_all_frames_together() -> None:
-    found = recorded_spread(ClipExtent.of(*clip) for clip in clips())
-    assert found is not None
+def test_the_spread_is_that_of_all_frames_together_without_joints_that_never_move() -> None:
+    spread = recorded_spread(ClipExtent.of(*clip) for clip in clips())
+    assert spread is not None
     rotations = np.concatenate([rotations for rotations, _ in clips()])
     positions = np.concatenate([positions.reshape(-1, 3) for _, positions in clips()])
-    np.testing.assert_allclose(found.mean, rotations.mean(axis=0))
-    np.testing.assert_allclose(found.deviation[0], rotations[:, 0].std(axis=0))
-    assert found.recordings == 2
-    assert np.linalg.norm(np.ptp(positions, axis=0)) * found.scale == pytest.approx(1)
-
-
-def test_joints_that_never_move_are_left_out_and_still_channels_stay_radians() -> None:
-    found = recorded_spread(ClipExtent.of(*clip) for clip in clips())
-    assert found is not None
-    assert found.moving.tolist() == [True, False, True]
-    assert found.deviation[2, 0] == 1
-    rotations = np.concatenate([rotations for rotations, _ in clips()])
-    standard = found.normalised(rotations)
+    np.testing.assert_allclose(spread.mean, rotations.mean(axis=0))
+    np.testing.assert_allclose(spread.deviation[0], rotations[:, 0].std(axis=0))
+    assert spread.recordings == 2
+    assert np.linalg.norm(np.ptp(positions, axis=0)) * spread.scale == pytest.approx(1)
+    assert spread.moving.tolist() == [True, False, True]
+    # A channel that stays still is measured in radians.
+    assert spread.deviation[2, 0] == 1
+    standard = spread.normalised(rotations)
     assert standard.shape == (80, 2, 3)
     np.testing.assert_allclose(standard[:, 0].std(axis=0), 1)
     assert np.abs(standard[:, 1, 0]).max() < 1e-9

@@ -14,13 +14,8 @@ from analysis.measurement.score_tables import (
     metrics_document,
     write_scores,
 )
-from analysis.metrics.scores import (
-    ClipScore,
-    ConditionScore,
-    EmotionConfusion,
-    MetricResult,
-    StudyMetrics,
-)
+from analysis.metrics.emotion_accuracy import emotion_confusion
+from analysis.metrics.scores import ClipScore, Metric, StudyMetrics, whole_condition
 from motion.errors import InputError
 
 
@@ -28,38 +23,20 @@ from motion.errors import InputError
 def metrics() -> StudyMetrics:
     """Return scores of one condition, of which one is missing."""
     settings = {"joints": "left_wrist, right_wrist"}
-    found = MetricResult(
-        name="jerk", value=1.5, unit="m/s³", n=40, settings=settings, better="near the reference"
+    jerk = Metric("jerk", "m/s³", "near the reference").score(1.5, 40, settings)
+    missing = Metric("beat alignment").missing("no beat")
+    skipped = InputError("damaged", where="/study/motion/b.npz", remedy="Copy it again")
+    confusion = emotion_confusion(
+        ["anger"] * 3, ["anger", "anger", "fear"], ("anger", "fear"), condition="o", network="n"
     )
-    missing = MetricResult(name="beat alignment", value=math.nan, unit="", n=0, reason="no beat")
     return StudyMetrics(
         frame_rate=30.0,
         clips=tuple(
-            ClipScore(condition="ours", segment="a", result=result) for result in (found, missing)
+            ClipScore(condition="ours", segment="a", result=result) for result in (jerk, missing)
         ),
-        conditions=(
-            ConditionScore(
-                condition="ours",
-                name="jerk",
-                unit="m/s³",
-                value=1.5,
-                spread=math.nan,
-                scored=1,
-                clips=1,
-                settings=settings,
-                reason="",
-            ),
-        ),
-        skipped=(InputError("damaged", where="/study/motion/b.npz", remedy="Copy it again"),),
-        confusions=(
-            EmotionConfusion(
-                condition="ours",
-                network="abc",
-                spoken=("anger",),
-                named=("anger", "fear"),
-                counts=((2, 1),),
-            ),
-        ),
+        conditions=(whole_condition("ours", jerk, 1),),
+        skipped=(skipped,),
+        confusions=(confusion,),
     )
 
 
@@ -88,7 +65,7 @@ def test_parquet_has_types_and_tells_units_and_directions(
     assert [str(schema.field(name).type) for name in ("value", "n")] == ["double", "int64"]
     assert "string" in str(schema.field("metric").type)
     assert json.loads(schema.metadata[b"units"]) == {"jerk": "m/s³"}
-    assert json.loads(schema.metadata[b"better"]) == {"jerk": "unsaid"}
+    assert json.loads(schema.metadata[b"better"]) == {"jerk": "near the reference"}
     assert schema.metadata[b"frame_rate"] == b"30"
 
 

@@ -69,6 +69,9 @@ def test_a_hold_is_one_beat_the_deeper_of_two_close_dips_another_and_noise_none(
     dips = np.full(40, 1.0)
     dips[18], dips[21] = 0.2, 0.1
     assert motion_beats(dips, 30.0, 7 / 30).tolist() == pytest.approx([21.5 / 30])
+    falling = np.linspace(2.0, 0.0, 40)
+    falling[20] -= 0.2
+    assert len(motion_beats(falling, 30.0, 7 / 30)) == 0
 
 
 def aligned(positions: FloatArray, onsets: FloatArray, settings: BeatSettings) -> BeatAlignment:

@@ -28,7 +28,7 @@ def drawn() -> Picture:
         axes = figure.subplots()
         axes.plot([0, 1], [0, 1], gid="line")
         axes.set_title("条件 a < b & c")
-        drawing = Drawing(figure=figure, hints={"line": "1 < 2"})
+        drawing = Drawing(figure=figure, hints={"line": "<i>1</i> < 2"})
         text = FigureText(name="one", title="", caption="")
         return make_picture(drawing, drawing, text, "")
 
@@ -37,7 +37,7 @@ def test_letters_of_every_script_are_drawn_without_a_warning_and_signs_are_no_ma
     svg = BeautifulSoup(drawn().svg, "html.parser").svg
     assert svg is not None
     assert "条件 a < b & c" in [text.get_text() for text in svg("text")]
-    assert "1 < 2" in [hint.get_text() for hint in svg("title")]
+    assert "<i>1</i> < 2" in [hint.get_text() for hint in svg("title")]
 
 
 def test_words_and_lines_follow_the_colours_of_the_page() -> None:

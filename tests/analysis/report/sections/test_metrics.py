@@ -2,12 +2,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from analysis.evaluators import network_names
-from analysis.metrics.scores import Better, ConditionScore, EmotionConfusion, StudyMetrics
+from analysis.metrics.scores import (
+    Better,
+    ConditionScore,
+    EmotionConfusion,
+    Metric,
+    StudyMetrics,
+    whole_condition,
+)
 from analysis.report.content import Subject, Table
 from analysis.report.sections.metric_table import first_and_second
 from analysis.report.sections.metrics import (
@@ -30,19 +38,17 @@ def scores(
     reason: str = "no recording",
     remark: str = "",
 ) -> list[ConditionScore]:
+    metric, settings = Metric(name, better=better), {"frame_rate": "30 fps"}
     return [
-        ConditionScore(
-            condition=condition,
-            name=name,
-            unit="",
-            value=value,
+        replace(
+            whole_condition(
+                condition,
+                metric.missing(reason, settings)
+                if math.isnan(value)
+                else metric.score(value, 8, settings, remark=remark),
+                8,
+            ),
             spread=spread,
-            scored=0 if math.isnan(value) else 8,
-            clips=8,
-            settings={"frame_rate": "30 fps"},
-            reason=reason if math.isnan(value) else "",
-            better=better,
-            remark=remark,
         )
         for condition, value in zip(NAMES, values, strict=True)
     ]
