@@ -230,11 +230,12 @@ class Reader:
         setup, preset = self._setup, self._setup.preset
         rate, motion = setup.frame_rate, setup.motion
         joints = self._kept(JOINTS, path, f"{rate!r} {motion}", lambda c: packed_joints(c, rate))
-        rotations = landmarks = face = depths = None
+        rotations = face = depths = None
+        landmarks = Landmarks()
         if preset.needs_rotations:
             poses = resample(self._read(path), rate).poses
             rotations = poses[:, [joint_index(name) for name in GESTURE_JOINTS]]
-        if preset.needs_landmarks:
+        if preset.landmark_errors:
             landmarks = self._landmarks(path)
         if preset.expression_distance:
             clip = resample(self._read(path), setup.face_rate)
@@ -251,7 +252,7 @@ class Reader:
         return MeasuredClip(
             joints=JointMotion.of(joints),
             rotations=None if rotations is None else rotations.astype(np.float64),
-            landmarks=landmarks or Landmarks(),
+            landmarks=landmarks,
             face=face,
             features=features,
             depths=depths,

@@ -88,11 +88,6 @@ class Preset:
             settings.representation != "positions" for settings in self.correct
         )
 
-    @property
-    def needs_landmarks(self) -> bool:
-        """Whether face landmarks are measured."""
-        return bool(self.landmark_errors)
-
     def without_recordings(self) -> Preset:
         """Return the part that can be measured without recorded motion."""
         return replace(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from functools import lru_cache
 from itertools import chain
 from pathlib import Path
@@ -95,16 +96,7 @@ def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[st
             {name: _plain(value) for name, value in _row(score).items()}
             for score in metrics.conditions
         ],
-        "emotions": [
-            {
-                "condition": confusion.condition,
-                "network": confusion.network,
-                "spoken": list(confusion.spoken),
-                "named": list(confusion.named),
-                "counts": [list(row) for row in confusion.counts],
-            }
-            for confusion in metrics.confusions
-        ],
+        "emotions": [asdict(confusion) for confusion in metrics.confusions],
         "skipped": [
             {
                 "file": file.where if root is None else file.where.removeprefix(f"{root}/"),

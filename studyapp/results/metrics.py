@@ -188,7 +188,7 @@ def measure_folders(
         emotions=_emotions(speech) if speech is not None else None,
         evaluators=evaluators,
         face=LandmarkBody(path=default_body())
-        if recorded is not None and combined(presets).needs_landmarks
+        if recorded is not None and combined(presets).landmark_errors
         else None,
         penetrable=default_body(MEASURED_BODY) if penetration else None,
         presets=presets,
@@ -266,7 +266,7 @@ def _emotions(folder: Path) -> dict[str, str]:
 
 def _landmark_body(folder: StudyFolder, presets: Sequence[str]) -> LandmarkBody | None:
     """Return the study's body if a preset needs face landmarks."""
-    if not combined(presets).needs_landmarks:
+    if not combined(presets).landmark_errors:
         return None
     study = folder.study()
     return LandmarkBody(

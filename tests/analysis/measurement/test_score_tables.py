@@ -84,7 +84,7 @@ def test_json_holds_the_document_and_the_clips_without_nan(
         "n": 0,
         "reason": "no beat",
     }
-    assert written == metrics_document(metrics)
+    assert written == json.loads(json.dumps(metrics_document(metrics)))
     score = written["conditions"][0]
     assert (score["metric"], score["value"], score["spread_between_clips"]) == ("jerk", 1.5, None)
     assert score["settings"] == {"joints": "left_wrist, right_wrist"}
