@@ -15,7 +15,7 @@ from typing import Final
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from analysis.measurement.score_tables import score_table
+from analysis.metrics.score_tables import score_table
 from analysis.report import wording
 from analysis.report.content import Picture, PlayableMotion, Section, Subject
 from analysis.report.figures.style import FORMATS, as_file

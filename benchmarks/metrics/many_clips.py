@@ -22,7 +22,7 @@ from typing import Final
 import numpy as np
 
 from analysis.measurement.presets import PRESETS
-from analysis.measurement.score_tables import write_scores
+from analysis.metrics.score_tables import write_scores
 from analysis.metrics.scores import StudyMetrics
 from generators.interface import SpeechSegment
 from generators.registry import load_generator

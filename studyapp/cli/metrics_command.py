@@ -11,7 +11,7 @@ import click
 from analysis.evaluators.feature_networks import PublishedFile, Source
 from analysis.evaluators.network_names import PUBLISHED
 from analysis.measurement.presets import PRESETS
-from analysis.measurement.score_tables import check_ending, write_scores
+from analysis.metrics.score_tables import check_ending, write_scores
 from analysis.metrics.scores import ConditionScore
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError

@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from analysis.answers.exclusion_rules import ExclusionRule
 from analysis.answers.participants import LeftOut
-from analysis.measurement.score_tables import metrics_document
+from analysis.metrics.score_tables import metrics_document
 from analysis.report import Subject, wording, write_report
 from analysis.report.content import PlayableMotion
 from analysis.report.page import TASKS

@@ -8,13 +8,13 @@ import pandas as pd
 import pytest
 from pyarrow import parquet
 
-from analysis.measurement.score_tables import (
+from analysis.metrics.emotion_accuracy import emotion_confusion
+from analysis.metrics.score_tables import (
     COLUMNS,
     check_ending,
     metrics_document,
     write_scores,
 )
-from analysis.metrics.emotion_accuracy import emotion_confusion
 from analysis.metrics.scores import ClipScore, Metric, StudyMetrics, whole_condition
 from motion.errors import InputError
 
