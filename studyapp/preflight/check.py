@@ -10,7 +10,6 @@ from motion.errors import InputError
 from studyapp.preflight.catch_checks import catch_picture_findings
 from studyapp.preflight.design_checks import balance_findings, design_findings
 from studyapp.preflight.finding import SEVERITIES, Finding, finding_of_error, make_finding
-from studyapp.preflight.finished_video_checks import finished_video_findings
 from studyapp.preflight.material import Material
 from studyapp.preflight.motion_checks import motion_findings
 from studyapp.preflight.recruiting_checks import (
@@ -20,7 +19,6 @@ from studyapp.preflight.recruiting_checks import (
     recruiting_findings,
 )
 from studyapp.preflight.serving_checks import address_findings, server_findings, serving_findings
-from studyapp.preflight.shown_video_checks import shown_video_findings, weight_findings
 from studyapp.preflight.sound_checks import sound_findings
 from studyapp.preflight.time_checks import (
     Pace,
@@ -29,6 +27,11 @@ from studyapp.preflight.time_checks import (
     pace_of_pilot,
     pace_of_study,
     time_findings,
+)
+from studyapp.preflight.video_checks import (
+    finished_video_findings,
+    shown_video_findings,
+    weight_findings,
 )
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.reading import parse_text, read_text

@@ -12,14 +12,14 @@ import pytest
 from motion.audio import Audio
 from renderer.encoder import SOUND_RATE
 from studyapp.preflight.catch_checks import catch_picture_findings
-from studyapp.preflight.finished_video_checks import finished_video_findings
 from studyapp.preflight.material import Material
-from studyapp.preflight.shown_video_checks import (
+from studyapp.preflight.sound_checks import silent_share, sound_findings
+from studyapp.preflight.video_checks import (
+    finished_video_findings,
     shown_video_findings,
     weight_findings,
     weight_of,
 )
-from studyapp.preflight.sound_checks import silent_share, sound_findings
 from studyapp.study.design.trial import Content, PlannedTrial, Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media

@@ -13,10 +13,9 @@ from motion.audio import Audio
 from renderer.encoder import SOUND_RATE
 from studyapp.preflight.check import check
 from studyapp.preflight.finding import Severity
-from studyapp.preflight.finished_video_checks import finished_video_findings
 from studyapp.preflight.material import Material
-from studyapp.preflight.shown_video_checks import shown_video_findings
 from studyapp.preflight.sound_checks import sound_findings
+from studyapp.preflight.video_checks import finished_video_findings, shown_video_findings
 from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.figures.contact_sheet import write_contact_sheet
 from studyapp.stimuli.rendering import render
