@@ -16,8 +16,8 @@ from motion.segment import EMOTIONS
 from studyapp.cli.arguments import optional_study_folder
 from studyapp.cli.arguments import processes as processes_option
 from studyapp.cli.output import counted, progress
-from studyapp.study.condition_options import make_condition
 from studyapp.study.folder import StudyFolder
+from studyapp.study.study_options import make_condition
 
 _TYPES: Final = {
     File: click.Path(dir_okay=False, path_type=Path),

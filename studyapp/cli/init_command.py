@@ -8,13 +8,12 @@ from typing import cast, get_args
 import click
 
 from motion.files import write_text
-from studyapp.study.condition_options import read_conditions
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import MAX_MINUTES, MAX_PARTICIPANTS, read_pay, require_stated_pay
 from studyapp.study.settings.presentation import Framing, Language
 from studyapp.study.settings.recruitment import Channel
 from studyapp.study.study_file import TEMPLATES, render_study_file, require_new_file
-from studyapp.study.study_options import StudyOptions
+from studyapp.study.study_options import StudyOptions, read_conditions
 
 
 @click.command("init")

@@ -16,7 +16,6 @@ from studyapp.desk.membership import own_study
 from studyapp.desk.page import page
 from studyapp.desk.studies import check_study_name
 from studyapp.researchers.account import Right
-from studyapp.study.condition_options import read_conditions
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import (
     CHANNEL_DESCRIPTIONS,
@@ -43,7 +42,7 @@ from studyapp.study.settings.reading import parse_text
 from studyapp.study.settings.recruitment import Channel
 from studyapp.study.settings.study import Study
 from studyapp.study.study_file import render_study_file, template_participants
-from studyapp.study.study_options import MAX_VIDEOS_PER_PAGE, StudyOptions
+from studyapp.study.study_options import MAX_VIDEOS_PER_PAGE, StudyOptions, read_conditions
 from studyapp.web.research.page import researcher
 from studyapp.web.research.pages import Page
 

@@ -11,10 +11,9 @@ from typing import Final
 
 from generators.registry import generator_names, needs_model
 from motion.errors import InputError
-from studyapp.study.condition_options import source_notation
 from studyapp.study.settings.presentation import reaches_somebody
 from studyapp.study.settings.recruitment import MONEY, Pay
-from studyapp.study.study_options import StudyOptions
+from studyapp.study.study_options import StudyOptions, source_notation
 
 MAX_MINUTES: Final = 240
 """Longest study that can be set up."""
