@@ -61,28 +61,18 @@ def test_nested_motion_files_are_separate_recordings_unless_a_table_says_otherwi
     ]
 
 
-@pytest.mark.parametrize(
-    ("content", "error"),
-    [
-        (b"", "no column 'emotion'"),
-        (b"name,emotion\na,\xff\n", "not CSV in UTF-8"),
-    ],
-)
-def test_a_table_that_cannot_be_used_is_named(
-    content: bytes, error: str, folder_of_motion: Path
+def test_a_folder_without_motion_or_with_another_table_is_refused(
+    folder: StudyFolder, take: Callable[..., Take], folder_of_motion: Path, tmp_path: Path
 ) -> None:
-    (folder_of_motion / "segments.csv").write_bytes(content)
-    with pytest.raises(InputError, match=rf"segments\.csv: .*{error}"):
-        recordings_of(folder_of_motion, condition="")
-
-
-def test_a_folder_without_motion_is_refused(
-    folder: StudyFolder, take: Callable[..., Take], tmp_path: Path
-) -> None:
+    for content, error in ((b"", "no column 'emotion'"), (b"name,emotion\na,\xff\n", "UTF-8")):
+        (folder_of_motion / "segments.csv").write_bytes(content)
+        with pytest.raises(InputError, match=rf"segments\.csv: .*{error}"):
+            recordings_of(folder_of_motion, condition="")
+    (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="no such folder"):
         recordings_of(tmp_path / "none", condition="")
     with pytest.raises(InputError, match="no motion file"):
-        recordings_of(folder.root.parent, condition="")
+        recordings_of(tmp_path / "empty", condition="")
     import_take(folder, take())
     with pytest.raises(InputError, match=r"'ours' has no motion.*motionjury import"):
         recordings_of(folder.root, condition="ours")
