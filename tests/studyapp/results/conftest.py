@@ -8,19 +8,17 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from analysis.report.figures import style
-from benchmarks.rendering.sample_motion import gesturing_clip
-from motion.audio import Audio, write_wav
-from motion.formats.clip_npz import write_clip
 from motion.segment import write_segments
 from studyapp.database.tables import StudySession
 from studyapp.session.ending import withdraw
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.answered_study import answer_study
+from tests.support.studies.redefining import redefine
 from tests.support.studies.stored import opened
+from tests.support.studies.takes import write_motion, write_speech
 from tests.support.studies.taking_part_steps import SetClock
 
 Answered = Callable[..., StudyFolder]
@@ -45,8 +43,7 @@ def answered_once(
     ) -> Path:
         root = tmp_path_factory.mktemp("answered") / protocol
         shutil.copytree(finished_study(protocol), root)
-        definition = root / "study.toml"
-        definition.write_text(definition.read_text("utf-8") + more, "utf-8")
+        redefine(root, added=more)
         if people:
             answer_study(root, people=people, stop_after=stop_after)
         return root
@@ -70,29 +67,22 @@ def leave(folder: StudyFolder, study_session: int) -> None:
     """Let a participant withdraw."""
     with opened(folder.responses) as database:
         with database.reading() as session:
-            found = session.get_one(StudySession, study_session)
-            token = found.token
+            token = session.get_one(StudySession, study_session).token
         withdraw(database, token, SetClock())
-
-
-LABELLED = '[conditions.ours]\nlabel = "Ours (full)"\n'
 
 
 def with_motion(folder: StudyFolder, *conditions: str) -> StudyFolder:
     """Label a condition, and add speech, and motion of `conditions`, to a study of videos."""
-    text = folder.definition.read_text("utf-8").replace("[conditions.ours]\n", LABELLED)
-    folder.definition.write_text(text, "utf-8")
+    ours = "[conditions.ours]\n"
+    redefine(folder.root, (ours, f'{ours}label = "Ours (full)"\n'))
     segments = [
         replace(segment, wav=f"{segment.name}.wav", start=0.0, end=segment.duration)
         for segment in folder.segments_of(folder.study())
     ]
     folder.speech.mkdir()
     for segment in segments:
-        tone = np.sin(np.arange(round(16_000 * segment.duration)) * 0.1).astype(np.float32) * 0.1
-        write_wav(folder.speech / segment.wav, Audio(tone, 16_000))
+        write_speech(folder.speech / segment.wav, segment.duration)
         for condition in conditions:
-            path = folder.clip(condition, segment.name)
-            path.parent.mkdir(parents=True, exist_ok=True)
-            write_clip(path, gesturing_clip(segment.duration, 30))
+            write_motion(folder.clip(condition, segment.name), segment.duration)
     write_segments(folder.speech, segments)
     return folder
