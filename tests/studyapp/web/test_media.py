@@ -1,8 +1,11 @@
+"""Videos from this server, through a proxy, or from a store: which bytes, and nothing they tell."""
+
 from __future__ import annotations
 
 import shutil
 import socket
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
@@ -19,7 +22,7 @@ from studyapp.stimuli.publishing import MARK_BYTES, publish
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli, write_stimuli
 from studyapp.web.media_store import FILE, SIGNED_SECONDS, MediaStore, Place
-from studyapp.web.site import site_of
+from studyapp.web.site import attach, site_of
 from studyapp.web.worker import StudyWorker
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.visitor import Visitor, stored_in
@@ -85,6 +88,19 @@ def test_where_a_range_cannot_hold_all_or_nothing_is_sent(
     assert answer.status_code == status
     assert (answer.data == content(app, address)) is (status == 200)
     assert (head.data, int(head.headers["Content-Length"])) == (b"", len(content(app, address)))
+
+
+def test_a_proxy_in_front_is_told_the_file_and_gets_no_bytes(
+    app: Flask, address: str, tiny_study: Path
+) -> None:
+    whole = content(app, address)
+    attach(app, replace(site_of(app), accel_prefix="/study files/"))
+
+    answer = app.test_client().get(address, headers={"Range": "bytes=0-"})
+
+    assert (answer.status_code, answer.data, answer.mimetype) == (200, b"", "video/mp4")
+    inner = answer.headers["X-Accel-Redirect"]
+    assert (tiny_study / inner.removeprefix("/study%20files/")).read_bytes() == whole
 
 
 def test_a_worker_says_nothing_of_the_request_that_failed() -> None:

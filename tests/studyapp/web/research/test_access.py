@@ -1,4 +1,4 @@
-"""Every page of researchers, for every role and for nobody."""
+"""Every page of researchers, for every role and for nobody, and what strangers store or ask."""
 
 from __future__ import annotations
 

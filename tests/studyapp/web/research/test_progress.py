@@ -1,4 +1,4 @@
-"""The pages that show how a study goes."""
+"""The pages that show how a study goes, and on which researchers decide about it."""
 
 from __future__ import annotations
 
