@@ -11,7 +11,6 @@ from sqlalchemy.pool import QueuePool
 from studyapp.database.engine import Database
 from studyapp.database.tables import Newcomer, Place
 from studyapp.session.arrivals import Arrival
-from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import enrol, require_admission
 from studyapp.session.intake import take_allocation_turn
 from studyapp.session.places import take_open_place
@@ -60,34 +59,28 @@ def test_who_comes_again_goes_on_where_they_were_and_nobody_else(
     assert held_places(opened) == (1 if same else 2)
 
 
-def test_who_has_nothing_but_a_name_waits_until_nobody_else_goes_on(
+def test_who_has_nothing_but_a_name_waits_and_is_never_told_the_code(
     participant: Participant,
 ) -> None:
-    database, served, clock = participant.database, participant.served, participant.clock
-    token = enrol(database, served, Arrival(recruiter_participant="p"), clock)
-    somebody = Arrival(recruiter_participant="p", recruiter_session="another")
-
+    named, clock = Arrival(recruiter_participant="p"), participant.clock
+    somebody = replace(named, recruiter_session="another")
+    owner = participant.another().arrive(named)
     with pytest.raises(UnprovenError, match="another browser"):
-        enrol(database, served, somebody, clock)
-    clock.advance(minutes=46)
-
-    assert enrol(database, served, somebody, clock) == token
-    with pytest.raises(ConflictError, match="only knew the participant's name"):
-        withdraw(database, token, clock)
-
-
-def test_nobody_is_told_the_code_of_who_finished_under_a_name(
-    opened: Database, served: ServedStudy, clock: SetClock
-) -> None:
-    named = Arrival(recruiter_participant="p")
-    done = Participant(opened, served, clock)
-    done.token = enrol(opened, served, named, clock)
-    done.begin().take_all()
+        participant.another().arrive(somebody)
+    owner.begin().take_all()
     clock.advance(days=1)
-
     with pytest.raises(UnprovenError, match="already taken part"):
-        enrol(opened, served, named, clock)
-    assert enrol(opened, served, replace(named, token=done.token), clock) == done.token
+        participant.another().arrive(named)
+    returning = participant.another().arrive(replace(named, token=owner.token))
+    assert returning.token == owner.token
+
+    # Whoever goes on after a long pause cannot withdraw in the owner's name.
+    other = replace(named, recruiter_participant="q")
+    silent = participant.another().arrive(other)
+    clock.advance(minutes=46)
+    assert participant.another().arrive(other).token == silent.token
+    with pytest.raises(ConflictError, match="only knew the participant's name"):
+        silent.withdraw()
 
 
 def test_one_network_address_takes_so_many_places_an_hour(

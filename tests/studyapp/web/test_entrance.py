@@ -92,49 +92,38 @@ def fill_places(app: Flask) -> None:
         (fill_places, "all the participants it needs"),
     ],
 )
-def test_newcomers_who_cannot_be_let_in_are_told_before_any_question(
+def test_newcomers_are_turned_away_before_any_question_and_who_has_begun_finds_the_way_back(
     asking: Flask, happens: Callable[[Flask], None], words: str
 ) -> None:
-    client = asking.test_client()
-    before = PageReader(client.get("/").text)
-
-    happens(asking)
-
-    for answer in (
-        client.get("/"),
-        client.get("/consent"),
-        client.get("/?PROLIFIC_PID=new"),
-        submit(client, before, adult="no"),
-    ):
-        page = PageReader(answer.text)
-        assert (answer.status_code, words in page.heading) == (409, True)
-        assert "please return your place there" in page.text
-    assert len(stored_in(asking, select(StudySession))) == (4 if happens is fill_places else 0)
-
-
-@pytest.mark.parametrize("happens", [partial(set_intake, state="closed"), fill_places])
-def test_who_has_begun_finds_the_way_back_though_nobody_new_is_let_in(
-    asking: Flask, happens: Callable[[Flask], None]
-) -> None:
-    client, visit = asking.test_client(), "v" * 32
+    client, newcomer = asking.test_client(), asking.test_client()
+    before = PageReader(newcomer.get("/").text)
     answers = {"form:adult": "yes", "form:read": "yes"}
-    by_name, by_window = {"PROLIFIC_PID": "p1"}, {"visit": visit}
+    by_window = {"visit": "v" * 32}
     begun = [
         browser.post("/", data=sender | answers).location
-        for browser, sender in ((client, by_name), (asking.test_client(), by_window))
+        for browser, sender in ((client, {"PROLIFIC_PID": "p1"}), (newcomer, by_window))
     ]
     with suppress(StudyFullError):
         happens(asking)
 
-    named = client.get("/?PROLIFIC_PID=p1")
-    unnamed = PageReader(client.get("/").text)
+    for answer in (
+        newcomer.get("/"),
+        newcomer.get("/consent"),
+        newcomer.get("/?PROLIFIC_PID=new"),
+        submit(newcomer, before, adult="no"),
+    ):
+        page = PageReader(answer.text)
+        assert (answer.status_code, words in page.heading) == (409, True)
+        assert "please return your place there" in page.text
+    assert len(stored_in(asking, select(StudySession))) == (4 if happens is fill_places else 2)
 
+    named = client.get("/?PROLIFIC_PID=p1")
     assert "Are you 18 or older?" in named.text
     assert submit(client, PageReader(named.text), adult="yes").location == begun[0]
     # The script fills in the visit that the window remembers, and shows the form.
-    form = unnamed.one("form#returning")
-    assert client.post(str(form["action"]), data=by_window).location == begun[1]
-    assert not PageReader(client.get("/?PROLIFIC_PID=new").text).soup.select("#returning")
+    form = PageReader(newcomer.get("/").text).one("form#returning")
+    assert newcomer.post(str(form["action"]), data=by_window).location == begun[1]
+    assert not PageReader(newcomer.get("/?PROLIFIC_PID=new").text).soup.select("#returning")
 
 
 WINDOWS = "Mozilla/5.0 (Windows NT 10.0) Chrome/126.0"
