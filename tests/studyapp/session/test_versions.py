@@ -46,26 +46,23 @@ def audit(database: Database) -> list[tuple[str, str]]:
         return [(line.event, line.detail) for line in session.scalars(select(AuditLine))]
 
 
-def test_several_servers_may_open_the_study_at_once(
-    database: Database, served: ServedStudy, clock: SetClock
+def test_a_design_that_nobody_has_seen_may_change_and_its_old_server_lets_nobody_in(
+    database: Database, served: ServedStudy, change: Change, clock: SetClock
 ) -> None:
+    # Several servers may open the study at once.
     with ThreadPoolExecutor(4) as pool:
         for opening in [pool.submit(open_study, database, served, clock) for _ in range(4)]:
             opening.result()
-
     assert [version.number for version in versions(database)] == [1]
     with database.reading() as session:
         assert sorted(session.scalars(select(Place.number))) == [0, 1, 2, 3]
 
-
-def test_a_design_that_nobody_has_seen_may_change_and_its_old_server_lets_nobody_in(
-    opened: Database, served: ServedStudy, change: Change, clock: SetClock
-) -> None:
     changed = change("trials = 4", "trials = 3")
-    open_study(opened, changed, clock)
-    assert [(v.number, v.design) for v in versions(opened)] == [(1, changed.design)]
+    open_study(database, changed, clock)
+
+    assert [(v.number, v.design) for v in versions(database)] == [(1, changed.design)]
     with pytest.raises(ConflictError, match="just been changed"):
-        Participant(opened, served, clock).enrol("late")
+        Participant(database, served, clock).enrol("late")
 
 
 def test_a_changed_design_is_refused_once_somebody_has_come(

