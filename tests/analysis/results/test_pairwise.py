@@ -72,7 +72,9 @@ def test_a_comparison_agrees_with_its_parts(table: pd.DataFrame, found: Pairwise
     )
 
 
-def test_the_condition_that_appears_first_is_a(tmp_path: Path) -> None:
+def test_the_condition_that_appears_first_is_a_and_results_turn_round_with_it(
+    tmp_path: Path,
+) -> None:
     table = pairwise_table(("x", "y"), effects=(0.8, 0.0), participants=8, segments=6)
     mirrored = table.assign(
         left=table["right"], right=table["left"], response=6 - table["response"]
@@ -80,9 +82,27 @@ def test_the_condition_that_appears_first_is_a(tmp_path: Path) -> None:
     [one], [other] = (results(tmp_path, of).comparisons for of in (table, mirrored))
     assert (one.a, one.b) == (other.b, other.a)
     assert one.a == table["left"].iloc[0]
-    assert one.win_share.estimate == pytest.approx(1 - other.win_share.estimate)
-    assert one.clmm.estimate == pytest.approx(-other.clmm.estimate, abs=1e-4)
-    assert one.counts["a_strong"] == other.counts["b_strong"]
+    turned = one.mirrored()
+    assert (turned.a, turned.counts, turned.share) == (other.a, other.counts, other.share)
+    assert turned.clmm.estimate == pytest.approx(other.clmm.estimate, abs=1e-4)
+    for name in ("estimate", "low", "high"):
+        for number in ("win_share", "decision"):
+            expected = getattr(getattr(other, number), name)
+            assert getattr(getattr(turned, number), name) == pytest.approx(expected)
+
+
+def test_sides_swapped_with_their_answers_change_no_count_and_no_agreement(
+    table: pd.DataFrame, found: PairwiseResults, tmp_path: Path
+) -> None:
+    others = table.assign(left=table["right"], right=table["left"], response=6 - table["response"])
+    some = table.index % 3 == 1
+    swapped = results(tmp_path, pd.concat([table[~some], others[some]]).sort_index())
+
+    for one, other in zip(found.comparisons, swapped.comparisons, strict=True):
+        assert (one.counts, one.win_share) == (other.counts, other.win_share)
+        assert one.as_published == other.as_published
+    assert repr(swapped.agreement) == repr(found.agreement)
+    assert repr(swapped.test_retest) == repr(found.test_retest)
 
 
 def test_practice_and_who_is_left_out_are_not_analysed_and_repetitions_are(tmp_path: Path) -> None:

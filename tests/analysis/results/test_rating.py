@@ -66,13 +66,18 @@ def test_a_slider_of_many_steps_has_means_but_no_ordinal_model(tmp_path: Path) -
     assert result.contrasts[0].remark
 
 
-def test_paired_differences_of_all_questions_are_one_family(tmp_path: Path) -> None:
+def test_paired_differences_of_all_questions_are_one_family_unless_it_is_declared_by_question(
+    tmp_path: Path,
+) -> None:
     table = rating_table(("x", "y", "z"), ("match", "style"), participants=8, segments=5)
     result = results(tmp_path, table).contrasts
 
-    assert [one.difference.p_holm for one in result] == pytest.approx(
-        holm([one.difference.p_value for one in result])
-    )
+    by_question = report_of(table, "rating", tmp_path, family="by question").results
+    assert isinstance(by_question, RatingResults)
+    for contrasts, size in ((result, 6), (by_question.contrasts, 3)):
+        p_values = [one.difference.p_value for one in contrasts]
+        corrected = [*holm(p_values[:size]), *holm(p_values[size:])]
+        assert [one.difference.p_holm for one in contrasts] == pytest.approx(corrected)
     for one in result:
         own = table[table["question"] == one.question].pivot(
             index=["participant", "segment"], columns="condition", values="response"
