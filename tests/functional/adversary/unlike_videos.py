@@ -23,7 +23,7 @@ from renderer.look import BACKGROUND
 
 SIZE: Final = 64
 FRAME_RATE: Final = 10
-SEGMENTS: Final = 9
+SEGMENTS: Final = 6
 EMOTIONS: Final = ("happiness", "anger", "sadness")
 
 PICTURE: Final = MappingProxyType({"crf": "18", "bf": "0", "sc_threshold": "0"})
