@@ -18,36 +18,6 @@ from studyapp.results.answers import snapshot
 from studyapp.study.folder import StudyFolder
 
 
-def decide_participant(folder: StudyFolder, name: str, *, excluded: bool, reason: str) -> int:
-    """Exclude a participant from the analysis or reinstate one; return the study session.
-
-    Parameters
-    ----------
-    name : str
-        The number of the study session, or the participant's pseudonym.
-
-    Raises
-    ------
-    InputError
-        If there is no such participant, the reason is empty, nothing would change, or the study
-        comes from another lab.
-    """
-    with snapshot(folder, "participants") as session:
-        number = None
-        if session is not None:
-            number = find_number_by_name(session, PseudonymKey.read(folder.pseudonym_key), name)
-    if number is None:
-        raise InputError(
-            f"there is no study session {name!r}",
-            where=folder.root,
-            remedy="Give its number in reports and on researchers' pages, or the participant's "
-            "pseudonym in exports",
-        )
-    with closing(Database.open(database_url_of(folder.root))) as database:
-        decide_exclusion(database, Clock(), number, excluded=excluded, by="", reason=reason)
-    return number
-
-
 @click.command("exclude")
 @named_study_folder
 @click.argument("participant")
@@ -66,7 +36,20 @@ def command(folder: StudyFolder, participant: str, reason: str, reinstate: bool)
     pseudonym in exports. A participant who is still taking part can finish and is paid; the place
     stays taken. No answer is deleted.
     """
-    number = decide_participant(folder, participant, excluded=not reinstate, reason=reason)
+    with snapshot(folder, "participants") as session:
+        number = None
+        if session is not None:
+            key = PseudonymKey.read(folder.pseudonym_key)
+            number = find_number_by_name(session, key, participant)
+    if number is None:
+        raise InputError(
+            f"there is no study session {participant!r}",
+            where=folder.root,
+            remedy="Give its number in reports and on researchers' pages, or the participant's "
+            "pseudonym in exports",
+        )
+    with closing(Database.open(database_url_of(folder.root))) as database:
+        decide_exclusion(database, Clock(), number, excluded=not reinstate, by="", reason=reason)
     if reinstate:
         click.echo(
             f"Study session {number} is no longer excluded by hand; the exclusion rules still "
@@ -79,35 +62,18 @@ def command(folder: StudyFolder, participant: str, reason: str, reinstate: bool)
     )
 
 
-def _stored_data(folder: StudyFolder, name: str) -> tuple[StoredData, ...]:
-    database = Database.open_for_reading(database_url_of(folder.root))
-    if database is None:
-        return ()
-    with closing(database):
-        return find_data(database, name, PseudonymKey.read(folder.pseudonym_key))
-
-
-def forget_participant(folder: StudyFolder, name: str) -> int:
-    """Erase a participant and return how many entries of `find_data` were erased.
-
-    The database's files are rewritten, also if an earlier run failed to do so.
+def _erase(folder: StudyFolder, name: str) -> None:
+    """Erase a participant, and rewrite the database's files, also if an earlier run did not.
 
     Raises
     ------
     InputError
         If the files cannot be rewritten; the participant is erased all the same.
     """
-    url = database_url_of(folder.root)
-    existing = Database.open_for_reading(url)
-    if existing is None:
-        return 0
-    existing.close()
-    with closing(Database.open(url)) as database:
-        key = PseudonymKey.read(folder.pseudonym_key)
-        count = forget(database, name, key, Clock())
+    with closing(Database.open(database_url_of(folder.root))) as database:
+        count = forget(database, name, PseudonymKey.read(folder.pseudonym_key), Clock())
         if count or has_forgotten(database):
             scrub(database)
-    return count
 
 
 def _copies(folder: StudyFolder) -> tuple[str, ...]:
@@ -131,9 +97,14 @@ def forget_command(folder: StudyFolder, participant: str, yes: bool) -> None:
     PARTICIPANT is the recruiter's id, the pseudonym in exports, or the completion code. Before
     anything is erased, the command prints what will be erased and what will remain.
     """
-    entries = _stored_data(folder, participant)
+    database = Database.open_for_reading(database_url_of(folder.root))
+    entries: tuple[StoredData, ...] = ()
+    if database is not None:
+        with closing(database):
+            entries = find_data(database, participant, PseudonymKey.read(folder.pseudonym_key))
+        if not entries:
+            _erase(folder, participant)
     if not entries:
-        forget_participant(folder, participant)
         click.echo(
             "No participant has this recruiter id, pseudonym or completion code (any more), so "
             "nothing was erased. Check the spelling."
@@ -149,7 +120,7 @@ def forget_command(folder: StudyFolder, participant: str, yes: bool) -> None:
     )
     if not yes:
         click.confirm("Erase this permanently?", abort=True)
-    forget_participant(folder, participant)
+    _erase(folder, participant)
     click.echo("Erased; nothing is left in the database's files.")
     click.echo(_describe_manual_steps(folder))
 

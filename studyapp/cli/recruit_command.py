@@ -12,6 +12,7 @@ from studyapp.cli.arguments import named_study_folder
 from studyapp.cli.output import echo_table, echo_verdicts
 from studyapp.recruitment import mturk, prolific
 from studyapp.recruitment.invitations import counts, invite, listed_people, numbered
+from studyapp.recruitment.payment import PaymentDecision
 from studyapp.recruitment.prolific import CENTS
 from studyapp.recruitment.prolific_client import Action, ProlificClient, prolific_token
 from studyapp.recruitment.record import draw_codes
@@ -84,19 +85,17 @@ def create(folder: StudyFolder, address: str, live: bool, yes: bool) -> None:
 def publish(folder: StudyFolder, yes: bool) -> None:
     """Publish the study on Prolific, which reserves the money for it."""
     _channel(folder, "prolific")
-    identity = prolific.study_id(folder)
     with _client() as client:
-        study = client.study(identity)
-        places, reward = study.total_available_places or 0, study.reward or 0
-        click.echo(
-            f"{places} places at {reward / CENTS:.2f} each: {places * reward / CENTS:.2f} in "
-            "total, without Prolific's fee."
-        )
-        if not yes:
-            click.echo("Nothing was published; --yes publishes the study.")
-            return
-        study = client.move(identity, "PUBLISH")
-    click.echo(f"The study is {study.status.lower()} on Prolific.")
+        study = client.study(prolific.study_id(folder))
+    places, reward = study.total_available_places or 0, study.reward or 0
+    click.echo(
+        f"{places} places at {reward / CENTS:.2f} each: {places * reward / CENTS:.2f} in "
+        "total, without Prolific's fee."
+    )
+    if yes:
+        _move(folder, "PUBLISH")
+    else:
+        click.echo("Nothing was published; --yes publishes the study.")
 
 
 @command.command("pause")
@@ -331,7 +330,6 @@ def _create_on_mturk(folder: StudyFolder, address: str, *, live: bool, yes: bool
 
 
 def _show_mturk(folder: StudyFolder, *, live: bool) -> None:
-    hits = mturk.hits_of(folder, live=live)
     client = mturk.connect(live=live)
     echo_table(
         ("HIT", "state", "wanted", "free", "under way", "reviewed"),
@@ -341,24 +339,25 @@ def _show_mturk(folder: StudyFolder, *, live: bool) -> None:
                 hit.status,
                 *(str(n) for n in (hit.wanted, hit.available, hit.pending, hit.completed)),
             )
-            for hit in map(client.hit, hits)
+            for hit in map(client.hit, mturk.hits_of(folder, live=live))
         ],
     )
-    echo_verdicts(
-        "assignment",
-        [
-            (each.assignment.id, each.decision)
-            for each in mturk.judged_assignments(folder, client, live=live)
-        ],
-    )
+    _judge_assignments(folder, client, live=live)
+
+
+def _judge_assignments(
+    folder: StudyFolder, client: mturk.MTurkClient, *, live: bool
+) -> list[tuple[mturk.Assignment, PaymentDecision]]:
+    """Print what to do about each assignment, and return it."""
+    judged = mturk.judged_assignments(folder, client, live=live)
+    echo_verdicts("assignment", [(assignment.id, decision) for assignment, decision in judged])
+    return judged
 
 
 def _approve_on_mturk(folder: StudyFolder, *, live: bool, yes: bool) -> None:
-    mturk.hits_of(folder, live=live)
     client = mturk.connect(live=live)
-    assignments = mturk.judged_assignments(folder, client, live=live)
-    echo_verdicts("assignment", [(each.assignment.id, each.decision) for each in assignments])
+    judged = _judge_assignments(folder, client, live=live)
     if not yes:
         click.echo("Nothing was paid; --yes pays.")
         return
-    click.echo(f"Approved {mturk.approve(client, assignments)} assignments.")
+    click.echo(f"Approved {mturk.approve(client, judged)} assignments.")

@@ -25,8 +25,7 @@ from studyapp.custody.deployment import (
 )
 from studyapp.custody.server_files import write_deployment
 from studyapp.database.engine import Database, database_url_of
-from studyapp.desk.app import open_desk
-from studyapp.desk.server import run_desk
+from studyapp.desk.server import open_desk, run_desk
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.researchers.audit import COMMAND_LINE
 from studyapp.researchers.links import first_owner_link, offer_new_password

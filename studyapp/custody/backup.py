@@ -29,7 +29,7 @@ from studyapp.custody.manifest import (
     OnFile,
     media_files,
     small_files,
-    source_file,
+    stored_file,
 )
 from studyapp.database.copies import count_rows, find_flaws, schema_of_copy, write_copy
 from studyapp.database.engine import database_url_of, display_address
@@ -103,7 +103,7 @@ def back_up(
     with _work_folder(out if into_folder else out.parent) as work:
         copy = work / DATABASE
         write_copy(url, copy)
-        included = [*small_files(folder), source_file(copy, DATABASE)]
+        included = [*small_files(folder), (copy, stored_file(copy, DATABASE))]
         all_media = media_files(folder, on_file)
         if media:
             included += all_media
@@ -113,8 +113,8 @@ def back_up(
             origin=_origin(folder, url),
             schema_name=schema_of_copy(copy) or "",
             rows=count_rows(copy),
-            files=tuple(file.entry for file in included),
-            media=() if media else tuple(file.entry for file in all_media),
+            files=tuple(entry for _, entry in included),
+            media=() if media else tuple(entry for _, entry in all_media),
         )
         study = folder.root.resolve().name
         path = out / f"{study}-{made_at:{_TIMESTAMP}}.tar.gz" if into_folder else out
@@ -124,7 +124,7 @@ def back_up(
             write_archive(
                 stream,
                 manifest,
-                [file.source for file in included],
+                [source for source, _ in included],
                 compressed=is_compressed(path.name),
                 on_file=on_file,
             )

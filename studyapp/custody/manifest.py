@@ -9,7 +9,6 @@ import hashlib
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Final, Literal
 
@@ -128,44 +127,36 @@ class Manifest(_Model):
         return sum(file.size for file in self.files)
 
 
-@dataclass(frozen=True, kw_only=True)
-class SourceFile:
-    """A file on this disk, and its entry in a manifest."""
-
-    source: Path
-    entry: StoredFile
+Source = tuple[Path, StoredFile]
+"""A file on this disk, and its entry in a manifest."""
 
 
-def small_files(folder: StudyFolder) -> list[SourceFile]:
+def small_files(folder: StudyFolder) -> list[Source]:
     """Return the existing `SMALL_FILES`."""
-    return [
-        source_file(folder.root / path, path)
-        for path in SMALL_FILES
-        if (folder.root / path).is_file()
-    ]
+    paths = ((folder.root / path, path) for path in SMALL_FILES)
+    return [(source, stored_file(source, path)) for source, path in paths if source.is_file()]
 
 
-def media_files(folder: StudyFolder, on_file: OnFile) -> list[SourceFile]:
+def media_files(folder: StudyFolder, on_file: OnFile) -> list[Source]:
     """Return all media files, sorted by path; links are followed."""
-    paths = sorted(
-        path
+    sources = sorted(
+        source
         for name in MEDIA
-        for path in _below(folder.root / name)
-        if path.relative_to(folder.root).as_posix() not in SMALL_FILES
+        for source in _below(folder.root / name)
+        if source.relative_to(folder.root).as_posix() not in SMALL_FILES
     )
     files = []
-    for done, path in enumerate(paths, 1):
-        files.append(source_file(path, path.relative_to(folder.root).as_posix()))
-        on_file(done, len(paths))
+    for done, source in enumerate(sources, 1):
+        files.append((source, stored_file(source, source.relative_to(folder.root).as_posix())))
+        on_file(done, len(sources))
     return files
 
 
-def source_file(source: Path, path: str) -> SourceFile:
-    """Return the file `source`, whose path in the study is `path`."""
+def stored_file(source: Path, path: str) -> StoredFile:
+    """Return the entry of the file `source`, whose path in the study is `path`."""
     with source.open("rb") as stream:
         digest = hashlib.file_digest(stream, "sha256").hexdigest()
-        entry = StoredFile(path=path, size=stream.tell(), sha256=digest)
-    return SourceFile(source=source, entry=entry)
+        return StoredFile(path=path, size=stream.tell(), sha256=digest)
 
 
 def compare_media(root: Path, media: tuple[StoredFile, ...]) -> tuple[list[str], list[str]]:
@@ -175,7 +166,7 @@ def compare_media(root: Path, media: tuple[StoredFile, ...]) -> tuple[list[str],
         file = root / entry.path
         if not file.is_file():
             missing.append(entry.path)
-        elif file.stat().st_size != entry.size or source_file(file, entry.path).entry != entry:
+        elif file.stat().st_size != entry.size or stored_file(file, entry.path) != entry:
             changed.append(entry.path)
     return missing, changed
 

@@ -13,15 +13,13 @@ from studyapp.database.tables import Event
 from studyapp.desk.job_kinds import (
     FIGURES,
     KINDS,
-    RUN,
-    TAKE_HOME,
     JobKind,
     reason_to_look,
     segment_names,
 )
 from studyapp.desk.jobs import Job, job_log, job_standings, run_job, stop_job
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import Section, page
+from studyapp.desk.page import page
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
 from studyapp.web.research.pages import Page
@@ -151,7 +149,8 @@ def _files(study: OpenedStudy, kind: JobKind) -> list[tuple[str, str, int]]:
     ]
 
 
-def _section(study: OpenedStudy, kinds: tuple[JobKind, ...]) -> Mapping[str, Any]:
+def section(study: OpenedStudy, kinds: tuple[JobKind, ...]) -> Mapping[str, Any]:
+    """Return what the study's page says of these kinds of jobs."""
     standings = job_standings(study.folder.jobs)
     return {
         "kinds": [kind for kind in kinds if study.account.may(kind.needs)],
@@ -160,11 +159,6 @@ def _section(study: OpenedStudy, kinds: tuple[JobKind, ...]) -> Mapping[str, Any
         "may_look": reason_to_look(study) is not None,
     }
 
-
-SECTIONS: Final = (
-    Section("jobs", "Run", Right.WATCH, lambda study: _section(study, RUN)),
-    Section("take_home", "Take home", Right.UNBLIND, lambda study: _section(study, TAKE_HOME)),
-)
 
 PAGES: Final = (
     Page("GET", "/jobs/<kind>", job, Right.WATCH),

@@ -18,7 +18,7 @@ from studyapp.database.tables import Event
 from studyapp.desk.inbox import Inbox
 from studyapp.desk.job_kinds import RECORD
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import Section, page
+from studyapp.desk.page import page
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
 from studyapp.study.design.trial import Stimulus
@@ -207,7 +207,7 @@ def material(study: OpenedStudy) -> ResponseReturnValue:
     return page("material", study=study, material=clips, rows=rows, counts=_counts(rows))
 
 
-def _summary(study: OpenedStudy) -> Mapping[str, Any]:
+def summary(study: OpenedStudy) -> Mapping[str, Any]:
     """Return what the study's page says of its material."""
     waiting = len(Inbox(study.folder).files())
     try:
@@ -314,8 +314,6 @@ def _cell(study: OpenedStudy, condition: str, segment: str) -> tuple[Material, C
         abort(404)
     return clips, clips.cell(segment, condition)
 
-
-SECTIONS: Final = (Section("material", "Material", Right.WATCH, _summary),)
 
 CLIP: Final = "/material/<condition>/<segment>"
 SEGMENT: Final = "/segments/<segment>/motion"

@@ -1,16 +1,14 @@
-"""What the desk's pages are made of: sections of a study's first page, templates, wording."""
+"""What the desk's pages are made of: templates and wording."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any, Final
 
 from motion.errors import InputError
 from studyapp.desk.job_kinds import KINDS
-from studyapp.desk.lab import OpenedStudy
-from studyapp.researchers.account import Right, Role
+from studyapp.researchers.account import Role
 from studyapp.web.research.page import rendered
 
 DUTIES: Final[Mapping[Role, str]] = {
@@ -20,28 +18,6 @@ DUTIES: Final[Mapping[Role, str]] = {
     "studies that nobody owns, make studies, and open those that you belong to",
 }
 """What each role may do at the desk; in a study, the role there counts."""
-
-
-@dataclass(frozen=True)
-class Section:
-    """A part of a study's first page at the desk.
-
-    Attributes
-    ----------
-    name : str
-        Its template is ``desk/<name>_section.html``, which sees what `context` returns as ``it``.
-    title : str
-        Its heading.
-    needs : Right
-        Of the researcher's account in the study; others do not see it.
-    context : callable
-        Returns what the template shows.
-    """
-
-    name: str
-    title: str
-    needs: Right
-    context: Callable[[OpenedStudy], Mapping[str, Any]]
 
 
 _COMMAND: Final = re.compile(rf"'motionjury\s+({'|'.join(KINDS)})'")

@@ -20,7 +20,7 @@ from studyapp.desk import (
     study_pages,
 )
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import DUTIES, Section, at_the_desk, problem_at_the_desk
+from studyapp.desk.page import DUTIES, at_the_desk, problem_at_the_desk
 from studyapp.researchers.account import Right
 from studyapp.web.research import own_account
 from studyapp.web.research.page import PREFIX, keep_visitor, problem_page, researcher
@@ -61,9 +61,6 @@ STUDY_PAGES: Final[tuple[Page, ...]] = (
 Their views take the opened study in place of its name.
 """
 
-SECTIONS: Final[tuple[Section, ...]] = (*material_page.SECTIONS, *job_page.SECTIONS)
-"""Parts of a study's first page, in their order."""
-
 
 def desk_pages() -> Blueprint:
     """Return the pages, each behind the guard."""
@@ -96,7 +93,6 @@ def _guard_studies(
         if right is None:
             return None
         name = (request.view_args or {})["study"]
-        g.sections = SECTIONS
         g.opened_study = study = current_lab().opened_study(name, researcher())
         if study is None:
             return problem_page(

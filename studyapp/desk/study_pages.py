@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Final, cast
 
-from flask import Response, abort, g, redirect, request
+from flask import Response, abort, redirect, request
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
+from studyapp.desk import job_page, material_page
+from studyapp.desk.job_kinds import RUN, TAKE_HOME
 from studyapp.desk.lab import OpenedStudy, current_lab, study_token
 from studyapp.desk.membership import enter_study
 from studyapp.desk.page import page
@@ -63,10 +66,19 @@ def study_page(study: OpenedStudy) -> ResponseReturnValue:
         title=_title(study),
         standing=study.study.standing(),
         link="" if served is None else served.study.recruitment.link(address),
-        shown=[
-            (section, section.context(study))
-            for section in g.sections
-            if study.account.may(section.needs)
+        sections=[
+            (template, title, context(study))
+            for template, title, needs, context in (
+                ("material", "Material", Right.WATCH, material_page.summary),
+                ("jobs", "Run", Right.WATCH, partial(job_page.section, kinds=RUN)),
+                (
+                    "take_home",
+                    "Take home",
+                    Right.UNBLIND,
+                    partial(job_page.section, kinds=TAKE_HOME),
+                ),
+            )
+            if study.account.may(needs)
         ],
     )
 

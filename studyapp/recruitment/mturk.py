@@ -7,9 +7,8 @@ pass through here.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any, Final
 from xml.sax.saxutils import escape
@@ -198,14 +197,6 @@ def hit_request(study: Study, address: str, *, made_before: int, live: bool) -> 
 SUBMITTED = "Submitted"
 
 
-@dataclass(frozen=True, kw_only=True)
-class JudgedAssignment:
-    """An assignment, and what to do about it."""
-
-    assignment: Assignment
-    decision: PaymentDecision
-
-
 def request_of(folder: StudyFolder, address: str, *, live: bool) -> dict[str, Any]:
     """Return what `create` sends."""
     record = read_record(folder.root)
@@ -246,20 +237,17 @@ def hits_of(folder: StudyFolder, *, live: bool) -> tuple[str, ...]:
 
 def judged_assignments(
     folder: StudyFolder, client: MTurkClient, *, live: bool
-) -> list[JudgedAssignment]:
+) -> list[tuple[Assignment, PaymentDecision]]:
     """Return every submitted assignment, and what to do about it."""
     people = known_participants_of(folder)
     assignments = [each for hit in hits_of(folder, live=live) for each in client.assignments(hit)]
     participants = by_submission(people, [(each.id, each.worker) for each in assignments])
-    return [
-        JudgedAssignment(assignment=each, decision=_decide(each, participants[each.id]))
-        for each in assignments
-    ]
+    return [(each, _decide(each, participants[each.id])) for each in assignments]
 
 
-def approve(client: MTurkClient, assignments: list[JudgedAssignment]) -> int:
+def approve(client: MTurkClient, judged: Sequence[tuple[Assignment, PaymentDecision]]) -> int:
     """Pay every assignment that the payment rule pays; return how many."""
-    paid = [each.assignment.id for each in assignments if each.decision.verdict == "pay"]
+    paid = [assignment.id for assignment, decision in judged if decision.verdict == "pay"]
     for assignment in paid:
         client.approve(assignment)
     return len(paid)

@@ -17,9 +17,9 @@ from studyapp.database.tables import Place, Response, StudySession, Trial
 from studyapp.monitoring.counts import dropouts
 from studyapp.monitoring.study_sessions import SessionProgress
 from studyapp.rehearsal.eyes import rater_name
-from studyapp.rehearsal.record import Truth
 from studyapp.rehearsal.simulation.judgement import Conduct
 from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.truth import Truth
 from studyapp.study.design.trial import Answers
 
 AnswerPlace = tuple[str, str, int]

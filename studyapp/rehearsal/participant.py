@@ -11,8 +11,7 @@ import httpx
 
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.forms import FormFields
-from studyapp.rehearsal.pages import BrokenPageError, Page
+from studyapp.rehearsal.pages import BrokenPageError, FormFields, Page
 from studyapp.rehearsal.simulation.judgement import Conduct, Judgement, judge
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater, Sight

@@ -18,8 +18,8 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.monitoring.study_sessions import progress_of_sessions
 from studyapp.rehearsal.bookkeeping import Check, Ledger, Person, checks, people
-from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.simulation.population import KINDS, UNSOUND, Kind
+from studyapp.rehearsal.simulation.truth import read_truth
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
 from studyapp.results.answers import answers_in, snapshot
 from studyapp.results.report import task_report

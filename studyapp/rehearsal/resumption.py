@@ -17,9 +17,8 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.rehearsal.bookkeeping import Ledger, people
-from studyapp.rehearsal.record import Truth, read_truth, write_truth
 from studyapp.rehearsal.simulation.population import Population, default_population
-from studyapp.rehearsal.simulation.truth import expectations
+from studyapp.rehearsal.simulation.truth import Truth, expectations, read_truth, write_truth
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli
 from studyapp.study.settings.study import Study

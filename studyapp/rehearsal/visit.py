@@ -10,8 +10,7 @@ from typing import Final
 
 import httpx
 
-from studyapp.rehearsal.forms import Form, FormFields
-from studyapp.rehearsal.pages import BrokenPageError, Page, Player
+from studyapp.rehearsal.pages import BrokenPageError, Form, FormFields, Page, Player
 
 REQUEST_SECONDS: Final = 60.0
 

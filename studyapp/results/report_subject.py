@@ -23,7 +23,7 @@ from motion.errors import InputError
 from motion.files import sha256_of
 from motion.segment import Segment
 from renderer.figures.strip import Moment, even_moments, loud_moments
-from studyapp.rehearsal.record import read_truth
+from studyapp.rehearsal.simulation.truth import read_truth
 from studyapp.results.analysed_tasks import compared_conditions, study_notes
 from studyapp.results.metrics import measure_study
 from studyapp.study.finished_videos import video_duration

@@ -13,8 +13,7 @@ from bs4 import BeautifulSoup, Tag
 from sqlalchemy import select
 
 from studyapp.database.tables import Trial
-from studyapp.rehearsal.forms import FormData, FormFields, read_form
-from studyapp.rehearsal.pages import Page
+from studyapp.rehearsal.pages import FormData, FormFields, Page, read_form
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.raters import SeenTrial

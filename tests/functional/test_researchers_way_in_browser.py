@@ -22,8 +22,7 @@ from playwright.sync_api import Browser, expect
 from playwright.sync_api import Page as BrowserPage
 
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.forms import FormFields
-from studyapp.rehearsal.pages import Page
+from studyapp.rehearsal.pages import FormFields, Page
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.population import default_population

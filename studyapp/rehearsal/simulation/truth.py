@@ -1,4 +1,7 @@
-"""What a rehearsal's raters really prefer: integrated over all that differs, not counted."""
+"""What a rehearsal's raters really prefer: integrated over all that differs, not counted.
+
+``rehearsal.json`` keeps it, with the simulated population.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,18 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
+from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
+from pydantic import BaseModel, ConfigDict, ValidationError
 from scipy.special import expit
 
 from analysis.results.headline import Measure
 from analysis.results.known_values import KnownValue
+from motion.errors import InputError
+from motion.files import write_text
 from motion.segment import Segment
 from studyapp.rehearsal.simulation.population import Population, rating_thresholds
 from studyapp.rehearsal.simulation.raters import segment_fit, speech_fit
@@ -21,6 +29,7 @@ from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.protocols.rating import RatingStudy
 from studyapp.study.settings.conditions import comparison_name
+from studyapp.study.settings.sections import explain_errors
 from studyapp.study.settings.study import Study
 
 Average = Callable[[np.ndarray, float], float]
@@ -282,3 +291,49 @@ def _share_of_right(latent: np.ndarray, tie: float) -> np.ndarray:
     """Return wins of the right side plus half the ties, with logistic noise around `latent`."""
     above, not_below = expit(latent - tie), expit(latent + tie)
     return np.asarray(above + (not_below - above) / 2)
+
+
+class Truth(BaseModel):
+    """The contents of `rehearsal.json`.
+
+    Attributes
+    ----------
+    seed : int
+        Seed of the rehearsal.
+    study : str
+        Digest of the study that was rehearsed: its definition, segments and videos.
+    population : Population
+        The population of the participants.
+    expected : tuple of KnownValue
+        The true value of everything that is estimated.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    format: Literal[4] = 4
+    seed: int
+    study: str
+    population: Population
+    expected: tuple[KnownValue, ...]
+
+
+def write_truth(path: Path, truth: Truth) -> None:
+    """Write `rehearsal.json` in one step."""
+    write_text(path, truth.model_dump_json(indent=1) + "\n")
+
+
+def read_truth(path: Path) -> Truth:
+    """Read `rehearsal.json`.
+
+    Raises
+    ------
+    InputError
+        If it is missing or damaged.
+    """
+    remedy = "Run 'motionjury rehearse' again"
+    try:
+        return Truth.model_validate_json(path.read_bytes())
+    except FileNotFoundError:
+        raise InputError("the study has not been rehearsed", where=path, remedy=remedy) from None
+    except ValidationError as error:
+        raise InputError(explain_errors(error), where=path, remedy=remedy) from None

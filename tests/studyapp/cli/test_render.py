@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,6 @@ import av
 import numpy as np
 import pytest
 import trimesh
-from bs4 import BeautifulSoup
 
 from motion.audio import read_audio
 from motion.formats import read_motion
@@ -87,19 +85,6 @@ def test_a_motion_is_cut_to_its_speech(tmp_path: Path) -> None:
     run("preview", motion, *given, "--out", tmp_path)
     with av.open(str(tmp_path / "a.mp4")) as video:
         assert len(list(video.decode(video=0))) == 15
-
-
-def test_motions_stand_side_by_side_on_one_page_six_in_a_row(tmp_path: Path) -> None:
-    motions = [write_motion(tmp_path / f"take-{k}.npz", 0.2 + k / 10) for k in range(7)]
-    speech = write_speech(tmp_path / "a.wav", 0.5)
-    output = run("preview", *motions, "--speech", speech, "--out", tmp_path / "out")
-    assert f"{tmp_path / 'out' / 'motions.html'}, " in output
-    page = BeautifulSoup((tmp_path / "out" / "motions.html").read_text(), "html.parser")
-    scenes = [json.loads(str(figure["data-scene"])) for figure in page.find_all("figure")]
-    assert [len(scene["clips"]) for scene in scenes] == [6, 1]
-    sources = {clip["source"] for scene in scenes for clip in scene["clips"]}
-    sources |= {scene[key] for scene in scenes for key in ("avatar", "speech")}
-    assert sources == {f"#{script['id']}" for script in page.find_all("script", id=True)}
 
 
 def test_motions_are_converted_with_their_speech_and_none_is_overwritten(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from flask import Flask
 
-from studyapp.desk.app import create_desk, open_desk
 from studyapp.desk.lab import ACCOUNTS, Lab
+from studyapp.desk.server import create_desk, open_desk
 from studyapp.desk.studies import LabStudy
 from studyapp.researchers.account import Role
 from studyapp.researchers.links import first_owner_link, invite, join

@@ -9,10 +9,9 @@ import pytest
 from flask import Flask
 
 from motion.errors import InputError
-from studyapp.desk.app import open_desk
 from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.desk.pages import PAGES
-from studyapp.desk.server import run_desk
+from studyapp.desk.server import open_desk, run_desk
 from studyapp.researchers.account import Role
 from tests.studyapp.desk.conftest import Joined, Researcher
 from tests.studyapp.web.research.research_browser import ResearchBrowser

@@ -171,7 +171,7 @@ def test_a_study_session_is_paid_once_however_often_it_is_handed_in(sandbox: San
 
     found = mturk.judged_assignments(sandbox.folder, sandbox.client, live=False)
 
-    assert [(each.assignment.id, each.decision.verdict) for each in found] == [
+    assert [(assignment.id, decision.verdict) for assignment, decision in found] == [
         ("a1", "pay"),
         ("a2", "look"),
         ("a3", "look"),

@@ -13,12 +13,11 @@ from studyapp.database.tables import Response, StudySession
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant
-from studyapp.rehearsal.record import Truth, write_truth
 from studyapp.rehearsal.recovered import Recovery, recover
 from studyapp.rehearsal.recovery_page import write_recovery
 from studyapp.rehearsal.resumption import expire_leases, read_roster
 from studyapp.rehearsal.simulation.population import Kind
-from studyapp.rehearsal.simulation.truth import expectations
+from studyapp.rehearsal.simulation.truth import Truth, expectations, write_truth
 from studyapp.rehearsal.visit import Departure
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.rehearsal.steps import browser

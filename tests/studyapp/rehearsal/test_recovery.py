@@ -51,16 +51,3 @@ def test_the_intervals_of_the_report_hold_the_truth_as_often_as_they_claim(
             share = reference_share(study, kept, entry.about, entry.question)
             held.append(share.low <= entry.value <= share.high)
     assert 0.92 <= np.mean(held) <= 0.99
-
-
-def test_catch_trials_tell_careless_raters_from_attentive_ones(
-    study: PairwiseStudy, population: Population
-) -> None:
-    made = simulated(study, SEGMENTS, replace(population, kinds={"careless": 0.08}), 1)
-    rules = [rule.to_rule() for rule in study.settled_exclusions]
-
-    excluded = set(leave_out(made.table, rules, known=made.known).exclusions)
-
-    careless = {name for name, kind in made.kinds.items() if kind == "careless"}
-    assert careless
-    assert len(excluded ^ careless) <= 0.04 * len(made.kinds)

@@ -7,9 +7,9 @@ import pytest
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Place, StudySession, StudyVersion
-from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.resumption import Roster, prepare, read_roster
 from studyapp.rehearsal.simulation.population import default_population
+from studyapp.rehearsal.simulation.truth import read_truth
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.stored import filled, opened
 

@@ -20,11 +20,11 @@ from motion.errors import InputError
 from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import StudySession
 from studyapp.rehearsal.eyes import rater_name
-from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.run import rehearse
 from studyapp.rehearsal.simulation.judgement import Conduct, judge
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.truth import read_truth
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.conditions import comparison_name
