@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from statistics import median, quantiles
 from typing import Final, NamedTuple
 
-from sqlalchemy import func, select
+from sqlalchemy import case, func, select
 from sqlalchemy.orm import Session
 
 from studyapp.database.tables import StudySession, Trial, TrialStimulus
@@ -161,40 +161,31 @@ class Sides:
         return abs(self.left - self.shown / 2) <= MAX_DEVIATION * spread
 
 
-def shown_on_sides(session: Session) -> dict[tuple[str, int], int]:
-    """Count how often each condition had number 1 or 2 in answered pairs."""
+def sides(session: Session, names: Mapping[str, str]) -> tuple[Sides, ...]:
+    """Count the sides of each condition in answered pairs; they are called as `names` says."""
     judged = (
         select(TrialStimulus.trial_id)
         .where(TrialStimulus.number > 0)
         .group_by(TrialStimulus.trial_id)
         .having(func.count() == len(("left", "right")))
     )
-    rows = (
-        session.connection()
-        .execute(
-            select(TrialStimulus.condition, TrialStimulus.number, func.count())
-            .join(Trial, Trial.id == TrialStimulus.trial_id)
-            .where(
-                Trial.answered_at.is_not(None),
-                Trial.kind.in_(ANALYSED),
-                TrialStimulus.number > 0,
-                TrialStimulus.trial_id.in_(judged),
-            )
-            .group_by(TrialStimulus.condition, TrialStimulus.number)
+    query = (
+        select(
+            TrialStimulus.condition,
+            func.sum(case((TrialStimulus.number == 1, 1), else_=0)),
+            func.sum(case((TrialStimulus.number == 2, 1), else_=0)),
         )
-        .all()
+        .join(Trial, Trial.id == TrialStimulus.trial_id)
+        .where(
+            Trial.answered_at.is_not(None),
+            Trial.kind.in_(ANALYSED),
+            TrialStimulus.number > 0,
+            TrialStimulus.trial_id.in_(judged),
+        )
+        .group_by(TrialStimulus.condition)
+        .order_by(TrialStimulus.condition)
     )
-    return {(condition, number): count for condition, number, count in rows}
-
-
-def sides(counts: Mapping[tuple[str, int], int], names: Mapping[str, str]) -> tuple[Sides, ...]:
-    """Return the sides of each condition in the order of names, called as `names` says."""
-    conditions: Iterable[str] = sorted({condition for condition, _ in counts})
     return tuple(
-        Sides(
-            condition=names.get(condition, condition),
-            left=counts.get((condition, 1), 0),
-            right=counts.get((condition, 2), 0),
-        )
-        for condition in conditions
+        Sides(condition=names.get(condition, condition), left=left, right=right)
+        for condition, left, right in session.connection().execute(query)
     )

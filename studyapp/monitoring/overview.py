@@ -16,7 +16,6 @@ from studyapp.monitoring.answered_trials import (
     answered_trials,
     durations,
     progress,
-    shown_on_sides,
     sides,
     trial_durations,
 )
@@ -130,7 +129,7 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         names = served.study.display_names
         judged_checks = checks(session, served.study, counted)
         videos = played_videos(session, names)
-        balance = sides(shown_on_sides(session), names)
+        balance = sides(session, names)
         intake = current_intake(session)
         screened_out = count_screened_out(session)
     arms = count_places(served.study.arms, present, intake.more_places)

@@ -205,10 +205,6 @@ def judge_assignment(own_code: str, answer: str, study_status: StudyStatus) -> P
 
 def _status_of(study_session: StudySession) -> StudyStatus:
     state = state_of(study_session)
-    if state == "withdrawn":
-        return "withdrawn"
-    if state == "unwatched":
-        return "unwatched"
-    if state != "completed":
-        return "unfinished"
-    return "failed_attention" if study_session.outcome == "failed_attention" else "completed"
+    if state == "completed":
+        return "failed_attention" if study_session.outcome == "failed_attention" else "completed"
+    return state if state in ("withdrawn", "unwatched") else "unfinished"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -15,24 +14,16 @@ from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Place, StudySession
-from studyapp.rehearsal.bookkeeping import Ledger
+from studyapp.database.tables import StudySession
 from studyapp.rehearsal.eyes import Eyes, read_trial
 from studyapp.rehearsal.pages import BrokenPageError
 from studyapp.rehearsal.participant import Participant
-from studyapp.rehearsal.run import rehearse
 from studyapp.rehearsal.simulation.judgement import judge
-from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.simulation.raters import Rater
-from studyapp.rehearsal.visit import InterruptedRehearsal
-from studyapp.session.ending import is_excluded
-from studyapp.study.design.trial import Answers
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import browser
-from tests.support.studies.edited_study import edited
 from tests.support.studies.finished_study import write_short_video
-from tests.support.studies.stored import reading
 
 Written = Callable[[str], StudyFolder]
 
@@ -115,42 +106,3 @@ def test_a_participant_passes_all_pages_and_what_it_says_is_stored(
     with browser(app) as client:
         assert participant.take_part(client) == code
     require_stored_as_said(eyes.database, participant)
-
-
-@pytest.mark.parametrize("folder", ["ratings", "rankings with ties"], indirect=True)
-def test_who_was_stopped_halfway_comes_back_and_goes_on_with_the_same_answers(
-    app: Flask, participant: Participant, eyes: Eyes, tmp_path: Path
-) -> None:
-    class StoppingLedger(Ledger):
-        def answered(self, name: str, trial: str, values: Answers) -> None:
-            participant.stop.set()
-
-    stopped = replace(participant, ledger=StoppingLedger(tmp_path / "acknowledged.jsonl"))
-    with browser(app) as client, pytest.raises(InterruptedRehearsal):
-        stopped.take_part(client)
-    participant.stop.clear()
-    with browser(app) as client:
-        assert participant.take_part(client)
-    require_stored_as_said(eyes.database, participant)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("folder", ["mismatch"], indirect=True)
-def test_who_is_excluded_is_replaced_by_another_rater_where_the_study_says_so(
-    folder: StudyFolder,
-) -> None:
-    with edited(folder.definition) as keys:
-        keys["replace_excluded"] = True
-        keys["attention"].update({"max_failed": 0})
-    people = replace(default_population(folder.study()), kinds={"careless": 0.5}, overlooked=0.0)
-    result = rehearse(folder, seed=2, population=people)
-    with reading(folder.rehearsal) as session:
-        study_sessions = session.scalars(select(StudySession)).all()
-        excluded = sum(
-            is_excluded(folder.study(), study_session) for study_session in study_sessions
-        )
-        assert excluded > 0
-        assert result.completed == 3 + excluded
-        holders = [place.study_session for place in session.scalars(select(Place))]
-        assert len(holders) == 3
-        assert not any(holder is None or is_excluded(folder.study(), holder) for holder in holders)
