@@ -99,16 +99,9 @@ class Ledger:
     def _add(self, line: dict[str, Any]) -> None:
         with self.lock:
             self.path.parent.mkdir(exist_ok=True)
-            with self.path.open("a+b") as file:
+            with self.path.open("ab") as file:
                 # An unfinished line of a killed run stays a line of its own.
-                if file.tell() and not self._ends_with_newline():
-                    file.write(b"\n")
-                file.write(json.dumps(line).encode() + b"\n")
-
-    def _ends_with_newline(self) -> bool:
-        with self.path.open("rb") as file:
-            file.seek(-1, 2)
-            return file.read(1) == b"\n"
+                file.write(b"\n" + json.dumps(line).encode() + b"\n")
 
     def _lines(self) -> Iterator[dict[str, Any]]:
         """Yield all complete lines."""

@@ -29,7 +29,7 @@ class Eyes:
             If the addresses of its videos hold no media token of this rehearsal, or those of
             several trials, or a video of the trial is missing.
         """
-        tokens = _tokens(page)
+        tokens = {part for player in page.players for part in player.token_candidates}
         query = (
             select(Trial)
             .join(Trial.videos)
@@ -110,7 +110,3 @@ def rater_name(session: Session, study_session: StudySession) -> str:
     )
     place = f"{study_session.arm} {study_session.number}"
     return f"{place} again {earlier}" if earlier else place
-
-
-def _tokens(page: Page) -> frozenset[str]:
-    return frozenset(part for player in page.players for part in player.token_candidates)

@@ -10,35 +10,23 @@ from tests.support.command_line import run
 from tests.support.studies.answered_study import answer_study
 
 
-@pytest.fixture
-def study(
+def test_a_backup_is_described_checked_and_restored_with_what_it_lacks(
     finished_study: Callable[[str], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Path:
-    monkeypatch.delenv("DATABASE_URL", raising=False)
-    root = Path(shutil.copytree(finished_study("pairwise"), tmp_path / "study"))
-    answer_study(root, people=1, stop_after=2)
-    return root
-
-
-def test_the_contents_of_a_backup_and_the_limits_of_a_restore_are_printed(
-    study: Path, tmp_path: Path
 ) -> None:
-    archive = tmp_path / "out.tar.gz"
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    study = Path(shutil.copytree(finished_study("pairwise"), tmp_path / "study"))
+    answer_study(study, people=1, stop_after=2)
+    archive = tmp_path / "out.tar"
+
     output = run("backup", study, archive)
     assert "Backed up 1 participant with 2 answers" in output
     assert f"from sqlite:///{study / 'responses.db'}" in output
     assert "media files; --with-media includes them" in output
     assert "Keep it as safe as the answers" in output
-
     output = run("restore", archive, tmp_path / "new")
     assert "Restored 1 participant with 2 answers" in output
     assert "media files are missing" in output
     assert "Participants who were erased or withdrew after" in output
-
-
-def test_a_backup_is_checked_alone_and_beside_its_media(study: Path, tmp_path: Path) -> None:
-    archive = tmp_path / "out.tar"
-    run("backup", study, archive)
 
     assert "is intact: 1 participant" in run("backup", "--check", archive)
     assert "media files outside the backup are in" in run("backup", study, "--check", archive)
