@@ -14,7 +14,6 @@ from typing import cast
 import numpy as np
 import pytest
 import torch
-from scipy.ndimage import gaussian_filter1d
 from torch import Tensor
 
 from generators.amuse.config import MOTION_PRESETS
@@ -25,7 +24,7 @@ from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from tests.generators.amuse.small_networks import MOTION, written_networks
 from tests.generators.small_training import Learn, require_one_device, training_on
-from tests.training.takes import prepared_takes, take_named
+from tests.training.takes import take_named, takes_of_curves
 from training.data.feature_cache import PreparedTakes
 from training.data.windows import Windows
 from training.run.loop import TrainingStopped
@@ -36,17 +35,13 @@ FRAMES = 12
 @pytest.fixture(scope="module", name="takes")
 def _takes() -> PreparedTakes:
     """Takes whose motion is one curve, which the speech latents hold."""
-    chance = np.random.default_rng(3)
-    mixing = chance.standard_normal((1, 333))
-    takes, motion, latents = [], [], []
-    for number in range(8):
-        curve = 3 * gaussian_filter1d(chance.standard_normal((5 * FRAMES, 1)), 3, axis=0)
-        motion.append((curve @ mixing).astype(np.float32))
-        means = curve.reshape(5, FRAMES).mean(axis=1)
-        latents.append(np.repeat(means, FRAMES)[:, None].repeat(24, axis=1).astype(np.float32))
-        split = "train" if number % 4 else "validation"
-        takes.append(take_named(f"{number:02}", speaker="1", split=split))
-    return prepared_takes(takes, {"motion": motion, "latents": latents}, 30.0)
+    mixing = np.random.default_rng(3).standard_normal((1, 333))
+
+    def features_of(curve: np.ndarray) -> dict[str, np.ndarray]:
+        means = curve.reshape(-1, FRAMES).mean(axis=1)
+        return {"motion": curve @ mixing, "latents": np.tile(np.repeat(means, FRAMES), (24, 1)).T}
+
+    return takes_of_curves(features_of, speakers=["1"] * 8, frame_rate=30.0, frames=5 * FRAMES)
 
 
 @pytest.fixture(name="learn")

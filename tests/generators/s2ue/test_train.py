@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from scipy.ndimage import gaussian_filter1d
 
 from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights
 from generators.s2ue.network_file import load_network
@@ -16,7 +15,7 @@ from generators.s2ue.train import S2ueTask, train_s2ue
 from motion.errors import InputError
 from tests.generators.s2ue.small_network import FACE, SMALL, standing
 from tests.generators.small_training import Learn, require_one_device, training_on
-from tests.training.takes import prepared_takes, take_named
+from tests.training.takes import takes_of_curves
 from training.data.feature_cache import PreparedTakes
 from training.data.windows import Windows
 from training.speakers import Speakers
@@ -29,18 +28,13 @@ def _takes() -> PreparedTakes:
     mixing = np.concatenate(
         [0.1 * chance.normal(size=27), 1e-3 * chance.normal(size=3 * FACE.count)]
     )
-    arrays: dict[str, list[np.ndarray]] = {
-        name: [] for name in ("motion", "sound", "spectrum", "words")
-    }
-    takes = []
-    for number in range(8):
-        curve = 3 * gaussian_filter1d(chance.standard_normal((70, 1)), 2, axis=0)
-        arrays["motion"].append((standing() + curve * mixing).astype(np.float32))
-        for name, width in (("sound", 84), ("spectrum", 128), ("words", 300)):
-            arrays[name].append(np.repeat(curve, width, axis=1).astype(np.float32))
-        split = "train" if number > 1 else "validation"
-        takes.append(take_named(f"{number:02}", speaker="ab"[number % 2], split=split))
-    return prepared_takes(takes, arrays, 15.0)
+
+    def features_of(curve: np.ndarray) -> dict[str, np.ndarray]:
+        widths = {"sound": 84, "spectrum": 128, "words": 300}
+        heard = {name: np.repeat(curve, width, axis=1) for name, width in widths.items()}
+        return {"motion": standing() + curve * mixing, **heard}
+
+    return takes_of_curves(features_of, speakers="abababab", frame_rate=15.0)
 
 
 @pytest.fixture(name="learn")
