@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -29,6 +30,9 @@ SPEECH: Final = SpeechConfig(
     decoder_feed_forward=32,
     fusion_layers=1,
     decoder_layers=1,
+)
+SMALL_SPEECH: Final = replace(
+    SPEECH, frames=64, bands=32, patch_stride=16, emotions=3, styles=4, decoder_hidden=16
 )
 
 

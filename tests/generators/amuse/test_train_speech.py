@@ -14,7 +14,7 @@ from generators.amuse.network_file import load_speech
 from generators.amuse.speech import SpeechEncoder, SpeechModel
 from generators.amuse.train_speech import train_amuse_speech
 from motion.errors import InputError
-from tests.generators.amuse.test_speech import SMALL
+from tests.generators.amuse.small_networks import SMALL_SPEECH as SMALL
 from tests.generators.amuse.toy_speech import toy_speech
 from tests.generators.small_training import Learn, require_one_device, training_on
 from training.corpus.request import CorpusRequest, claim_folder

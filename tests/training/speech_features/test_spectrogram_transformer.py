@@ -12,7 +12,7 @@ from transformers import ASTConfig, ASTModel, DeiTConfig, DeiTModel
 from generators.amuse.config import SPEECH_PRESETS
 from generators.amuse.speech import SpeechEncoder, ast_config
 from motion.errors import InputError
-from tests.generators.amuse.test_speech import SMALL
+from tests.generators.amuse.small_networks import SMALL_SPEECH as SMALL
 from training.layers.transformers import PackedLinear, pack
 from training.speech_features.spectrogram_transformer import (
     MASKED_BANDS,
