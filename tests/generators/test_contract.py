@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import is_dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,19 +13,33 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from generators import registry
+from generators.amuse.config import MOTION_PRESETS, SPEECH_PRESETS
+from generators.diffsheg import config as diffsheg
 from generators.interface import (
     Generator,
     SpeechSegment,
     StudyClips,
     with_length,
 )
-from generators.registry import generator_names, load_generator, needs_model, needs_source
+from generators.learned_settings import ModelSettings
+from generators.registry import (
+    TRAINABLE,
+    find_trainable,
+    generator_names,
+    load_generator,
+    needs_model,
+    needs_source,
+)
+from generators.s2ue import config as s2ue
 from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.segment import EMOTIONS
+from motion.segment import EMOTIONS, Segment
 from motion.skeleton import JOINT_NAMES
+from tests.generators.conftest import ClipsInMemory
 from tests.motion.random_clips import clip_of
+from tests.support.fingerprint import fingerprint
 
 Speak = Callable[..., SpeechSegment]
 Load = Callable[[str], Generator]
@@ -142,3 +159,108 @@ def test_even_a_blink_of_speech_gets_its_motion(speak: Speak, samples: int, rate
     frame_rate = 120.0
     clip = load_generator("rule_based").generate(speech, seed=0, frame_rate=frame_rate)
     assert len(clip) == round(samples / rate * frame_rate)
+
+
+@pytest.mark.parametrize(
+    ("name", "weights", "message"),
+    [
+        ("telepathic", False, r"no generator 'telepathic'.*rule_based"),
+        ("diffsheg", False, r"diffsheg is a network and was given no weights.*'checkpoint' in"),
+        ("static", True, "static is no network"),
+    ],
+)
+def test_a_generator_that_is_not_there_or_needs_other_settings_is_refused(
+    name: str, weights: bool, message: str, tmp_path: Path
+) -> None:
+    (tmp_path / "weights.pt").write_bytes(b"")
+    settings = ModelSettings(checkpoint=tmp_path / "weights.pt") if weights else None
+    with pytest.raises(InputError, match=message):
+        load_generator(name, settings)
+
+
+HOME = Path(registry.__file__).parent
+
+
+@pytest.mark.parametrize(
+    ("file", "result"),
+    [
+        ("trainables.toml", TRAINABLE),
+        ("amuse/motion.toml", MOTION_PRESETS),
+        ("amuse/speech.toml", SPEECH_PRESETS),
+        ("diffsheg/presets.toml", diffsheg.PRESETS),
+        ("s2ue/presets.toml", s2ue.PRESETS),
+    ],
+)
+def test_each_key_of_a_packaged_file_is_known(file: str, result: Mapping[str, object]) -> None:
+    _check_known(tomllib.loads((HOME / file).read_text("utf-8")), result)
+
+
+def _check_known(keys: object, defaults: object) -> None:
+    if isinstance(keys, dict):
+        known = vars(defaults) if is_dataclass(defaults) else defaults
+        assert isinstance(known, Mapping)
+        assert keys.keys() <= known.keys()
+        for key, value in keys.items():
+            _check_known(value, known[key])
+
+
+@pytest.mark.parametrize(
+    ("name", "presets", "ablations"),
+    [
+        ("amuse", MOTION_PRESETS, None),
+        ("amuse-speech", SPEECH_PRESETS, None),
+        ("diffsheg", diffsheg.PRESETS, diffsheg.ABLATIONS),
+        ("s2ue", s2ue.PRESETS, s2ue.ABLATIONS),
+    ],
+)
+def test_the_configs_and_ablations_that_can_be_chosen_are_those_there_are(
+    name: str, presets: Mapping[str, object], ablations: Mapping[str, object] | None
+) -> None:
+    trainable = find_trainable(name)
+    assert set(trainable.configs) == set(presets)
+    (choice,) = (choice for choice in trainable.choices if choice.name == "ablation")
+    assert ablations is None or choice.values == tuple(ablations)
+
+
+# What each version gives, by the name and the version of the generator. Where a change is wanted,
+# raise the generator's version and write its new numbers here.
+GOLDEN = {
+    ("rule_based", "3"): [-0.46638, 0.00504, -0.18658],
+    ("mismatched", "1"): [-0.07236, -0.15761, -0.37666],
+    ("static", "1"): [-0.39178, 0.00000, 0.00000],
+    ("broken", "1"): [0.31685, -0.15585, -0.25683],
+    ("diffsheg", "2"): [-0.47054, -0.00132, 0.03463],
+    ("amuse", "1"): [0.29179, 0.09339, 0.0],
+    ("s2ue", "3"): [-0.15031, -0.0014, 0.01095],
+}
+
+
+def waving(seconds: float) -> MotionClip:
+    frames = np.arange(round(seconds * 25))
+    waves = np.sin(frames[:, None, None] / 9 + np.arange(165).reshape(55, 3))
+    trans = np.stack([frames / 200, frames * 0, frames / 300], axis=1)
+    return clip_of(waves / 5, trans, 25, arkit=np.abs(waves.reshape(-1, 165)[:, :52]))
+
+
+@pytest.mark.parametrize("name", generator_names())
+def test_a_generator_that_moves_otherwise_has_another_version(
+    name: str, load: Callable[[str], Generator], speak: Callable[..., SpeechSegment]
+) -> None:
+    names = [f"segment-{number}" for number in range(2)]
+    source = ClipsInMemory(
+        [
+            Segment(name=name, wav="a.wav", start=0, end=4, speaker="a", emotion="neutral")
+            for name in names
+        ],
+        {name: waving(3 + number) for number, name in enumerate(names)},
+    )
+    generator = load(name)
+
+    clip = generator.generate(
+        speak(names[1], 4.0, "happiness", 5), seed=3, frame_rate=30, source=source
+    )
+
+    face = np.zeros(0) if clip.arkit is None else clip.arkit
+    assert fingerprint(clip.poses, clip.trans, face) == pytest.approx(
+        GOLDEN[name, generator.version], abs=1e-4
+    )

@@ -1,4 +1,4 @@
-"""BEAT's joint rotations to our body and back."""
+"""Motion in networks' terms and back."""
 
 from __future__ import annotations
 
@@ -7,17 +7,29 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 from scipy.spatial.transform import Rotation
 
 from generators.diffsheg.config import BEAT
 from generators.diffsheg.network_file import read_normalisation
+from motion.body.face_landmarks import FaceLandmarks
+from motion.body.skinning import skinning_matrices
 from motion.clip import ARKIT_NAMES, MotionClip
 from motion.formats.bvh import read_bvh
 from motion.formats.bvh_motion import BvhMotion, settle_first_frame
 from motion.formats.joint_maps import choose_joint_map
 from motion.formats.retarget import retarget
+from motion.formats.ted_npz import BONES
+from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
 from motion.placement import place
-from motion.skeleton import JOINT_NAMES, REST_JOINTS, forward_kinematics, joint_index
+from motion.skeleton import (
+    JOINT_COUNT,
+    JOINT_NAMES,
+    RELAXED_HANDS,
+    REST_JOINTS,
+    forward_kinematics,
+    joint_index,
+)
 from training.spaces.beat import (
     FACIAL_WEIGHTS,
     UPPER_BODY_JOINTS,
@@ -26,6 +38,23 @@ from training.spaces.beat import (
     body_values,
     face_values,
     upper_body_motion,
+)
+from training.spaces.bones_and_landmarks import (
+    BONE_LENGTHS,
+    BONE_VALUES,
+    bone_and_landmark_clip,
+    bone_and_landmark_values,
+    joint_tensors,
+    joints_from_directions,
+    with_units,
+)
+from training.spaces.smplx_bodies import (
+    WIDTH,
+    BodyPoints,
+    show_clip,
+    show_values,
+    smplx_6d_clip,
+    smplx_6d_values,
 )
 
 DATA = Path(__file__).parents[4] / "shared" / "data"
@@ -132,3 +161,101 @@ def test_pieces_are_the_whole_motion_also_where_forearms_twist_past_half_a_turn(
     assert before.turns.any()
     np.testing.assert_array_equal(np.concatenate([one.poses for one in pieces]), whole.poses)
     np.testing.assert_array_equal(np.concatenate([one.trans for one in pieces]), whole.trans)
+
+
+FACE = FaceLandmarks.of_default_body()
+
+
+def clip(turned: float = 0.0) -> MotionClip:
+    poses = np.zeros((5, JOINT_COUNT, 3), np.float32)
+    poses[:, joint_index("left_shoulder")] = [0, 0, -1.0]
+    poses[:, joint_index("right_elbow"), 1] = np.linspace(0.5, 1.5, 5)
+    poses[:, 0] = (Rotation.from_euler("y", turned)).as_rotvec()
+    arkit = np.zeros((5, 52), np.float32)
+    arkit[:, ARKIT_NAMES.index("jawOpen")] = np.linspace(0, 0.8, 5)
+    return MotionClip(poses=poses, trans=np.ones((5, 3), np.float32), frame_rate=15, arkit=arkit)
+
+
+def test_directions_from_the_front_are_units_from_which_joints_are_built_again() -> None:
+    values = bone_and_landmark_values(clip(), FACE)
+    assert values.shape == (5, BONE_VALUES + 3 * FACE.count)
+    np.testing.assert_allclose(values[0, BONE_VALUES:], 0, atol=1e-7)
+    again = bone_and_landmark_values(bone_and_landmark_clip(values, 15.0, FACE), FACE)
+    arms = np.arange(BONE_VALUES).reshape(-1, 3)[[4, 5, 7, 8]].ravel()
+    np.testing.assert_allclose(again[:, arms], values[:, arms], atol=0.02)
+    np.testing.assert_allclose(again[:, BONE_VALUES:], values[:, BONE_VALUES:], atol=2e-3)
+    directions = values[:, :BONE_VALUES].reshape(5, len(BONES), 3)
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1)
+    joints = forward_kinematics(clip().poses, np.zeros((5, 3)), REST_JOINTS)[0]
+    expected = joints[:, [joint_index(name) for name in TED_JOINTS]] - joints[:, :1]
+    np.testing.assert_allclose(joints_from_directions(directions), expected, atol=1e-6)
+    np.testing.assert_allclose(joints_from_directions(3 * directions), expected, atol=1e-6)
+    np.testing.assert_allclose(BONE_LENGTHS[4:6], [0.2713, 0.2522], atol=1e-4)
+    tensors = joint_tensors(torch.from_numpy(3 * directions)).numpy()
+    np.testing.assert_allclose(tensors, expected, atol=1e-6)
+    stretched = torch.from_numpy(values * np.repeat([3, 1], [BONE_VALUES, 3 * FACE.count]))
+    np.testing.assert_allclose(with_units(stretched).numpy(), values, atol=1e-6)
+    turned = bone_and_landmark_values(clip(2.0), FACE)
+    np.testing.assert_allclose(turned, values, atol=1e-6)
+
+
+def _clip() -> MotionClip:
+    random = np.random.default_rng(5)
+    poses = 0.4 * random.standard_normal((6, 55, 3))
+    poses[:, 0] = 0
+    clip = MotionClip(
+        poses=poses.astype(np.float32), trans=np.zeros((6, 3), np.float32), frame_rate=30
+    )
+    return place(clip)[0]
+
+
+def _turns(clip: MotionClip) -> Rotation:
+    return Rotation.from_rotvec(clip.poses.reshape(-1, 3))
+
+
+def test_a_clip_comes_back_from_the_first_two_rows_of_its_matrices_also_stretched() -> None:
+    clip = _clip()
+    values = smplx_6d_values(clip)
+    assert values.shape == (6, WIDTH)
+    matrix = Rotation.from_rotvec(clip.poses[2, 16]).as_matrix()
+    assert values[2, 6 * 16 : 6 * 17] == pytest.approx(matrix[:2].ravel())
+    stretched = values.copy()
+    rows = stretched[:, :330].reshape(6, 55, 2, 3)
+    rows[..., 1, :] += 0.3 * rows[..., 0, :]
+    rows *= 1.7
+    for result in (smplx_6d_clip(values, 30), smplx_6d_clip(stretched, 30)):
+        assert (_turns(clip).inv() * _turns(result)).magnitude().max() < 1e-5
+        assert result.trans == pytest.approx(clip.trans, abs=1e-5)
+
+
+RNG = np.random.default_rng(8)
+
+
+def test_values_come_back_with_the_relaxed_hands_added() -> None:
+    values = RNG.normal(0, 0.2, (5, 232))
+    expected = values.copy()
+    expected[:, 39:129] += RELAXED_HANDS.reshape(-1)
+    np.testing.assert_allclose(show_values(show_clip(values, 30)), expected, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("column", "joint"),
+    [(0, "spine1"), (9, "neck"), (18, "head"), (27, "left_elbow"), (36, "right_wrist"),
+     (129, "jaw")],
+)  # fmt: skip
+def test_each_value_turns_its_joint_and_no_other(column: int, joint: str) -> None:
+    values = np.zeros((1, 232))
+    values[0, column] = 0.5
+    clip, still = show_clip(values, 30), show_clip(np.zeros((1, 232)), 30)
+    changed = np.flatnonzero((clip.poses != still.poses).any(axis=(0, 2)))
+    assert [JOINT_NAMES[index] for index in changed] == [joint]
+
+
+def test_joints_lie_where_the_body_layer_puts_them_against_the_pelvis() -> None:
+    clip = _clip()
+    matrices = skinning_matrices(clip.poses, clip.trans, REST_JOINTS)
+    rest = np.concatenate([REST_JOINTS, np.ones((55, 1))], axis=1)
+    expected = np.einsum("tjrc,jc->tjr", matrices, rest)[..., :3]
+    expected = expected - expected[:, :1]
+    points = BodyPoints()(torch.from_numpy(smplx_6d_values(clip)).float())
+    np.testing.assert_allclose(points[:, :55].numpy(), expected, atol=1e-5)
