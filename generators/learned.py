@@ -21,7 +21,7 @@ from generators.interface import (
     with_length,
 )
 from generators.learned_settings import ModelSettings
-from generators.registry import TrainedGenerator, TrainingRequest
+from generators.registry import TrainedGenerator, TrainingRequest, run_folder
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
 from motion.resample import resample
@@ -221,6 +221,6 @@ def run_training(
     packages : sequence of str
         Further packages whose versions are recorded.
     """
-    trained = train(task, config, RunFolder(request.run), show=request.show_training)
+    trained = train(task, config, RunFolder(run_folder(request.out)), show=request.show_training)
     facts = run_facts(config, trained, request.takes.kind, task.data_sha256, packages)
     return trained, {**facts, "ablation": request.choices.get("ablation")}

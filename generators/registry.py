@@ -118,11 +118,6 @@ class TrainingRequest:
     show_preparing: Show = show_nothing
     show_training: Show = show_nothing
 
-    @property
-    def run(self) -> Path:
-        """Folder of the run."""
-        return run_folder(self.out)
-
 
 def run_folder(out: Path) -> Path:
     """Return the folder of the run that makes the network's file `out`."""
