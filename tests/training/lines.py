@@ -1,14 +1,20 @@
-"""A task of a thousandth of a second: learning a line, through dropout and batch statistics."""
+"""Learning a line, which takes a thousandth of a second, in this process or in one of several.
+
+As a program, for each training: the run folder, a JSON object of changed settings, and the step
+after which to stop.
+"""
 
 from __future__ import annotations
 
+import atexit
+import json
 import os
 import signal
-from abc import ABC, abstractmethod
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Generic
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +22,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from training.config import TrainingConfig
+from motion.errors import InputError
+from training.config import Decay, TrainingConfig
 from training.run.loop import TrainingStopped, train
 from training.run.records import RunFolder
 from training.run.task import Network, Task
@@ -25,46 +32,72 @@ _CHANCE = np.random.default_rng(7)
 ENTRIES = torch.from_numpy(_CHANCE.standard_normal((40, 3)).astype(np.float32))
 VALUES = ENTRIES @ torch.tensor([[1.0], [-2.0], [0.5]])
 
+CONFIG = TrainingConfig(
+    steps=8,
+    batch_size=14,
+    learning_rate=0.02,
+    accumulate=4,
+    decay=Decay(factor=0.5),
+    gradient_clip=0.5,
+    weight_decay=0.1,
+    ema_decay=0.9,
+    validate_every=3,
+)
+
+
+class LineNetwork(nn.Module):
+    """Layers that all examples pass, one that the first example alone passes, and an idle one."""
+
+    def __init__(self, dropout: float, *, normed: bool = False) -> None:
+        super().__init__()
+        norms = [nn.BatchNorm1d(8) if normed else nn.Identity() for _ in range(2)]
+        self.common = nn.Sequential(
+            # Before a layer that takes the mean off, a bias would move by rounding alone.
+            nn.Linear(3, 8, bias=not normed),
+            *(norms[0], nn.Tanh(), nn.Dropout(dropout)),
+            *(nn.Linear(8, 8, bias=False), norms[1], nn.Tanh()) if normed else (),
+            nn.Linear(8, 1),
+        )
+        self.rare = nn.Linear(3, 1)
+        self.idle = nn.Linear(3, 1)
+
+    def forward(self, entries: Tensor, first: Tensor | None = None) -> Tensor:
+        result: Tensor = self.common(entries)
+        if first is not None and first.any():
+            result = result + first[:, None] * self.rare(entries)
+        return result
+
 
 @dataclass(frozen=True, kw_only=True)
-class LineTask(ABC, Generic[Network]):
-    """Learns from 32 examples; eight are held out."""
+class Line:
+    """Learns from 32 examples, through dropout and noise or without; eight are held out."""
 
+    chance: bool = True
+    normed: bool = False
     settings: Mapping[str, Any] = field(default_factory=lambda: {"kind": "line"})
     data_sha256: str = "a" * 64
     examples: int = 32
     device: str = "cpu"
     factor: float = 1.0
 
-    @abstractmethod
-    def network(self) -> Network:
-        """Return a fresh network."""
+    def network(self) -> LineNetwork:
+        return LineNetwork(dropout=0.2 if self.chance else 0.0, normed=self.normed)
 
-    def losses(self, network: Network, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+    def losses(self, network: LineNetwork, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
         chosen = torch.from_numpy(rows)
-        loss = nn.functional.mse_loss(network(ENTRIES[chosen]), VALUES[chosen])
-        return {"loss": self.factor * loss}
+        entries = ENTRIES[chosen]
+        if self.chance:
+            entries = entries + 0.3 * torch.randn(len(rows), 3)
+        result = network(entries, chosen == 0)
+        loss = nn.functional.mse_loss(result, VALUES[chosen])
+        return {"loss": self.factor * loss, "size": result.abs().mean()}
 
-    def validation(self, network: Network) -> Mapping[str, float]:
+    def validation(self, network: LineNetwork) -> Mapping[str, float]:
         assert not network.training
         assert not torch.is_grad_enabled()
         # What is drawn here must leave no trace in the steps that follow.
         torch.rand(5)
         return {"loss": float(nn.functional.mse_loss(network(ENTRIES[32:]), VALUES[32:]))}
-
-    def validation_of(self, network: Network) -> Mapping[str, float]:
-        """Return the held-out measures of a network."""
-        with torch.no_grad():
-            return self.validation(network.eval())
-
-
-class Line(LineTask[nn.Sequential]):
-    """Learns through dropout and batch statistics."""
-
-    def network(self) -> nn.Sequential:
-        return nn.Sequential(
-            nn.Linear(3, 8), nn.BatchNorm1d(8), nn.ReLU(), nn.Dropout(0.2), nn.Linear(8, 1)
-        )
 
 
 def interrupt_after(*steps: int) -> Callable[[int, int, str], None]:
@@ -89,3 +122,30 @@ def files_of_run(
             train(task, config, kept, show=show)
     train(task, config, kept, show=show)
     return {path.name: path.read_bytes() for path in (kept.checkpoint, kept.best, kept.log)}
+
+
+def learn(folder: Path, changed: dict[str, Any], stop: int) -> None:
+    """Train in `folder`, and have the leading process stopped after `stop` steps."""
+    task = Line(normed=changed.pop("normed", False))
+    usual = {name: getattr(CONFIG, name) for name in CONFIG.facts()}
+    config = TrainingConfig(**{**usual, **changed})
+    train(task, config, RunFolder(folder), show=interrupt_after(stop))
+
+
+def leave_alone() -> None:
+    """Fail where a thread still serves the group: after Python's end it may break the process."""
+    threads = {path.read_text().strip() for path in Path("/proc/self/task").glob("*/comm")}
+    if threads & {"pt_gloo_runloop", "gloo_tcp_loop"}:
+        os._exit(70)
+
+
+if __name__ == "__main__":
+    atexit.register(leave_alone)
+    try:
+        for folder, changed, stop in zip(*[iter(sys.argv[1:])] * 3, strict=True):
+            try:
+                learn(Path(folder), json.loads(changed), int(stop))
+            except TrainingStopped as stopped:
+                Path(folder, f"stopped at {stopped.step}").touch()
+    except InputError as error:
+        sys.exit(str(error))

@@ -51,16 +51,14 @@ def write_beat_motion(
     rate: int = 120,
     *,
     promised: int | None = None,
-    promised_rate: int = 120,
 ) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     frames = round(seconds * rate)
     rows = np.zeros((frames, 3 + 3 * len(SKELETON)))
     arm = 3 + 3 * depth_first(SKELETON).index("RightArm")
     rows[is_down(moments, frames, rate), arm + 2] = DOWN
-    frame_time = f"{1 / promised_rate:.6f}"
     return save_bvh_text(
-        path, bvh_text(SKELETON, rows, order="XYZ", frame_time=frame_time, frames=promised)
+        path, bvh_text(SKELETON, rows, order="XYZ", frame_time=f"{1 / 120:.6f}", frames=promised)
     )
 
 
@@ -78,18 +76,11 @@ def write_beat_face(path: Path, seconds: float, moments: Sequence[float] = ()) -
     return path
 
 
-def write_beat_take(
-    folder: Path,
-    name: str = "2_scott_0_9_9",
-    seconds: float = 2.0,
-    moments: Sequence[float] = (),
-    *,
-    rate: int = 120,
-) -> None:
+def write_beat_take(folder: Path, seconds: float, moments: Sequence[float]) -> None:
     """Write a take of BEAT: motion, sound and face."""
-    write_beat_motion(folder / f"{name}.bvh", seconds, moments, rate, promised_rate=rate)
-    write_clicks(folder / f"{name}.wav", seconds, moments)
-    write_beat_face(folder / f"{name}.json", seconds, moments)
+    write_beat_motion(folder / "2_scott_0_9_9.bvh", seconds, moments)
+    write_clicks(folder / "2_scott_0_9_9.wav", seconds, moments)
+    write_beat_face(folder / "2_scott_0_9_9.json", seconds, moments)
 
 
 def write_smplx(

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from motion.errors import InputError
 from motion.formats.ted_npz import read_ted_npz
 from tests.training.data.recordings import (
-    write_beat_face,
     write_beat_motion,
+    write_beat_take,
     write_clicks,
     write_show,
     write_smplx,
@@ -85,16 +85,14 @@ MOMENTS = (0.83, 4.21, 9.07, 14.55, 19.9, 23.3)
 
 
 def beat(folder: Path) -> None:
-    write_beat_motion(folder / "2" / "2_scott_0_9_9.bvh", SECONDS, MOMENTS)
-    write_beat_face(folder / "2" / "2_scott_0_9_9.json", SECONDS, MOMENTS)
-    write_clicks(folder / "2" / "2_scott_0_9_9.wav", SECONDS, MOMENTS)
+    write_beat_take(folder / "2", SECONDS, MOMENTS)
 
 
 def thinned_beat(folder: Path) -> None:
     """As BEAT's baselines hold it: 15 frames a second under a header that says 120."""
+    write_beat_take(folder, SECONDS, MOMENTS)
     frames = round(SECONDS * 120)
     write_beat_motion(folder / "2_scott_0_9_9.bvh", SECONDS, MOMENTS, 15, promised=frames)
-    write_beat_face(folder / "2_scott_0_9_9.json", SECONDS, MOMENTS)
     write_clicks(folder / "2_scott_0_9_9.wav", SECONDS, MOMENTS, rate=44100)
 
 

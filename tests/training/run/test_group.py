@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import torch
 
-from tests.training.plain_lines import CONFIG, PlainLine
+from tests.training.lines import CONFIG, Line
 from training.config import TrainingConfig
 from training.run.launching import run_in_processes
 from training.run.loop import train
@@ -32,14 +32,14 @@ Asked = tuple[Path, dict[str, object], int]
 
 def learn_in_two(*trainings: Asked) -> int:
     """Train one after the other in the same two processes; to start them takes longer."""
-    program = [sys.executable, "-W", "error", "-m", "tests.training.plain_lines"]
+    program = [sys.executable, "-W", "error", "-m", "tests.training.lines"]
     for folder, changed, stop in trainings:
         program += [str(folder), json.dumps(changed), str(stop)]
     return run_in_processes(2, program)
 
 
 def alone(folder: Path, config: TrainingConfig) -> WeightsFile:
-    train(PlainLine(), config, RunFolder(folder))
+    train(Line(), config, RunFolder(folder))
     return state_of(folder)
 
 
@@ -74,7 +74,7 @@ def test_two_processes_equal_one_and_resume_after_ctrl_c(
 def batch_statistics_are_those_of_one(
     together_in: Path, config: TrainingConfig, folder: Path
 ) -> None:
-    train(PlainLine(normed=True), config, RunFolder(folder / "one normed"))
+    train(Line(normed=True), config, RunFolder(folder / "one normed"))
     together, one = state_of(together_in), state_of(folder / "one normed")
     assert any(name.endswith("running_var") for name in one.tensors)
     for name, tensor in one.tensors.items():

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from motion.errors import InputError
-from tests.training.lines import Line, files_of_run, interrupt_after
+from tests.training.lines import Line, LineNetwork, files_of_run, interrupt_after
 from training.config import Decay, TrainingConfig
 from training.run.curves import draw_curves
 from training.run.loop import TrainingStopped, train
@@ -107,11 +107,16 @@ def test_a_run_of_other_settings_or_data_is_not_continued_and_the_difference_is_
     assert content(finished) == whole
 
 
+def measure(task: Line, network: LineNetwork) -> Mapping[str, float]:
+    with torch.no_grad():
+        return task.validation(network.eval())
+
+
 class Small(Line):
     """A line whose best weights are the smallest, independent of its loss."""
 
-    def validation(self, network: torch.nn.Sequential) -> Mapping[str, float]:
-        size = float(network.get_parameter("0.weight").abs().sum())
+    def validation(self, network: LineNetwork) -> Mapping[str, float]:
+        size = float(network.get_parameter("common.0.weight").abs().sum())
         return {"size": size, **super().validation(network)}
 
 
@@ -125,7 +130,7 @@ def test_the_weights_that_are_returned_did_best_by_the_tasks_first_measure(tmp_p
     assert list(measured) == [5, 10, 15, 20, 23]
     assert trained.best.step == min(measured, key=lambda step: measured[step]["size"])
     assert trained.best.step != min(measured, key=lambda step: measured[step]["loss"])
-    assert Small().validation_of(trained.network) == trained.best.measured
+    assert measure(Small(), trained.network) == trained.best.measured
 
 
 def test_training_leaves_the_callers_chance_and_settings_alone(tmp_path: Path) -> None:
@@ -179,7 +184,7 @@ CONFIGS = {
 
 def run(config: TrainingConfig, *stops: int) -> dict[str, bytes]:
     with tempfile.TemporaryDirectory() as name:
-        return files_of_run(Line(), config, Path(name), *stops)
+        return files_of_run(Line(normed=True), config, Path(name), *stops)
 
 
 @cache
@@ -197,11 +202,11 @@ def test_averaged_weights_are_measured_and_saved(tmp_path: Path) -> None:
     averaged = CONFIGS["averaged, in parts, slower from epoch to epoch"]
     trained = train(Line(), averaged, RunFolder(tmp_path))
     state = read_weights(tmp_path / "checkpoint.safetensors").tensors
-    best = read_weights(tmp_path / "best.safetensors").tensors["network.0.weight"]
-    assert best.equal(state["average.module.0.weight"])
-    assert not best.equal(state["network.0.weight"])
-    assert trained.network.get_parameter("0.weight").equal(best)
-    assert trained.best.measured == Line().validation_of(trained.network)
+    best = read_weights(tmp_path / "best.safetensors").tensors["network.common.0.weight"]
+    assert best.equal(state["average.module.common.0.weight"])
+    assert not best.equal(state["network.common.0.weight"])
+    assert trained.network.get_parameter("common.0.weight").equal(best)
+    assert trained.best.measured == measure(Line(), trained.network)
 
 
 def test_a_scale_that_is_too_large_is_lowered_and_kept(tmp_path: Path) -> None:

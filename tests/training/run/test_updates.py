@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from motion.errors import InputError
-from tests.training.lines import ENTRIES, VALUES, files_of_run
-from tests.training.plain_lines import PlainLine, PlainNetwork
+from tests.training.lines import ENTRIES, VALUES, Line, LineNetwork, files_of_run
 from training.config import Decay, TrainingConfig
 from training.run.batches import batches_per_epoch, step_parts, step_rows
 from training.run.group import Group
@@ -32,9 +31,9 @@ CONFIG = TrainingConfig(steps=8, batch_size=10, learning_rate=0.02, gradient_cli
 
 def learned(
     config: TrainingConfig, *, steps: int, chance: bool, normed: bool = False
-) -> Learner[PlainNetwork]:
+) -> Learner[LineNetwork]:
     torch.manual_seed(0)
-    learner = Learner(PlainLine(chance=chance, normed=normed), config, Group("cpu"))
+    learner = Learner(Line(chance=chance, normed=normed), config, Group("cpu"))
     for step in range(steps):
         learner.learn(step)
     return learner
@@ -136,11 +135,11 @@ IN_PASSES = TrainingConfig(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Following(PlainLine):
+class Following(Line):
     """A layer learns to say what the others say, which learn a line."""
 
     def losses_of(
-        self, name: str, network: PlainNetwork, rows: NDArray[np.int64]
+        self, name: str, network: LineNetwork, rows: NDArray[np.int64]
     ) -> Mapping[str, Tensor]:
         entries, values = ENTRIES[torch.from_numpy(rows)], VALUES[torch.from_numpy(rows)]
         if self.chance:
@@ -153,12 +152,12 @@ class Following(PlainLine):
         return {"loss": nn.functional.mse_loss(result, values), "size": result.abs().mean()}
 
 
-def learner_of(config: TrainingConfig, *, normed: bool = False) -> Learner[PlainNetwork]:
+def learner_of(config: TrainingConfig, *, normed: bool = False) -> Learner[LineNetwork]:
     torch.manual_seed(0)
     return Learner(Following(chance=normed, normed=normed), config, Group("cpu"))
 
 
-def state(learner: Learner[PlainNetwork]) -> dict[str, Tensor]:
+def state(learner: Learner[LineNetwork]) -> dict[str, Tensor]:
     return {
         name.removeprefix("network."): tensor.clone()
         for name, tensor in learner.tensors().items()
@@ -248,7 +247,7 @@ def test_weights_are_chosen_among_those_of_the_last_stage(tmp_path: Path) -> Non
     class Forgetful(Following):
         """Measures how far the follower is from its beginning: least before it learns."""
 
-        def validation(self, network: PlainNetwork) -> Mapping[str, float]:
+        def validation(self, network: LineNetwork) -> Mapping[str, float]:
             beginning.append(network.idle.weight.clone())
             return {"moved": float((beginning[-1] - beginning[0]).abs().sum())}
 
