@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import soundfile
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from motion.errors import InputError
@@ -46,11 +46,8 @@ def takes_of(*frames: int) -> PreparedTakes:
 def test_window_k_of_a_take_begins_at_frame_k_strides_in_all_features(
     counts: list[int], frames: int, stride: int
 ) -> None:
+    assume(max(counts) >= frames)
     prepared = takes_of(*counts)
-    if max(counts) < frames:
-        with pytest.raises(InputError, match="lasts the"):
-            Windows(prepared, split=None, frames=frames, stride=stride)
-        return
     windows = Windows(prepared, split=None, frames=frames, stride=stride)
     expected = [
         (take, start)
@@ -73,9 +70,6 @@ def test_windows_are_of_one_split_and_short_takes_are_reported() -> None:
     assert {windows.take_of(row).name for row in range(len(windows))} == {"take0"}
     assert [take.name for take in windows.too_short] == ["take3"]
     assert windows.frame_rate == 15
-
-
-def test_a_split_without_takes_is_refused() -> None:
     with pytest.raises(InputError, match=r"none of 0 takes for validation lasts the 2\.27 s"):
         Windows(takes_of(60), split="validation", frames=34, stride=10)
 
