@@ -73,9 +73,9 @@ class DenoiserConfig:
         next to nothing but in the loudest moments; or its logarithm, scaled to about -1 to 3.
     skip : bool
         Whether what of the noise follows from the covariance of the motion it learns from goes past
-        the layers of each branch: see `training.layers.linear_skip`. Without, as the paper has
-        it, all noise passes through them, and a branch narrower than its part of the motion loses
-        some of it on the way.
+        the layers of each branch: see `generators.diffsheg.layers.LinearSkip`. Without, as the
+        paper has it, all noise passes through them, and a branch narrower than its part of the
+        motion loses some of it on the way.
     """
 
     gesture_width: int

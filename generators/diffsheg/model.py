@@ -21,13 +21,13 @@ from generators.diffsheg.layers import (
     Embedding,
     FusedSpeech,
     Fusion,
+    LinearSkip,
     SpeechEncoder,
     StyledBlock,
     frame_positions,
     zeroed,
 )
 from training.diffusion import LINEAR, step_embedding
-from training.layers.linear_skip import LinearSkip
 
 MEL_GAIN: Final = 2.0
 """The shared encoder reads mel bands doubled, as the released network's outputs show."""

@@ -20,7 +20,6 @@ from generators.diffsheg.config import BEAT, SHOW, DenoiserConfig
 from generators.diffsheg.model import Denoiser
 from motion.errors import InputError, listed
 from training.released_weights import ReleasedNames, fill, read_saved, tensors_in
-from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
 from training.weights_file import NetworkKind, holds_facts
 
@@ -32,6 +31,37 @@ _STATS_REMEDY: Final = (
     "Name the folder that holds axis_angle_mean.npy, axis_angle_std.npy, json_mean.npy and "
     "json_std.npy, as released beside the checkpoint"
 )
+
+
+_LARGEST_ROUNDING: Final = 1e-6
+"""Standard deviations below this are rounding: such a value never changes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Normalisation:
+    """Mean and standard deviation of each value of a frame, the body's first.
+
+    Attributes
+    ----------
+    mean, std : ndarray, shape (values,)
+        A value with a zero `std` is constant.
+    """
+
+    mean: NDArray[np.float64]
+    std: NDArray[np.float64]
+
+    def normalised(self, motion: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return `motion` (T, values) as a network sees it; constant values are 0."""
+        varies = self._varies
+        return np.asarray((motion - self.mean) * varies / np.where(varies, self.std, 1.0))
+
+    def restored(self, normalised: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return motion (T, values) in its own units; constant values are their mean."""
+        return np.asarray(self.mean + np.where(self._varies, self.std, 0.0) * normalised)
+
+    @property
+    def _varies(self) -> NDArray[np.bool_]:
+        return np.asarray(self.std >= _LARGEST_ROUNDING)
 
 
 def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:

@@ -23,7 +23,7 @@ from generators.diffsheg.config import (
 )
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
 from generators.diffsheg.model import Branch, Denoiser
-from generators.diffsheg.network_file import MotionNetwork, write_network
+from generators.diffsheg.network_file import MotionNetwork, Normalisation, write_network
 from generators.learned import TrainingWindows, cut_windows, describe_training_data, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
@@ -43,7 +43,6 @@ from training.features import (
 from training.run.batches import evenly_spaced
 from training.run.loop import Trained
 from training.run.task import WindowTask
-from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
 from training.speech_features.hubert import Hubert, load_hubert, stand_in
 

@@ -36,7 +36,6 @@ from training.run.batches import evenly_spaced
 from training.run.loop import Trained
 from training.run.task import WindowTask
 from training.spaces.bones_and_landmarks import BONE_VALUES, joints_from_directions, split_motion
-from training.spaces.normalisation import mean_and_deviation, spread
 from training.speakers import Speakers, latent_loss
 from training.speech_features.word_vectors import StandIn, WordVectors, load_word_vectors
 
@@ -49,7 +48,11 @@ MOST_HELD_OUT: Final = 256
 _MOST_STATISTICS_WINDOWS: Final = 4_000
 """Largest number of windows by which the spread of values is estimated."""
 
+_SMALLEST_DEVIATION: Final = 1e-5
+"""Smallest deviation of values, that of constant ones."""
+
 _Settings = TypeVar("_Settings", NetworkConfig, LossWeights)
+FloatArray = NDArray[np.float64]
 _Batch = Mapping[str, Tensor]
 """Windows of ``motion``, ``sound``, ``spectrum`` and ``words``, and one-hot each ``person``."""
 
@@ -157,14 +160,24 @@ class S2ueTask(WindowTask):
         flat = {name: v.reshape(-1, v.shape[-1]).astype(float) for name, v in windows.items()}
         pose, face = np.split(flat["motion"], [BONE_VALUES], axis=1)
         joints = joints_from_directions(pose.reshape(len(pose), -1, 3)).reshape(len(pose), -1)
-        mean, deviation = mean_and_deviation(flat["motion"])
+        mean, deviation = _mean_and_deviation(flat["motion"])
         return {
             "mean": mean,
             "deviation": deviation,
-            "spread": np.array([spread(v) for v in (face, pose, joints)]),
+            "spread": np.array([_spread(v) for v in (face, pose, joints)]),
             "rest": self.training.prepared.mean_first("motion"),
-            **{name: np.stack(mean_and_deviation(flat[name])) for name in ("sound", "spectrum")},
+            **{name: np.stack(_mean_and_deviation(flat[name])) for name in ("sound", "spectrum")},
         }
+
+
+def _mean_and_deviation(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return mean and standard deviation of each of values (N, values)."""
+    return values.mean(axis=0), np.maximum(values.std(axis=0), _SMALLEST_DEVIATION)
+
+
+def _spread(values: FloatArray) -> float:
+    """Return the spread of values (N, values) around their means, all together."""
+    return float(np.maximum(np.sqrt(values.var(axis=0).mean()), _SMALLEST_DEVIATION))
 
 
 def train_s2ue(request: TrainingRequest) -> TrainedGenerator:

@@ -10,8 +10,7 @@ import torch
 
 from generators.diffsheg.config import PRESETS, DenoiserConfig
 from generators.diffsheg.model import Denoiser
-from generators.diffsheg.network_file import MotionNetwork, write_network
-from training.spaces.normalisation import Normalisation
+from generators.diffsheg.network_file import MotionNetwork, Normalisation, write_network
 
 
 def smaller(config: DenoiserConfig) -> DenoiserConfig:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import torch
 
+from generators.diffsheg.layers import LinearSkip
 from motion.body.face_landmarks import FaceLandmarks
 from training.diffusion import LINEAR
 from training.layers.convolutions import (
@@ -17,7 +18,6 @@ from training.layers.convolutions import (
     face_graph,
     lips_of,
 )
-from training.layers.linear_skip import LinearSkip
 
 FACE: Final = FaceLandmarks.of_default_body()
 COMPONENTS: Final = components_of(FACE.actions)
