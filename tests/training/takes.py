@@ -58,7 +58,8 @@ def takes_of_curves(
     Every fourth is held out.
     """
     chance = np.random.default_rng(3)
-    takes, arrays = [], defaultdict(list)
+    takes: list[Take] = []
+    arrays: defaultdict[str, list[NDArray[np.float32]]] = defaultdict(list)
     for number, speaker in enumerate(speakers):
         noise = chance.standard_normal((frames, curves))
         for name, values in features_of(3 * gaussian_filter1d(noise, 2, axis=0)).items():
