@@ -77,3 +77,14 @@ def test_no_other_linear_estimate_of_gaussian_motion_is_better(step: int) -> Non
     expected = np.sqrt(1 - alpha_bar) * np.linalg.solve(covariance, noisy.reshape(4, -1).T).T
     result = told()(torch.zeros(4, FRAMES, PART), torch.from_numpy(noisy), torch.tensor([step]))
     np.testing.assert_allclose(result.reshape(4, -1), expected, rtol=0.02, atol=0.02)
+
+
+@pytest.mark.parametrize("frames", [1, 5, 11])
+def test_shorter_windows_keep_slow_motion_too(frames: int) -> None:
+    clean = torch.from_numpy(smooth_windows(1)[:, :frames])
+    noise = torch.randn(clean.shape, generator=torch.Generator().manual_seed(4))
+    steps = torch.tensor([200])
+    noisy = LINEAR.x_t(clean, noise, steps)
+    result = told()(torch.zeros_like(noisy), noisy, steps)
+    missed = LINEAR.x0_hat(noisy, result, steps) - clean
+    assert missed.square().mean() < 0.5 * (noisy - clean).square().mean()
