@@ -148,12 +148,9 @@ def _print_links(folder: StudyFolder, url: str, *, as_test: bool) -> None:
         click.echo(f"Take part as a test at {link} (once; it is never analysed).")
         if os.environ.get("DISPLAY") or sys.platform == "darwin":
             click.launch(link)
-    with closing(Database.open(database_url_of(folder.root))) as database:
-        token = first_owner_link(database, Clock())
-    if token is None:
+    database = Database.open(database_url_of(folder.root))
+    if not _print_owners_link(database, url, "the study's"):
         click.echo(f"Watch the study at {url}/research/.")
-    else:
-        click.echo(f"Become the study's owner at {url}/research/join/{token} (once, within a day).")
 
 
 @click.command("desk")
@@ -203,10 +200,16 @@ def desk_command(
 
 def _print_desk_links(folder: Path, url: str) -> None:
     click.echo(f"The desk is at {url}/research/ (Ctrl-C stops the server).")
-    with closing(open_desk(folder).database) as database:
+    _print_owners_link(open_desk(folder).database, url, "the desk's")
+
+
+def _print_owners_link(database: Database, url: str, whose: str) -> bool:
+    """Print the link of the first owner; return False if there is an owner."""
+    with closing(database):
         token = first_owner_link(database, Clock())
     if token is not None:
-        click.echo(f"Become the desk's owner at {url}/research/join/{token} (once, within a day).")
+        click.echo(f"Become {whose} owner at {url}/research/join/{token} (once, within a day).")
+    return token is not None
 
 
 @click.command("deploy")

@@ -41,7 +41,6 @@ from studyapp.monitoring.data_quality import (
 from studyapp.monitoring.decisions import Decision, decisions
 from studyapp.monitoring.study_sessions import (
     SessionProgress,
-    current_sessions,
     progress_of_sessions,
 )
 from studyapp.session.ending import JUDGED
@@ -123,7 +122,7 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
     """Return the study's progress."""
     with database.reading() as session:
         everybody = progress_of_sessions(session, served, now)
-        present = current_sessions(everybody)
+        present = [each for each in everybody if each.present]
         counted = {each.id: each.arm for each in present if each.standing != "withdrawn"}
         trials = [each for each in answered_trials(session) if each.study_session in counted]
         names = served.study.display_names
@@ -182,8 +181,9 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
 def places_so_far(database: Database, served: ServedStudy, now: datetime) -> PlaceCounts:
     """Return the counts of places of all arms together."""
     with database.reading() as session:
-        present = current_sessions(progress_of_sessions(session, served, now))
+        everybody = progress_of_sessions(session, served, now)
         more = current_intake(session).more_places
+    present = [each for each in everybody if each.present]
     return total_places(count_places(served.study.arms, present, more))
 
 

@@ -106,11 +106,6 @@ def progress_of_sessions(
     ]
 
 
-def current_sessions(study_sessions: Sequence[SessionProgress]) -> list[SessionProgress]:
-    """Return the study sessions of the study as it is served."""
-    return [each for each in study_sessions if each.present]
-
-
 def _standing(row: Any, silent_since: datetime) -> Standing:
     state = state_of(row)
     if state == "completed":

@@ -198,21 +198,16 @@ HARDLY_CHANCE: Final = 0.01
 """Below this, so many misses call for another reason than chance."""
 
 
-def chance_of_missing(missed: int, intervals: int) -> float:
-    """Return how often `missed` or more of so many independent intervals miss, if all is sound.
-
-    Each misses with 1 minus its level (Binomial). Questions that the same people answer lean
-    together, so that many misses at once come somewhat more often.
-    """
-    return float(binom.sf(missed - 1, intervals, 1 - LEVEL))
-
-
 def chance_in_words(missed: int, intervals: int) -> str:
-    """Return what so many misses say, as a sentence."""
+    """Return what so many misses say, as a sentence.
+
+    If all is sound, each interval misses with 1 minus its level (Binomial). Questions that the same
+    people answer lean together, so that many misses at once come somewhat more often.
+    """
     if not intervals:
         return "There is no interval to be held against a true value."
-    often = chance_of_missing(missed, intervals)
-    of_all = f"{intervals} interval{'' if intervals == 1 else 's'}"
+    often = float(binom.sf(missed - 1, intervals, 1 - LEVEL))
+    of_all = count(intervals, "interval")
     if not missed:
         return (
             f"A sound design finds all of {of_all} right in {100 * LEVEL**intervals:.0f} of 100 "

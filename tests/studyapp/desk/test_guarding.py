@@ -106,16 +106,13 @@ def test_too_much_at_once_is_refused(ada: ResearchBrowser) -> None:
     assert answer.status_code == 413
 
 
-def test_a_desk_that_cannot_be_served_is_refused(
+def test_a_desk_that_cannot_be_served_is_refused_and_its_database_is_its_owners(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with pytest.raises(InputError, match="no such folder"):
         run_desk(tmp_path / "none", "127.0.0.1", 1)
+    open_desk(tmp_path).database.close()
+    assert (tmp_path / "desk.db").stat().st_mode & 0o077 == 0
     monkeypatch.setenv("DATABASE_URL", "postgresql://somewhere/else")
     with pytest.raises(InputError, match="own folder"):
         run_desk(tmp_path, "127.0.0.1", 1)
-
-
-def test_only_its_owner_reads_the_desks_database(tmp_path: Path) -> None:
-    open_desk(tmp_path).database.close()
-    assert (tmp_path / "desk.db").stat().st_mode & 0o077 == 0
