@@ -105,6 +105,8 @@ def test_the_network_knows_how_recordings_spread(takes: PreparedTakes) -> None:
     windows = Windows(takes, split="train", frames=34, stride=10)
     motion = windows.batch(np.arange(len(windows)))["motion"].reshape(-1, 27 + 3 * FACE.count)
     np.testing.assert_allclose(network.mean.numpy(), motion.mean(axis=0), atol=1e-5)
+    deviation = np.maximum(motion.std(axis=0), 1e-5)
+    np.testing.assert_allclose(network.deviation.numpy(), deviation, rtol=1e-3)
     np.testing.assert_allclose(
         network.spread[0], np.sqrt(motion[:, 27:].var(axis=0).mean()), rtol=1e-3
     )
