@@ -16,7 +16,7 @@ from motion.errors import InputError
 from motion.files import sha256_of, write_text
 from studyapp.database.tables import StudyVersion
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.answers import answers_in, has_current_design, snapshot
+from studyapp.results.answers import answers_in, has_current_design, snapshot, write_shared_answers
 from studyapp.results.export.codebook import as_json, codebook, codebook_page, form_labels
 from studyapp.results.export.columns import Column, TableColumns
 from studyapp.results.export.shared_folder import (
@@ -33,7 +33,6 @@ from studyapp.results.export.shared_folder import (
 )
 from studyapp.results.export.tables import ExportedTable, Judged, exported_tables, judge
 from studyapp.results.looks import drop_current_looks, record_look
-from studyapp.results.shared_answers import write_shared_answers
 from studyapp.results.stored_answers import Answers, Source, stored_answers
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
