@@ -1,4 +1,4 @@
-"""Prosody of a stretch of speech: loudness, pitch, accents and pauses.
+"""Prosody of a stretch of speech: loudness, syllables and accents.
 
 Definitions
 -----------
@@ -18,8 +18,6 @@ accent
     semitones, both in units of their spread over the segment's syllables. Loudness weighs twice
     as much: it is the better single cue (Kochanski et al. 2005, "Loudness predicts prominence").
     The stronger half of the syllables is accented.
-pause
-    A stretch of at least 0.2 s whose energy stays under 0.25.
 """
 
 from __future__ import annotations
@@ -49,7 +47,6 @@ _DYNAMIC_RANGE: Final = 35.0
 _SMOOTHING: Final = 0.02
 _SILENCE: Final = 1e-4
 _PAUSE_ENERGY: Final = 0.25
-_SHORTEST_PAUSE: Final = 0.2
 _SHORTEST_SYLLABLE: Final = 0.12
 _CONTEXT: Final = 1.5
 _NUCLEUS_RADIUS: Final = 0.08
@@ -65,31 +62,22 @@ class Prosody:
     Attributes
     ----------
     frame_rate : float
-        Frames per second of the per-frame arrays; frame k stands for time ``k / frame_rate``.
+        Frames per second of `energy`; frame k stands for time ``k / frame_rate``.
     energy : ndarray, shape (T,)
         Loudness in [0, 1], relative to the segment's own loud level.
-    pitch : ndarray, shape (T,)
-        Fundamental frequency in Hz; NaN where unvoiced.
-    voiced : ndarray, shape (T,), bool
-        Whether the frame is voiced.
     syllables : ndarray, shape (S,)
         Times of all syllable nuclei in seconds, ascending.
     accents : ndarray, shape (A,)
         Times of the accented syllables in seconds, ascending.
     prominence : ndarray, shape (A,)
         How much each accent stands out, in (0, 1]; the strongest of the segment is 1.
-    pauses : ndarray, shape (P, 2)
-        Start and end of each pause in seconds, ascending.
     """
 
     frame_rate: float
     energy: FloatArray
-    pitch: FloatArray
-    voiced: NDArray[np.bool_]
     syllables: FloatArray
     accents: FloatArray
     prominence: FloatArray
-    pauses: FloatArray
 
 
 def prosody(audio: Audio, frame_rate: float) -> Prosody:
@@ -100,13 +88,13 @@ def prosody(audio: Audio, frame_rate: float) -> Prosody:
     audio : Audio
         Speech, mono.
     frame_rate : float
-        Frames per second of the result's per-frame arrays, which hold
-        ``round(audio.duration * frame_rate)`` values.
+        Frames per second of the result's energy, which has ``round(audio.duration * frame_rate)``
+        values.
 
     Returns
     -------
     Prosody
-        Silent audio has energy 0, no pitch, no accent and one long pause.
+        Silent audio has energy 0 and no accent.
 
     Raises
     ------
@@ -123,21 +111,16 @@ def prosody(audio: Audio, frame_rate: float) -> Prosody:
         )
     samples = audio.samples_at(_ANALYSIS_RATE)
     energy = _energy(samples)
-    pitch = _pitch(samples, energy)
     nuclei = _nuclei(energy)
-    accents, prominence = _accents(energy, pitch, nuclei)
+    accents, prominence = _accents(energy, _pitch(samples, energy), nuclei)
     steps = np.arange(len(energy)) / _STEPS_PER_SECOND
     times = np.arange(frames) / frame_rate
-    nearest = np.clip(np.round(times * _STEPS_PER_SECOND).astype(int), 0, len(energy) - 1)
     return Prosody(
         frame_rate=float(frame_rate),
         energy=np.clip(np.interp(times, steps, energy), 0, 1),
-        pitch=pitch[nearest],
-        voiced=np.isfinite(pitch[nearest]),
         syllables=nuclei / _STEPS_PER_SECOND,
         accents=accents,
         prominence=prominence,
-        pauses=_pauses(energy),
     )
 
 
@@ -239,12 +222,3 @@ def _standardised(values: FloatArray, least_spread: float) -> FloatArray:
     Inaudible differences must not count as much as audible ones.
     """
     return np.asarray((values - values.mean()) / max(float(values.std()), least_spread))
-
-
-def _pauses(energy: FloatArray) -> FloatArray:
-    """Return start and end of each quiet stretch in seconds."""
-    quiet = np.concatenate([[False], energy < _PAUSE_ENERGY, [False]]).astype(int)
-    edges = np.diff(quiet)
-    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    spans = np.column_stack([starts, ends]) / _STEPS_PER_SECOND
-    return spans[spans[:, 1] - spans[:, 0] >= _SHORTEST_PAUSE]

@@ -49,8 +49,6 @@ class Glance:
         In which share of the frames the figure was at each place.
     movement : ndarray, shape (T - 1,), float32
         Mean change of the figure's pixels from frame to frame, of 255.
-    seconds : float
-        Length.
     remarks : tuple of str
         Remarks on stillness, jumps, or a figure that leaves the picture.
     """
@@ -59,7 +57,6 @@ class Glance:
     pictures: NDArray[np.uint8]
     presence: NDArray[np.float32]
     movement: NDArray[np.float32]
-    seconds: float
     remarks: tuple[str, ...]
 
 
@@ -101,7 +98,6 @@ def glance_at(video: Path, look: Look | None = None) -> Glance:
         pictures=frames[moments],
         presence=figure.mean(axis=0, dtype=np.float32),
         movement=movement.astype(np.float32),
-        seconds=count / rate,
         remarks=(
             *_stillness(largest <= _STILL_CHANGE, rate),
             *_restlessness(movement * rate / _RATE, rate),

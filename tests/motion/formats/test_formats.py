@@ -12,19 +12,15 @@ from tests.motion.formats.bvh_text import (
     CHAIN,
     bvh_text,
     columns_of,
-    depth_first,
     save_bvh_text,
     smplx_skeleton,
 )
 from tests.motion.random_clips import assert_same_clip
 
 
-def person_bvh(path: Path, prefix: str = "", frames: int | None = None) -> Path:
-    skeleton = [
-        (prefix + name, None if parent is None else prefix + parent, offset)
-        for name, parent, offset in smplx_skeleton()
-    ]
-    rows = np.stack([columns_of(skeleton, {f"{prefix}left_elbow": (k, 0, 0)}) for k in (10, 20)])
+def person_bvh(path: Path, frames: int | None = None) -> Path:
+    skeleton = smplx_skeleton()
+    rows = np.stack([columns_of(skeleton, {"left_elbow": (k, 0, 0)}) for k in (10, 20)])
     return save_bvh_text(path, bvh_text(skeleton, rows, frames=frames))
 
 
@@ -100,17 +96,6 @@ def test_frame_rate_reaches_every_reader(tmp_path: Path) -> None:
     for name in ("a.npy", "b.npz", "c.bvh"):
         assert read_motion(tmp_path / name, frame_rate=15).frame_rate == 15
     assert "99 frames" in read_motion(tmp_path / "c.bvh", frame_rate=15).provenance["notes"]
-
-
-def test_own_joint_map_opens_an_unknown_skeleton(tmp_path: Path) -> None:
-    path = person_bvh(tmp_path / "a.bvh", "x")
-    with pytest.raises(InputError, match=r"a\.bvh: the skeleton is unknown"):
-        read_motion(path)
-    joint_map = {name.removeprefix("x"): name for name in depth_first(smplx_skeleton())}
-    joint_map = {name: f"x{name}" for name in joint_map}
-    assert read_motion(path, joint_map=joint_map).provenance["format"] == "bvh (own map)"
-    with pytest.raises(InputError, match=r"a\.bvh: the joint map lacks"):
-        read_motion(path, joint_map={"pelvis": "xpelvis"})
 
 
 @pytest.mark.parametrize(

@@ -126,15 +126,3 @@ def test_slow_motion_is_longer_silent_and_labelled(
     assert np.abs(corner - BACKGROUND).max() > 60
     # In between is new motion, not a frame shown four times.
     assert np.abs(np.diff(frames[:4, :SIZE], axis=0)).max(axis=(1, 2, 3)).min() > 5
-
-
-def test_long_text_leaves_the_clock_and_the_speed_free(
-    write: Write, clips: Clips, tmp_path: Path
-) -> None:
-    short = (clips[0].frames(slice(0, 1)),)
-    video = write(short, tmp_path / "long.mp4", speed=0.1, text="never again " * 40)
-    layout = GridLayout(count=1, size=SIZE, text="words")
-    footer = pictures(video)[0, -layout.footer_height :]
-    inked = (np.abs(footer - BACKGROUND).max(axis=-1) > 60).any(axis=1)
-    lines = np.flatnonzero(np.diff(inked.astype(int)) == 1)
-    assert len(lines) + inked[0] == 3

@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from hypothesis.extra import numpy as arrays
 from scipy.spatial.transform import Rotation
 
 from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.body.model import BodyModel
 from motion.clip import ARKIT_COUNT, MotionClip
 from motion.skeleton import JOINT_COUNT
-from renderer.viewer.packing import LARGEST, pack, track
+from renderer.viewer.packing import LARGEST, track
 from tests.renderer.viewer.decoding import unpacked
 
 LARGEST_ANGLE = 0.05
@@ -71,20 +70,3 @@ def test_a_body_that_wanders_off_keeps_its_way(far: float, body: BodyModel) -> N
 
     shifts = values["shifts"] * facts["steps"]["shifts"]
     assert np.abs(shifts - trans).max() <= max(1e-4, far / LARGEST) / 2 + 1e-9 * far
-
-
-@given(
-    values=arrays.arrays(
-        np.int16,
-        st.tuples(st.integers(0, 9), st.integers(0, 5)),
-        elements=st.integers(-LARGEST, LARGEST),
-    )
-)
-def test_packed_arrays_are_read_back(
-    values: np.ndarray[tuple[int, ...], np.dtype[np.int16]],
-) -> None:
-    facts, arrays = unpacked(pack({"rate": 30.0}, {"first": values, "second": values[::-1]}))
-
-    assert facts == {"rate": 30.0}
-    assert np.array_equal(arrays["first"], values)
-    assert np.array_equal(arrays["second"], values[::-1])
