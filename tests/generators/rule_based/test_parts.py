@@ -93,12 +93,9 @@ def prosodies(draw: st.DrawFn) -> Prosody:
     return Prosody(
         frame_rate=30.0,
         energy=np.zeros(frames),
-        pitch=np.full(frames, np.nan),
-        voiced=np.zeros(frames, bool),
         syllables=accents,
         accents=accents,
         prominence=np.array(strengths),
-        pauses=np.zeros((0, 2)),
     )
 
 
