@@ -17,7 +17,7 @@ from benchmarks.adaptive_pairs import (
 )
 
 
-def test_the_figure_is_drawn_and_its_numbers_are_told(tmp_path: Path) -> None:
+def test_the_figure_is_drawn_and_its_numbers_are_printed(tmp_path: Path) -> None:
     curves = {1.0: simulate(strength_sd=1.0, repetitions=2, participants=5, conditions=4)}
 
     draw(curves, tmp_path / "adaptive.png")

@@ -149,7 +149,7 @@ def test_an_adversary_does_no_better_than_chance(
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_files_that_may_stand_beside_each_other_tell_the_same(
+def test_blinded_files_do_not_differ_in_size_time_or_metadata(
     written: Callable[[str], StudyFolder], name: str
 ) -> None:
     facts_of_segment = defaultdict(list)
@@ -218,7 +218,7 @@ def by_an_encoder_that_follows_the_picture(_: StudyFolder, folder: Path) -> Mapp
     "files",
     [without_padding, as_other_tools_wrote_them, by_an_encoder_that_follows_the_picture],
 )
-def test_files_that_give_themselves_away_would_be_told_apart(
+def test_files_that_reveal_their_condition_would_be_found(
     heard: Callable[[str], HeardStudy], tmp_path: Path, files: Files
 ) -> None:
     others = files(heard("players").folder, tmp_path)
@@ -256,7 +256,7 @@ def in_one_byte_of_catch_trials(
 
 
 @pytest.mark.parametrize("leak", [in_a_header, in_tokens, in_one_byte_of_catch_trials])
-def test_what_depends_on_the_condition_or_the_kind_would_be_found(
+def test_a_dependence_on_condition_or_kind_would_be_found(
     heard: Callable[[str], HeardStudy], leak: Change
 ) -> None:
     assert any(better_than_chance(heard("players"), leak))

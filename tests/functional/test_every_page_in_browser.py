@@ -251,7 +251,7 @@ def test_no_page_beside_the_way_has_a_severe_barrier_and_withdrawing_deletes(
         page.context.close()
 
 
-def test_who_comes_with_a_phone_takes_the_link_along(browser: Browser, tmp_path: Path) -> None:
+def test_the_page_for_phones_offers_the_link(browser: Browser, tmp_path: Path) -> None:
     write_shown_study(tmp_path / "players", "players")
     with shown(tmp_path / "players") as (address, _):
         link = f"{address}/?PROLIFIC_PID=p2"
@@ -369,7 +369,7 @@ def test_a_pair_fits_a_laptop_and_no_page_is_wider_than_a_phone(
             assert min(height for _, height in video_sizes(page)) >= 300
 
 
-def test_what_is_missing_of_six_videos_stands_on_one_line_beside_next(
+def test_unwatched_videos_of_six_are_listed_on_one_line_beside_next(
     browser: Browser, tmp_path: Path
 ) -> None:
     write_shown_study(tmp_path / "ranking", "ranking")

@@ -260,7 +260,7 @@ def test_two_windows_that_do_not_know_of_each_other_do_no_harm(
     assert answers_of(page, database) == [(1, "emotion", -1), (1, "rhythm", -1)]
 
 
-def test_what_plays_while_the_page_is_busy_counts_and_its_frames_are_reported(
+def test_playing_while_the_page_is_busy_counts_with_its_frames(
     page: Page, address: str, database: Database
 ) -> None:
     begin_study(page, address)

@@ -102,7 +102,7 @@ def test_the_whole_way_from_eligibility_to_the_code(
     assert [value for *_, value in answers_of(page, database)] == [-2, -1, *[-1] * 6]
 
 
-def test_of_two_windows_the_older_gives_way(page: Page, address: str, database: Database) -> None:
+def test_the_older_of_two_windows_stops(page: Page, address: str, database: Database) -> None:
     enter(page, address, database)
     with playing_on(page.locator("video")):
         page.get_by_role("button", name="Play both").click()

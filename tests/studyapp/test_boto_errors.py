@@ -27,7 +27,7 @@ UNREACHED = (
         (ValueError("Invalid endpoint: x"), UNREACHED.format("ValueError")),
     ],
 )
-def test_a_refusal_and_a_silence_are_told_apart(raised: Exception, words: str) -> None:
+def test_a_refusal_differs_from_no_response(raised: Exception, words: str) -> None:
     with (
         pytest.raises(InputError) as error,
         as_input_errors(

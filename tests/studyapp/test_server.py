@@ -50,7 +50,7 @@ def test_serving_and_running_jobs_loads_nothing_heavy(module: str, spared: tuple
     assert set(spared) & set(json.loads(done.stdout)) == set()
 
 
-def test_a_taken_address_and_a_proxy_that_is_no_network_are_said_before_anything_is_made(
+def test_a_port_in_use_and_an_invalid_proxy_are_reported_before_anything_is_created(
     tiny_study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with socket.create_server((HOST, 0)) as taken:
@@ -65,7 +65,7 @@ def test_a_taken_address_and_a_proxy_that_is_no_network_are_said_before_anything
 
 
 @pytest.mark.slow
-def test_two_workers_serve_pages_and_stop_soon_when_told(tiny_study: Path) -> None:
+def test_two_workers_serve_pages_and_stop_soon_on_request(tiny_study: Path) -> None:
     port = free_port()
     code = (
         "import sys; from pathlib import Path; from studyapp.web.server import run_server; "
@@ -140,7 +140,7 @@ def test_an_honest_participant_takes_part_while_300_lines_hang_at_either_end(
 
 
 @pytest.mark.slow
-def test_who_sends_too_many_reports_is_kept_waiting_for_the_answer(
+def test_a_participant_who_sends_too_many_reports_waits_longer(
     slow_study: tuple[Path, Path, str],
 ) -> None:
     folder, output, url = slow_study

@@ -109,7 +109,7 @@ def test_a_participant_counts_under_the_first_rule_that_removes_them() -> None:
         ([0.1, math.nan, 1.0], ["p0"], "cannot be applied to 1 of 3 participants, who stay"),
     ],
 )
-def test_who_cannot_be_judged_stays_and_is_counted(
+def test_participants_who_cannot_be_judged_are_kept_and_counted(
     watched: list[float], removed: list[str], remark: str
 ) -> None:
     participants = [someone(f"p{place}", watched=share) for place, share in enumerate(watched)]

@@ -19,7 +19,9 @@ def left_out(folder: Path, table: pd.DataFrame, allowed: int = 1) -> LeftOut:
     return leave_out(answers, table_rules(answers, allowed))
 
 
-def test_who_fails_too_many_catch_trials_is_left_out(table: pd.DataFrame, tmp_path: Path) -> None:
+def test_participants_who_fail_too_many_catch_trials_are_excluded(
+    table: pd.DataFrame, tmp_path: Path
+) -> None:
     failed = pd.concat(
         [table, catch_rows("p00", "lrl", (3, 5, 2)), catch_rows("p01", "lrl", (3, 2, 2))]
     )

@@ -145,9 +145,7 @@ def test_same_answers_are_counted_by_question_as_chosen_on_the_page(tmp_path: Pa
     assert result.same_answers[1].share < 1
 
 
-def test_what_a_study_knows_replaces_the_tables_judgement(
-    table: pd.DataFrame, tmp_path: Path
-) -> None:
+def test_a_studys_own_judgement_replaces_the_tables(table: pd.DataFrame, tmp_path: Path) -> None:
     known = KnownFacts(trials=30, settled=12, failed_catch=0, failed_attention=2)
     both = pd.concat([table, catch_rows("p01", "ll", (5, 5))])
     result = facts(tmp_path, both, known={"p01": known})

@@ -78,7 +78,7 @@ def test_names_stand_in_the_order_in_which_the_table_names_them(tmp_path: Path) 
         ({"kind": "catch", "correct_side": "up"}, "correct_side"),
     ],
 )
-def test_what_a_column_cannot_hold_is_refused(
+def test_values_that_a_column_cannot_hold_are_refused(
     change: dict[str, Any], column: str, tmp_path: Path
 ) -> None:
     table = pairs({"kind": "main"}, change)
@@ -127,7 +127,7 @@ OWN_SPEECH_TWICE = (
         (OWN_SPEECH_TWICE, MISMATCH, "row 3, column right_speech: left_speech and right"),
     ],
 )
-def test_what_contradicts_itself_is_refused_with_its_place(
+def test_contradictions_are_refused_with_their_place(
     text: str, layout: Layout, problem: str, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match=problem):
@@ -140,7 +140,7 @@ def test_a_ranking_in_practice_may_come_back(tmp_path: Path) -> None:
     assert len(read_text(tmp_path, text, RANKING).answers) == 2
 
 
-def test_who_is_marked_as_excluded_is_so_with_the_reason_given(tmp_path: Path) -> None:
+def test_participants_marked_as_excluded_are_excluded_with_the_given_reason(tmp_path: Path) -> None:
     table = pairs(
         {"participant": "anna", "excluded": "false"},
         {"participant": "ben", "excluded": "0"},
@@ -179,7 +179,7 @@ def test_other_separators_blank_lines_and_a_byte_order_mark_do_no_harm(
 
 
 @pytest.mark.parametrize("name", ["answers.csv", "answers.parquet"])
-def test_what_is_no_table_is_refused(name: str, tmp_path: Path) -> None:
+def test_files_that_are_not_tables_are_refused(name: str, tmp_path: Path) -> None:
     path = tmp_path / name
     with pytest.raises(InputError, match="there is no such file"):
         read_answers(path, PAIRWISE)
@@ -188,7 +188,7 @@ def test_what_is_no_table_is_refused(name: str, tmp_path: Path) -> None:
         read_answers(path, PAIRWISE)
 
 
-def test_catch_trials_of_ratings_are_left_out_and_said(tmp_path: Path) -> None:
+def test_catch_trials_of_ratings_are_left_out_and_reported(tmp_path: Path) -> None:
     text = (
         "participant,segment,question,condition,response,kind\n"
         "anna,s1,match,ours,4,main\nanna,,,,,catch\nanna,,,,,attention\n"

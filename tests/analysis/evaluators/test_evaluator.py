@@ -33,7 +33,7 @@ def test_each_window_of_a_clip_of_any_rate_has_an_embedding_of_its_own(
     assert not np.allclose(whole[0], whole[1], atol=1e-3)
 
 
-def test_the_emotions_of_what_was_never_seen_are_told_apart(emotion: Evaluator) -> None:
+def test_emotions_of_unseen_clips_are_recognised(emotion: Evaluator) -> None:
     assert emotion.labels == ("anger", "sadness")
     for number, label in enumerate(SWINGS):
         shares = emotion.classify(swinging(label, 91, seconds=16))
@@ -47,7 +47,7 @@ def test_a_clip_shorter_than_a_window_says_so(gesture: Evaluator) -> None:
     assert len(gesture.embed(swinging("anger", 90, seconds=33 / 15))) == 1
 
 
-def test_what_the_training_clips_were_held_still_in_is_held_still(both_file: Path) -> None:
+def test_channels_frozen_in_training_clips_stay_frozen(both_file: Path) -> None:
     both = load_evaluator(both_file)
     clip = swinging("anger", 90)
     assert both.describe()["held still"] == "hands"
@@ -78,7 +78,7 @@ def test_only_a_network_of_emotions_classifies(gesture: Evaluator) -> None:
         gesture.classify(swinging("anger", 90))
 
 
-def test_every_setting_that_a_score_depends_on_is_told(
+def test_every_setting_that_a_score_depends_on_is_listed(
     emotion: Evaluator, emotion_file: Path
 ) -> None:
     told = emotion.describe()

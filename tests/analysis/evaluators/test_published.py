@@ -117,7 +117,7 @@ def test_options_of_a_training_script_load_and_other_objects_run_no_code(
     assert not (tmp_path / "harm").exists()
 
 
-def test_what_is_no_checkpoint_of_the_preset_is_refused_with_what_is_wrong(
+def test_other_files_than_the_presets_checkpoint_are_refused_with_the_fault(
     checkpoint: Checkpoint, tmp_path: Path
 ) -> None:
     ted = checkpoint("ted")

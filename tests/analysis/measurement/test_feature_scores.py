@@ -41,7 +41,7 @@ def clips(
     return found
 
 
-def test_what_is_further_from_the_recordings_scores_worse_in_all_distances() -> None:
+def test_clips_further_from_the_recordings_score_worse_in_all_distances() -> None:
     recorded = clips(30)
     conditions = {"near": clips(30, seed=1), "far": clips(30, seed=2, shift=2.0)}
     found = feature_scores(network(), conditions, recorded)

@@ -55,7 +55,7 @@ def test_an_array_is_computed_once_for_its_content_settings_kind_and_version(
 
 
 @pytest.mark.parametrize("damaged", [b"", b"\x93NUMPY", b"no array at all"])
-def test_what_is_damaged_or_of_another_shape_is_computed_again(
+def test_damaged_or_mismatched_files_are_computed_again(
     tmp_path: Path, source: Path, damaged: bytes
 ) -> None:
     folder = tmp_path / "kept"
@@ -69,9 +69,7 @@ def test_what_is_damaged_or_of_another_shape_is_computed_again(
         assert computed(folder, source)[0]
 
 
-def test_what_a_run_no_longer_uses_is_removed_and_nothing_else(
-    tmp_path: Path, source: Path
-) -> None:
+def test_only_files_that_a_run_no_longer_uses_are_removed(tmp_path: Path, source: Path) -> None:
     folder = tmp_path / "kept"
 
     def place(kind: Kind, settings: str) -> Path:

@@ -148,7 +148,7 @@ def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(
     assert [file.where for file in nothing.skipped] == [str(bad)]
 
 
-def test_what_is_kept_from_an_earlier_run_changes_no_number(study: Study, tmp_path: Path) -> None:
+def test_values_kept_from_an_earlier_run_change_no_number(study: Study, tmp_path: Path) -> None:
     folder = tmp_path / "kept"
     alone = study_metrics(*study)
     first = study_metrics(*study, kept=folder)
@@ -186,7 +186,7 @@ def test_several_processes_find_what_one_finds(recorded_study: RecordedStudy) ->
     )
 
 
-def test_what_metrics_lack_is_said(recorded_study: RecordedStudy) -> None:
+def test_missing_inputs_of_metrics_are_reported(recorded_study: RecordedStudy) -> None:
     clips, speech, recorded = recorded_study
     speech.pop("a")
     recorded.pop("b")
@@ -245,7 +245,7 @@ def test_semantic_scores_choose_which_frames_are_recalled(
     assert not any("recall" in s.name for s in metrics.conditions if s.condition == "recorded")
 
 
-def test_what_two_presets_share_is_measured_once() -> None:
+def test_metrics_shared_by_two_presets_are_measured_once() -> None:
     together = combined(["beat", "diffsheg", "beat"])
     assert together.beats == PRESETS["beat"].beats == PRESETS["diffsheg"].beats
     assert [settings.name for settings in together.correct] == ["beat", "diffsheg"]

@@ -94,7 +94,7 @@ def test_clips_are_shown_to_a_network_once_and_its_features_are_kept(
     assert score_of(first, "ours", names.FGD).settings["network sha256"] == "c0ffee" * 11
 
 
-def test_what_a_study_holds_still_is_still_for_the_network(
+def test_the_network_sees_the_studys_frozen_channels(
     study: Clips, network_file: NetworkFile
 ) -> None:
     path, opened = network_file
@@ -111,7 +111,7 @@ def test_a_clip_that_is_too_short_is_left_out_with_its_reason(
     assert "shorter than a window (1 of 6 clips)" in score_of(found, "ours", names.FGD).remark
 
 
-def test_two_networks_of_one_kind_are_told_apart_by_their_hash(
+def test_two_networks_of_one_kind_differ_by_their_hash(
     network_file: NetworkFile, tmp_path: Path
 ) -> None:
     path, _ = network_file

@@ -79,7 +79,7 @@ def test_recall_lies_between_zero_and_one_whatever_the_weights_scale(
     assert even == pytest.approx(percent_correct_motion(one, other, settings=AMUSE).value)
 
 
-def test_what_cannot_be_compared_has_no_score_but_a_reason() -> None:
+def test_clips_that_cannot_be_compared_have_a_reason_instead_of_a_score() -> None:
     whole, half, no_joint = np.zeros((100, 2, 3)), np.zeros((50, 2, 3)), np.zeros((5, 0, 3))
     for result, reason in (
         (semantic_recall(whole, whole, np.zeros(100), settings=AMUSE), "no frame has a semantic"),

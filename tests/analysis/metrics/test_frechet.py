@@ -81,7 +81,7 @@ def test_only_few_samples_are_flagged_with_what_equal_laws_would_score() -> None
     assert enough.value == pytest.approx(32 * 37 / 1000, rel=0.2)
 
 
-def test_unequal_samples_are_cut_to_equal_ones_the_same_every_time_and_it_is_said() -> None:
+def test_unequal_samples_are_cut_reproducibly_to_equal_ones_with_a_remark() -> None:
     chance = np.random.default_rng(4)
     sides = [embeddings(chance.standard_normal((count, 3))) for count in (40, 25)]
     distance = frechet(*sides)

@@ -141,7 +141,9 @@ def test_the_distance_of_histograms_is_hellingers() -> None:
     assert between.interval is None
 
 
-def test_what_has_too_few_or_slow_frames_or_never_stands_has_no_score_but_a_reason() -> None:
+def test_clips_too_short_too_slow_or_without_a_standing_foot_have_a_reason_instead_of_a_score() -> (
+    None
+):
     clip, flying = np.zeros((40, 2, 3)), feet()
     flying[::2, :, 1] = 1.0
     no_speed = speed_counts(at_speed(1.0, frames=1), 30.0)[None]

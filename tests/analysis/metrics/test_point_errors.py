@@ -45,7 +45,7 @@ def test_a_shift_on_one_axis_is_a_third_of_it_in_millimetres() -> None:
     assert maje(shifted, motion(), scale=0.5) == pytest.approx(50)
 
 
-def test_what_stays_apart_moves_alike() -> None:
+def test_arms_clear_of_the_body_stay_as_they_are() -> None:
     shifted = motion() + np.array([0.3, -1, 2])
     assert mace(shifted, motion()) == pytest.approx(0, abs=1e-6)
     assert velocity(shifted, motion()) == pytest.approx(0, abs=1e-9)

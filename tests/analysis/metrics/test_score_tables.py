@@ -57,7 +57,7 @@ def test_tables_are_read_back_as_they_were_conditions_before_clips(
     assert read["unit"][0] == "m/s³"
 
 
-def test_parquet_has_types_and_tells_units_and_directions(
+def test_parquet_files_have_types_units_and_directions(
     metrics: StudyMetrics, tmp_path: Path
 ) -> None:
     write_scores(metrics, tmp_path / "scores.parquet")

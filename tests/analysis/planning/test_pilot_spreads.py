@@ -71,7 +71,7 @@ def test_tastes_are_recovered_whether_each_condition_is_rated_or_all_are_ranked(
     assert items == pytest.approx(0.6, abs=0.25)
 
 
-def test_a_pilot_of_one_participant_tells_nothing(tmp_path: Path) -> None:
+def test_a_pilot_with_one_participant_has_no_spreads(tmp_path: Path) -> None:
     rows = {
         "participant": ["p"] * 4,
         "segment": ["s", "t", "u", "v"],

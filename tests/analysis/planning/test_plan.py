@@ -44,7 +44,7 @@ TASK = Task(
 )
 
 
-def test_what_was_simulated_is_not_simulated_again_and_progress_is_told(tmp_path: Path) -> None:
+def test_finished_simulations_are_reused_and_progress_is_shown(tmp_path: Path) -> None:
     progress: list[tuple[int, int]] = []
     runner = Runner(folder=tmp_path, show=lambda done, total: progress.append((done, total)))
     (first,) = runner.cells([TASK])

@@ -88,7 +88,7 @@ def test_few_participants_are_judged_by_the_win_share_and_many_by_the_mixed_mode
         assert decided.signs[study, 0] == np.sign(sided.signed.sum())
 
 
-def test_what_the_quick_test_misses_is_put_right() -> None:
+def test_the_quick_tests_bias_is_corrected() -> None:
     rankings = part(RANKINGS, 15, 8)
     tests = DecidingTests(rankings, ALIKE, 0.6)
     answers = simulate_answers(rankings, ALIKE, 0.6, 300, np.random.default_rng(9))

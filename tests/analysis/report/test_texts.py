@@ -29,7 +29,7 @@ def test_every_table_and_every_figure_that_is_described_is_made(name: str) -> No
 
 
 @pytest.mark.parametrize("file", sorted((REPORT / "templates/words").glob("*.txt")), ids=str)
-def test_every_macro_is_said_by_a_section_or_by_another_macro(file: Path) -> None:
+def test_every_macro_is_used_by_a_section_or_by_another_macro(file: Path) -> None:
     text = file.read_text("utf-8")
     macros = re.findall(r"{% macro (\w+)\(", text)
     assert [

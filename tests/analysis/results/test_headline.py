@@ -65,7 +65,7 @@ def test_the_numbers_so_far_are_those_of_the_report(protocol: str, tmp_path: Pat
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_agreement_does_not_tell_which_way_people_answer(protocol: str, tmp_path: Path) -> None:
+def test_agreement_does_not_reveal_the_direction_of_answers(protocol: str, tmp_path: Path) -> None:
     table = TABLES[protocol]()
     column = "rank" if protocol == "ranking" else "response"
     opposite = table.assign(**{column: table[column].max() + 1 - table[column]})

@@ -11,7 +11,7 @@ from analysis.results.pairwise import MismatchResults
 from tests.analysis.results.made_tables import mismatch_table, report_of
 
 
-def test_own_speech_is_preferred_where_the_motion_tells_it(tmp_path: Path) -> None:
+def test_raters_prefer_own_speech_where_the_motion_shows_it(tmp_path: Path) -> None:
     table = mismatch_table()
     result = report_of(table, "mismatch", tmp_path).results
     assert isinstance(result, MismatchResults)

@@ -105,7 +105,9 @@ def test_sides_swapped_with_their_answers_change_no_count_and_no_agreement(
     assert repr(swapped.test_retest) == repr(found.test_retest)
 
 
-def test_practice_and_who_is_left_out_are_not_analysed_and_repetitions_are(tmp_path: Path) -> None:
+def test_practice_trials_and_excluded_participants_are_not_analysed_but_repeats_are(
+    tmp_path: Path,
+) -> None:
     table = pairwise_table(("x", "y"), effects=(0.5, 0.0), participants=4, segments=5)
     found = results(tmp_path, table)
     [one] = found.comparisons
@@ -132,7 +134,7 @@ def test_sets_are_kept_apart_and_corrected_together(tmp_path: Path) -> None:
     )
 
 
-def test_equivalence_is_told_where_a_margin_was_stated(found: PairwiseResults) -> None:
+def test_equivalence_is_reported_if_a_margin_was_stated(found: PairwiseResults) -> None:
     assert len(found.equivalence) == len(found.comparisons)
     for equivalence, comparison in zip(found.equivalence, found.comparisons, strict=True):
         assert equivalence.estimate == pytest.approx(comparison.win_share.estimate - 0.5)
@@ -194,7 +196,7 @@ def five() -> pd.DataFrame:
     )
 
 
-def test_of_more_than_three_conditions_strengths_decide_unless_one_is_in_every_comparison(
+def test_with_more_than_three_conditions_strengths_decide_unless_one_is_in_every_comparison(
     five: pd.DataFrame, tmp_path: Path
 ) -> None:
     found = results(tmp_path, five)

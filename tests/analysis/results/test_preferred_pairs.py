@@ -15,7 +15,7 @@ def pairs_of(rows: pd.DataFrame, protocol: str, folder: Path) -> tuple[Preferred
     return preferred_pairs(table, leave_out(table, ()).analysed)
 
 
-def test_of_two_conditions_the_segments_of_the_most_and_the_fewest_wins_are_kept(
+def test_for_two_conditions_the_segments_with_most_and_fewest_wins_are_kept(
     tmp_path: Path,
 ) -> None:
     rows = pd.DataFrame(
@@ -43,7 +43,7 @@ def test_of_two_conditions_the_segments_of_the_most_and_the_fewest_wins_are_kept
 @pytest.mark.parametrize(
     ("protocol", "value", "given"), [("rating", "response", (4, 2)), ("ranking", "rank", (1, 2))]
 )
-def test_of_ratings_and_rankings_the_clip_placed_higher_won(
+def test_in_ratings_and_rankings_the_clip_placed_higher_wins(
     protocol: str, value: str, given: tuple[int, int], tmp_path: Path
 ) -> None:
     rows = pd.DataFrame(
@@ -61,7 +61,7 @@ def test_of_ratings_and_rankings_the_clip_placed_higher_won(
     assert (result.first, result.second, result.win_shares) == ("ours", "theirs", {"realism": 1.0})
 
 
-def test_of_many_conditions_both_ends_of_the_order_by_the_first_question_are_kept(
+def test_with_many_conditions_both_ends_of_the_first_questions_order_are_kept(
     tmp_path: Path,
 ) -> None:
     rows = pairwise_table(

@@ -53,7 +53,7 @@ def test_ten_conditions_in_perfect_order_rule_out_no_relation_and_four_do_not() 
 
 
 @pytest.mark.parametrize("kind", ["kendall", "spearman"])
-def test_what_fits_lies_around_the_estimate_and_is_mirrored_with_it(kind: Kind) -> None:
+def test_compatible_correlations_surround_the_estimate_and_mirror_with_it(kind: Kind) -> None:
     low, high = compatible(0.4, 6, kind)
     assert low < 0.4 < high
     assert compatible(-0.4, 6, kind) == (-high, -low)

@@ -133,7 +133,7 @@ def test_within_conditions_what_is_left_without_their_means_is_correlated() -> N
     assert (result.cells, result.segments, result.answers) == (72, 12, 1440)
 
 
-def test_of_pairs_the_difference_of_scores_is_set_beside_the_win_share() -> None:
+def test_for_pairs_the_difference_of_scores_is_compared_with_the_win_share() -> None:
     chance = np.random.default_rng(5)
     scores = chance.normal(size=(2, 10))
     wins = scores[0] - scores[1] > np.median(scores[0] - scores[1])

@@ -94,7 +94,7 @@ def test_a_two_way_variance_below_a_one_way_one_is_replaced_and_says_so(
     assert result.standard_error**2 == pytest.approx(variance)
 
 
-def test_of_one_segment_participants_alone_are_the_sample() -> None:
+def test_with_one_segment_only_participants_are_a_sample() -> None:
     result = means([[1], [0], [1], [1]])
     assert result.method == ONE_SEGMENT
     assert result.p_value == pytest.approx(stats.ttest_1samp([1, 0, 1, 1], 0.5).pvalue)

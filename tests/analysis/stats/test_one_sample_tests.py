@@ -76,7 +76,7 @@ def test_equivalence_agrees_with_another_implementation() -> None:
         (0.2, 0.3, "undecided"),
     ],
 )
-def test_equivalence_tells_four_cases_apart(estimate: float, error: float, verdict: str) -> None:
+def test_equivalence_distinguishes_four_cases(estimate: float, error: float, verdict: str) -> None:
     assert equivalence(estimate, error, 0.5).verdict == verdict
 
 

@@ -113,7 +113,7 @@ def test_all_participants_alike_agree_perfectly_and_differ_surely() -> None:
     assert [pair.difference for pair in pairs] == [1, 2, 1]
 
 
-def test_who_leaves_a_condition_out_is_left_out_and_counted() -> None:
+def test_participants_without_an_answer_for_each_condition_are_left_out_and_counted() -> None:
     table = ranking_table(participants=6, segments=1)
     lacking = table[~((table["participant"] == "p01") & (table["condition"] == "static"))]
     rankings = placements(lacking, CONDITIONS)
@@ -121,7 +121,7 @@ def test_who_leaves_a_condition_out_is_left_out_and_counted() -> None:
     assert (whole.n, whole.incomplete) == (segment.n, segment.incomplete) == (5, 1)
 
 
-def test_kendalls_w_tells_every_segment_and_the_whole_apart() -> None:
+def test_kendalls_w_is_given_for_each_segment_and_overall() -> None:
     table = ranking_table()
     result = kendall_w(placements(table, CONDITIONS))
     assert [s.segment for s in result.segments] == [f"s{k}" for k in range(6)]

@@ -106,7 +106,7 @@ def as_rankings(votes: Votes) -> pd.DataFrame:
     )
 
 
-def test_of_two_conditions_plackett_and_luces_model_is_davidsons_with_ties() -> None:
+def test_for_two_conditions_plackett_luce_equals_davidsons_model_with_ties() -> None:
     votes = with_ties()
 
     pairs = bradley_terry(votes, left_effect=False)
@@ -176,7 +176,7 @@ def test_a_larger_one_way_variance_takes_the_place_of_the_two_way_one() -> None:
     assert (result.two_way.differences**2 >= 0.999 * of_participants - 1e-12).all()
 
 
-def test_of_one_segment_they_are_those_of_participants() -> None:
+def test_with_one_segment_errors_are_clustered_by_participant() -> None:
     votes = made_votes()
 
     result = bradley_terry(replace(votes, segment=np.zeros_like(votes.left)))
@@ -201,7 +201,7 @@ def p_values(strengths: np.ndarray, covariance: np.ndarray) -> np.ndarray:
         ([np.nan] * 3, ((1, 3),) * 3),
     ],
 )
-def test_what_cannot_be_told_apart_shares_its_ranks(
+def test_indistinguishable_conditions_share_their_ranks(
     strengths: list[float], ranks: tuple[tuple[int, int], ...]
 ) -> None:
     values = np.array(strengths)

@@ -107,7 +107,9 @@ def test_edits_of_one_seed_that_fall_short_fail_the_claim(worse: Edited, failed:
     assert [number for number, verdict in enumerate(judged) if not verdict.holds] == [failed]
 
 
-def test_the_page_tells_missing_numbers_from_zero_and_fallen_claims_from_held_ones() -> None:
+def test_the_page_distinguishes_missing_numbers_from_zero_and_failed_claims_from_held_ones() -> (
+    None
+):
     followings_of = {
         GROUND_TRUTH: following(0.7, 0.0),
         UNTRAINED: following(0.0, 0.0),

@@ -35,7 +35,7 @@ def test_both_bootstraps_spread_alike() -> None:
     assert beside_gather(30, 20, resamples=2000, turns=1).deviations_apart < 0.1
 
 
-def test_what_is_missing_is_skipped_with_its_reason(
+def test_missing_files_are_skipped_with_a_reason(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("benchmarks.statistics.__main__.why_not_r", lambda: "R is not installed")

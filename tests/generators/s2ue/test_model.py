@@ -49,7 +49,7 @@ def test_motion_has_all_frames_and_depends_on_all_that_is_given() -> None:
     assert not torch.allclose(outputs(network, noise=noise), plain)
 
 
-def test_one_embedding_tells_face_and_pose_unless_they_are_apart() -> None:
+def test_face_and_pose_share_one_embedding_unless_they_are_separate() -> None:
     for synchronous in (True, False):
         network = small_network(synchronous=synchronous)
         seeds = network.mean.expand(2, 4, VALUES).clone()

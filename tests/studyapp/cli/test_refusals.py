@@ -119,7 +119,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("command", "options", "error"),
     [(name, *each) for name, errors in REFUSED.items() for each in errors.items()],
 )
-def test_what_cannot_be_done_is_refused_and_nothing_is_written(
+def test_an_impossible_request_is_refused_and_writes_nothing(
     place: Path, monkeypatch: pytest.MonkeyPatch, command: str, options: str, error: str
 ) -> None:
     monkeypatch.chdir(place)

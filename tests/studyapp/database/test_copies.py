@@ -131,7 +131,7 @@ def test_writers_and_readers_go_on_while_a_copy_is_made(
 
 
 @SQLITE
-def test_what_was_deleted_leaves_no_bytes_in_a_copy(
+def test_deleted_data_leave_no_bytes_in_a_copy(
     participant: Participant, database_url: str, tmp_path: Path
 ) -> None:
     token = participant.trial().token.encode()

@@ -138,7 +138,7 @@ def test_a_database_of_another_schema_is_refused_and_stays_as_it_is(
         ("DAMAGED", r"damaged\.db.*not a database.*backup"),
     ],
 )
-def test_what_cannot_be_opened_is_refused_without_its_password(
+def test_an_unreachable_database_is_reported_without_its_password(
     tmp_path: Path, url: str, problem: str
 ) -> None:
     (tmp_path / "damaged.db").write_bytes(b"this is not a database" * 1000)
@@ -351,7 +351,7 @@ def test_only_its_owner_may_read_a_database_and_all_beside_it(tmp_path: Path) ->
     assert modes == dict.fromkeys(names, 0o600)
 
 
-def test_whoever_holds_the_line_without_end_keeps_others_waiting_for_a_while_only(
+def test_a_stuck_writer_blocks_others_only_for_a_limited_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with closing(Database.open(sqlite_url(tmp_path / "responses.db"))) as database:

@@ -101,7 +101,7 @@ def test_a_piece_that_comes_twice_at_once_is_stored_once(inbox: Inbox, folder: S
         ("size", (100_001,), "is too large"),
     ],
 )
-def test_what_can_never_be_brought_in_is_refused_at_once(
+def test_files_that_can_never_be_imported_are_refused_at_once(
     inbox: Inbox, folder: StudyFolder, field: str, values: tuple[object, ...], message: str
 ) -> None:
     for value in values:
@@ -160,7 +160,7 @@ def motion(motion_file: Callable[..., Path]) -> bytes:
     return motion_file(2.0).read_bytes()
 
 
-def test_pieces_come_one_after_another_and_a_wrong_one_is_told_the_place(
+def test_upload_pieces_arrive_in_order_and_a_wrong_one_gets_the_offset(
     lab: Lab, ada: ResearchBrowser, motion: bytes
 ) -> None:
     size = len(motion)
@@ -174,7 +174,7 @@ def test_pieces_come_one_after_another_and_a_wrong_one_is_told_the_place(
     assert "take-0.npz" in ada.get(PAGE).text
 
 
-def test_what_is_refused_says_why(ada: ResearchBrowser) -> None:
+def test_refusals_give_a_reason(ada: ResearchBrowser) -> None:
     status, answer = send_piece(ada, b"x", offset=0, size=1, name="../study.toml")
     assert status == 422
     assert "cannot be called" in str(answer["problem"])

@@ -88,7 +88,7 @@ def test_viewers_see_jobs_and_run_none(
     viewer.get(f"{JOBS}tables/archive", 403)
 
 
-def test_what_stands_in_no_list_is_not_run_and_not_sent(
+def test_only_listed_commands_run_and_only_listed_files_are_sent(
     tiny: LabStudy, ada: ResearchBrowser
 ) -> None:
     write_earlier_results(tiny)
@@ -125,9 +125,7 @@ def test_a_report_is_shown_without_the_rights_of_our_pages(
     assert ("Ada", "downloaded", "Report: tables/answers.csv") in changes(tiny)
 
 
-def test_answers_before_the_end_are_for_whoever_has_said_why(
-    tiny: LabStudy, ada: ResearchBrowser
-) -> None:
+def test_answers_before_the_end_require_a_reason(tiny: LabStudy, ada: ResearchBrowser) -> None:
     write_earlier_results(tiny)
     answer_study(tiny.folder.root, people=2)
     page = ada.get(TINY)
@@ -166,7 +164,7 @@ def test_a_study_is_packed_for_another_lab_from_its_rehearsal_until_somebody_ans
         assert archive.data.startswith(b"PK")
 
 
-def test_a_report_plays_motion_if_asked_to_and_its_size_is_told(
+def test_a_report_plays_motion_on_request_and_the_command_prints_its_size(
     tiny: LabStudy, ada: ResearchBrowser
 ) -> None:
     write_earlier_results(tiny)

@@ -110,7 +110,7 @@ def test_a_job_outlives_the_server_that_began_it(jobs: Path, tiny_study: Path) -
         time.sleep(0.05)
 
 
-def test_what_was_killed_is_told_from_what_ended_and_keeps_no_other_job_away(
+def test_a_killed_job_is_shown_as_interrupted_and_blocks_no_other(
     jobs: Path, tiny_study: Path
 ) -> None:
     begin(jobs, *SLOW)

@@ -62,7 +62,7 @@ def test_the_form_as_it_comes_makes_what_init_makes(
     assert "made" in grace.get("/research/").text
 
 
-def test_what_is_filled_in_stands_in_the_study_file(lab: Lab, grace: ResearchBrowser) -> None:
+def test_the_forms_values_are_written_into_the_study_file(lab: Lab, grace: ResearchBrowser) -> None:
     fields = filled_in(grace.get(f"{MAKE}?template=pairwise&language=en")) | {
         "name": "own",
         "conditions": "own",
@@ -108,7 +108,7 @@ def test_what_is_filled_in_stands_in_the_study_file(lab: Lab, grace: ResearchBro
         ({"framing": "feet"}, "framing"),
     ],
 )
-def test_what_is_wrong_is_said_and_nothing_is_made(
+def test_mistakes_are_reported_and_nothing_is_created(
     lab: Lab, grace: ResearchBrowser, wrong: dict[str, str], message: str
 ) -> None:
     before = {each.name for each in lab.folder.iterdir()}

@@ -34,7 +34,7 @@ def test_a_study_that_nobody_owns_is_taken_over_once_and_by_an_owner_of_the_desk
     assert [each.name for each in list_accounts(tiny.database)] == ["Ada"]
 
 
-def test_who_belongs_to_a_study_opens_it_without_another_password_until_logging_out(
+def test_members_open_a_study_without_another_password_until_they_log_out(
     ada: ResearchBrowser,
 ) -> None:
     assert "tiny" in ada.get("/research/").text
@@ -85,7 +85,7 @@ def shut_out(lab: Lab, database: Database, name: str) -> None:
     remove_access(database, lab.clock, number, by="Grace")
 
 
-def test_who_is_shut_out_of_the_desk_is_out_of_its_studies(
+def test_a_researcher_removed_from_the_desk_loses_its_studies(
     lab: Lab, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
     ada.post(f"{TINY}open")
@@ -95,7 +95,7 @@ def test_who_is_shut_out_of_the_desk_is_out_of_its_studies(
         assert ada.client.get(address).status_code == 303
 
 
-def test_who_is_shut_out_of_a_study_does_not_come_back_by_the_desk(
+def test_a_researcher_removed_from_a_study_cannot_return_by_the_desk(
     lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
     mary = researcher("Mary", "viewer")

@@ -25,7 +25,7 @@ def digest_of(page: PageReader) -> str:
     return str(page.soup.select_one("[name=seen]")["value"])  # type: ignore[index]
 
 
-def test_what_is_saved_is_what_was_typed(tiny: LabStudy, ada: ResearchBrowser, file: Path) -> None:
+def test_the_saved_file_is_the_typed_text(tiny: LabStudy, ada: ResearchBrowser, file: Path) -> None:
     page = ada.get(SETTINGS)
     text = file.read_text("utf-8").replace("Gestures and speech", "Gestures – once more")
     answer = ada.post(SETTINGS, text=text.replace("\n", "\r\n"), seen=digest_of(page))
@@ -52,9 +52,7 @@ def test_a_wrong_file_is_not_saved_and_its_line_is_shown(ada: ResearchBrowser, f
     assert file.read_text("utf-8") == before
 
 
-def test_what_somebody_else_saved_meanwhile_is_shown_and_stays(
-    ada: ResearchBrowser, file: Path
-) -> None:
+def test_a_colleagues_concurrent_change_is_shown_and_kept(ada: ResearchBrowser, file: Path) -> None:
     page, before = ada.get(SETTINGS), file.read_text("utf-8")
     others = before + "# of somebody else\n"
     file.write_text(others, "utf-8")
@@ -67,7 +65,7 @@ def test_what_somebody_else_saved_meanwhile_is_shown_and_stays(
     assert file.read_text("utf-8") == mine
 
 
-def test_what_changes_the_design_under_participants_becomes_a_new_version(
+def test_changing_the_design_while_people_take_part_makes_a_new_version(
     taken: LabStudy, ada: ResearchBrowser, file: Path
 ) -> None:
     page, before = ada.get(SETTINGS), file.read_text("utf-8")
@@ -84,7 +82,7 @@ def test_what_changes_the_design_under_participants_becomes_a_new_version(
     assert taken.problem is None
 
 
-def test_how_many_take_part_may_change_under_participants(
+def test_the_number_of_participants_may_change_while_people_take_part(
     taken: LabStudy, ada: ResearchBrowser, file: Path
 ) -> None:
     text = file.read_text("utf-8").replace("comparison = 4", "comparison = 6")

@@ -55,7 +55,7 @@ def outbox(opened: Database, served: ServedStudy, clock: SetClock) -> Outbox:
     return Outbox(opened, served, clock)
 
 
-def test_a_full_study_is_told_once_and_again_only_if_it_could_not_be_sent(outbox: Outbox) -> None:
+def test_a_full_study_raises_one_alarm_and_another_only_if_sending_failed(outbox: Outbox) -> None:
     assert outbox.look() == 0
     outbox.fill()
     outbox.works = False
@@ -67,7 +67,7 @@ def test_a_full_study_is_told_once_and_again_only_if_it_could_not_be_sent(outbox
     assert outbox.texts == [told] * 2
 
 
-def test_an_open_study_that_nobody_finishes_is_told_once_for_each_standstill(
+def test_a_stalled_study_raises_one_alarm_for_each_stall(
     participant: Participant, outbox: Outbox
 ) -> None:
     seen = []
@@ -88,7 +88,7 @@ def test_an_open_study_that_nobody_finishes_is_told_once_for_each_standstill(
     assert outbox.look() == 2
 
 
-def test_many_newcomers_from_one_address_within_an_hour_are_told_once(outbox: Outbox) -> None:
+def test_many_newcomers_from_one_address_within_an_hour_raise_one_alarm(outbox: Outbox) -> None:
     outbox.come("192.0.2.9", 5)
     outbox.clock.advance(hours=1)
     outbox.come("192.0.2.9", 9)

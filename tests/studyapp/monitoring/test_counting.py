@@ -81,7 +81,7 @@ def test_places_are_open_that_are_wanted_and_held_by_nobody() -> None:
         ((6000, 6060, 6120), 10_000, 18_000, "more than a year"),
     ],
 )
-def test_the_end_is_projected_from_the_present_pace_or_the_reason_is_said(
+def test_the_end_is_projected_from_the_current_pace_or_a_reason_is_given(
     minutes_ago: tuple[int, ...], remaining: int, began: int | None, expected: int | str
 ) -> None:
     finished = [NOON - timedelta(minutes=minutes) for minutes in minutes_ago]
@@ -96,7 +96,7 @@ def test_the_end_is_projected_from_the_present_pace_or_the_reason_is_said(
         assert projected == Forecast(at=NOON + timedelta(minutes=expected))
 
 
-def test_who_left_is_counted_at_the_trial_they_stood_at() -> None:
+def test_dropouts_are_counted_at_their_last_trial() -> None:
     there = [
         session_progress("done", 10),
         session_progress("active", 4),
@@ -115,7 +115,7 @@ def test_who_left_is_counted_at_the_trial_they_stood_at() -> None:
     assert (found.left, found.withdrawn, found.came) == (3, 1, 6)
 
 
-def test_a_check_that_only_careful_raters_fail_is_told_apart() -> None:
+def test_a_check_that_only_careful_raters_fail_is_identified() -> None:
     found = [
         *(Check(person, "catch", "hard", failed=True) for person in range(3)),
         *(Check(person, "catch", "easy", failed=False) for person in range(3)),

@@ -74,7 +74,7 @@ def test_a_study_that_goes_well_needs_no_decision() -> None:
         ),
     ],
 )
-def test_what_is_out_of_order_is_told_with_its_numbers_and_a_remedy(
+def test_findings_come_with_their_numbers_and_a_remedy(
     change: dict[str, Any], message: str
 ) -> None:
     (found,) = decisions(**(QUIET | change))
@@ -103,5 +103,5 @@ def test_what_is_out_of_order_is_told_with_its_numbers_and_a_remedy(
         },
     ],
 )
-def test_what_chance_or_a_few_may_bring_needs_none(change: dict[str, Any]) -> None:
+def test_chance_and_single_events_need_no_decision(change: dict[str, Any]) -> None:
     assert decisions(**(QUIET | change)) == ()

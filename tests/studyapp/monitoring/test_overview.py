@@ -131,7 +131,7 @@ def test_opposite_answers_look_the_same(
     assert found[0] == found[1]
 
 
-def test_who_left_out_too_many_videos_is_named_with_how_many(
+def test_participants_who_skipped_too_many_videos_are_listed_with_the_number(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     first, second = (Participant(opened, served, clock).enrol(name).begin() for name in "ab")
@@ -148,7 +148,7 @@ def test_who_left_out_too_many_videos_is_named_with_how_many(
     ]
 
 
-def test_one_study_session_tells_its_events_in_order(
+def test_the_page_of_a_study_session_lists_its_events_in_order(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     people(opened, served, clock)

@@ -16,7 +16,7 @@ def pairwise(own_study: OwnStudy, monkeypatch: pytest.MonkeyPatch) -> Path:
     return own_study("pairwise").root
 
 
-def test_an_answered_study_tells_spreads_and_who_is_left_out(pairwise: Path) -> None:
+def test_an_answered_study_gives_spreads_and_the_excluded_participants(pairwise: Path) -> None:
     definition = pairwise / "study.toml"
     text = definition.read_text("utf-8").replace("participants = 3", "participants = 16")
     definition.write_text(text, "utf-8")
@@ -32,7 +32,7 @@ def test_an_answered_study_tells_spreads_and_who_is_left_out(pairwise: Path) -> 
     assert "its spreads are rough" in result.notes[0]
 
 
-def test_a_study_that_nobody_answered_tells_nothing(pairwise: Path) -> None:
+def test_a_study_without_answers_reports_nothing(pairwise: Path) -> None:
     with pytest.raises(InputError, match="no answers to a pairwise task"):
         read_pilot(pairwise, "pairwise")
 

@@ -111,7 +111,7 @@ def test_every_protocol_has_parts(name: str, kind: str, tmp_path: Path) -> None:
         assert len(np.unique(shown, axis=1).T) == shown.shape[1]
 
 
-def test_a_study_without_speech_needs_to_be_told_how_many_segments(tmp_path: Path) -> None:
+def test_a_plan_without_speech_needs_the_number_of_segments(tmp_path: Path) -> None:
     study = template("pairwise", tmp_path)
     folder = StudyFolder(tmp_path)
 

@@ -68,7 +68,7 @@ FREE_BOX = (12).to_bytes(4, "big") + b"free" + bytes(4)
         (Told(sound=SILENCE), "sound-silent", "videos/ours/one.mp4 is silent"),
     ],
 )
-def test_what_a_file_reveals_or_lacks_is_found(
+def test_revealing_or_missing_properties_of_a_file_are_found(
     own_study: OwnStudy, spoil: Callable[[Path], object] | Told, name: str, words: str
 ) -> None:
     study = own_study("rating")

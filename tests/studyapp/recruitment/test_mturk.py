@@ -101,7 +101,7 @@ def test_all_assignments_are_read_and_one_is_paid(client: MTurkClient, stub: Stu
     assert [each.worker for each in found] == ["w1", "w2", "w3"]
 
 
-def test_the_sandbox_is_what_is_asked_unless_told_otherwise(
+def test_the_sandbox_is_used_unless_the_live_site_is_requested(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asked = []
@@ -148,7 +148,7 @@ def make_hit(sandbox: Sandbox, hit: str) -> None:
     mturk.create(sandbox.folder, sandbox.client, ADDRESS, live=False)
 
 
-def test_what_was_made_in_the_sandbox_is_not_on_the_live_site(sandbox: Sandbox) -> None:
+def test_tasks_of_the_sandbox_are_not_on_the_live_site(sandbox: Sandbox) -> None:
     make_hit(sandbox, "h1")
     make_hit(sandbox, "h2")
 

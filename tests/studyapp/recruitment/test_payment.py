@@ -83,7 +83,7 @@ def test_pay_needs_as_many_failed_checks_as_the_rule_says(
     assert Recruitment(unpaid_failed_checks=rule).outcome(failed) == outcome
 
 
-def test_who_came_without_a_submissions_name_is_paid_for_the_only_one() -> None:
+def test_a_participant_without_a_submission_id_is_matched_to_the_only_one() -> None:
     person = [KnownParticipant(participant="ann", session="", study_status="completed")]
 
     def states(*submissions: str) -> list[StudyStatus]:

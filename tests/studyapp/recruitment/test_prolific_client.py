@@ -184,7 +184,7 @@ def test_each_outcome_has_its_code_and_only_finishing_may_be_paid_unseen() -> No
     )
 
 
-def test_prolific_is_told_to_name_the_participant_in_the_address() -> None:
+def test_prolific_gets_an_address_with_the_participants_id() -> None:
     sent = draft()
 
     assert sent["external_study_url"] == (
@@ -203,7 +203,7 @@ def test_prolific_is_told_to_name_the_participant_in_the_address() -> None:
     assert not any(PROLIFIC["completed"] in name for name in names)
 
 
-def test_what_is_missing_and_an_address_that_no_recruiter_accepts_are_refused() -> None:
+def test_missing_settings_and_unacceptable_addresses_are_refused() -> None:
     study = make_study(recruitment={"channel": "prolific"})
     with pytest.raises(InputError) as refused:
         prolific_draft(study, (), "https://study.example.org/")

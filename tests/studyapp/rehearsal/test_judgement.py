@@ -71,7 +71,7 @@ def test_attention_checks_are_done_as_they_ask_or_answered_as_any_other_page(
 
 
 @each_study
-def test_who_answers_in_a_straight_line_always_says_the_same(study: Study) -> None:
+def test_straight_lining_raters_always_give_the_same_answer(study: Study) -> None:
     lines: dict[tuple[str, int, object], set[int]] = {}
     for rater, trial, judgement in judged(study, kinds={"straight_lining": 1.0}):
         for key, value in judgement.values.items():
@@ -80,7 +80,7 @@ def test_who_answers_in_a_straight_line_always_says_the_same(study: Study) -> No
 
 
 @each_study
-def test_who_is_side_biased_is_drawn_to_one_end_of_the_page(study: Study) -> None:
+def test_side_biased_raters_prefer_one_end_of_the_page(study: Study) -> None:
     """By the sum over raters of how far each leans, whichever way."""
 
     def leaning(kind: Kind) -> float:
@@ -96,7 +96,7 @@ def test_who_is_side_biased_is_drawn_to_one_end_of_the_page(study: Study) -> Non
 
 
 @pytest.mark.parametrize("kind", ["returning", "double_clicking", "hasty"])
-def test_whoever_takes_part_in_whatever_way_has_every_answer_stored_once(
+def test_every_answer_of_every_kind_of_participant_is_stored_once(
     app: Flask, participant: Participant, eyes: Eyes, kind: Kind, tmp_path: Path
 ) -> None:
     people = replace(participant.population, kinds={kind: 1.0})

@@ -68,7 +68,7 @@ def test_a_form_is_filled_with_answers_and_all_that_a_browser_sends_along() -> N
         ({}, "asks age, comment, rhythm, which"),
     ],
 )
-def test_what_a_person_could_not_answer_is_named(answers: dict[str, str], problem: str) -> None:
+def test_unanswerable_questions_are_named(answers: dict[str, str], problem: str) -> None:
     known = ANSWERS if answers else {"realism:1": ("1",)}
     with pytest.raises(BrokenPageError, match=problem):
         fill({**known, **{field: (value,) for field, value in answers.items()}})

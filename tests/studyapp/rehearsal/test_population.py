@@ -11,7 +11,7 @@ from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.rehearsal import Rehearsal
 
 
-def test_what_the_study_states_takes_the_place_of_what_is_guessed(study: PairwiseStudy) -> None:
+def test_stated_values_replace_guessed_ones(study: PairwiseStudy) -> None:
     stated = Rehearsal.model_validate(
         {
             "careless": 0.2,

@@ -60,7 +60,7 @@ def kinds() -> tuple[KindRecovered, ...]:
     )
 
 
-def test_a_design_that_cannot_answer_is_told_from_bad_luck() -> None:
+def test_a_design_that_cannot_answer_is_distinguished_from_bad_luck() -> None:
     assert (
         "the design cannot answer this question. 25 participants give an interval of ±.20, the "
         "true difference is +.10: see 'motionjury plan'" in difference_in_words(UNDECIDED)
@@ -82,7 +82,7 @@ def test_each_kind_is_counted_as_left_out_missed_or_wrongly_left_out() -> None:
     assert "careless: 2 came, 1 analysed, 1 by catch" in said[2]
 
 
-def test_misses_and_miscounts_are_said_and_tables_and_page_hold_it_all() -> None:
+def test_misses_and_miscounts_are_reported_in_tables_and_page() -> None:
     rated = replace(UNDECIDED, measure="mean_rating", truth=-0.5)
     miscounted = replace(RIGHT, what="left for good", counted=2)
     whole = replace(

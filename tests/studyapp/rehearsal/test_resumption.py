@@ -68,7 +68,7 @@ def roster(folder: StudyFolder, count: int, *arrived: tuple[int, bool, int | Non
         return read_roster(database, count, truth)
 
 
-def test_the_roster_tells_who_is_where_and_awaits_at_most_twice_as_many_as_there_are_places(
+def test_the_roster_lists_participants_and_expects_at_most_twice_as_many_as_places(
     folder: StudyFolder,
 ) -> None:
     begun = roster(folder, 4, (2, True, 0), (1, False, 1))

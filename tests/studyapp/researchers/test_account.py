@@ -31,7 +31,7 @@ def test_the_last_owner_can_neither_leave_nor_become_something_else(door: Door) 
         remove_access(door.database, door.clock, charles, by="Charles")
 
 
-def test_whose_access_or_role_changes_is_logged_out_at_once(door: Door) -> None:
+def test_changing_access_or_role_logs_a_researcher_out_at_once(door: Door) -> None:
     number = door.join("Charles")
     login = door.enter("Charles")
     remove_access(door.database, door.clock, number, by="Ada")
@@ -100,7 +100,7 @@ def test_a_link_for_a_new_password_replaces_it_and_ends_all_logins(door: Door) -
     door.enter(password=NEW)
 
 
-def test_who_is_shut_out_gets_no_new_password(door: Door) -> None:
+def test_removed_researchers_get_no_new_password(door: Door) -> None:
     out = door.join("Charles", "analyst")
     before = door.offer("Charles")
     remove_access(door.database, door.clock, out, by="Ada")

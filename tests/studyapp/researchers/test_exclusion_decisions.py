@@ -68,7 +68,7 @@ def test_the_newest_decision_holds_and_none_is_lost(
     assert kept["excluded_after_look"].tolist() == [False, True, False]
 
 
-def test_what_cannot_be_decided_changes_nothing(participant: Participant, clock: SetClock) -> None:
+def test_an_impossible_decision_changes_nothing(participant: Participant, clock: SetClock) -> None:
     database = participant.database
     participant.another().enrol("gone").withdraw()
     before = latest_changes(database)
@@ -92,7 +92,7 @@ def test_what_cannot_be_decided_changes_nothing(participant: Participant, clock:
 
 
 @pytest.mark.parametrize("leaves", ["withdrawn", "forgotten"])
-def test_of_who_leaves_nothing_stays_of_why_they_were_excluded(
+def test_withdrawing_also_deletes_the_reason_for_an_exclusion(
     participant: Participant, clock: SetClock, leaves: str
 ) -> None:
     database = participant.database

@@ -107,7 +107,7 @@ def test_a_process_that_went_away_is_replaced_after_a_while(
     assert (figures.work(), ask().document) == (1, "results 1")
 
 
-def test_a_failure_is_said_keeps_what_there_was_and_is_tried_again(
+def test_a_failure_is_reported_keeps_earlier_results_and_is_retried(
     clock: SetClock, comer: Participant, figures: CountedFigures, ask: Ask
 ) -> None:
     found = []
@@ -163,5 +163,5 @@ def test_the_process_hands_over_documents_and_says_why_it_cannot(
 
 
 @pytest.mark.parametrize("text", ["", '{"rows": []}', '{"basis": null, "more": 1}'])
-def test_what_another_version_kept_is_none(text: str) -> None:
+def test_values_kept_by_another_version_are_ignored(text: str) -> None:
     assert Document.read(text) is None

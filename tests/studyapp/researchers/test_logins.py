@@ -159,7 +159,7 @@ COMMON = (
 )
 
 
-def test_what_everybody_tries_first_and_what_is_too_short_or_long_is_refused() -> None:
+def test_common_too_short_and_too_long_passwords_are_refused() -> None:
     for password in GOOD:
         check_password(password, name="Ada Lovelace")
     for password in COMMON:

@@ -53,7 +53,7 @@ def test_a_pseudonym_is_the_persons_and_the_keys() -> None:
     assert len({key.pseudonym(each) for each in (one, *(person(**o) for o in others))}) == 5
 
 
-def test_who_came_twice_is_called_alike_and_told_apart() -> None:
+def test_a_person_who_came_twice_has_one_pseudonym_and_two_sessions() -> None:
     key = PseudonymKey(bytes(32))
     came = [person(recruiter_participant=name) for name in ("ada", "ben", "ada", "ada")]
     for number, study_session in enumerate(came, start=1):

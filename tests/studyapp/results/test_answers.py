@@ -63,7 +63,7 @@ def test_a_table_that_became_empty_is_not_left_as_it_was(
     assert pd.read_csv(earlier).empty
 
 
-def test_what_was_kept_of_who_withdrew_is_exported_apart(
+def test_kept_answers_of_withdrawn_participants_are_exported_separately(
     folder: StudyFolder, tmp_path: Path
 ) -> None:
     redefine(folder.root, ("[page]\n", '[page]\nwithdrawn = "kept"\n'))

@@ -114,7 +114,7 @@ def test_a_report_is_no_look_before_itself_but_one_before_later_answers(
     assert before(folder).false_positive_rate == pytest.approx(false_positive_rate([2, 3]))
 
 
-def test_without_answers_there_is_no_look_and_one_that_cannot_be_logged_is_said_to_be_so(
+def test_without_answers_nothing_counts_as_a_look_and_an_unloggable_look_is_reported(
     folder: StudyFolder, finished_study: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object, **__: object) -> None:
@@ -128,9 +128,7 @@ def test_without_answers_there_is_no_look_and_one_that_cannot_be_logged_is_said_
     assert "This look could not be logged: the disk is full" in noted(folder)
 
 
-def test_an_export_is_a_look_that_later_reports_tell_of(
-    folder: StudyFolder, tmp_path: Path
-) -> None:
+def test_an_export_is_a_look_that_later_reports_list(folder: StudyFolder, tmp_path: Path) -> None:
     tables = export(folder, tmp_path / "answers.csv", reason="for the talk")
     other_lab = share(folder, tmp_path / "first")
     share(folder, tmp_path / "second")

@@ -140,7 +140,7 @@ trials = 500
 """
 
 
-def test_who_did_not_finish_is_left_out_and_what_was_not_stated_beforehand_is_exploratory(
+def test_unfinished_sessions_are_excluded_and_unstated_rules_are_exploratory(
     answered: Answered,
 ) -> None:
     folder = answered("rating", people=3, stop_after=2)

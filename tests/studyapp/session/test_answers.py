@@ -194,7 +194,7 @@ def test_a_video_is_left_out_only_where_something_shows_that_it_failed(
     assert stored(participant) == []
 
 
-def test_who_leaves_out_too_many_ends_without_a_code_and_frees_the_place(
+def test_skipping_too_many_videos_ends_without_a_code_and_frees_the_place(
     participant: Participant,
 ) -> None:
     last = trials_of(participant)[MIN_SKIPPED_TRIALS]

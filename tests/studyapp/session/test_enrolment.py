@@ -45,7 +45,7 @@ P = Arrival(recruiter_participant="p")
         (NAMED, replace(NAMED, recruiter_participant="q"), False),
     ],
 )
-def test_who_comes_again_goes_on_where_they_were_and_nobody_else(
+def test_only_the_same_participant_continues_a_session(
     opened: Database,
     served: ServedStudy,
     clock: SetClock,
@@ -135,7 +135,7 @@ def test_many_arrivals_at_once_leave_connections_to_those_who_answer(
 
 
 @pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
-def test_nobody_is_told_that_the_study_is_full_before_the_last_place_is_really_given(
+def test_the_study_is_full_only_once_the_last_place_is_taken(
     database: Database, clock: SetClock
 ) -> None:
     served = three_arms(1)

@@ -38,7 +38,7 @@ def held_places(participant: Participant) -> int:
 
 
 @pytest.mark.parametrize("careless", ["catch", "attention"])
-def test_who_fails_opens_the_place_again_and_keeps_code_and_answers(
+def test_failing_frees_the_place_and_keeps_code_and_answers(
     open_changed: Open, careless: str
 ) -> None:
     participant = finish(open_changed, careless, REPLACING, STRICT, added=ATTENTION)

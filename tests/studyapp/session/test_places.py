@@ -46,7 +46,7 @@ def test_a_report_of_what_was_played_gets_a_lost_place_back_and_is_stored(
 
 
 @pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
-def test_who_is_answering_at_this_moment_does_not_lose_the_place(
+def test_a_participant_who_is_answering_keeps_the_place(
     database: Database, clock: SetClock
 ) -> None:
     silent, *others = arrive(database, clock, 1, 3)

@@ -94,7 +94,7 @@ RECRUITED = Arrival(
 
 
 @pytest.mark.parametrize("arrival", [Arrival(visit="visit"), RECRUITED])
-def test_who_left_unheard_and_comes_again_begins_anew_as_one_study_session(
+def test_a_participant_who_left_at_the_sound_check_may_start_again(
     listener: Participant, arrival: Arrival
 ) -> None:
     left = listener.arrive(arrival).token
@@ -115,7 +115,7 @@ def test_who_left_unheard_and_comes_again_begins_anew_as_one_study_session(
 
 
 @pytest.mark.parametrize("tries", [1, 3])
-def test_who_withdraws_otherwise_at_the_sound_check_does_not_begin_anew(
+def test_a_participant_who_withdraws_at_the_sound_check_cannot_start_again(
     listener: Participant, tries: int
 ) -> None:
     for _ in range(tries):
@@ -149,7 +149,9 @@ def test_a_study_without_sound_has_no_sound_check(listener: Participant) -> None
     assert listener.begin().look().state == "started"
 
 
-def test_who_had_begun_before_the_check_was_asked_for_goes_on(participant: Participant) -> None:
+def test_participants_who_started_before_the_check_was_added_continue(
+    participant: Participant,
+) -> None:
     study = participant.served.study
     page = study.page.model_copy(update={"sound_check": True})
     participant.served = replace(participant.served, study=study.model_copy(update={"page": page}))

@@ -94,7 +94,7 @@ def test_a_new_version_keeps_earlier_answers_apart(
     assert seen[1] and not seen[1] & seen[2]
 
 
-def test_who_cannot_go_on_in_a_new_version_goes_on_where_it_is_undone(
+def test_participants_stopped_by_a_new_version_continue_when_it_is_undone(
     participant: Participant, change: Change
 ) -> None:
     participant.take_trial()

@@ -76,7 +76,7 @@ def watcher(participant: Participant) -> Participant:
     [Playback(rate=1.5), Playback(hidden_seconds=2.0), Playback(silent_seconds=2.0)],
     ids=["fast", "hidden", "silent"],
 )
-def test_what_was_played_fast_hidden_or_silent_is_kept_but_does_not_count(
+def test_fast_hidden_or_silent_playing_is_stored_but_does_not_count(
     watcher: Participant, playback: Playback
 ) -> None:
     assert watcher.watch((0.0, 2.0), playback=playback) == pytest.approx(1.9)
@@ -87,7 +87,7 @@ def test_what_was_played_fast_hidden_or_silent_is_kept_but_does_not_count(
     assert watcher.watch((0.0, 2.0), batch=1) == 0
 
 
-def test_what_is_played_a_little_faster_or_slower_and_within_the_video_counts(
+def test_playing_a_little_faster_or_slower_within_the_video_counts(
     watcher: Participant,
 ) -> None:
     assert watcher.watch((1.5, 30.0), (40.0, 50.0)) == pytest.approx(1.4)

@@ -79,7 +79,7 @@ def test_where_keeping_was_promised_all_is_kept_and_nothing_analysed(begun: Part
     assert len(read_once(database, form_answers_table, withdrawn=True)) == 1
 
 
-def test_what_was_promised_at_the_start_holds_when_the_study_promises_otherwise_now(
+def test_the_withdrawal_rule_at_consent_holds_after_the_study_changes_it(
     begun: Participant, tiny_study: Path
 ) -> None:
     redefine(tiny_study, ('withdrawn = "deleted"', 'withdrawn = "kept"'))

@@ -56,9 +56,7 @@ def test_every_video_is_stored_as_often_as_anybody_sees_it(
         assert s3_store.objects[first].etag != s3_store.objects[second].etag
 
 
-def test_neither_names_nor_the_order_of_storing_tell_anything(
-    tiny_study: Path, s3_store: Store
-) -> None:
+def test_neither_names_nor_storage_order_reveal_anything(tiny_study: Path, s3_store: Store) -> None:
     publish(StudyFolder(tiny_study), place_in(s3_store), silent)
 
     by_age = list(s3_store.objects)
@@ -124,7 +122,7 @@ def test_allowed_origins_are_added_and_unused_objects_removed(
         allow_origin(folder, ORIGIN)
 
 
-def test_wrong_keys_and_an_absent_store_are_said(
+def test_wrong_keys_and_a_missing_store_are_reported(
     tiny_study: Path, s3_store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = StudyFolder(tiny_study)

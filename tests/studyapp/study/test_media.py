@@ -22,7 +22,7 @@ def finished(own_study: OwnStudy) -> StudyFolder:
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_of_finished_videos_copies_are_shown_and_no_speech_is_needed(
+def test_finished_videos_are_shown_as_copies_and_need_no_speech(
     own_study: OwnStudy, protocol: str
 ) -> None:
     folder = own_study(protocol)

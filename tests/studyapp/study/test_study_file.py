@@ -66,7 +66,7 @@ def restricted(value: Any, like: Any) -> Any:
     return value
 
 
-def test_what_is_wanted_ends_up_in_the_file(tmp_path: Path) -> None:
+def test_the_chosen_settings_are_written_into_the_file(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     new_study(path, name="scott", title="T", reference="static", trials=6)
     study = read_study(path)
@@ -143,7 +143,7 @@ def test_all_three_systems_stand_in_one_study_beside_what_they_are_compared_with
     assert (study.trials, study.participants) == (15, 10)
 
 
-def test_own_conditions_take_what_is_said_of_the_templates_with_them(tmp_path: Path) -> None:
+def test_renamed_conditions_keep_the_templates_settings(tmp_path: Path) -> None:
     conditions = {"amuse": Condition(generator="static"), "b": Condition(generator="rule_based")}
     study = new_study(
         tmp_path / "study.toml", template="three-systems", name="s", conditions=conditions

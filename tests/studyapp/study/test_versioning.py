@@ -43,7 +43,7 @@ STATIC = {
         ({"alarms": {"stalled_hours": 3}}, []),
     ],
 )
-def test_what_decides_nothing_that_participants_see_may_change_and_how_it_runs_is_noted(
+def test_settings_that_participants_do_not_see_may_change_and_are_logged(
     changes: dict[str, Any], noted: list[str]
 ) -> None:
     before, after = make_study(), make_study(**changes)

@@ -139,7 +139,7 @@ def test_a_page_can_report_in_four_windows_for_an_hour_and_nobody_waits_for_othe
     assert pace.seconds_to_wait("one", 3600.0) > 0
 
 
-def test_what_is_too_much_is_refused_before_it_is_read_and_stops_nobody_else(
+def test_oversized_requests_are_refused_unread_and_block_nobody(
     app: Flask, clock: SetClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     flooding, other = (Visitor(app, clock).enrol().begin() for _ in range(2))

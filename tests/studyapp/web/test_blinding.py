@@ -50,7 +50,9 @@ def trial_requests(visitor: Visitor) -> dict[str, Request]:
     }
 
 
-def test_no_page_or_header_tells_a_condition_segment_or_kind(serve: Serve, clock: SetClock) -> None:
+def test_no_page_or_header_reveals_a_condition_segment_or_kind(
+    serve: Serve, clock: SetClock
+) -> None:
     visitor = Visitor(serve(LABELLED), clock)
     seen = [visitor.client.get("/")]
     seen.append(visitor.client.get(visitor.enrol().address))

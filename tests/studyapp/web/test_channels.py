@@ -57,7 +57,7 @@ def comes_again(visitor: Visitor, query: str) -> Visitor:
     return again.enrol(query)
 
 
-def test_who_finishes_is_led_back_to_prolific_with_the_code(
+def test_finishing_leads_back_to_prolific_with_the_code(
     serve_with: ServeWith, clock: SetClock
 ) -> None:
     visitor = Visitor(serve_with(PROLIFIC), clock).enrol(BY_PROLIFIC)
@@ -185,7 +185,7 @@ def test_a_preview_offers_no_start(serve_with: ServeWith) -> None:
     assert PageReader(answer.text).soup.select("form, script") == []
 
 
-def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(
+def test_screened_out_people_get_the_code_and_cannot_change_their_answer(
     serve_with: ServeWith,
 ) -> None:
     app = serve_with(PROLIFIC + FORM)

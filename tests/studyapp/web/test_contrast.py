@@ -56,7 +56,7 @@ def test_both_looks_name_the_same_colours() -> None:
         *[("edge", behind, EDGE) for behind in ("background", "paper", "raised")],
     ],
 )
-def test_what_is_to_be_seen_stands_out(
+def test_labels_and_marks_contrast_with_the_background(
     look: Colours, front: str, behind: str, least: float
 ) -> None:
     assert contrast(look[front], look[behind]) >= least

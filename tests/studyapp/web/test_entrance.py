@@ -52,7 +52,7 @@ def test_eligibility_comes_before_consent_and_neither_stores_anything(asking: Fl
     assert list(stored_in(asking, select(FormAnswer.question))) == ["adult", "read"]
 
 
-def test_what_is_missing_is_said_beside_its_question_and_what_was_said_before_is_kept(
+def test_a_missing_answer_is_marked_at_its_question_and_given_answers_are_kept(
     asking: Flask,
 ) -> None:
     client = asking.test_client()

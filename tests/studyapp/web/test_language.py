@@ -89,7 +89,7 @@ def test_neither_does_a_page_beside_the_way(visitor: Visitor, clock: SetClock) -
         assert left_in_english(PageReader(answer.text), study) == "", answer.status
 
 
-def test_what_is_not_bracketed_is_seen(serve: Serve) -> None:
+def test_untranslated_text_would_be_found(serve: Serve) -> None:
     study = study_of(serve())
     page = PageReader(f'<p title="⟦Help⟧ me">⟦say ⟦it⟧⟧ now, {study.title} A</p>')
 
@@ -110,7 +110,7 @@ def speaking(code: str) -> Flask:
         ("ja", "質問1、2（B）、3にまだ回答していません。Please wait."),
     ],
 )
-def test_a_refusal_is_said_whole_with_its_list(code: str, message: str) -> None:
+def test_a_refusal_is_shown_in_full_with_its_list(code: str, message: str) -> None:
     about = Message("{number} about {letter}", number=2, letter="B")
     refusal = UnacceptableError(
         "Questions {numbers} are not answered yet.", "Please wait.", numbers=(1, about, 3)

@@ -192,9 +192,7 @@ def redirects(app: Flask, clock: SetClock) -> list[TestResponse]:
     return responses
 
 
-def test_what_is_shown_again_cannot_be_told_from_what_is_new(
-    from_store: Flask, clock: SetClock
-) -> None:
+def test_repeated_trials_look_like_new_ones(from_store: Flask, clock: SetClock) -> None:
     served = site_of(from_store).served
     known = {video.file.read_bytes() for video in served.videos.values()}
     shown_again = 0
@@ -253,7 +251,7 @@ def test_pages_may_load_from_the_store_and_from_nobody_else(
     assert store.endpoint not in inside
 
 
-def test_what_is_not_in_the_store_as_it_is_here_is_said_before_serving(
+def test_copies_missing_from_the_store_are_reported_before_serving(
     study: Path, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     served = ServedStudy.read(study)

@@ -66,7 +66,7 @@ def test_researchers_log_in_and_look_at_every_page_below_the_path(
 @pytest.mark.parametrize(
     "path", ["one", "/a b", "/a//b", "/../x", "/a/./b", "/a?b", "//host", "/é"]
 )
-def test_what_is_no_path_is_refused(path: str) -> None:
+def test_invalid_paths_are_refused(path: str) -> None:
     with pytest.raises(InputError, match="/studies/one"):
         checked_prefix(path)
     assert [checked_prefix(path) for path in ("", "/", "/a", "/a/b-1/")] == ["", "", "/a", "/a/b-1"]

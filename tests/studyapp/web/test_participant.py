@@ -99,7 +99,7 @@ FROZEN = ('title = "G', 'freeze = ["face", "root"]\ntitle = "G')
     ],
     ids=["generated", "brought", "frozen"],
 )
-def test_instructions_follow_the_study_and_never_tell_which_trials_are_practice(
+def test_instructions_follow_the_study_and_never_reveal_practice_trials(
     serve: Serve,
     clock: SetClock,
     changes: tuple[tuple[str, str], ...],
@@ -129,9 +129,7 @@ def test_instructions_call_nothing_made_by_a_computer_where_motion_is_recorded(
     assert "made by a computer" not in Visitor(recorded, clock).enrol().page().words()
 
 
-def test_what_the_study_file_says_is_shown_as_text_never_as_markup(
-    serve: Serve, clock: SetClock
-) -> None:
+def test_texts_of_the_study_file_are_escaped(serve: Serve, clock: SetClock) -> None:
     hostile = "<script>alert(1)</script>' onload='x"
     terms = {
         "title": "Gestures and speech",

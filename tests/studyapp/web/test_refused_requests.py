@@ -30,9 +30,7 @@ def noted_refusals(app: Flask) -> list[tuple[int | None, str, str]]:
     return [(line.study_session_id, line.kind, line.detail) for line in lines]
 
 
-def test_what_is_refused_is_noted_by_its_kind(
-    app: Flask, visitor: Visitor, clock: SetClock
-) -> None:
+def test_refusals_are_logged_by_kind(app: Flask, visitor: Visitor, clock: SetClock) -> None:
     page = visitor.page()
     watched = page.value("#pair", "data-watched-url")
     other = Visitor(app, clock).enrol().begin().page()

@@ -47,7 +47,7 @@ def signed(key: RSAPrivateKey, *, kid: str = "one", **changes: Any) -> str:
 
 
 @pytest.mark.parametrize("audience", [HOST, f"https://{HOST}", [f"https://{HOST}/one"]])
-def test_whom_prolific_signed_is_believed_however_long_they_read_the_first_pages(
+def test_prolifics_signature_is_accepted_however_long_the_first_pages_are_read(
     private_key: RSAPrivateKey, fetched: list[int], audience: Any
 ) -> None:
     for expired in (-60, 0, 1800):

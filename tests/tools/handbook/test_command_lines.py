@@ -49,6 +49,6 @@ motionjury is no call here
         "check one two",
     ],
 )
-def test_what_the_program_would_refuse_is_refused(call: str) -> None:
+def test_values_that_the_program_refuses_are_refused(call: str) -> None:
     with pytest.raises(click.UsageError):
         check_call(call.split())

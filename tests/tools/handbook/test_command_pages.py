@@ -55,7 +55,7 @@ def test_somebody_wrote_what_a_page_is_for(name: str, heading: str) -> None:
     assert len(below[1].split()) >= LEAST_WORDS
 
 
-def test_what_is_written_by_hand_stays_and_a_subcommand_that_is_gone_leaves() -> None:
+def test_handwritten_text_stays_and_removed_subcommands_disappear() -> None:
     parts = [block(name, "old words") for name in ("motionjury figure", "motionjury figure dance")]
     page = "\n\n".join(["# `motionjury figure`", *parts, "My words.\n"])
 

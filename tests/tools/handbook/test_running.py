@@ -49,7 +49,7 @@ def test_a_command_that_fails_or_is_expected_to_and_does_not_stops(
         run_page(page_of(script, info=info), tmp_path)
 
 
-def test_what_a_reader_sets_in_a_file_is_set_beside_the_rest(tmp_path: Path) -> None:
+def test_a_setting_in_the_file_leaves_the_others(tmp_path: Path) -> None:
     file = tmp_path / "study.toml"
     file.write_text(
         '# kept\nseed = 1\n[video]\nsize = 720\navatar = "alex"\n[gone.a]\nb = 1\n[gone.c]\nd = 2\n'
@@ -66,7 +66,7 @@ def test_what_a_reader_sets_in_a_file_is_set_beside_the_rest(tmp_path: Path) -> 
     }
 
 
-def test_what_differs_from_run_to_run_is_not_shown(tmp_path: Path) -> None:
+def test_output_that_differs_from_run_to_run_is_not_shown(tmp_path: Path) -> None:
     output = (
         "render: 3 of 80 frames, 65 a second, about 05:24 left\n"
         "Open http://127.0.0.1:8000/research/join/aB-9_x (once)\n"

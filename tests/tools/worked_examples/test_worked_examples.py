@@ -45,7 +45,7 @@ STUDIES = 600
 
 
 @pytest.mark.parametrize(("participant_sd", "item_sd"), [(0.0, 0.0), (0.6, 0.45), (1.0, 0.8)])
-def test_win_shares_of_simulated_studies_vary_as_much_as_is_said(
+def test_win_shares_of_simulated_studies_vary_as_much_as_stated(
     participant_sd: float, item_sd: float
 ) -> None:
     design = Design(

@@ -62,7 +62,7 @@ def test_a_corpus_that_cannot_be_made_is_refused(numbers: dict[str, int], compla
         CorpusRequest(**numbers)  # type: ignore[arg-type]  # of any field
 
 
-def test_of_shared_passages_the_same_texts_are_held_out_of_all_speakers() -> None:
+def test_shared_passages_hold_out_the_same_texts_for_all_speakers() -> None:
     request = CorpusRequest(
         speakers=4, sentences=96, takes=1, held_out_speakers=1, shared_passages=True
     )

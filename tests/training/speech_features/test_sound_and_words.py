@@ -137,7 +137,7 @@ def test_there_are_1024_channels_50_times_a_second(samples: int, vectors: int) -
     assert stand_in().features(speech(1)[:samples]).shape == (vectors, 1024)
 
 
-def test_the_stand_in_tells_speech_apart_but_not_its_loudness_and_takes_no_chance() -> None:
+def test_the_stand_in_distinguishes_speech_but_not_loudness_and_is_deterministic() -> None:
     torch.manual_seed(3)
     expected = torch.rand(3)
     torch.manual_seed(3)

@@ -41,7 +41,7 @@ NAMES = (
 )
 
 
-def test_marks_tell_what_is_descriptive_and_what_is_the_whole() -> None:
+def test_marks_distinguish_descriptive_rows_and_totals() -> None:
     dots = [
         Dot(estimate=0.4, low=0.1, high=0.7, words=".40", hint=".40", is_descriptive=True),
         Dot(estimate=0.5, low=0.3, high=0.7, words=".50", hint=".50", is_overall=True),

@@ -67,7 +67,7 @@ def test_correlations_stand_in_a_table_and_two_figures_and_again_in_the_same_byt
     assert "With 4 conditions" in shown.paragraphs[0]
 
 
-def test_the_fewer_the_conditions_the_less_they_are_said_to_tell(tmp_path: Path) -> None:
+def test_fewer_conditions_give_a_weaker_statement(tmp_path: Path) -> None:
     many, few = (sampling_range_sentence(sampling_range(count)) for count in (10, 4))
     assert "anything from .07 to .82 in 95 of 100 studies" in many
     assert "could look the same" not in many

@@ -60,7 +60,7 @@ def test_a_preference_is_named_with_the_estimate_that_decides_and_what_it_rests_
     assert log_odds in answer(modelled, subject_of(modelled))[0]
 
 
-def test_what_is_not_decided_is_not_called_equal_unless_a_margin_was_stated(
+def test_undecided_comparisons_are_not_called_equal_unless_a_margin_was_stated(
     answered: Answered,
 ) -> None:
     table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=40, segments=20)
@@ -217,7 +217,7 @@ def test_excluded_participants_are_counted_in_the_answer_and_the_flow_with_their
 
 
 @pytest.mark.parametrize("protocol", TABLES)
-def test_nobody_and_nothing_are_said_in_a_sentence(protocol: str, tmp_path: Path) -> None:
+def test_empty_counts_are_written_in_words(protocol: str, tmp_path: Path) -> None:
     report = report_of(TABLES[protocol](participants=2).iloc[:0], protocol, tmp_path)
 
     assert answer(report, subject_of(report))[0].startswith("There are no answers")

@@ -136,7 +136,7 @@ def test_other_metrics_follow_in_tables_that_fit_a_page_and_details_stay_in_the_
     assert [cell.text for cell in missing.rows[0]] == ["new metric", "no network: train one"]
 
 
-def test_what_was_not_measured_and_what_gestures_were_taken_for_is_shown() -> None:
+def test_missing_measurements_and_recognised_emotions_are_shown() -> None:
     metrics = StudyMetrics(
         frame_rate=30.0,
         clips=(),

@@ -116,7 +116,9 @@ def looked(finished: int, reason: str = "a video broke") -> Look:
     )
 
 
-def test_looks_are_told_on_the_first_screen_in_the_methods_and_in_a_section(tmp_path: Path) -> None:
+def test_looks_are_reported_on_the_first_screen_in_the_methods_and_in_a_section(
+    tmp_path: Path,
+) -> None:
     report = report_of(pairwise_table(participants=6), "pairwise", tmp_path)
     before = looks_before([looked(2), looked(4, "")], finished=6, answers=60)
     seen = replace(report, looks=before)

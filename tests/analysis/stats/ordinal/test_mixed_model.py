@@ -71,7 +71,7 @@ def test_many_answers_begun_from_a_part_of_them_end_at_the_same_maximum(
     assert begun.standard_errors["side"] == pytest.approx(whole.standard_errors["side"], rel=2e-3)
 
 
-def test_a_variance_at_its_boundary_is_said() -> None:
+def test_a_variance_at_its_boundary_is_reported() -> None:
     made = made_answers()
     # Two items about which everybody answers alike differ less than chance would make them.
     alike = RandomEffect(
@@ -85,7 +85,7 @@ def test_a_variance_at_its_boundary_is_said() -> None:
     assert result.standard_errors["side"] > 0
 
 
-def test_separated_answers_are_said_and_have_no_p() -> None:
+def test_separated_answers_are_reported_without_a_p_value() -> None:
     made = made_answers()
     answers = np.where(made.side > 0, 4, made.values % 2)
 
@@ -96,7 +96,7 @@ def test_separated_answers_are_said_and_have_no_p() -> None:
 
 
 @pytest.mark.parametrize("answers", [[], [2, 2, 2]])
-def test_nothing_to_fit_is_said(answers: list[int]) -> None:
+def test_an_empty_fit_has_a_reason(answers: list[int]) -> None:
     with pytest.raises(InputError, match="ordinal model needs"):
         fit(answers, {}, ())
 

@@ -11,7 +11,7 @@ from tests.support.studies.exported import responses_table, study_sessions_table
 from tests.support.studies.taking_part_steps import Participant
 
 
-def test_of_a_catch_trial_other_is_the_flawed_condition(participant: Participant) -> None:
+def test_in_a_catch_trial_the_other_is_the_flawed_condition(participant: Participant) -> None:
     participant.take_all()
 
     table = read_once(participant.database, responses_table)

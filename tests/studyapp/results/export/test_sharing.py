@@ -111,7 +111,7 @@ def test_checksums_are_those_of_every_file(passed_on: tuple[StudyFolder, Path]) 
     assert len(stimuli) and stimuli["sha256"].str.fullmatch("[0-9a-f]{64}").all()
 
 
-def test_of_who_withdrew_nothing_is_passed_on_but_the_number(
+def test_only_the_number_of_withdrawn_participants_is_shared(
     answered: Answered, tmp_path: Path
 ) -> None:
     folder = answered("pairwise")
@@ -138,7 +138,7 @@ def test_files_that_were_changed_are_refused(
         read_answers(copy, "participants")
 
 
-def test_what_was_passed_on_is_not_exported_again_and_stands_beside_no_database(
+def test_a_shared_folder_is_not_exported_again_and_holds_no_database(
     passed_on: tuple[StudyFolder, Path], tmp_path: Path
 ) -> None:
     copy = StudyFolder(passed_on[1] / "sourcedata" / "study")
@@ -202,9 +202,7 @@ def names(folder: Path) -> set[str]:
     return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_what_metrics_are_measured_from_is_copied_and_nothing_else(
-    folder: StudyFolder, tmp_path: Path
-) -> None:
+def test_only_files_that_metrics_need_are_copied(folder: StudyFolder, tmp_path: Path) -> None:
     remarks = copied(folder, tmp_path / "copy", "matrix.npy")
 
     speech = {"speech/segments.csv", "speech/take.wav"}
@@ -230,7 +228,7 @@ def test_motion_beside_finished_videos_is_copied_and_needs_the_videos(
     assert any("--with-videos" in remark for remark in remarks) is not videos
 
 
-def test_what_lies_outside_the_study_is_named_and_not_copied(
+def test_files_outside_the_study_are_named_and_not_copied(
     folder: StudyFolder, tmp_path: Path
 ) -> None:
     (folder.root.parent / "outside.npy").write_bytes(b"x")

@@ -168,7 +168,7 @@ def test_answers_that_contradict_the_study_are_exported_all_the_same(
     assert read(tmp_path)["excluded"].isna().all() == bool(done.remark)
 
 
-def test_what_a_spreadsheet_would_run_is_text(answered: Answered, tmp_path: Path) -> None:
+def test_spreadsheet_formulas_are_exported_as_text(answered: Answered, tmp_path: Path) -> None:
     folder = answered("pairwise")
     with writing(folder.responses) as session:
         log_change(session, SetClock().now(), Event.EXCLUDED, by="@ada", reason="+1")

@@ -113,7 +113,7 @@ def test_a_mismatch_study_shows_every_motion_equally_often(
 
 
 @given(st.sampled_from(sorted(KEYS)), st.integers(0, 60), SEEDS)
-def test_with_speech_enough_what_is_heard_tells_no_extra_trial(
+def test_with_enough_speech_extra_trials_cannot_be_recognised(
     protocol: str, number: int, seed: int
 ) -> None:
     study = extras(protocol, seed=seed)

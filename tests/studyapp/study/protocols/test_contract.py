@@ -77,7 +77,7 @@ def test_every_video_shown_is_among_those_that_are_prepared(design: Any) -> None
 
 
 @given(designs())
-def test_in_a_part_nothing_but_the_content_tells_kinds_apart(design: Any) -> None:
+def test_kinds_of_trials_in_a_part_differ_only_in_content(design: Any) -> None:
     study, _, plan = design
     looks: dict[str, set[tuple[int, int, bool]]] = {}
     for trial in plan:

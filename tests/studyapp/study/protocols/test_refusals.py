@@ -43,7 +43,7 @@ def a_set(*conditions: str) -> dict[str, Any]:
         ("mismatch", {"realism": 0, "questions": [FIT], "catch": {"trials": 1}}, "realism"),
     ],
 )
-def test_what_does_not_fit_is_named(protocol: str, changes: dict[str, Any], said: str) -> None:
+def test_misfits_are_named(protocol: str, changes: dict[str, Any], said: str) -> None:
     with pytest.raises(InputError, match=re.escape(said)):
         make(protocol, **changes)
 
@@ -80,7 +80,7 @@ def test_what_does_not_fit_is_named(protocol: str, changes: dict[str, Any], said
         ("all_pairs", {}, ["anger"] * 3, ["allow 9 pairs", "shows each of them 3 times"]),
     ],
 )
-def test_too_little_speech_and_no_yardstick_are_told(
+def test_too_little_speech_and_missing_references_are_reported(
     protocol: str, changes: dict[str, Any], emotions: list[str], said: list[str]
 ) -> None:
     notes = make(protocol, **changes).notes(make_segments(emotions))

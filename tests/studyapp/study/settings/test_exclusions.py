@@ -84,7 +84,7 @@ def test_stated_rules_hold_alone_and_by_default_the_unfinished_and_inattentive_a
         ([{"rule": "coverage"}], {}, "exclusions.0.coverage.below: is missing"),
     ],
 )
-def test_what_cannot_be_is_refused_with_its_place(
+def test_impossible_values_are_refused_with_their_place(
     read: Read, rules: list[Any], catch: dict[str, Any], said: str
 ) -> None:
     with pytest.raises(InputError, match=re.escape(said)):
@@ -102,7 +102,7 @@ def test_what_cannot_be_is_refused_with_its_place(
         ("time<2.5, share=0.25", "time<2.5,share=0.25"),
     ],
 )
-def test_what_is_written_in_one_word_is_read_back(text: str, meant: str) -> None:
+def test_rules_written_in_shorthand_are_read_back(text: str, meant: str) -> None:
     assert parse_exclusion(text, where="--exclude").shorthand() == meant
 
 

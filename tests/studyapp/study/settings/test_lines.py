@@ -36,7 +36,9 @@ EXTRA = '\n[[questions]]\nname = "extra"\n'
         ),
     ],
 )
-def test_what_is_wrong_is_told_with_its_line(before: str, after: str, line: str, said: str) -> None:
+def test_mistakes_are_reported_with_their_line(
+    before: str, after: str, line: str, said: str
+) -> None:
     text = STUDY.replace(before, after, 1) if before else STUDY + after
     assert text != STUDY
     number = max(number for number, words in enumerate(text.split("\n"), 1) if line in words)

@@ -146,7 +146,7 @@ def test_one_failed_check_costs_pay_in_short_studies() -> None:
 GUESSABLE = "KX7QM2P AAAAAAAAAA ABABABABAB COMPLETED7X prolific-42 K1234567X9 XQWERTY79K 9876PWTRKX"
 
 
-def test_a_code_that_could_be_guessed_is_told_and_those_of_recruiters_are_fine() -> None:
+def test_a_guessable_code_is_reported_and_recruiters_codes_are_not() -> None:
     for code in ("", *GUESSABLE.split(), "DONE-KX7QM2", "KXQM7KXQM7"):
         assert code_weakness(code) is not None, code
     for code in ("KX7QM2PWTR", "C1G9PC0D", "8E8AC860"):

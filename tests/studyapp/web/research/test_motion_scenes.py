@@ -96,7 +96,7 @@ def content(condition: str, speech: str | None = "s") -> Content:
     return (Stimulus(condition=condition, segment="s", speech=speech),)
 
 
-def test_what_is_heard_alike_plays_side_by_side_as_far_as_it_fits() -> None:
+def test_clips_with_the_same_speech_play_side_by_side_as_far_as_they_fit() -> None:
     def clips(players: dict[int, Content]) -> list[tuple[str | None, str]]:
         scenes = scenes_of_trial(players, lambda letter, _: letter[0])
         return [(scene.speech, "".join(scene.labels)) for scene in scenes]

@@ -88,7 +88,7 @@ def test_after_logging_in_one_is_led_to_pages_of_ours_alone(
         browser.post("/research/log-out")
 
 
-def test_refused_logins_are_told_the_same_until_there_were_too_many(
+def test_refused_logins_get_one_message_until_there_are_too_many(
     browser: ResearchBrowser, log_in: LogIn
 ) -> None:
     log_in("owner")
@@ -169,7 +169,7 @@ def test_a_changed_password_is_asked_for_from_then_on(log_in: LogIn) -> None:
 
 
 @pytest.mark.parametrize("origin", ["https://study.example.org", ""])
-def test_what_a_request_calls_the_host_stands_in_no_link(log_in: LogIn, origin: str) -> None:
+def test_the_host_named_in_a_request_appears_in_no_link(log_in: LogIn, origin: str) -> None:
     owner = log_in("owner")
     attach(log_in.app, replace(site_of(log_in.app), origin=origin))
     owner.client.environ_base["HTTP_HOST"] = "evil.example.com"

@@ -113,7 +113,7 @@ def test_every_trial_of_every_protocol_can_be_walked_through(
     assert rows(database) == before
 
 
-def test_what_there_is_not_cannot_be_previewed(app: Flask) -> None:
+def test_missing_trials_cannot_be_previewed(app: Flask) -> None:
     browser, _ = open_as_owner(app)
     for rest in (
         *("9/1/1/", "0/0/1/", "0/10000/1/", "0/1/0/", "0/99999999/1/"),

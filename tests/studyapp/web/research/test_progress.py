@@ -28,7 +28,7 @@ from tests.support.studies.taking_part_steps import Participant, taking_part
 LIST = "/research/study-sessions"
 
 
-def test_what_is_counted_leads_to_those_counted_and_names_nobody(
+def test_counts_link_to_their_sessions_and_name_nobody(
     people: list[Participant], log_in: LogIn
 ) -> None:
     viewer = log_in("viewer")
@@ -91,9 +91,7 @@ def test_owners_alone_find_and_sort_participants_by_what_a_recruiter_calls_them(
     assert analyst.client.get(order).status_code == 404
 
 
-def test_what_happened_leads_to_the_video_it_was_about(
-    people: list[Participant], log_in: LogIn
-) -> None:
+def test_events_link_to_their_video(people: list[Participant], log_in: LogIn) -> None:
     viewer = log_in("viewer")
 
     page = viewer.get(f"{LIST}/1")
