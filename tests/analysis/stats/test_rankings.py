@@ -140,3 +140,7 @@ def test_the_interval_of_kendalls_w_lies_around_the_mean_and_not_above_it() -> N
 
     assert result.low < result.estimate < result.high
     assert resampled_concordance(rankings).mean() == pytest.approx(result.estimate, abs=0.02)
+    alone = kendall_w(placements(ranking_table(segments=1), CONDITIONS))
+    assert alone.reason == "one segment gives no interval"
+    assert alone.estimate > 0
+    assert np.isnan(alone.low)

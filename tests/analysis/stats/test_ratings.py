@@ -6,6 +6,7 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 import pytest
+from scipy import stats
 from statsmodels.regression.linear_model import OLS
 from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
@@ -96,6 +97,10 @@ def delta(seed: int) -> tuple[Estimate, np.ndarray, np.ndarray]:
 def test_cliffs_delta_is_the_mean_of_all_pairs_with_an_interval_that_holds() -> None:
     result, first, second = delta(1)
     assert result.estimate == pytest.approx(np.sign(first[:, None] - second).mean())
+    # The interval is even on the scale of Fisher's z, where the error is larger than that of delta.
+    low, centre, high = np.arctanh([result.low, result.estimate, result.high])
+    margin = stats.t(result.df).ppf(0.975) * result.standard_error / (1 - result.estimate**2)
+    assert (centre - low, high - centre) == pytest.approx((margin, margin))
     estimates = [delta(seed)[0] for seed in range(60)]
     assert np.mean([each.low <= 0 <= each.high for each in estimates]) > 0.92
 

@@ -127,6 +127,12 @@ def test_only_the_order_of_ranks_counts_and_the_last_choice_of_one_says_nothing(
         assert plackett_luce(table, "ab").log_likelihood == pytest.approx(2 * np.log(0.5))
 
 
+def test_a_winner_of_everything_has_a_worth_after_a_prior_and_is_named() -> None:
+    result = plackett_luce(as_rankings(votes_of(["a"], ["b"], [1], ["P"])), "ab")
+    assert result.swept == "a never lost to any of the others"
+    assert np.isfinite(result.strengths).all()
+
+
 def test_worths_that_were_put_in_are_found_also_where_rankings_leave_conditions_out() -> None:
     whole = ranking_table(participants=20, segments=40)
     whole["ranking"] = whole.index // 3
