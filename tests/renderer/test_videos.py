@@ -13,13 +13,18 @@ from av.audio.stream import AudioStream
 from av.video.stream import VideoStream
 
 from motion.audio import Audio
+from motion.body.model import BodyModel
 from motion.errors import InputError
 from motion.formats import read_clip
+from motion.placement import ground_height, sole_heights
+from motion.skeleton import joint_index
 from renderer.clip_video import Stage, write_clip_video
 from renderer.framing import Camera
 from renderer.look import Look
 from renderer.loudness import TARGET, integrated_loudness
 from renderer.pair import write_pair
+from renderer.shown_clip import as_shown
+from tests.motion.random_clips import clip_of
 from tests.renderer.conftest import SECONDS
 from tests.renderer.golden_frames import assert_like_golden
 
@@ -226,3 +231,13 @@ def test_the_pipeline_runs_at_an_odd_rate(
     with av.open(str(video)) as container:
         assert container.streams.video[0].average_rate == 25
         assert sum(1 for _ in container.decode(video=0)) == 20
+
+
+def test_feet_of_motion_whose_height_is_unknown_stay_on_the_ground(body: BodyModel) -> None:
+    poses = np.zeros((30, 55, 3))
+    for side in ("left", "right"):
+        for joint, angle in (("hip", -0.8), ("knee", 1.6), ("ankle", -0.8)):
+            poses[:, joint_index(f"{side}_{joint}"), 0] = angle * np.linspace(0.5, 1, 30)
+    joints = body.joints(np.zeros(0))
+    shown = as_shown(clip_of(poses), body, Path("a.npz"), 1.0, (), 30)
+    np.testing.assert_allclose(sole_heights(shown, joints), ground_height(joints), atol=0.02)
