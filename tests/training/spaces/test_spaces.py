@@ -15,6 +15,7 @@ from generators.diffsheg.network_file import read_normalisation
 from motion.body.face_landmarks import FaceLandmarks
 from motion.body.skinning import skinning_matrices
 from motion.clip import ARKIT_NAMES, MotionClip
+from motion.errors import InputError
 from motion.formats.bvh import read_bvh
 from motion.formats.bvh_motion import BvhMotion, settle_first_frame
 from motion.formats.joint_maps import choose_joint_map
@@ -95,12 +96,17 @@ def test_the_recording_lies_where_the_released_means_and_deviations_say(
     assert np.sqrt((wrong**2).mean()) > 3
 
 
-def test_the_recording_comes_back_as_it_was_on_its_own_skeleton(recording: BvhMotion) -> None:
+def test_the_recording_comes_back_as_it_was_on_its_own_skeleton_and_another_is_refused(
+    recording: BvhMotion,
+) -> None:
     _, joint_map = choose_joint_map(recording.joint_names)
     known, _ = place(retarget(recording, joint_map))
     result = beat_clip(with_still_face(body_values(recording)), 15, recording.joints)
     assert max(degrees_apart(known, result).values()) < 0.1
     assert np.abs(known.trans - result.trans).max() < 1e-3
+    other = replace(recording, joints=recording.joints[:4], values=recording.values[:, :15])
+    with pytest.raises(InputError, match="not BEAT's: it lacks"):
+        body_values(other)
 
 
 def test_the_idealised_skeleton_moves_as_the_speakers_own(recording: BvhMotion) -> None:

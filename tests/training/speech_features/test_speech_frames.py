@@ -73,6 +73,7 @@ def test_there_are_as_many_frames_as_the_speech_lasts(seconds: float, rate: int)
     pieces = [speech(seconds)]
     count = sum(len(frames) for frames in stream_frames(pieces, rate, HUBERT, WINDOW))
     assert count == round(seconds * rate)
+    assert len(extract_all_frames(Audio(pieces[0], 16000), rate, HUBERT)) == max(1, count)
 
 
 def test_a_second_is_encoded_as_soon_as_its_context_is_known() -> None:
