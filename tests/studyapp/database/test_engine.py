@@ -13,7 +13,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from sqlalchemy import select, text
+from sqlalchemy import make_url, select, text
 from sqlalchemy.exc import DBAPIError, OperationalError
 
 from motion.errors import InputError
@@ -24,7 +24,7 @@ from studyapp.database.engine import (
     sqlite_url,
 )
 from studyapp.database.postgresql import Turn, take_turn, without_timeout
-from studyapp.database.sqlite import lock_waiter
+from studyapp.database.sqlite import lock_waiter, sqlite_engine
 from studyapp.database.tables import Place
 from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 
@@ -43,6 +43,17 @@ def test_a_failure_stores_nothing(database: Database) -> None:
 
     with database.reading() as session:
         assert session.scalars(select(Place)).all() == []
+
+
+def test_what_sqlite_has_committed_is_on_the_disk(tmp_path: Path) -> None:
+    engine = sqlite_engine(make_url(sqlite_url(tmp_path / "new.db")), changes=True)
+    with engine.connect() as connection:
+        found = [
+            connection.scalar(text(f"PRAGMA {name}")) for name in ("synchronous", "journal_mode")
+        ]
+    engine.dispose()
+
+    assert found == [2, "wal"]
 
 
 @POSTGRESQL

@@ -49,8 +49,8 @@ def test_a_full_study_that_is_extended_takes_as_many_more(
         newcomer.enrol("late")
 
     add_places(opened, served, clock, 1, by="Ada", reason="two were ill")
-    add_places(opened, served, clock, 1, by="Ada", reason="one more")
     change_intake(opened, served, clock, "closed", by="Ada", reason="for a moment")
+    add_places(opened, served, clock, 1, by="Ada", reason="one more")
     with pytest.raises(StudyFullError, match="The study is over"):
         newcomer.enrol("late")
     change_intake(opened, served, clock, "open", by="Ada", reason="go on")

@@ -18,6 +18,7 @@ from studyapp.database.tables import (
 from studyapp.results.export.rows import form_answers_table
 from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import withdrawal_promise
+from studyapp.session.refusal import ConflictError, log_refusal
 from studyapp.session.served_study import ServedStudy
 from tests.studyapp.session.conftest import Open
 from tests.support.read_once import read_once
@@ -36,9 +37,15 @@ RECRUITED = Arrival(
 def begun(open_changed: Open, request: pytest.FixtureRequest) -> Participant:
     """Return a recruited participant of a study that promises something about withdrawal."""
     promise = ("[page]\n", f'[page]\nwithdrawn = "{request.param}"\n')
-    begun = open_changed(promise, added=ELIGIBILITY).arrive(RECRUITED).begin()
-    begun.take_trial()
-    return begun
+    return take_part(open_changed(promise, added=ELIGIBILITY), RECRUITED)
+
+
+def take_part(participant: Participant, arrival: Arrival) -> Participant:
+    """Let somebody answer a trial, and be refused once."""
+    participant.arrive(arrival).begin().take_trial()
+    refusal = ConflictError("No.", "Try again.")
+    log_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
+    return participant
 
 
 def counts(database: Database) -> list[int]:
@@ -49,8 +56,7 @@ def counts(database: Database) -> list[int]:
 def test_where_deletion_was_promised_nothing_they_did_is_left(begun: Participant) -> None:
     database = begun.database
     before = counts(database)
-    other = begun.another().arrive(Arrival(visit="other", form=ADULT)).begin()
-    other.take_trial()
+    other = take_part(begun.another(), Arrival(visit="other", form=ADULT))
 
     begun.withdraw()
 

@@ -13,6 +13,7 @@ import pytest
 from motion.audio import Audio, read_audio, write_wav
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
+from renderer.jobs.making import run_jobs
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.render_plan import RenderPlan
@@ -116,6 +117,22 @@ def test_names_and_sizes_of_pairs_reveal_nothing(rendered: StudyFolder) -> None:
         for file in files:
             assert not any(name in file.name for name in names)
             assert not any(name.encode() in file.read_bytes() for name in names)
+
+
+def test_what_is_frozen_is_still_in_every_video(study: StudyFolder) -> None:
+    path = study.clip("mismatched", "take_01")
+    clip = read_clip(path)
+    ahead = np.linspace(0, 1, len(clip), dtype=np.float32)[:, None] * np.ones(3, np.float32)
+    walking = replace(clip, poses=np.zeros_like(clip.poses), trans=ahead)
+    write_clip(path, replace(walking, expressions=None, arkit=None))
+    assert "root" in study.study().freeze
+    plan = RenderPlan.of(study)
+    jobs = [plan.clip_job(each) for each in plan.clips if "mismatched/take_01" in each.file]
+
+    run_jobs(jobs, processes=1)
+
+    with av.open(str(plan.frames("take_01", "mismatched"))) as video:
+        assert len({frame.to_ndarray().tobytes() for frame in video.decode(video=0)}) == 1
 
 
 def test_only_videos_of_changed_clips_are_rendered_again(

@@ -58,6 +58,8 @@ def test_logging_in_draws_a_new_cookie_and_logging_out_makes_it_worthless(log_in
     parts = response.headers["Set-Cookie"].split("; ")[1:]
     assert sorted(parts) == ["HttpOnly", "Path=/research", "SameSite=Lax"]
     token = browser.cookies[NAME]
+    # Another study on this host has a cookie of another name.
+    assert COOKIE.name("other") != NAME
     assert token != planted
     assert with_cookie(log_in.app, planted).client.get("/research/").status_code == 303
     assert with_cookie(log_in.app, token).client.get("/research/").status_code == 200
