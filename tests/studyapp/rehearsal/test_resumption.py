@@ -7,6 +7,7 @@ import pytest
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Place, StudySession, StudyVersion
+from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.resumption import Roster, prepare, read_roster
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.simulation.truth import read_truth
@@ -37,6 +38,7 @@ def test_the_same_rehearsal_is_gone_on_with_and_any_other_starts_anew_and_says_s
 ) -> None:
     prepare(folder, seed=1)
     Database.open(sqlite_url(folder.rehearsal)).close()
+    Ledger(folder.acknowledged).completed("rehearsal-00000", "CODE")
     people = default_population(folder.study())
     spoil(folder, changed)
 
@@ -44,7 +46,9 @@ def test_the_same_rehearsal_is_gone_on_with_and_any_other_starts_anew_and_says_s
     truth, note = prepare(folder, seed=seed, population=others)
 
     assert message in note
-    assert bool(list(folder.root.glob("rehearsal.db*"))) == (message == "is continued")
+    is_continued = message == "is continued"
+    assert bool(list(folder.root.glob("rehearsal.db*"))) == is_continued
+    assert bool(Ledger(folder.acknowledged).read().codes) == is_continued
     assert read_truth(folder.rehearsal_truth) == truth
     assert truth.seed == seed
 

@@ -143,9 +143,14 @@ def test_a_report_says_whether_results_had_been_seen(after_look: list[bool], whe
     sessions = pd.DataFrame(
         {"excluded_because": ["asleep", "left", ""], "excluded_after_look": [*after_look, False]}
     )
-    found = study_exclusions((Incomplete(), FailedCatch()), study_sessions=sessions)
+    # A rule that was changed stays planned as it was.
+    before, stated = (Incomplete(), FailedCatch()), (Incomplete(), FailedCatch(more_than=0))
+    found = study_exclusions(stated, before, sessions)
 
     marks = [(rule.name, rule.exploratory) for rule in found.rules]
-    assert marks == [("incomplete", False), ("catch", False), ("researcher", True)]
-    assert [rule.name for rule in found.planned] == ["incomplete", "catch"]
-    assert found.notes == (f"Researchers excluded 2 participants by hand, {when}",)
+    assert marks == [("incomplete", False), ("catch", True), ("researcher", True)]
+    assert [rule.description for rule in found.planned] == [
+        "did not finish",
+        "failed more than 1 catch trial",
+    ]
+    assert found.notes[-1] == f"Researchers excluded 2 participants by hand, {when}"
