@@ -14,6 +14,7 @@ from av.video.stream import VideoStream
 
 from motion.audio import Audio
 from motion.body.model import BodyModel
+from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip
 from motion.placement import ground_height, sole_heights
@@ -23,7 +24,7 @@ from renderer.framing import Camera
 from renderer.look import Look
 from renderer.loudness import TARGET, integrated_loudness
 from renderer.pair import write_pair
-from renderer.shown_clip import as_shown
+from renderer.shown_clip import as_shown, frame_at
 from tests.motion.random_clips import clip_of
 from tests.renderer.conftest import SECONDS
 from tests.renderer.golden_frames import assert_like_golden
@@ -241,3 +242,8 @@ def test_feet_of_motion_whose_height_is_unknown_stay_on_the_ground(body: BodyMod
     joints = body.joints(np.zeros(0))
     shown = as_shown(clip_of(poses), body, Path("a.npz"), 1.0, (), 30)
     np.testing.assert_allclose(sole_heights(shown, joints), ground_height(joints), atol=0.02)
+
+
+def test_past_the_end_of_a_motion_there_is_no_frame_to_show(clip: MotionClip) -> None:
+    with pytest.raises(InputError, match=r"no frame at 0\.9 s of a motion of 0\.80 s"):
+        frame_at(clip, 0.9)
