@@ -41,6 +41,7 @@ def test_a_clip_keeps_read_only_float32_copies() -> None:
         ({"expressions": np.zeros((4, 10))}, "expressions has shape"),
         ({"arkit": np.zeros((4, 51))}, "arkit has shape"),
         ({"arkit": np.full((4, 52), 100.0)}, "arkit weights"),
+        ({"arkit": np.full((4, 52), -0.1)}, "arkit weights"),
         ({"poses": np.full((4, 55, 3), np.nan)}, r"poses holds .* index \(0, 0, 0\)"),
         ({"trans": np.full((4, 3), 1e300)}, r"trans holds 1e\+300 at index \(0, 0\)"),
         ({"frame_rate": 0}, "frame rate"),
