@@ -144,7 +144,7 @@ BASE = {"study.toml": b"name", "responses.db": b"rows"}
 
 def special_file(kind: bytes) -> tarfile.TarInfo:
     head = tarfile.TarInfo("study.toml")
-    head.type, head.linkname = kind, "/etc/passwd"
+    head.type, head.linkname, head.size = kind, "/etc/passwd", len(BASE["study.toml"])
     return head
 
 
@@ -154,7 +154,10 @@ SPECIAL = (tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.CHRTYPE, tarfile.FIFOTYPE, 
 @pytest.mark.parametrize(
     ("parts", "error"),
     [
-        *(([(special_file(kind), b"")], "study.toml is not the expected file") for kind in SPECIAL),
+        *(
+            ([(special_file(kind), b"name")], "study.toml is not the expected file")
+            for kind in SPECIAL
+        ),
         ([("../x", b"name")], "study.toml is not the expected file"),
         ([("study.toml", b"name and more")], "study.toml is not the expected file"),
         ([("study.toml", b"eman")], "study.toml differs from what was backed up"),

@@ -14,11 +14,11 @@ from typing import Any
 
 import pytest
 from flask import Flask
-from sqlalchemy import select
+from sqlalchemy import select, update
 from sqlalchemy.orm import selectinload
 from werkzeug.test import TestResponse
 
-from studyapp.database.tables import Trial
+from studyapp.database.tables import Place, Trial
 from studyapp.web.site import attach, site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
@@ -105,11 +105,18 @@ def withdrawn(visitor: Visitor) -> None:
     assert visitor.client.post(f"{visitor.address}/withdraw").status_code == 303
 
 
+def lapsed(visitor: Visitor) -> None:
+    visitor.begin()
+    with site_of(visitor.app).database.writing() as session:
+        session.execute(update(Place).values(study_session_id=None))
+
+
 OVER: list[tuple[Callable[[Visitor], Any], int]] = [
     (settled, 0),
     (completed, 0),
     (completed, 5),
     (withdrawn, 0),
+    (lapsed, 0),
     (Visitor.page, 0),
     (Visitor.begin, 2),
     (Visitor.begin, 5),
