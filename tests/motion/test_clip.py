@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation, Slerp
 
 from motion.clip import CHANNELS, MotionClip, freeze, moving_channels
@@ -134,13 +135,15 @@ def test_frames_that_fall_on_given_ones_are_kept(seed: int, factor: int) -> None
     assert_same_clip(resample(finer, 30), clip)
 
 
-def test_rotations_follow_the_sphere() -> None:
+def test_rotations_follow_the_sphere_and_everything_else_straight_lines() -> None:
     clip = random_clip(6, 10)
-    times = np.arange(15) / 25
-    result = resample(clip, 25).poses[:, 16]
-    slerp = Slerp(np.arange(6) / 10, Rotation.from_rotvec(clip.poses[:, 16]))
-    inside = times <= 0.5
-    np.testing.assert_allclose(result[inside], slerp(times[inside]).as_rotvec(), atol=1e-5)
+    given_times, times = np.arange(6) / 10, np.arange(13) / 25
+    result = resample(clip, 25)
+    slerp = Slerp(given_times, Rotation.from_rotvec(clip.poses[:, 16]))
+    np.testing.assert_allclose(result.poses[:13, 16], slerp(times).as_rotvec(), atol=1e-5)
+    for name in ("trans", "expressions", "arkit"):
+        line = make_interp_spline(given_times, getattr(clip, name), k=1)
+        np.testing.assert_allclose(getattr(result, name)[:13], line(times), atol=1e-5)
 
 
 def test_turn_goes_the_short_way_round() -> None:

@@ -55,6 +55,8 @@ def test_many_clips_are_measured_as_few_are() -> None:
 def test_the_variance_of_features_is_that_of_a_normal_sample_and_one_clip_has_none() -> None:
     features = np.random.default_rng(2).normal(3, 1.5, (4000, 6))
     assert feature_variance(features).value == pytest.approx(1.5**2, rel=0.03)
+    two = feature_variance(features[:2]).value
+    assert two == pytest.approx(((features[0] - features[1]) ** 2 / 2).mean())
     for alone in (feature_variance(features[:1]), mean_pair_distance(features[:1])):
         assert math.isnan(alone.value)
         assert "needs two clips" in alone.reason

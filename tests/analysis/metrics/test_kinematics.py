@@ -127,6 +127,8 @@ def test_every_frame_is_in_the_bin_of_its_speed_and_the_last_bin_is_open() -> No
     assert counts.shape == (4, 80)
     assert counts[0, 2] == counts[2, 79] == 30
     assert counts.sum() == 4 * 30
+    slower = speed_counts(at_speed(0.12, frame_rate=15.0), 15.0)
+    np.testing.assert_array_equal(slower, counts[:2])
 
 
 def test_the_distance_of_histograms_is_hellingers() -> None:
