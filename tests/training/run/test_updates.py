@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from torch import Tensor, nn
 from motion.errors import InputError
 from tests.training.lines import ENTRIES, VALUES, Line, LineNetwork, files_of_run
 from training.config import Decay, TrainingConfig
-from training.run.batches import batches_per_epoch, step_parts, step_rows
+from training.run.batches import batches_per_epoch, part_seed, step_parts, step_rows
 from training.run.group import Group
 from training.run.learner import Learner
 from training.run.loop import train
@@ -119,6 +120,11 @@ def test_parts_hold_each_example_once_and_are_shared_evenly(
     assert min(len(part) for part in parts) > 0
     if len(rows) >= accumulate + processes:
         assert accumulate <= len(parts) < accumulate + processes
+
+
+def test_each_step_part_and_update_draws_chance_of_its_own() -> None:
+    places = list(product(range(2), range(3), range(3), range(3)))
+    assert len({part_seed(*place) for place in places}) == len(places)
 
 
 FOLLOWER = Pass(name="follower", parts=("idle",), learning_rate=0.005)
