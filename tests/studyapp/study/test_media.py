@@ -74,6 +74,12 @@ def test_conditions_that_share_no_name_lack_each_video_that_another_one_has(
         segment_names(finished)
 
 
+def test_a_misspelt_video_makes_no_segment_of_its_own(finished: StudyFolder) -> None:
+    video = finished.videos / "theirs" / "three.mp4"
+    video.rename(video.with_name("Three.mp4"))
+    assert segment_names(finished) == ["one", "three", "two"]
+
+
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
