@@ -34,8 +34,12 @@ def page(folder: Path) -> BeautifulSoup:
 
 
 def opened(path: Path) -> BeautifulSoup:
-    """Return a page of a report."""
-    return BeautifulSoup(path.read_text(encoding="utf-8"), "html.parser")
+    """Return a page of a report, whose elements are all closed."""
+    text = path.read_text(encoding="utf-8")
+    for tag in set(re.findall(r"</(\w+)>", text)):
+        begun = re.findall(rf"<{tag}(?:\s[^<>]*)?(?<!/)>", text)
+        assert len(begun) == text.count(f"</{tag}>"), tag
+    return BeautifulSoup(text, "html.parser")
 
 
 @pytest.mark.parametrize("protocol", TABLES)
