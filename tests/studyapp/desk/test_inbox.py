@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import io
-from collections import namedtuple
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Barrier
+from types import SimpleNamespace
 
 import pytest
 
@@ -77,8 +78,18 @@ def test_a_piece_at_another_place_or_of_another_size_is_refused(inbox: Inbox) ->
     assert inbox.received(upload()) == 5000
 
 
-def test_a_piece_that_comes_twice_at_once_is_stored_once(inbox: Inbox, folder: StudyFolder) -> None:
+def test_a_piece_that_comes_twice_at_once_is_stored_once(
+    inbox: Inbox, folder: StudyFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
     inbox.append(upload(), 0, CONTENT[:2000])
+    # All have found that their piece comes next, and write only then.
+    asked = Barrier(8)
+
+    def wait_for_all(_path: Path) -> SimpleNamespace:
+        asked.wait(60)
+        return SimpleNamespace(free=2 * KEPT_FREE)
+
+    monkeypatch.setattr("shutil.disk_usage", wait_for_all)
 
     def store_piece(_number: int) -> bool:
         try:
@@ -129,9 +140,8 @@ def test_another_file_of_a_name_takes_the_place_of_one_only_once_it_is_removed(
 
 
 def test_the_disk_keeps_room_for_answers(inbox: Inbox, monkeypatch: pytest.MonkeyPatch) -> None:
-    usage = namedtuple("usage", "total used free")
-    free = KEPT_FREE + len(CONTENT) - 1
-    monkeypatch.setattr("shutil.disk_usage", lambda _: usage(free, 0, free))
+    free = SimpleNamespace(free=KEPT_FREE + len(CONTENT) - 1)
+    monkeypatch.setattr("shutil.disk_usage", lambda _: free)
     with pytest.raises(InputError, match=r"no room for take\.wav"):
         inbox.append(upload(), 0, CONTENT[:10])
     assert inbox.received(upload()) == 0
