@@ -177,6 +177,14 @@ def test_nobody_is_let_in_whom_the_channel_does_not_name(
     assert is_nobody_stored(app)
 
 
+@pytest.mark.parametrize("name", ["x" * 201, "a%20b", "%E2%80%8B"])
+def test_a_name_that_no_recruiter_gives_is_refused(serve_with: ServeWith, name: str) -> None:
+    answer = serve_with(PROLIFIC).test_client().get(f"/?PROLIFIC_PID={name}")
+
+    assert answer.status_code == 422
+    assert "participant name that cannot be used" in answer.text
+
+
 def test_a_preview_offers_no_start(serve_with: ServeWith) -> None:
     answer = serve_with(MTURK).test_client().get(f"/{PREVIEW}")
 
