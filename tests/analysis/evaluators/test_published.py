@@ -182,8 +182,11 @@ def test_beat_is_shown_clips_in_deviations_of_the_frames_that_are_named_by_path(
     folder = tmp_path / "stats"
     folder.mkdir()
     np.save(folder / "bvh_mean.npy", mean)
-    with pytest.raises(InputError, match="cannot be read"):
-        load_published("beat", path, statistics=folder)
+    for pickled in (False, True):
+        if pickled:
+            np.save(folder / "bvh_std.npy", np.array([None] * 141), allow_pickle=True)
+        with pytest.raises(InputError, match="cannot be read"):
+            load_published("beat", path, statistics=folder)
     np.save(folder / "bvh_std.npy", spread)
     beat = load_published("beat", path, statistics=folder)
     assert beat.sha256 != load_published("beat", path).sha256
