@@ -71,12 +71,12 @@ def clustered_variance(
         shares = (sizes / sizes.sum()).reshape(-1, *[1] * (influences.ndim - 1))
         members = sparse.csr_array((np.ones(len(groups)), (groups, np.arange(len(groups)))))
         ways.append(one_way(np.asarray(members @ influences, np.float64), shares))
+    independent, answers = (influences**2).sum(axis=0), len(influences)
     if one_segment:
         [(variance, df)] = ways
-        return ClusteredVariance(variance=variance, df=df, method=np.array(ONE_SEGMENT))
-    variance, method = larger_variance(
-        [variance for variance, _ in ways], (influences**2).sum(axis=0), len(influences)
-    )
+        variance, method = or_independent(variance, np.array(ONE_SEGMENT), independent, answers)
+        return ClusteredVariance(variance=variance, df=df, method=method)
+    variance, method = larger_variance([variance for variance, _ in ways], independent, answers)
     df = np.minimum(ways[0][1], ways[1][1])
     return ClusteredVariance(variance=variance, df=df, method=method)
 
@@ -99,7 +99,13 @@ def larger_variance(
     candidates = np.stack([by_participant + by_segment - by_cell, by_participant, by_segment])
     variance = candidates.max(axis=0)
     method = np.array([TWO_WAY, ONE_WAY_PARTICIPANTS, ONE_WAY_SEGMENTS])[candidates.argmax(axis=0)]
-    # Sums of rounding errors are no variance.
+    return or_independent(variance, method, independent, answers)
+
+
+def or_independent(
+    variance: Floats, method: NDArray[np.str_], independent: Floats, answers: int
+) -> tuple[Floats, NDArray[np.str_]]:
+    """Return variances and their methods; of independent answers where they are but rounding."""
     is_rounding = variance <= 1e-12 * answers * independent
     return (
         np.where(is_rounding, independent * answers / (answers - 1), variance),

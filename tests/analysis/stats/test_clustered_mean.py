@@ -139,3 +139,10 @@ def test_an_interval_lies_in_the_unit_range_around_the_mean_and_is_mirrored_with
         assert 0 <= result.low <= result.estimate <= result.high <= 1
         assert result.low < result.high
         assert 0 <= result.p_value <= 1
+
+
+def test_participants_alike_about_one_segment_leave_their_answers_as_independent() -> None:
+    values, people = np.array([0.0, 1, 0, 1]), np.array([0, 0, 1, 1])
+    result = clustered_mean(values, people, np.zeros(4))
+    assert result.method == INDEPENDENT
+    assert result.standard_error == pytest.approx(np.std(values, ddof=1) / 2)
