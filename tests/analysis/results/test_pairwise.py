@@ -105,6 +105,14 @@ def test_sides_swapped_with_their_answers_change_no_count_and_no_agreement(
     assert repr(swapped.test_retest) == repr(found.test_retest)
 
 
+def test_of_several_answers_about_an_item_the_first_counts_for_agreement(
+    table: pd.DataFrame, found: PairwiseResults, tmp_path: Path
+) -> None:
+    contrary = table.assign(response=6 - table["response"])
+    twice = pd.concat([table, contrary]).drop(columns="trial", errors="ignore")
+    assert repr(results(tmp_path, twice).agreement) == repr(found.agreement)
+
+
 def test_practice_trials_and_excluded_participants_are_not_analysed_but_repeats_are(
     tmp_path: Path,
 ) -> None:
