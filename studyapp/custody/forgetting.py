@@ -79,8 +79,7 @@ def find_data(database: Database, name: str, key: PseudonymKey | None) -> tuple[
     Parameters
     ----------
     name : str
-        The recruiter's id of the participant, the pseudonym, or the completion code. A person who
-        took part in two of the recruiter's studies has two study sessions.
+        The recruiter's id of the participant, the pseudonym, or the completion code.
     key : PseudonymKey or None
         Resolves pseudonyms; None if nothing was ever exported.
     """
@@ -151,21 +150,7 @@ def _find_sessions(
 ) -> list[tuple[StudySession, str]]:
     """Return the study sessions of the person called `name`, and how each was found."""
     query = select(StudySession).order_by(StudySession.id)
-    study_sessions = list(session.scalars(query))
-    # A code or pseudonym belongs to one study session, but the person may have several.
-    by_person = {
-        study_session.recruiter_participant: found_by
-        for study_session in study_sessions
-        if (found_by := _match(study_session, name, key))
-    }
-
-    def match(study_session: StudySession) -> str:
-        person = study_session.recruiter_participant
-        return _match(study_session, name, key) or (
-            "" if person is None else by_person.get(person, "")
-        )
-
-    matching = [study_session.id for study_session in study_sessions if match(study_session)]
+    matching = [entry.id for entry in session.scalars(query) if _match(entry, name, key)]
     query = query.where(StudySession.id.in_(matching))
     if for_update:
         query = query.with_for_update().execution_options(populate_existing=True)
@@ -173,7 +158,7 @@ def _find_sessions(
         (study_session, found_by)
         for study_session in session.scalars(query)
         # Another request may have erased them in the meantime.
-        if (found_by := match(study_session))
+        if (found_by := _match(study_session, name, key))
     ]
 
 

@@ -50,12 +50,12 @@ def person(folder: Path, database: Database, clock: SetClock) -> Participant:
     return arrive(Participant(database, served, clock), PERSON)
 
 
-def arrive(participant: Participant, name: str, study: str = "one") -> Participant:
+def arrive(participant: Participant, name: str) -> Participant:
     arrival = Arrival(
         recruiter_participant=name,
-        recruiter_study=study,
+        recruiter_study="one",
         recruiter_session=SITTING,
-        visit=f"visit-of-{name}-{study}",
+        visit=f"visit-of-{name}",
         form=ADULT,
     )
     participant.arrive(arrival).begin().take_trial()
@@ -64,8 +64,8 @@ def arrive(participant: Participant, name: str, study: str = "one") -> Participa
     return participant
 
 
-def other(participant: Participant, name: str = "somebody-else", **keys: str) -> Participant:
-    return arrive(participant.another(), name, **keys)
+def other(participant: Participant, name: str = "somebody-else") -> Participant:
+    return arrive(participant.another(), name)
 
 
 def forget_person(person: Participant, name: str = PERSON) -> int:
@@ -239,7 +239,7 @@ def test_nothing_is_left_in_the_databases_files(
     database = person.database
     token = person.token
     kept = other(person)
-    names = [PERSON, token, f"visit-of-{PERSON}-one"]
+    names = [PERSON, token, f"visit-of-{PERSON}"]
     assert all(name.encode() in files_of(database, request) for name in names)
 
     forget(database, PERSON, KEY, person.clock)
