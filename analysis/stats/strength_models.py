@@ -129,7 +129,8 @@ def bradley_terry(votes: Votes, *, left_effect: bool = True) -> BradleyTerry:
     # Without any tie their frequency has no estimate; the model without it is the same.
     has_ties = bool(votes.table[..., 1].any())
     alternatives = 2 + has_ties
-    pairs, situation = np.unique(votes.pair, return_inverse=True)
+    occurs = votes.table.any(axis=2).ravel()
+    pairs, situation = np.flatnonzero(occurs), (np.cumsum(occurs) - 1)[votes.pair]
     choices = Choices(
         features=np.concatenate(
             [

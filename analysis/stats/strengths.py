@@ -20,7 +20,12 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.special import expit
 
-from analysis.stats.strength_differences import ONE_PARTICIPANT, TwoWayErrors, standard_errors
+from analysis.stats.strength_differences import (
+    ONE_PARTICIPANT,
+    TwoWayErrors,
+    count_kinds,
+    standard_errors,
+)
 from motion.errors import listed
 
 Floats = NDArray[np.float64]
@@ -170,9 +175,7 @@ def _with_errors(data: Choices, parameters: Floats, hessian: Floats, converged: 
     influences = (data.features - data.mean_features(np.exp(logs))[data.situation_of]) @ bread
     clustered = np.full_like(bread, np.nan)
     if np.ptp(data.participant):
-        shape = (int(data.participant.max()) + 1, len(influences))
-        ones = np.ones(len(data.chosen))
-        counts = sparse.coo_array((ones, (data.participant, data.chosen)), shape=shape).tocsr()
+        counts = count_kinds(data.chosen, data.participant, len(influences))
         by_participant = np.asarray(counts @ influences, np.float64)
         clustered = by_participant.T @ by_participant
     return ChoiceFit(
