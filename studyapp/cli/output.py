@@ -1,11 +1,10 @@
-"""Output that several commands share: progress, tables, counts, decisions about pay."""
+"""Output that several commands share: progress, tables, counts."""
 
 from __future__ import annotations
 
 import os
 import sys
 import time
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -16,7 +15,6 @@ from tqdm import tqdm
 
 from motion.files import write_text
 from studyapp.desk.jobs import PROGRESS_FILE, Progress
-from studyapp.recruitment.payment import PaymentDecision
 from training.run.launching import is_leader
 
 _LINE_SECONDS: Final = 30.0
@@ -142,19 +140,3 @@ def echo_skipped(skipped: Sequence[object], unit: str) -> None:
 def counted(number: int, unit: str) -> str:
     """Return ``1 clip`` or ``2 clips``."""
     return f"{number} {unit}" if number == 1 else f"{number} {unit}s"
-
-
-_VERDICTS: Final = {"pay": "pay", "look": "your decision", "wait": "wait", "settled": "–"}
-
-
-def echo_verdicts(heading: str, verdicts: Sequence[tuple[str, PaymentDecision]]) -> None:
-    """Print what to do about each submission, by name, and the totals."""
-    echo_table(
-        (heading, "action", "reason"),
-        [(name, _VERDICTS[decision.verdict], decision.reason) for name, decision in verdicts],
-    )
-    totals = Counter(decision.verdict for _, decision in verdicts)
-    click.echo(
-        f"{totals['pay']} to pay, {totals['look']} for you to decide, {totals['wait']} under way, "
-        f"{totals['settled']} settled."
-    )

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from decimal import Decimal
 from pathlib import Path
+from typing import Final
 
 import click
 
 from motion.errors import InputError
 from studyapp.cli.arguments import named_study_folder
-from studyapp.cli.output import echo_table, echo_verdicts
+from studyapp.cli.output import echo_table
 from studyapp.recruitment import mturk, prolific
 from studyapp.recruitment.invitations import counts, invite, listed_people, numbered
 from studyapp.recruitment.payment import PaymentDecision
@@ -37,6 +40,8 @@ live = click.option(
 MOST_INVITATIONS = 10_000
 MIN_HOURLY_POUNDS = 6.0
 """Prolific's minimum pay per hour."""
+
+_ACTIONS: Final = {"pay": "pay", "look": "your decision", "wait": "wait", "settled": "–"}
 
 
 @click.group("recruit")
@@ -300,7 +305,7 @@ def _show_prolific(folder: StudyFolder) -> None:
 def _approve_on_prolific(folder: StudyFolder, *, also: tuple[str, ...], yes: bool) -> None:
     with _client() as client:
         status = prolific.status(folder, client)
-        echo_verdicts(
+        _echo_verdicts(
             "submission", [(each.submission.id, each.decision) for each in status.submissions]
         )
         if not yes:
@@ -350,7 +355,7 @@ def _judge_assignments(
 ) -> list[tuple[mturk.Assignment, PaymentDecision]]:
     """Print what to do about each assignment, and return it."""
     judged = mturk.judged_assignments(folder, client, live=live)
-    echo_verdicts("assignment", [(assignment.id, decision) for assignment, decision in judged])
+    _echo_verdicts("assignment", [(assignment.id, decision) for assignment, decision in judged])
     return judged
 
 
@@ -361,3 +366,16 @@ def _approve_on_mturk(folder: StudyFolder, *, live: bool, yes: bool) -> None:
         click.echo("Nothing was paid; --yes pays.")
         return
     click.echo(f"Approved {mturk.approve(client, judged)} assignments.")
+
+
+def _echo_verdicts(heading: str, verdicts: Sequence[tuple[str, PaymentDecision]]) -> None:
+    """Print what to do about each submission, by name, and the totals."""
+    echo_table(
+        (heading, "action", "reason"),
+        [(name, _ACTIONS[decision.verdict], decision.reason) for name, decision in verdicts],
+    )
+    totals = Counter(decision.verdict for _, decision in verdicts)
+    click.echo(
+        f"{totals['pay']} to pay, {totals['look']} for you to decide, {totals['wait']} under way, "
+        f"{totals['settled']} settled."
+    )
