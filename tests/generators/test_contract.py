@@ -96,7 +96,7 @@ def test_the_same_seed_gives_the_same_bytes(
     assert first.provenance == second.provenance
 
 
-def test_another_seed_gives_another_clip_where_chance_plays(
+def test_another_seed_gives_another_clip_unless_the_generator_is_deterministic(
     generator: Generator, made: Made, speech: SpeechSegment, clip: MotionClip
 ) -> None:
     others = (made(speech, seed=seed).poses for seed in range(2, 9))
@@ -104,7 +104,7 @@ def test_another_seed_gives_another_clip_where_chance_plays(
     assert differ == (generator.name != "static")
 
 
-def test_the_clip_names_its_origin(
+def test_the_clip_records_its_origin(
     request: pytest.FixtureRequest, speech: SpeechSegment, clip: MotionClip
 ) -> None:
     facts = clip.provenance
@@ -116,7 +116,7 @@ def test_the_clip_names_its_origin(
 @pytest.mark.parametrize(
     "generator", [name for name in generator_names() if not needs_model(name)], indirect=True
 )
-def test_joints_stay_within_what_a_body_can_do_unless_it_is_broken(
+def test_joints_stay_within_human_limits_unless_broken_on_purpose(
     generator: Generator, clip: MotionClip
 ) -> None:
     turns = np.degrees(np.linalg.norm(clip.poses, axis=2).max(axis=0))
@@ -151,7 +151,7 @@ def test_a_clip_is_fitted_to_any_length_without_a_jump(length: int, frames: int)
 
 
 @pytest.mark.parametrize(("samples", "rate"), [(600, 8000), (1500, 48000), (5000, 16000)])
-def test_even_a_blink_of_speech_gets_its_motion(speak: Speak, samples: int, rate: int) -> None:
+def test_very_short_speech_gets_motion(speak: Speak, samples: int, rate: int) -> None:
     noise = np.random.default_rng(0).normal(0, 0.1, samples).clip(-1, 1)
     speech = SpeechSegment(
         segment=speak("a", 1.0, EMOTIONS[2]).segment, audio=Audio(noise.astype(np.float32), rate)
@@ -169,7 +169,7 @@ def test_even_a_blink_of_speech_gets_its_motion(speak: Speak, samples: int, rate
         ("static", True, "static is no network"),
     ],
 )
-def test_a_generator_that_is_not_there_or_needs_other_settings_is_refused(
+def test_unknown_generators_and_wrong_settings_are_refused(
     name: str, weights: bool, message: str, tmp_path: Path
 ) -> None:
     (tmp_path / "weights.pt").write_bytes(b"")
@@ -213,7 +213,7 @@ def _check_known(keys: object, defaults: object) -> None:
         ("s2ue", s2ue.PRESETS, s2ue.ABLATIONS),
     ],
 )
-def test_the_configs_and_ablations_that_can_be_chosen_are_those_there_are(
+def test_listed_configs_and_ablations_match_the_existing_ones(
     name: str, presets: Mapping[str, object], ablations: Mapping[str, object] | None
 ) -> None:
     trainable = find_trainable(name)
@@ -243,7 +243,7 @@ def waving(seconds: float) -> MotionClip:
 
 
 @pytest.mark.parametrize("name", generator_names())
-def test_a_generator_that_moves_otherwise_has_another_version(
+def test_changed_motion_requires_a_new_generator_version(
     name: str, load: Callable[[str], Generator], speak: Callable[..., SpeechSegment]
 ) -> None:
     names = [f"segment-{number}" for number in range(2)]

@@ -33,7 +33,7 @@ def encode(path: Path, samples: np.ndarray, rate: int, codec: str, container: st
     return path
 
 
-def test_pcm_written_is_read_back_within_one_step(tmp_path: Path) -> None:
+def test_pcm_survives_a_round_trip_within_one_step(tmp_path: Path) -> None:
     audio = Audio(tone(), 16000)
     write_wav(tmp_path / "a.wav", audio)
     read = read_audio(tmp_path / "a.wav")
@@ -46,7 +46,7 @@ def test_pcm_written_is_read_back_within_one_step(tmp_path: Path) -> None:
     ("codec", "container", "rate"),
     [("mp3", "mp3", 44100), ("aac", "mp4", 48000), ("flac", "flac", 22050), ("opus", "ogg", 48000)],
 )
-def test_content_decides_the_format_not_the_ending(
+def test_the_format_follows_the_content_not_the_extension(
     tmp_path: Path, codec: str, container: str, rate: int
 ) -> None:
     samples = tone(2.0, rate)
@@ -68,7 +68,7 @@ def test_content_decides_the_format_not_the_ending(
     rate=st.sampled_from([8000, 11025, 22050, 44100, 48000]),
     seconds=st.floats(min_value=0.2, max_value=2),
 )
-def test_resampling_keeps_the_duration_and_happens_only_if_wanted(
+def test_resampling_is_optional_and_keeps_the_duration(
     tmp_path_factory: pytest.TempPathFactory, rate: int, seconds: float
 ) -> None:
     path = tmp_path_factory.mktemp("audio") / "a.wav"
@@ -85,7 +85,7 @@ def test_channels_are_averaged(tmp_path: Path) -> None:
     np.testing.assert_allclose(read_audio(tmp_path / "a.wav").samples, 0.5, atol=1e-6)
 
 
-def test_a_level_above_full_scale_is_scaled_down_with_a_note(tmp_path: Path) -> None:
+def test_clipping_levels_are_scaled_down_with_a_note(tmp_path: Path) -> None:
     soundfile.write(tmp_path / "a.wav", 4 * tone(), 16000, subtype="FLOAT")
     audio = read_audio(tmp_path / "a.wav")
     assert np.abs(audio.samples).max() == pytest.approx(1)
@@ -128,7 +128,7 @@ def test_a_file_without_usable_sound_is_refused_by_name(
     assert caught.value.remedy
 
 
-def test_recording_that_unpacks_to_more_than_a_study_needs_is_refused(
+def test_a_recording_that_decodes_to_too_much_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # A header may claim one sample a second, which resampling would blow up 16000 times.
@@ -139,14 +139,14 @@ def test_recording_that_unpacks_to_more_than_a_study_needs_is_refused(
         read_audio(tmp_path / "slow.wav")
 
 
-def test_a_list_of_other_files_is_not_followed(tmp_path: Path) -> None:
+def test_playlists_are_not_followed(tmp_path: Path) -> None:
     soundfile.write(tmp_path / "private.wav", np.zeros(8192, np.int16), 16_000)
     (tmp_path / "list.wav").write_text("ffconcat version 1.0\nfile private.wav\n", "utf-8")
     with pytest.raises(InputError, match=r"list\.wav: the file .* cannot be read as audio"):
         read_audio(tmp_path / "list.wav")
 
 
-def test_a_cut_begins_where_it_should_and_pads_a_short_end_with_silence() -> None:
+def test_a_cut_starts_exactly_and_pads_a_short_end_with_silence() -> None:
     audio = Audio(tone(1.0), 16000)
     cut = audio.cut(0.5, 1.05)
     assert len(cut.samples) == 8800

@@ -42,7 +42,7 @@ def held(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Callable[[
 
 
 @pytest.mark.parametrize("work", [_load, _compile])
-def test_functions_are_compiled_and_loaded_by_one_process_at_a_time_and_plain_ones_do_not_wait(
+def test_one_process_at_a_time_compiles_functions_and_plain_ones_do_not_wait(
     work: Callable[[], None], held: Callable[[], None]
 ) -> None:
     load_librosa().util.localmax(np.zeros(9))
@@ -66,7 +66,7 @@ def tones(sample_rate: int) -> Audio:
 
 
 @pytest.mark.parametrize("sample_rate", [16000, 44100])
-def test_onsets_are_where_sounds_begin_at_any_rate(sample_rate: int) -> None:
+def test_onsets_are_where_sounds_begin_at_any_sampling_rate(sample_rate: int) -> None:
     onsets = speech_onsets(tones(sample_rate))
     nearest = np.abs(np.subtract.outer([0.5, 1.0, 1.5], onsets)).min(axis=1)
     assert nearest.max() < 0.04

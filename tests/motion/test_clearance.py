@@ -43,7 +43,7 @@ def _shoulder_turns(before: MotionClip, after: MotionClip) -> np.ndarray:
 
 @given(adduction=st.floats(88, 100), seed=st.integers(0, 99))
 @settings(max_examples=20)
-def test_a_hand_in_the_leg_comes_out_of_it(adduction: float, seed: int) -> None:
+def test_a_hand_inside_the_leg_is_moved_out(adduction: float, seed: int) -> None:
     clip = _with_left_arm(np.full(FRAMES, adduction), seed)
     cleared, _ = clear_of_body(clip)
     assert _distance_from_thigh(cleared).min() > min(0.1, _distance_from_thigh(clip).min())
@@ -51,7 +51,7 @@ def test_a_hand_in_the_leg_comes_out_of_it(adduction: float, seed: int) -> None:
     np.testing.assert_array_equal(cleared.poses[:, others], clip.poses[:, others])
 
 
-def test_a_hand_that_passes_through_makes_way_smoothly_and_returns() -> None:
+def test_a_hand_passing_through_the_body_is_moved_smoothly_and_returns() -> None:
     passing = 60 + 35 * np.exp(-(((np.arange(FRAMES) - 45) / 6) ** 2))
     clip = _with_left_arm(passing)
     cleared, notes = clear_of_body(clip)
@@ -64,14 +64,14 @@ def test_a_hand_that_passes_through_makes_way_smoothly_and_returns() -> None:
 
 @given(adduction=st.floats(-30, 70), seed=st.integers(0, 99))
 @settings(max_examples=20)
-def test_hands_that_are_outside_stay_where_they_are(adduction: float, seed: int) -> None:
+def test_hands_outside_the_body_are_unchanged(adduction: float, seed: int) -> None:
     clip = _with_left_arm(np.full(8, adduction), seed)
     cleared, notes = clear_of_body(clip)
     assert cleared is clip
     assert notes == ()
 
 
-def test_real_hands_are_out_of_the_thighs_unless_wanted_as_recorded(shared_data: Path) -> None:
+def test_recorded_hands_leave_the_thighs_unless_imported_as_recorded(shared_data: Path) -> None:
     path = shared_data / "2_scott_0_1_1.bvh"
     recorded = read_motion(path, frame_rate=15, as_recorded=True)
     assert "moved out" not in recorded.provenance["notes"]

@@ -121,7 +121,9 @@ RATES = st.sampled_from([12.5, 15.0, 24.0, 25.0, 29.97, 30.0, 60.0, 120.0])
 
 
 @given(frames=st.integers(1, 200), old=RATES, new=RATES)
-def test_duration_is_kept_to_half_a_frame(frames: int, old: float, new: float) -> None:
+def test_resampling_keeps_the_duration_within_half_a_frame(
+    frames: int, old: float, new: float
+) -> None:
     clip = random_clip(frames, old)
     resampled = resample(clip, new)
     assert resampled.frame_rate == new
@@ -129,13 +131,13 @@ def test_duration_is_kept_to_half_a_frame(frames: int, old: float, new: float) -
 
 
 @given(seed=st.integers(0, 1000), factor=st.integers(2, 5))
-def test_frames_that_fall_on_given_ones_are_kept(seed: int, factor: int) -> None:
+def test_frames_that_coincide_with_source_frames_are_kept(seed: int, factor: int) -> None:
     clip = random_clip(10, 30, seed)
     finer = resample(clip, 30 * factor)
     assert_same_clip(resample(finer, 30), clip)
 
 
-def test_rotations_follow_the_sphere_and_everything_else_straight_lines() -> None:
+def test_rotations_are_interpolated_spherically_and_everything_else_linearly() -> None:
     clip = random_clip(6, 10)
     given_times, times = np.arange(6) / 10, np.arange(13) / 25
     result = resample(clip, 25)
@@ -146,7 +148,7 @@ def test_rotations_follow_the_sphere_and_everything_else_straight_lines() -> Non
         np.testing.assert_allclose(getattr(result, name)[:13], line(times), atol=1e-5)
 
 
-def test_turn_goes_the_short_way_round() -> None:
+def test_a_rotation_takes_the_shorter_way() -> None:
     poses = np.zeros((2, 55, 3))
     poses[:, 0, 1] = np.radians([170, -170])
     clip = clip_of(poses, frame_rate=1)
@@ -154,12 +156,12 @@ def test_turn_goes_the_short_way_round() -> None:
     assert np.abs(middle[1]) == pytest.approx(np.pi, abs=1e-5)
 
 
-def test_a_rate_that_no_memory_holds_is_refused() -> None:
+def test_a_frame_rate_that_exceeds_memory_is_refused() -> None:
     with pytest.raises(InputError, match="frame rate"):
         resample(random_clip(), 1e12)
 
 
-def test_a_cut_holds_all_channels_and_repeats_the_last_frame_at_a_short_end() -> None:
+def test_a_cut_has_all_channels_and_repeats_the_last_frame_at_a_short_end() -> None:
     clip = random_clip(30, 30)
     excerpt = cut(clip, 0.5, 1.1)
     for name in ("poses", "trans", "expressions", "arkit"):

@@ -8,7 +8,7 @@ from motion.errors import InputError, listed
 
 
 @pytest.mark.parametrize("end", [".", "..", ". ", ".\n"])
-def test_a_message_names_place_problem_and_remedy_without_double_full_stops(end: str) -> None:
+def test_a_message_has_place_problem_and_remedy_with_single_full_stops(end: str) -> None:
     inner = InputError("the file is damaged", remedy=f"Get it again{end}")
 
     error = InputError(f"it was said: {inner}", where="study.toml", remedy=f"Do so{end}")
@@ -21,5 +21,5 @@ def test_a_message_names_place_problem_and_remedy_without_double_full_stops(end:
     ("words", "sentence"),
     [([], ""), (["a"], "a"), (["a", "b"], "a and b"), (("a", "b", "c"), "a, b and c")],
 )
-def test_words_are_listed_as_in_a_sentence(words: list[str], sentence: str) -> None:
+def test_words_are_joined_as_in_a_sentence(words: list[str], sentence: str) -> None:
     assert listed(words) == sentence

@@ -27,7 +27,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> 
     assert list(target.parent.iterdir()) == [target]
 
 
-def test_a_written_file_can_be_read_by_others_as_any_new_file(tmp_path: Path) -> None:
+def test_a_written_file_has_ordinary_permissions(tmp_path: Path) -> None:
     plain = tmp_path / "plain"
     plain.touch()
     write_text(tmp_path / "a.txt", "x")

@@ -7,7 +7,7 @@ import sys
 import motion
 
 
-def test_no_module_of_motion_waits_for_networks_or_audio_analysis() -> None:
+def test_importing_motion_loads_neither_networks_nor_audio_analysis() -> None:
     names = [module.name for module in pkgutil.walk_packages(motion.__path__, "motion.")]
     assert {"motion.audio_analysis", "motion.body.model", "motion.formats.bvh"} <= set(names)
     program = (

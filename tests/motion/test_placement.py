@@ -44,7 +44,7 @@ AXES = {
     shift=st.tuples(*[st.floats(-5, 5)] * 3),
 )
 @settings(max_examples=40)
-def test_the_same_motion_in_any_world_is_placed_the_same(
+def test_placement_does_not_depend_on_the_world_axes(
     seed: int, axis: str, heading: float, shift: tuple[float, float, float]
 ) -> None:
     clip = upright_clip(seed)
@@ -84,7 +84,7 @@ GROUND = ground_height(REST_JOINTS)
 
 
 @given(seed=st.integers(0, 9999), frames=st.sampled_from([1, 2, 5, 90]))
-def test_no_sole_is_further_below_the_ground_than_it_may(seed: int, frames: int) -> None:
+def test_soles_stay_within_the_limit_below_the_ground(seed: int, frames: int) -> None:
     clip = clip_of(upright_clip(seed, frames).poses)
     standing = stand_on_ground(clip, REST_JOINTS)
     assert sole_heights(standing, REST_JOINTS).min() > GROUND - SINKS_AT_MOST - 1e-5
@@ -97,7 +97,7 @@ def test_motion_with_changing_height_is_unchanged() -> None:
     assert stand_on_ground(moving, REST_JOINTS) is moving
 
 
-def test_slow_bending_of_the_knees_lowers_the_body_and_leaves_the_feet() -> None:
+def test_slowly_bent_knees_lower_the_body_but_not_the_feet() -> None:
     frames = 120
     bend = 0.5 * (1 - np.cos(np.linspace(0, 2 * np.pi, frames)))
     poses = np.zeros((frames, 55, 3))

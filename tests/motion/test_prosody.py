@@ -75,7 +75,7 @@ def test_silence_has_no_accent() -> None:
 
 @settings(max_examples=25, deadline=None)
 @given(samples=st.integers(1700, 9000), frame_rate=st.floats(10, 120), seed=st.integers(0, 2**16))
-def test_energy_has_one_value_a_frame(samples: int, frame_rate: float, seed: int) -> None:
+def test_energy_has_one_value_per_frame(samples: int, frame_rate: float, seed: int) -> None:
     sound = audio(np.random.default_rng(seed).normal(0, 0.1, samples).clip(-1, 1))
     result = prosody(sound, frame_rate)
     frames = round(sound.duration * frame_rate)
@@ -85,6 +85,6 @@ def test_energy_has_one_value_a_frame(samples: int, frame_rate: float, seed: int
 
 
 @pytest.mark.parametrize("frame_rate", [0.0, -1.0, float("nan"), 2.0])
-def test_an_unusable_frame_rate_is_refused(frame_rate: float) -> None:
+def test_an_invalid_frame_rate_is_refused(frame_rate: float) -> None:
     with pytest.raises(InputError):
         prosody(audio(np.zeros(1000)), frame_rate)

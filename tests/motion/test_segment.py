@@ -23,7 +23,7 @@ from motion.segment import (
     start=st.floats(0, 50),
     length=st.floats(0.1, 10),
 )
-def test_speech_and_motion_of_an_excerpt_last_equally_long(
+def test_speech_and_motion_of_an_excerpt_have_equal_length(
     speech_rate: int, frame_rate: float, start: float, length: float
 ) -> None:
     durations = []
@@ -38,7 +38,7 @@ def test_speech_and_motion_of_an_excerpt_last_equally_long(
     ("start", "end"),
     [(-0.1, 0.5), (0.5, 0.5), (0.6, 0.5), (0.5, 1.2), (1, 1.05), (0.5, 0.501), (0, float("nan"))],
 )
-def test_excerpt_may_end_a_little_late_and_outside_or_empty_is_refused(
+def test_an_excerpt_may_end_slightly_late_but_not_lie_outside_or_be_empty(
     start: float, end: float
 ) -> None:
     assert excerpt_bounds(0, 1 + CUT_TOLERANCE, rate=100, length=100) == (0, 110)
@@ -69,7 +69,7 @@ segments = st.builds(
 
 
 @given(st.lists(segments, min_size=1, max_size=5, unique_by=lambda segment: segment.name))
-def test_segments_written_are_read_back(
+def test_segments_survive_a_round_trip(
     tmp_path_factory: pytest.TempPathFactory, written: list[Segment]
 ) -> None:
     speech = tmp_path_factory.mktemp("speech")
@@ -78,7 +78,7 @@ def test_segments_written_are_read_back(
     assert read_segments(speech) == tuple(written)
 
 
-def test_spreadsheet_export_is_read(speech: Path) -> None:
+def test_a_spreadsheet_export_is_read(speech: Path) -> None:
     text = HEADER.replace("\n", "\r\n") + "s1 , a.wav, 0, 4.5,scott,fear,Hello\r\n,,,,,,\r\n\r\n"
     (speech / "segments.csv").write_bytes(b"\xef\xbb\xbf" + text.encode())
     (segment,) = read_segments(speech)
@@ -107,7 +107,9 @@ def test_spreadsheet_export_is_read(speech: Path) -> None:
         ("s2,a.wav,0,5,x,neutral,one, two", "8 cells for 7 columns"),
     ],
 )
-def test_bad_row_is_named_by_file_and_line(speech: Path, row: str, complaint: str) -> None:
+def test_an_error_names_the_file_and_line_of_a_bad_row(
+    speech: Path, row: str, complaint: str
+) -> None:
     first = "s1,a.wav,0,5,x,neutral,hello\n"
     (speech / "segments.csv").write_text(f"{HEADER}{first}{row}\n", encoding="utf-8")
     with pytest.raises(InputError, match=complaint) as caught:
@@ -129,9 +131,7 @@ def test_bad_row_is_named_by_file_and_line(speech: Path, row: str, complaint: st
     ],
     ids=["missing", "blank", "semicolons", "column", "no row", "endless cell", "encoding"],
 )
-def test_a_table_that_cannot_be_read_is_refused(
-    speech: Path, content: str | None, complaint: str
-) -> None:
+def test_an_unreadable_table_is_refused(speech: Path, content: str | None, complaint: str) -> None:
     if content is not None:
         (speech / "segments.csv").write_text(content, encoding="latin-1")
     with pytest.raises(InputError, match=rf"segments\.csv.*{complaint}"):

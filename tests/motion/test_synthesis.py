@@ -57,7 +57,7 @@ def test_same_text_gives_the_same_file(tmp_path: Path) -> None:
 
 
 @needs_espeak
-def test_text_is_neither_markup_nor_options(tmp_path: Path) -> None:
+def test_text_is_not_interpreted_as_markup_or_options(tmp_path: Path) -> None:
     plain = speak("one and two", "neutral", tmp_path / "a.wav")
     odd = speak("--help one <break time='9s'/> & two", "neutral", tmp_path / "b.wav")
     assert plain.duration < odd.duration < 9
@@ -72,7 +72,7 @@ def test_voice_and_prosody_may_be_chosen(tmp_path: Path, spoken: dict[str, Audio
 
 
 @needs_espeak
-def test_unknown_voice_is_refused_and_nothing_written(tmp_path: Path) -> None:
+def test_an_unknown_voice_is_refused_without_writing_a_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"voice 'nosuch'.*espeak-ng --voices"):
         speak_as(SENTENCE, NEUTRAL, tmp_path / "a.wav", "nosuch")
     assert not list(tmp_path.iterdir())
@@ -97,7 +97,7 @@ def test_unusable_text_or_emotion_is_refused(
         ("exec /bin/sleep 60", 0.2, "longer than"),
     ],
 )
-def test_espeak_that_is_missing_or_fails_leaves_nothing_behind(
+def test_a_missing_or_failing_espeak_leaves_no_file(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     script: str | None,

@@ -54,7 +54,7 @@ def _recording(folder: Path, hertz: float, seconds: float = 4.0) -> Path:
     return path
 
 
-def test_long_speech_with_a_pause_of_a_whole_window_records_its_windows(
+def test_windows_of_long_speech_with_a_long_pause_are_recorded(
     settings: AmuseSettings,
 ) -> None:
     heard: list[tuple[int, int]] = []
@@ -73,7 +73,7 @@ def test_long_speech_with_a_pause_of_a_whole_window_records_its_windows(
     assert windows.overlap == 30
 
 
-def test_the_parts_of_two_speeches_go_together_as_named(
+def test_parts_of_two_speeches_are_combined_as_named(
     settings: AmuseSettings, tmp_path: Path
 ) -> None:
     first, second = _recording(tmp_path, 180), _recording(tmp_path, 520)
@@ -137,7 +137,7 @@ def test_unusable_speech_and_unknown_labels_are_refused(
         AmuseSettings.model_validate({**settings.model_dump(), "from_emotion": "fear"})
 
 
-def test_a_speech_model_that_the_denoiser_did_not_learn_from_is_refused(
+def test_a_speech_model_other_than_in_training_is_refused(
     settings: AmuseSettings, tmp_path: Path
 ) -> None:
     networks = load_motion(settings.checkpoint)
@@ -169,7 +169,7 @@ def _whole(tmp_path: Path) -> AmuseSettings:
     return settings
 
 
-def test_speech_that_is_not_taken_apart_moves_as_a_whole(
+def test_speech_without_disentanglement_drives_motion_as_a_whole(
     whole: AmuseSettings, settings: AmuseSettings
 ) -> None:
     low, high = (_clip(whole, _speech(2.0, hertz)) for hertz in (200, 2000))

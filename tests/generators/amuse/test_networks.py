@@ -32,7 +32,7 @@ def _seeded() -> None:
 
 
 @torch.inference_mode()
-def test_motion_and_latents_do_not_depend_on_the_others_of_a_batch() -> None:
+def test_motion_and_latents_do_not_depend_on_the_rest_of_the_batch() -> None:
     model = MotionModel(SMALL).eval()
     motion, noise, *speech = torch.randn(3, 20, 12), *torch.randn(4, 3, 1, 16)
     speech = [condition[..., :8] for condition in speech]
@@ -138,7 +138,7 @@ def _losses(model: MotionModel, weights: Mapping[str, float]) -> dict[str, torch
         ("valign", {"prior.decoder"}),
     ],
 )
-def test_each_loss_teaches_the_networks_that_the_paper_says(
+def test_each_loss_trains_the_networks_named_in_the_paper(
     model: MotionModel, name: str, taught: set[str]
 ) -> None:
     torch.autograd.backward(_losses(model, {name: 1.0})["loss"])
@@ -153,7 +153,7 @@ def test_each_loss_teaches_the_networks_that_the_paper_says(
     assert learning == taught
 
 
-def test_the_latents_distance_is_that_of_two_normal_laws(model: MotionModel) -> None:
+def test_the_latent_distance_is_that_of_two_normal_distributions(model: MotionModel) -> None:
     motion = torch.randn(2, 12, 333, generator=torch.Generator().manual_seed(2))
     mu, std = model.prior.encode(motion)
     result = torch.distributions.kl_divergence(
@@ -187,7 +187,7 @@ def test_swapping_parts_of_equal_speech_costs_nothing() -> None:
         assert losses[name] == pytest.approx(losses["self"], rel=1e-5)
 
 
-def test_contents_gain_nothing_by_all_coming_nearer() -> None:
+def test_content_loss_does_not_depend_on_the_scale_of_features() -> None:
     torch.manual_seed(1)
     model = SpeechModel(SMALL_SPEECH).eval()
     result = []

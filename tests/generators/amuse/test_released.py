@@ -27,7 +27,7 @@ def _error(found: Tensor, expected: Tensor) -> float:
     return float((found - expected).abs().max() / expected.abs().max())
 
 
-def test_prior_and_denoiser_compute_what_the_released_networks_do(tmp_path: Path) -> None:
+def test_prior_and_denoiser_match_the_released_networks(tmp_path: Path) -> None:
     reference = _known("amuse.npz")
     shapes = json.loads((REFERENCE / "amuse_state_dict.json").read_text())
     weights = {part: reference_weights(shapes[part]) for part in ("prior", "denoiser")}
@@ -43,7 +43,7 @@ def test_prior_and_denoiser_compute_what_the_released_networks_do(tmp_path: Path
 
 
 @pytest.mark.slow
-def test_the_speech_model_computes_what_the_released_one_does(tmp_path: Path) -> None:
+def test_the_speech_model_matches_the_released_one(tmp_path: Path) -> None:
     reference = _known("amuse_audio.npz")
     shapes = json.loads((REFERENCE / "amuse_audio_state_dict.json").read_text())
     torch.save(reference_weights(shapes), tmp_path / "speech.pt")
@@ -53,7 +53,7 @@ def test_the_speech_model_computes_what_the_released_one_does(tmp_path: Path) ->
         assert _error(result, reference[name]) < 1e-4, name
 
 
-def test_another_network_is_refused_with_the_weights_that_do_not_fit(tmp_path: Path) -> None:
+def test_another_network_is_refused_with_its_mismatched_weights(tmp_path: Path) -> None:
     part = {"final_layer.bias": torch.zeros(282)}
     torch.save(part, tmp_path / "alone.pt")
     with pytest.raises(InputError, match="it has no 'prior' and 'denoiser'"):

@@ -57,7 +57,7 @@ def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     return partial(learn, speech_model=str(settings.speech_model))
 
 
-def test_a_short_training_reconstructs_and_denoises_better_than_its_beginning(
+def test_a_short_training_improves_reconstruction_and_denoising(
     learn: Learn, tmp_path: Path
 ) -> None:
     result = {}
@@ -84,7 +84,7 @@ ALIGNED = {"align", "valign"}
         ("without_prior", DENOISER, DENOISER, DENOISER | ALIGNED),
     ],
 )
-def test_an_ablation_learns_in_its_stages_and_is_measured_by_all_losses(
+def test_an_ablation_trains_in_stages_and_is_measured_by_all_losses(
     learn: Learn,
     tmp_path: Path,
     ablation: str | None,
@@ -105,13 +105,13 @@ def test_an_ablation_learns_in_its_stages_and_is_measured_by_all_losses(
     assert ("reconstruction" in outcome.sentences[1]) != alone
 
 
-def test_it_is_computed_where_its_device_is(
+def test_training_runs_on_the_chosen_device(
     learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     require_one_device(monkeypatch, lambda: learn(8, tmp_path / "out.safetensors"))
 
 
-def test_a_stopped_training_goes_on_to_the_same_bytes(learn: Learn, tmp_path: Path) -> None:
+def test_a_resumed_training_ends_in_the_same_bytes(learn: Learn, tmp_path: Path) -> None:
     whole, parts = tmp_path / "whole.safetensors", tmp_path / "parts.safetensors"
 
     def stop(done: int, total: int, detail: str) -> None:

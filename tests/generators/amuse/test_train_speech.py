@@ -33,9 +33,7 @@ def _learn(monkeypatch: pytest.MonkeyPatch) -> Learn:
     return training_on(TOY_SPEECH, train_amuse_speech, monkeypatch, **usual)
 
 
-def test_it_learns_to_take_apart_speech_of_texts_it_never_heard(
-    learn: Learn, tmp_path: Path
-) -> None:
+def test_it_learns_to_disentangle_speech_of_unheard_texts(learn: Learn, tmp_path: Path) -> None:
     out = tmp_path / "speech.safetensors"
     outcome = learn(60, out, TWO_TEXTS_HELD_OUT)
     network = load_speech(out)
@@ -60,7 +58,7 @@ def test_it_learns_to_take_apart_speech_of_texts_it_never_heard(
 @pytest.mark.parametrize(
     ("ablation", "told", "left_out"), [("style_only", "sty", "emo"), ("emotion_only", "emo", "sty")]
 )
-def test_an_ablation_learns_and_swaps_only_what_it_takes_apart(
+def test_an_ablation_swaps_only_the_parts_it_disentangles(
     learn: Learn, tmp_path: Path, ablation: str, told: str, left_out: str
 ) -> None:
     outcome = learn(1, tmp_path / "out.safetensors", TWO_TEXTS_HELD_OUT, ablation=ablation)
@@ -73,7 +71,7 @@ def test_an_ablation_learns_and_swaps_only_what_it_takes_apart(
     assert outcome.sentences[1].count("with another's") == 2
 
 
-def test_the_encoders_set_out_from_the_weights_of_a_folder(learn: Learn, tmp_path: Path) -> None:
+def test_the_encoders_start_from_the_weights_of_a_folder(learn: Learn, tmp_path: Path) -> None:
     network = SpeechEncoder(replace(SMALL, frames=100)).transformer
     network.save_pretrained(tmp_path / "ast")
     out = tmp_path / "out.safetensors"
@@ -92,14 +90,14 @@ def test_the_encoders_set_out_from_the_weights_of_a_folder(learn: Learn, tmp_pat
 
 
 @pytest.mark.parametrize("ablation", [None, "mfcc"])
-def test_it_is_computed_where_its_device_is(
+def test_training_runs_on_the_chosen_device(
     learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, ablation: str | None
 ) -> None:
     choices = {} if ablation is None else {"ablation": ablation}
     require_one_device(monkeypatch, lambda: learn(1, tmp_path / "out.safetensors", **choices))
 
 
-def test_an_autoencoder_can_stand_in_for_the_speech_model(learn: Learn, tmp_path: Path) -> None:
+def test_an_autoencoder_can_replace_the_speech_model(learn: Learn, tmp_path: Path) -> None:
     out, missed = tmp_path / "out.safetensors", []
     for steps in (1, 20):
         outcome = learn(steps, out.with_stem(str(steps)), ablation="mfcc")

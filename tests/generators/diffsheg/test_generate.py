@@ -81,9 +81,7 @@ def test_face_and_body_move_and_hips_and_legs_stand_still(
     assert f"overlap {overlap}," in clip.provenance["sampling"]
 
 
-def test_without_a_named_speaker_the_network_moves_as_the_segments(
-    tmp_path: Path, speak: Speak
-) -> None:
+def test_without_a_named_speaker_the_segments_speaker_is_used(tmp_path: Path, speak: Speak) -> None:
     speakers = Speakers(("ada", "bo"), small("beat").speakers)
     network = replace(small_network(), speakers=speakers, hubert=stand_in().identity)
     write_network(tmp_path / "named.safetensors", network)
@@ -196,14 +194,14 @@ def changed(released: DiffShegSettings, **values: Any) -> DiffShegSettings:
         ("stats", "weights.pt", "no such folder of stats"),
     ],
 )
-def test_missing_files_are_named_and_not_confused_with_folders(
+def test_missing_files_are_named_and_folders_are_not_accepted_as_files(
     released: DiffShegSettings, tmp_path: Path, key: str, value: str, message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
         changed(released, **{key: Path(value)}).resolved_in(tmp_path)
 
 
-def test_the_fingerprint_changes_with_values_and_contents_and_not_with_where_files_lie(
+def test_the_fingerprint_depends_on_settings_and_contents_but_not_on_paths(
     released: DiffShegSettings, tmp_path: Path
 ) -> None:
     fingerprints = [released.fingerprint(), changed(released, speaker=2).fingerprint()]
@@ -216,7 +214,7 @@ def test_the_fingerprint_changes_with_values_and_contents_and_not_with_where_fil
     assert len(set(fingerprints)) == 5
 
 
-def test_steps_that_do_not_divide_those_of_training_and_unknown_devices_are_refused(
+def test_invalid_step_counts_and_unknown_devices_are_refused(
     released: DiffShegSettings,
 ) -> None:
     with pytest.raises(ValidationError, match="30 steps do not divide"):

@@ -43,7 +43,7 @@ def asked(config: DenoiserConfig, batch: int = 2, frames: int = FRAMES) -> tuple
 
 
 @pytest.mark.parametrize("flow", get_args(Flow))
-def test_a_network_with_a_skip_that_learned_nothing_takes_the_motion_for_noise(flow: Flow) -> None:
+def test_an_untrained_network_with_a_skip_predicts_the_motion_as_noise(flow: Flow) -> None:
     question = asked(replace(SMALL, flow=flow, skip=True))
     noisy, steps = question[:2]
     result = Denoiser(replace(SMALL, flow=flow, skip=True)).eval()(*question)
@@ -51,7 +51,7 @@ def test_a_network_with_a_skip_that_learned_nothing_takes_the_motion_for_noise(f
     assert torch.allclose(result, (1 - kept).sqrt() * noisy, atol=1e-6)
 
 
-def test_the_logarithm_of_mel_bands_is_read_from_silence_at_minus_one() -> None:
+def test_log_loudness_of_silence_is_minus_one() -> None:
     question = list(asked(SMALL))
     question[2] = question[2] * torch.logspace(-6, 3, SMALL.audio_width)
     question[2][:, 0] = 0.0
@@ -62,7 +62,7 @@ def test_the_logarithm_of_mel_bands_is_read_from_silence_at_minus_one() -> None:
 
 
 @pytest.mark.parametrize("guidance", [None, 1.3])
-def test_a_window_gets_the_same_answer_alone_and_in_a_batch(guidance: float | None) -> None:
+def test_a_window_gives_the_same_output_alone_and_in_a_batch(guidance: float | None) -> None:
     config = replace(SMALL, guidance=guidance)
     denoiser, question = shaken(config), asked(config, batch=3)
     together = denoiser(*question)
@@ -83,7 +83,7 @@ GESTURE, EXPRESSION = slice(0, SMALL.gesture_width), slice(SMALL.gesture_width, 
         (EXPRESSION, "gesture", False, False),
     ],
 )
-def test_the_face_learns_from_errors_of_the_body_without_the_cut_alone(
+def test_body_errors_reach_the_face_only_without_the_gradient_cut(
     part: slice, branch: str, detached: bool, learns: bool
 ) -> None:
     config = replace(SMALL, detached=detached)
@@ -118,7 +118,7 @@ def test_the_parts_depend_on_each_other_as_configured(
     assert changed(GESTURE, EXPRESSION) == face_follows
 
 
-def test_a_guided_network_forgets_its_conditions_in_some_windows_while_it_learns() -> None:
+def test_a_guided_network_drops_its_conditions_in_some_training_windows() -> None:
     config = replace(SMALL, guidance=1.2, dropout=0.0)
     denoiser = shaken(config).train()
     torch.manual_seed(0)

@@ -43,7 +43,7 @@ def test_a_released_checkpoint_without_its_means_is_refused(tmp_path: Path) -> N
     ],
     ids=["another network", "another data set", "no config", "no weights"],
 )
-def test_a_file_of_something_else_is_refused(tmp_path: Path, facts: dict[str, object]) -> None:
+def test_a_file_of_another_kind_is_refused(tmp_path: Path, facts: dict[str, object]) -> None:
     write_weights(tmp_path / "other.safetensors", {"a": torch.zeros(1)}, facts)
     with pytest.raises(InputError, match="not of a DiffSHEG network"):
         load_network(tmp_path / "other.safetensors", "beat", None)
@@ -65,7 +65,7 @@ def stats(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_bodys_values_come_first_and_then_the_faces_which_may_have_a_folder_of_their_own(
+def test_body_statistics_precede_the_faces_which_may_be_in_another_folder(
     stats: Path,
 ) -> None:
     (stats / "facial52").mkdir()
@@ -96,7 +96,7 @@ def test_unusable_content_is_refused(stats: Path, values: np.ndarray, message: s
 
 @pytest.mark.slow
 @pytest.mark.parametrize("dataset", ["beat", "show"])
-def test_the_forward_pass_is_that_of_the_released_network(dataset: str, tmp_path: Path) -> None:
+def test_the_forward_pass_matches_the_released_network(dataset: str, tmp_path: Path) -> None:
     names = REFERENCE / f"diffsheg_{dataset}_state_dict.json"
     if not names.exists():
         pytest.skip("the reference of the released network is not here")
@@ -120,7 +120,7 @@ def test_the_forward_pass_is_that_of_the_released_network(dataset: str, tmp_path
 
 @pytest.mark.parametrize(("name", "save"), [("a.pt", torch.save), ("a.safetensors", save_file)])
 @pytest.mark.parametrize("key", ["out.weight", "encoder.out.weight"])
-def test_weights_are_read_from_both_kinds_of_file_also_under_the_key_encoder(
+def test_weights_are_read_from_both_kinds_of_file_and_under_the_key_encoder(
     name: str, save: Callable[..., None], key: str, tmp_path: Path
 ) -> None:
     save({key: torch.ones(2)}, tmp_path / name)
@@ -132,7 +132,7 @@ class _Trap:
         return Path.write_text, (Path("sprung"), "yes")
 
 
-def test_a_pickle_that_runs_code_is_refused_unrun(
+def test_a_malicious_pickle_is_refused_without_running_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -144,7 +144,7 @@ def test_a_pickle_that_runs_code_is_refused_unrun(
     assert not Path("sprung").exists()
 
 
-def test_another_network_is_refused_with_the_weights_that_do_not_fit(tmp_path: Path) -> None:
+def test_another_network_is_refused_with_its_mismatched_weights(tmp_path: Path) -> None:
     torch.save({"encoder_exp.out.bias": torch.ones(7)}, tmp_path / "net.pt")
     with pytest.raises(InputError, match=r"missing .*of another shape .*\(7,\) instead of \(51,\)"):
         load_released(tmp_path / "net.pt")

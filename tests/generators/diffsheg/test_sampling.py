@@ -90,7 +90,7 @@ def moved(
 
 @settings(max_examples=8, deadline=None)
 @given(st.lists(st.integers(1, 9), min_size=1, max_size=8), st.sampled_from([0, 3]))
-def test_how_speech_comes_in_changes_nothing(lengths: list[int], overlap: int) -> None:
+def test_chunking_of_speech_does_not_change_the_motion(lengths: list[int], overlap: int) -> None:
     sampling = replace(SAMPLING, overlap=overlap)
     sampler = WindowSampler(NETWORK, PERSON, sampling)
     whole = spoken(sum(lengths))
@@ -103,7 +103,7 @@ def test_how_speech_comes_in_changes_nothing(lengths: list[int], overlap: int) -
     assert torch.equal(moved(sampler, pieces, sampling), motion)
 
 
-def test_motion_comes_before_the_speech_has_ended() -> None:
+def test_motion_is_available_before_the_speech_ends() -> None:
     asked: list[int] = []
 
     def pieces() -> Iterator[SpeechFrames]:
@@ -135,7 +135,7 @@ def _of_a_normal_law(sampling: Sampling) -> Estimate:
     return estimate
 
 
-def test_shared_frames_lead_from_the_window_before_into_the_new_one() -> None:
+def test_shared_frames_connect_one_window_to_the_next() -> None:
     known = torch.full((4, 3000), -1.0)
     random = torch.Generator().manual_seed(2)
     sampling = Sampling(overlap=4)
@@ -153,7 +153,7 @@ def test_shared_frames_lead_from_the_window_before_into_the_new_one() -> None:
         *(("joint", guidance, skip, 2) for guidance, skip in GUIDED_OR_NOT),
     ],
 )
-def test_the_motion_is_that_of_the_plain_network(
+def test_the_motion_equals_that_of_the_plain_network(
     flow: Flow, guidance: float | None, skip: bool, number: int
 ) -> None:
     config = replace(SMALL, flow=flow, guidance=guidance, skip=skip)
@@ -164,7 +164,7 @@ def test_the_motion_is_that_of_the_plain_network(
     assert float((result - plain).abs().max()) < 1e-4 * float(plain.abs().max())
 
 
-def test_everything_happens_where_the_network_is() -> None:
+def test_everything_runs_on_the_networks_device() -> None:
     """Values on 'meta' are not computed, but may not meet values that are elsewhere."""
     denoiser = shaken(replace(SMALL, guidance=1.3, layers=1)).requires_grad_(False).to("meta")
     assert moved(WindowSampler(denoiser, PERSON, SAMPLING)).device.type == "meta"
@@ -173,7 +173,9 @@ def test_everything_happens_where_the_network_is() -> None:
 @pytest.mark.parametrize(
     ("name", "asked"), [("smooth", 27), ("fast", 27), ("careful", 63), ("plain", 15)]
 )
-def test_a_named_sampling_asks_the_network_as_often_as_documented(name: str, asked: int) -> None:
+def test_a_named_sampling_evaluates_the_network_as_often_as_documented(
+    name: str, asked: int
+) -> None:
     walk = SAMPLINGS[name].later_walk
     assert sum(there < here for here, there in pairwise(walk)) == asked
 
@@ -246,14 +248,14 @@ def at_seams(motion: np.ndarray) -> float:
     return seam_acceleration(motion[:, :, None], windows, of="values").value
 
 
-def test_accelerations_at_the_borders_are_those_elsewhere(
+def test_accelerations_at_window_borders_are_like_those_elsewhere(
     smooth: np.ndarray, fast: np.ndarray
 ) -> None:
     assert at_seams(smooth) < 1.15
     assert at_seams(smooth) < at_seams(fast) - 0.05
 
 
-def test_poses_vary_as_the_law_has_it_and_do_not_fade_to_the_mean(
+def test_poses_keep_their_variance_and_do_not_fade_to_the_mean(
     smooth: np.ndarray, fast: np.ndarray
 ) -> None:
     assert smooth.std() == pytest.approx(1, abs=0.08)

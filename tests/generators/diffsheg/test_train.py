@@ -79,7 +79,7 @@ def task_of(takes: PreparedTakes, **changes: Any) -> DiffShegTask:
     return replace(task, **changes)
 
 
-def test_a_short_training_finds_noise_that_an_untrained_network_does_not(
+def test_a_short_training_predicts_noise_better_than_an_untrained_network(
     learn: Learn, takes: PreparedTakes, tmp_path: Path
 ) -> None:
     out = tmp_path / "small.safetensors"
@@ -93,13 +93,13 @@ def test_a_short_training_finds_noise_that_an_untrained_network_does_not(
     assert "no words" in " ".join(outcome.warnings)
 
 
-def test_it_is_computed_where_its_device_is(
+def test_training_runs_on_the_chosen_device(
     learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     require_one_device(monkeypatch, lambda: learn(1, tmp_path / "out.safetensors"))
 
 
-def test_the_file_names_its_training_and_another_ablation_does_not_go_on_with_it(
+def test_the_file_records_its_training_and_another_ablation_cannot_resume_it(
     learn: Learn, tmp_path: Path
 ) -> None:
     out = tmp_path / "small.safetensors"
@@ -128,7 +128,7 @@ def test_motion_is_normalised_by_the_training_split_only(takes: PreparedTakes) -
     np.testing.assert_allclose(result.std[:141], gestures.std(axis=0, dtype=float), rtol=1e-6)
 
 
-def test_held_out_windows_are_measured_without_chance_and_weights_chosen_without_velocity(
+def test_validation_is_deterministic_and_selects_weights_without_velocity(
     takes: PreparedTakes,
 ) -> None:
     task = task_of(takes, weights=LossWeights(noise=2, velocity=10, reconstruction=3))
@@ -144,7 +144,7 @@ def test_held_out_windows_are_measured_without_chance_and_weights_chosen_without
     assert result[METRIC] == pytest.approx(2 * result["noise"] + 3 * result["reconstruction"])
 
 
-def test_the_network_gets_the_speaker(takes: PreparedTakes) -> None:
+def test_the_network_receives_the_speaker(takes: PreparedTakes) -> None:
     told: list[torch.Tensor] = []
 
     class Listening(torch.nn.Module):
@@ -168,7 +168,7 @@ def test_the_network_gets_the_speaker(takes: PreparedTakes) -> None:
         ("ted", "tiny", "no face"),
     ],
 )
-def test_recordings_that_do_not_fit_are_refused(
+def test_unsuitable_recordings_are_refused(
     kind: Kind, config: str, message: str, tmp_path: Path
 ) -> None:
     takes = TakeFolder(kind=kind, takes=(), speakers=())

@@ -76,7 +76,7 @@ def share_near(moments: np.ndarray, accents: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_the_strongest_accents_are_met_by_a_stop_of_the_hands(clips: Clips, emotion: str) -> None:
+def test_hands_stop_on_the_strongest_accents(clips: Clips, emotion: str) -> None:
     met, by_chance = [], []
     for seed in SEEDS:
         speech, clip = clips[emotion, seed]
@@ -107,7 +107,7 @@ def body() -> PenetrableBody:
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_limbs_sink_into_nothing_and_move_smoothly_and_feet_stay(
+def test_limbs_move_smoothly_without_penetration_and_feet_stay(
     clips: Clips, body: PenetrableBody, emotion: str
 ) -> None:
     clip = clips[emotion, 1][1]
@@ -140,7 +140,7 @@ def test_anger_and_joy_move_more_than_neutral_and_sadness_less(clips: Clips) -> 
     assert amount["sadness"] < 0.75 * amount["neutral"]
 
 
-def test_sadness_lets_head_and_shoulders_sink_and_fear_raises_the_shoulders(clips: Clips) -> None:
+def test_sadness_lowers_head_and_shoulders_and_fear_raises_the_shoulders(clips: Clips) -> None:
     height = {
         emotion: joints_of(clips[emotion, 0][1])[:, :, 1].mean(axis=0)
         for emotion in ("neutral", "sadness", "fear")
@@ -163,14 +163,12 @@ def test_sadness_lets_head_and_shoulders_sink_and_fear_raises_the_shoulders(clip
         ("disgust", "noseSneerLeft"),
     ],
 )
-def test_each_emotion_shows_its_own_face_more_than_any_other_does(
-    clips: Clips, emotion: str, action: str
-) -> None:
+def test_each_emotion_shows_its_own_face_most(clips: Clips, emotion: str, action: str) -> None:
     index = arkit_index(action)
     strengths = {other: arkit_of(clips[other, 0][1])[:, index].mean() for other in EMOTIONS}
     assert max(strengths, key=lambda other: strengths[other]) == emotion
 
 
-def test_silence_is_stood_through_without_gestures() -> None:
+def test_there_are_no_gestures_in_silence() -> None:
     clip = generate(as_segment(Audio(np.zeros(5 * 16000, np.float32), 16000), "anger"))
     assert wrist_speed(clip).max() < 0.15

@@ -101,7 +101,7 @@ def prosodies(draw: st.DrawFn) -> Prosody:
 
 @settings(max_examples=60)
 @given(prosodies(), st.sampled_from(EMOTIONS), st.integers(0, 1000))
-def test_phases_follow_each_other_and_hands_do_one_thing_at_a_time(
+def test_gesture_phases_follow_each_other_without_overlap(
     prosody: Prosody, emotion: str, seed: int
 ) -> None:
     manner = STYLES[emotion].gestures
@@ -126,7 +126,7 @@ def test_phases_follow_each_other_and_hands_do_one_thing_at_a_time(
 SECONDS = 12.0
 
 
-def test_clasped_hands_part_when_the_next_gesture_begins_with_the_one_on_top(
+def test_clasped_hands_part_when_a_gesture_starts_with_the_upper_hand(
     speak: Callable[..., SpeechSegment],
 ) -> None:
     manner, clasps = STYLES["neutral"].gestures, 0

@@ -41,12 +41,14 @@ def values(generator: S2ue, speech: SpeechSegment, seed: int = 1, pieces: int = 
     return np.concatenate(list(generator.stream(parts, seed=seed)))
 
 
-def test_how_speech_is_cut_changes_nothing(checkpoint: Path, speech: SpeechSegment) -> None:
+def test_cutting_of_speech_does_not_change_the_motion(
+    checkpoint: Path, speech: SpeechSegment
+) -> None:
     made = generator(checkpoint)
     np.testing.assert_array_equal(values(made, speech), values(made, speech, pieces=97))
 
 
-def test_frames_are_settled_with_a_bounded_delay(checkpoint: Path, speak: Speak) -> None:
+def test_frames_are_final_after_a_bounded_delay(checkpoint: Path, speak: Speak) -> None:
     speech, received, generated = speak("a", 9.0), 0, 0
     lags = []
 
@@ -62,7 +64,7 @@ def test_frames_are_settled_with_a_bounded_delay(checkpoint: Path, speak: Speak)
     assert max(lags) <= 34 / 15 + 0.1 + 0.05
 
 
-def test_windows_go_over_into_each_other(checkpoint: Path, speak: Speak) -> None:
+def test_windows_blend_into_each_other(checkpoint: Path, speak: Speak) -> None:
     result = values(generator(checkpoint), speak("a", 60.0))
     seams = Windows(frames=34, overlap=4, frame_rate=15.0)
     for part in (result[:, :27], result[:, 27:]):
@@ -70,7 +72,7 @@ def test_windows_go_over_into_each_other(checkpoint: Path, speak: Speak) -> None
         assert seam_acceleration(points, seams, of="points").value < 1.2
 
 
-def test_it_moves_as_the_chosen_speaker_and_without_variation_ignores_the_seed(
+def test_motion_follows_the_chosen_speaker_and_ignores_the_seed_without_variation(
     checkpoint: Path, speech: SpeechSegment
 ) -> None:
     still = generator(checkpoint, variation=0.0)
@@ -85,7 +87,7 @@ def test_it_moves_as_the_chosen_speaker_and_without_variation_ignores_the_seed(
         values(generator(checkpoint, speaker="carl"), speech)
 
 
-def test_the_clip_names_its_stand_ins(checkpoint: Path, speech: SpeechSegment) -> None:
+def test_the_clip_records_its_stand_ins(checkpoint: Path, speech: SpeechSegment) -> None:
     clip = generator(checkpoint).generate(speech, seed=1, frame_rate=30)
     assert len(clip) == 219
     assert clip.provenance["speaker"] in ("anna", "ben")
@@ -96,7 +98,7 @@ def test_the_clip_names_its_stand_ins(checkpoint: Path, speech: SpeechSegment) -
     assert not np.array_equal(clip.poses, other.poses)
 
 
-def test_a_transcript_with_times_moves_otherwise(
+def test_word_times_change_the_motion(
     checkpoint: Path, speech: SpeechSegment, tmp_path: Path
 ) -> None:
     (tmp_path / "a.csv").write_text(
@@ -114,7 +116,7 @@ def test_a_transcript_with_times_moves_otherwise(
         made.generate(speech, seed=1, frame_rate=15)
 
 
-def test_other_vectors_and_networks_are_refused(
+def test_mismatched_vectors_and_networks_are_refused(
     checkpoint: Path, speech: SpeechSegment, tmp_path: Path
 ) -> None:
     (tmp_path / "other.vec").write_text("1 2\nhello 1 2\n")
@@ -128,7 +130,7 @@ def test_other_vectors_and_networks_are_refused(
 
 
 @pytest.mark.parametrize(("left_out", "still"), [("faces", "arkit"), ("poses", "poses")])
-def test_parts_that_a_network_does_not_generate_are_still(
+def test_parts_that_a_network_does_not_generate_stay_still(
     tmp_path: Path, speech: SpeechSegment, left_out: str, still: str
 ) -> None:
     path = written_network(tmp_path / "a.safetensors", **{left_out: False})

@@ -38,7 +38,7 @@ def outputs(network: Network, **changed: Tensor) -> Tensor:
     return values
 
 
-def test_motion_has_all_frames_and_depends_on_all_that_is_given() -> None:
+def test_motion_has_all_frames_and_depends_on_every_input() -> None:
     network = small_network()
     plain = outputs(network)
     assert plain.shape == (2, 34, VALUES)
@@ -90,7 +90,7 @@ def motion(seed: int) -> torch.Tensor:
     return torch.randn(2, 5, VALUES, generator=torch.Generator().manual_seed(seed))
 
 
-def test_equation_16_counts_places_and_steps() -> None:
+def test_equation_16_compares_positions_and_velocities() -> None:
     true = torch.zeros(1, 3, 2, 3)
     result = true.clone()
     result[:, 1] = 0.5
@@ -100,7 +100,7 @@ def test_equation_16_counts_places_and_steps() -> None:
     )
 
 
-def test_equation_17_counts_places_motions_and_their_steps() -> None:
+def test_equation_17_compares_positions_motions_and_velocities() -> None:
     network = small_network()
     network.spread.copy_(torch.tensor([1e-3, 0.5, 0.1]))
     one, two = motion(1), motion(2)
@@ -120,7 +120,7 @@ def test_equation_17_counts_places_motions_and_their_steps() -> None:
     assert float(reconstruction_losses(network, one, one, WEIGHTS)["reconstruction"]) == 0
 
 
-def test_another_speakers_motion_is_to_be_further_away() -> None:
+def test_the_loss_pushes_other_speakers_motion_away() -> None:
     network = small_network()
     true = network.mean.expand(1, 5, VALUES)
     near, far = true + 0.1 * network.deviation, true + 0.3 * network.deviation

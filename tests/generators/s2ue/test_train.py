@@ -56,7 +56,7 @@ def task(takes: PreparedTakes) -> S2ueTask:
     )
 
 
-def test_it_learns_and_reports_its_data(learn: Learn, tmp_path: Path) -> None:
+def test_training_improves_the_network_and_reports_its_data(learn: Learn, tmp_path: Path) -> None:
     outcome = learn(16, tmp_path / "a.safetensors")
     assert "24 windows of 6 takes by 2 speakers (a, b)" in outcome.sentences[0]
     assert any("stand-in for FastText" in one for one in outcome.warnings)
@@ -69,14 +69,14 @@ def test_it_learns_and_reports_its_data(learn: Learn, tmp_path: Path) -> None:
     assert many < 0.9 * few
 
 
-def test_it_is_computed_where_its_device_is(
+def test_training_runs_on_the_chosen_device(
     learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     require_one_device(monkeypatch, lambda: learn(1, tmp_path / "out.safetensors"))
 
 
 @pytest.mark.parametrize("ablation", list(ABLATIONS))
-def test_ablations_are_trained_and_remembered(learn: Learn, tmp_path: Path, ablation: str) -> None:
+def test_ablations_are_trained_and_recorded(learn: Learn, tmp_path: Path, ablation: str) -> None:
     learn(2, tmp_path / "a.safetensors", ablation=ablation)
     loaded = load_network(tmp_path / "a.safetensors", FACE)
     assert loaded.training["ablation"] == ablation
@@ -87,7 +87,7 @@ def test_ablations_are_trained_and_remembered(learn: Learn, tmp_path: Path, abla
     assert ("phonemes" in passes) == (ablation != "without_face")
 
 
-def test_each_pass_teaches_its_own_network(takes: PreparedTakes) -> None:
+def test_each_pass_trains_its_own_network(takes: PreparedTakes) -> None:
     expected = task(takes)
     network = expected.network().train()
     rows = np.arange(6)
@@ -100,7 +100,7 @@ def test_each_pass_teaches_its_own_network(takes: PreparedTakes) -> None:
             assert all(one.grad is None for one in network.generator.parameters())
 
 
-def test_the_network_knows_how_recordings_spread(takes: PreparedTakes) -> None:
+def test_the_network_stores_the_spread_of_the_recordings(takes: PreparedTakes) -> None:
     network = task(takes).network()
     windows = Windows(takes, split="train", frames=34, stride=10)
     motion = windows.batch(np.arange(len(windows)))["motion"].reshape(-1, 27 + 3 * FACE.count)

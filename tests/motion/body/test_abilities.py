@@ -66,14 +66,14 @@ def _written(folder: Path, name: str, matrix: np.ndarray) -> Path:
 
 @pytest.mark.parametrize("name", ["m.npy", "m.npz", "m.csv"])
 @pytest.mark.parametrize("transposed", [False, True])
-def test_matrix_is_read_in_every_format_either_way_round(
+def test_a_matrix_is_read_in_every_format_and_orientation(
     tmp_path: Path, name: str, transposed: bool
 ) -> None:
     path = _written(tmp_path, name, MATRIX.T if transposed else MATRIX)
     np.testing.assert_allclose(read_expression_matrix(path), MATRIX, rtol=1e-6)
 
 
-def test_matrix_that_a_spreadsheet_saved_is_read(tmp_path: Path) -> None:
+def test_a_matrix_saved_by_a_spreadsheet_is_read(tmp_path: Path) -> None:
     plain = _written(tmp_path, "m.csv", MATRIX).read_text()
     (tmp_path / "m.csv").write_text(plain.replace(",", ", "), encoding="utf-8-sig", newline="\r\n")
     np.testing.assert_allclose(read_expression_matrix(tmp_path / "m.csv"), MATRIX, rtol=1e-6)
@@ -92,7 +92,7 @@ def test_matrix_that_a_spreadsheet_saved_is_read(tmp_path: Path) -> None:
         ("gone.npy", None, "no such expression matrix"),
     ],
 )
-def test_other_files_are_refused(
+def test_files_that_are_not_matrices_are_refused(
     tmp_path: Path, name: str, content: np.ndarray | bytes | None, message: str
 ) -> None:
     path = tmp_path / name
@@ -106,7 +106,7 @@ def test_other_files_are_refused(
     assert caught.value.remedy
 
 
-def test_a_clips_face_in_the_bodys_own_parameters_comes_first(body: BodyModel) -> None:
+def test_the_bodys_own_face_parameters_take_precedence(body: BodyModel) -> None:
     both = _clip(expressions=COEFFICIENTS, arkit=ARKIT)
     for has_arkit_slots, expected in ((True, both.arkit), (False, both.expressions)):
         shown = replace(body, has_arkit_slots=has_arkit_slots, expression_matrix=MATRIX)

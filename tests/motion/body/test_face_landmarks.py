@@ -26,7 +26,7 @@ def face_alone(clip: MotionClip) -> MotionClip:
     return replace(clip, poses=poses, trans=np.zeros_like(clip.trans), betas=clip.betas[:0])
 
 
-def test_landmarks_are_where_the_whole_bodys_vertices_are(
+def test_landmarks_match_the_vertices_of_the_whole_body(
     body: BodyModel, landmarks: FaceLandmarks
 ) -> None:
     clip = random_clip(9)
@@ -35,7 +35,7 @@ def test_landmarks_are_where_the_whole_bodys_vertices_are(
     np.testing.assert_allclose(landmarks.shifts(clip), whole - landmarks.neutral, atol=1e-6)
 
 
-def test_a_body_in_smplxs_terms_has_landmarks_that_follow_its_pose_corrections(
+def test_landmarks_of_an_smplx_body_follow_its_pose_corrections(
     body: BodyModel,
 ) -> None:
     chance = np.random.default_rng(0)
@@ -52,7 +52,7 @@ def test_a_body_in_smplxs_terms_has_landmarks_that_follow_its_pose_corrections(
 
 
 @pytest.mark.parametrize("name", ["weights", "expression_directions", "arkit_slots"])
-def test_arrays_that_do_not_fit_are_refused(landmarks: FaceLandmarks, name: str) -> None:
+def test_mismatched_arrays_are_refused(landmarks: FaceLandmarks, name: str) -> None:
     arrays = landmarks.arrays()
     with pytest.raises(InputError, match="do not fit together"):
         FaceLandmarks.from_arrays(arrays | {name: arrays[name][:-1]})
@@ -60,7 +60,7 @@ def test_arrays_that_do_not_fit_are_refused(landmarks: FaceLandmarks, name: str)
         FaceLandmarks.from_arrays({key: arrays[key] for key in arrays if key != name})
 
 
-def test_a_face_that_the_body_does_not_show_and_a_body_without_a_face_are_refused(
+def test_unshowable_faces_and_bodies_without_a_face_are_refused(
     landmarks: FaceLandmarks, body: BodyModel
 ) -> None:
     with pytest.raises(InputError, match="ARKit weights"):
@@ -70,7 +70,7 @@ def test_a_face_that_the_body_does_not_show_and_a_body_without_a_face_are_refuse
         FaceLandmarks.of(faceless)
 
 
-def test_the_frozen_landmarks_are_those_of_the_default_body(landmarks: FaceLandmarks) -> None:
+def test_the_stored_landmarks_match_the_default_body(landmarks: FaceLandmarks) -> None:
     frozen = FaceLandmarks.of_default_body()
     for name, array in landmarks.arrays().items():
         same = np.asarray(frozen.arrays()[name], float)

@@ -67,7 +67,7 @@ def _clip(frames: int, seed: int = 0, **more: Any) -> MotionClip:
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::UserWarning")
-def test_vertices_are_those_of_smplx(tmp_path: Path) -> None:
+def test_vertices_match_smplx(tmp_path: Path) -> None:
     smplx = pytest.importorskip("smplx")
     torch = pytest.importorskip("torch")
     body = _read(tmp_path, _random_arrays(LICENSED))
@@ -99,7 +99,7 @@ def test_vertices_are_those_of_smplx(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("part", [slice(0, 8), slice(3, 17), slice(18, 30)])
-def test_a_part_of_the_frames_is_the_same_as_that_part_of_all(body: BodyModel, part: slice) -> None:
+def test_posing_some_frames_equals_posing_all(body: BodyModel, part: slice) -> None:
     clip = _clip(19)
     np.testing.assert_allclose(body.vertices(clip, part), body.vertices(clip)[part], atol=1e-5)
 
@@ -128,7 +128,7 @@ def test_vertices_are_the_unposed_body_skinned_by_matrices_and_weights(
 
 
 @pytest.mark.parametrize("has_arkit_slots", [False, True])
-def test_face_of_the_other_kind_is_shown_through_a_matrix_and_not_guessed_without(
+def test_a_face_in_other_parameters_needs_a_matrix(
     arrays: Arrays, tmp_path: Path, has_arkit_slots: bool
 ) -> None:
     rng = np.random.default_rng(5)
@@ -150,7 +150,9 @@ def test_face_of_the_other_kind_is_shown_through_a_matrix_and_not_guessed_withou
     assert np.abs(body.vertices(foreign) - still).max() > 1e-3
 
 
-def test_short_files_of_ten_and_ten_components_are_read(arrays: Arrays, tmp_path: Path) -> None:
+def test_files_with_ten_shape_and_ten_expression_components_are_read(
+    arrays: Arrays, tmp_path: Path
+) -> None:
     shapes = arrays["shapedirs"]
     short = np.concatenate([shapes[:, :, :10], shapes[:, :, 300:310]], axis=2)
     body = _read(tmp_path, arrays | {"shapedirs": short})
@@ -169,7 +171,7 @@ def test_short_files_of_ten_and_ten_components_are_read(arrays: Arrays, tmp_path
         (lambda a: a | {"v_template": np.float32(1)}, r"v_template .* has shape \(\)"),
     ],
 )
-def test_a_file_other_than_an_smplx_body_is_refused(
+def test_a_file_that_is_not_an_smplx_body_is_refused(
     arrays: Arrays, tmp_path: Path, broken: Callable[[Arrays], Arrays], message: str
 ) -> None:
     with pytest.raises(InputError, match=message) as caught:
@@ -207,7 +209,7 @@ def test_a_missing_body_is_refused(tmp_path: Path) -> None:
         read_body(tmp_path / "gone.npz")
 
 
-def test_mean_hands_of_a_licensed_file_are_left_then_right_and_those_of_others_none(
+def test_only_licensed_files_have_mean_hands_left_then_right(
     tmp_path: Path,
 ) -> None:
     left, right = np.arange(45.0), -np.arange(45.0)

@@ -34,7 +34,7 @@ def face(
 
 
 @given(frames=st.integers(2, 200), rate=st.sampled_from([12.5, 15, 25, 30, 60, 120]))
-def test_any_rate_keeps_time_and_every_name_lands_in_its_column(
+def test_every_rate_keeps_time_and_every_name_its_column(
     tmp_path_factory: pytest.TempPathFactory, frames: int, rate: float
 ) -> None:
     ramp = np.arange(frames) / 60 / 4
@@ -88,7 +88,7 @@ def test_unusable_content_is_refused_by_name(
     assert caught.value.where == str(path)
 
 
-def test_motion_written_is_read_back(tmp_path: Path) -> None:
+def test_motion_survives_a_round_trip(tmp_path: Path) -> None:
     weights = np.random.default_rng(1).uniform(size=(7, 51))
     write_arkit_json(tmp_path / "a.json", weights, 60.0)
     back = read_arkit_json(tmp_path / "a.json", 60.0)

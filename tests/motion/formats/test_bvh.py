@@ -38,7 +38,7 @@ def test_skeleton_and_values_are_read(tmp_path: Path) -> None:
         *(("0.0333667", 29.97), ("0.067", 15), ("0.142857", 7), ("0.03", 33.3333)),
     ],
 )
-def test_frame_time_stands_for_the_rate_it_was_rounded_from(
+def test_a_rounded_frame_time_gives_the_exact_rate(
     tmp_path: Path, frame_time: str, rate: float
 ) -> None:
     assert chain(tmp_path, frame_time=frame_time).frame_rate == pytest.approx(rate, abs=1e-3)
@@ -71,7 +71,7 @@ def test_rotations_apply_in_the_order_of_the_channels(
     np.testing.assert_allclose(rotations[0, 1], hip @ knee, atol=1e-6)
 
 
-def test_position_channels_replace_an_offset_and_without_rotations_a_joint_is_as_its_parent(
+def test_position_channels_replace_offsets_and_missing_rotations_follow_the_parent(
     tmp_path: Path,
 ) -> None:
     text = bvh_text(CHAIN, np.array([[0, 0, 0, 0, 0, 0, 0, 90, 0, 1, -50, 2]]))
@@ -95,7 +95,7 @@ def test_layout_of_the_text_does_not_matter(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("promised", "frame_rates"), [(24, (120, 15)), (25, (120, 15)), (4, (120,)), (0, (120,))]
 )
-def test_header_that_contradicts_the_rows_is_refused_with_possible_rates_unless_one_is_given(
+def test_a_header_that_contradicts_the_rows_is_refused_with_possible_rates(
     tmp_path: Path, promised: int, frame_rates: tuple[float, ...]
 ) -> None:
     with pytest.raises(BvhFrameCountError) as refusal:
@@ -145,7 +145,7 @@ def test_damage_is_refused_by_file_and_line(
 
 
 @given(st.data())
-def test_no_cut_off_file_is_taken_for_a_whole_one(
+def test_a_truncated_file_is_never_accepted(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
     text = bvh_text(CHAIN, ROWS)
@@ -156,7 +156,7 @@ def test_no_cut_off_file_is_taken_for_a_whole_one(
         read_bvh(path)
 
 
-def test_a_skeleton_of_200000_joints_inside_each_other_is_refused_where_it_gets_too_large(
+def test_a_skeleton_of_200000_nested_joints_is_refused_early(
     tmp_path: Path,
 ) -> None:
     joints = "".join(f"JOINT j{number}\n{{\nOFFSET 0 1 0\n" for number in range(200_000))

@@ -40,7 +40,7 @@ def a_motion(frame_rate: float = 30.0) -> BvhMotion:
 
 
 @pytest.mark.parametrize("rate", [15.0, 23.976, 29.97, 30.0, 120.0])
-def test_motion_written_is_read_back(tmp_path: Path, rate: float) -> None:
+def test_motion_survives_a_round_trip(tmp_path: Path, rate: float) -> None:
     motion = a_motion(rate)
     write_bvh(tmp_path / "deep" / "a.bvh", motion)
     back = read_bvh(tmp_path / "deep" / "a.bvh")
@@ -90,7 +90,7 @@ def chain(tmp_path: Path, rows: np.ndarray) -> BvhMotion:
     return read_bvh(save_bvh_text(tmp_path / "a.bvh", bvh_text(CHAIN, rows)))
 
 
-def test_pose_left_over_in_the_first_frame_settles(tmp_path: Path) -> None:
+def test_a_pose_left_over_in_the_first_frame_is_smoothed_out(tmp_path: Path) -> None:
     rows = np.stack([columns_of(CHAIN, {"knee": (0, 10 + k, 0)}) for k in range(4)])
     rows[0] += columns_of(CHAIN, {"hip": (20, 0, 0)})
     motion = settle_first_frame(chain(tmp_path, rows))
@@ -127,7 +127,7 @@ _JUMPING[3] = columns_of(CHAIN, {"hip": (-170, 0, 90), "knee": (0, 90, 0)})
     "rows",
     [_bending(hip=(80, 0, 0), knee=(0, 0, 60)), _JUMPING, *(_bending()[:n] for n in (1, 2))],
 )
-def test_a_quick_start_and_jumps_throughout_are_not_taken_for_calibration(
+def test_quick_starts_and_frequent_jumps_are_not_mistaken_for_calibration(
     tmp_path: Path, rows: np.ndarray
 ) -> None:
     motion = chain(tmp_path, rows)
@@ -141,7 +141,7 @@ RIGHT_ANGLES = clip_of(np.tile([np.pi / 2, 0, 0], (3, 55, 1)))
 @settings(max_examples=25)
 @given(clips())
 @example(RIGHT_ANGLES)
-def test_another_reader_finds_every_joint_where_the_clip_puts_it(
+def test_another_reader_finds_every_joint_in_the_clips_position(
     tmp_path_factory: pytest.TempPathFactory, clip: MotionClip
 ) -> None:
     path = tmp_path_factory.mktemp("bvh") / "a.bvh"
@@ -152,7 +152,7 @@ def test_another_reader_finds_every_joint_where_the_clip_puts_it(
     np.testing.assert_allclose(written.joint_positions()[:, places] / 100, expected, atol=1e-4)
 
 
-def test_angles_do_not_jump_where_a_joint_goes_on_turning(tmp_path: Path) -> None:
+def test_angles_of_a_turning_joint_do_not_jump(tmp_path: Path) -> None:
     poses = np.zeros((60, 55, 3), np.float32)
     poses[:, 20, 2] = np.linspace(2, 6, 60)
     clip = clip_of(poses)

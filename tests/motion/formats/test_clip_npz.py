@@ -35,7 +35,7 @@ def save(path: Path, **arrays: Any) -> Path:
 
 
 @given(clips())
-def test_clips_written_are_read_back(
+def test_clips_survive_a_round_trip(
     tmp_path_factory: pytest.TempPathFactory, clip: MotionClip
 ) -> None:
     path = tmp_path_factory.mktemp("motion") / "a.npz"
@@ -69,7 +69,9 @@ def test_equal_clips_make_equal_bytes(tmp_path: Path) -> None:
         {"dmpls": np.zeros((4, 8)), "markers_latent_vids": np.array({"C7": 3}, dtype=object)},
     ],
 )
-def test_variants_of_the_field_are_read_the_same(tmp_path: Path, arrays: dict[str, Any]) -> None:
+def test_variants_of_the_file_convention_are_read_alike(
+    tmp_path: Path, arrays: dict[str, Any]
+) -> None:
     clip = read_clip(save(tmp_path / "a.npz", **arrays))
     assert clip.poses.shape == (4, 55, 3)
     assert np.allclose(clip.poses, 0.1)
@@ -106,7 +108,7 @@ def test_poses_in_parts_are_joined_and_missing_parts_are_at_rest(tmp_path: Path)
 
 
 @pytest.mark.parametrize("key", ["expression", "expressions"])
-def test_fewer_expression_coefficients_are_filled_with_zero(tmp_path: Path, key: str) -> None:
+def test_missing_expression_coefficients_are_zero(tmp_path: Path, key: str) -> None:
     clip = read_clip(save(tmp_path / "a.npz", **{key: np.ones((4, 50))}))
     assert clip.expressions is not None
     assert clip.expressions[:, :50].all()
@@ -133,7 +135,7 @@ BAD_POSES[2, 7] = np.nan
         ({"gender": np.array({"a": 1}, dtype=object)}, "without running code"),
     ],
 )
-def test_bad_content_is_refused_by_file(
+def test_an_error_names_the_file_with_bad_content(
     tmp_path: Path, arrays: dict[str, Any], complaint: str
 ) -> None:
     path = save(tmp_path / "bad.npz", **arrays)
@@ -180,9 +182,7 @@ def archive_of(path: Path, shape: tuple[int, int], content: int) -> Path:
     return path
 
 
-def test_a_small_file_that_unpacks_to_more_than_a_motion_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_zip_bomb_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("motion.formats.archives.LARGEST", 2**21)
     path = archive_of(tmp_path / "bomb.npz", (2**21, 1), 2**23)
     assert path.stat().st_size < 2**16
@@ -190,7 +190,7 @@ def test_a_small_file_that_unpacks_to_more_than_a_motion_is_refused(
         read_clip(path)
 
 
-def test_the_frame_rate_is_known_without_the_motion_and_refused_if_unusable(tmp_path: Path) -> None:
+def test_the_frame_rate_is_read_without_the_motion_and_validated(tmp_path: Path) -> None:
     path = save(tmp_path / "a.npz", mocap_frame_rate=24.0, poses=np.zeros(1))
     assert read_frame_rate(path) == 24.0
     save(path, mocap_frame_rate=0.0)

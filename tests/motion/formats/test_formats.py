@@ -25,7 +25,7 @@ def person_bvh(path: Path, frames: int | None = None) -> Path:
 
 
 @pytest.mark.parametrize("ending", ["bvh", "npz"])
-def test_content_decides_the_format_not_the_ending(tmp_path: Path, ending: str) -> None:
+def test_the_format_follows_the_content_not_the_extension(tmp_path: Path, ending: str) -> None:
     path = person_bvh(tmp_path / f"a.{ending}")
     clip = read_motion(path)
     elbow = np.degrees(clip.poses[:, joint_index("left_elbow")])
@@ -34,7 +34,7 @@ def test_content_decides_the_format_not_the_ending(tmp_path: Path, ending: str) 
     assert clip.provenance["format"] == "bvh (smplx)"
 
 
-def test_foreign_npz_is_placed_with_a_note(tmp_path: Path) -> None:
+def test_npz_files_of_others_are_placed_with_a_note(tmp_path: Path) -> None:
     poses = np.zeros((4, 165))
     poses[:, 0] = np.pi / 2
     np.savez(tmp_path / "amass.npz", poses=poses, trans=np.ones((4, 3)), mocap_framerate=120)
@@ -64,7 +64,7 @@ def test_fingers_relative_to_the_mean_hands_become_absolute(tmp_path: Path, kind
     np.testing.assert_allclose(licensed.poses[2, FINGERS], mean, atol=1e-6)
 
 
-def test_own_files_and_amass_keep_their_fingers(tmp_path: Path) -> None:
+def test_fingers_of_our_own_files_and_amass_are_kept(tmp_path: Path) -> None:
     poses = np.full((3, 165), 0.01)
     np.savez(tmp_path / "amass.npz", poses=poses, mocap_framerate=30)
     clip = read_motion(tmp_path / "amass.npz", mean_hands=np.ones((30, 3), np.float32))

@@ -46,7 +46,7 @@ def values_of(path: Path, accessor: int) -> NDArray[np.float32]:
     return result.reshape(accessor_facts["count"], -1)
 
 
-def test_another_reader_finds_each_joint_where_it_is(
+def test_another_reader_finds_each_joint_in_the_same_position(
     clip: MotionClip, body: BodyModel, tmp_path: Path
 ) -> None:
     expected, _ = forward_kinematics(clip.poses, clip.trans, body.joints(clip.betas))
@@ -78,7 +78,7 @@ def test_the_animation_holds_every_frame(clip: MotionClip, body: BodyModel, tmp_
             assert alike == pytest.approx(1, abs=1e-6)
 
 
-def test_facial_actions_that_are_used_are_morph_targets_and_speech_and_authors_are_named(
+def test_used_facial_actions_are_morph_targets_and_speech_and_authors_are_credited(
     clip: MotionClip, body: BodyModel, tmp_path: Path
 ) -> None:
     write_glb(tmp_path / "a.glb", clip, body, speech="a.wav")
@@ -95,9 +95,7 @@ def test_facial_actions_that_are_used_are_morph_targets_and_speech_and_authors_a
     np.testing.assert_allclose(weights, arkit_of(clip)[:, [BLINK, SMILE]], atol=1e-6)
 
 
-def test_the_mesh_is_the_body_in_its_colours(
-    clip: MotionClip, body: BodyModel, tmp_path: Path
-) -> None:
+def test_the_mesh_is_the_coloured_body(clip: MotionClip, body: BodyModel, tmp_path: Path) -> None:
     write_glb(tmp_path / "a.glb", clip, body)
 
     mesh = trimesh.load_scene(tmp_path / "a.glb").geometry["body"]

@@ -15,7 +15,7 @@ from motion.formats.joint_maps import (
 from motion.skeleton import JOINT_NAMES
 
 
-def test_an_own_map_is_read_from_plain_lines(tmp_path: Path) -> None:
+def test_a_custom_map_is_read_from_plain_lines(tmp_path: Path) -> None:
     path = tmp_path / "joints.toml"
     path.write_text('pelvis = "Hips"\nleft_wrist = "Hand L"  # as exported\n')
     assert read_joint_map(path) == {"pelvis": "Hips", "left_wrist": "Hand L"}
@@ -30,7 +30,7 @@ def test_a_file_other_than_a_joint_map_is_refused_by_name(tmp_path: Path, text: 
 
 
 @pytest.mark.parametrize("name", JOINT_MAPS)
-def test_every_known_map_is_sound(name: str) -> None:
+def test_every_known_map_is_valid(name: str) -> None:
     joint_map = JOINT_MAPS[name]
     assert set(joint_map) <= set(JOINT_NAMES)
     assert set(REQUIRED_JOINTS) <= set(joint_map)
@@ -44,7 +44,7 @@ def test_every_known_map_is_sound(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", JOINT_MAPS)
-def test_skeleton_is_known_by_its_joints(name: str) -> None:
+def test_a_skeleton_is_recognised_by_its_joints(name: str) -> None:
     joints = [*JOINT_MAPS[name].values(), "HeadEnd", "LeftHandMiddle4", "b_l_arm_twist"]
     assert choose_joint_map(joints) == (name, JOINT_MAPS[name])
 
@@ -57,7 +57,7 @@ def test_a_namespace_is_ignored(prefix: str) -> None:
     assert joint_map["left_elbow"] == f"{prefix}LeftForeArm"
 
 
-def test_skeleton_without_legs_and_fingers_is_enough() -> None:
+def test_a_skeleton_without_legs_and_fingers_suffices() -> None:
     names = [JOINT_MAPS["genea"][joint] for joint in (*REQUIRED_JOINTS, "spine1", "neck")]
     chosen, joint_map = choose_joint_map(names)
     assert chosen == "genea"
@@ -80,7 +80,7 @@ def test_an_unknown_skeleton_is_refused_with_its_unmapped_joints() -> None:
         ({"head": None}, "lacks head"),
     ],
 )
-def test_own_map_that_does_not_fit_is_refused(
+def test_a_custom_map_that_does_not_fit_is_refused(
     change: dict[str, str | None], complaint: str
 ) -> None:
     joint_map = {joint: joint.title() for joint in REQUIRED_JOINTS}

@@ -65,7 +65,7 @@ def assert_same_gesture(result: MotionClip, expected: MotionClip, degrees: float
         assert np.degrees(np.arccos(cosine.clip(-1, 1))).max() < degrees, (start, end)
 
 
-def test_named_joints_in_any_unit_and_with_any_axis_up_are_the_same_motion(tmp_path: Path) -> None:
+def test_units_and_up_axes_of_named_joints_do_not_matter(tmp_path: Path) -> None:
     clip = gesturing()
     at = positions(clip)[:, : len(BODY_JOINTS)]
     up = Rotation.from_euler("x", 90, degrees=True).as_matrix()
@@ -115,7 +115,7 @@ def test_a_joint_map_names_an_unknown_skeleton(tmp_path: Path) -> None:
         read_motion(tmp_path / "a.npz", joint_map={"pelvis": "x"})
 
 
-def test_clips_of_ted_gesture_are_motion_too(tmp_path: Path) -> None:
+def test_clips_of_ted_gesture_are_read_as_motion(tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", joints=ted_joints(gesturing()), frame_rate=30)
     assert_same_gesture(read_motion(tmp_path / "a.npz"), gesturing(), 4)
 
@@ -154,7 +154,7 @@ def test_an_unusable_file_is_refused_with_the_reason(
 JOINTS = np.random.default_rng(1).uniform(-1, 1, (4, 10, 3))
 
 
-def test_joints_and_directions_are_read_the_same(tmp_path: Path) -> None:
+def test_joints_and_directions_are_read_alike(tmp_path: Path) -> None:
     bones = np.stack([JOINTS[:, child] - JOINTS[:, parent] for parent, child in BONES], axis=1)
     expected = bones / np.linalg.norm(bones, axis=2, keepdims=True)
     np.savez(tmp_path / "joints.npz", joints=JOINTS * 7)
@@ -182,7 +182,7 @@ def test_joints_and_directions_are_read_the_same(tmp_path: Path) -> None:
         ({"joints": np.array([None] * 10)}, "without running code"),
     ],
 )
-def test_other_arrays_are_refused_with_the_files_name(
+def test_an_error_names_the_file_with_unusable_arrays(
     tmp_path: Path, arrays: dict[str, Any], message: str
 ) -> None:
     np.savez(tmp_path / "a.npz", **arrays)

@@ -99,7 +99,7 @@ def bone_errors(motion: BvhMotion, joint_map: JointMap, clip: MotionClip) -> dic
 
 @given(st.integers(0, 999))
 @settings(max_examples=20)
-def test_motion_of_smplx_itself_comes_back_as_it_was(seed: int) -> None:
+def test_retargeting_smplx_motion_changes_nothing(seed: int) -> None:
     skeleton = smplx_skeleton()
     turns = random_turns(skeleton, 3, seed)
     clip = retarget(bvh_motion(skeleton, turns), OWN)
@@ -110,7 +110,7 @@ def test_motion_of_smplx_itself_comes_back_as_it_was(seed: int) -> None:
 
 @given(seed=st.integers(0, 999), droop=st.floats(-80, 60), spread=st.floats(0, 20))
 @settings(max_examples=30)
-def test_limbs_have_the_sources_directions_for_any_rest_pose(
+def test_limbs_keep_the_sources_directions_for_any_rest_pose(
     seed: int, droop: float, spread: float
 ) -> None:
     def bent(name: str, offset: Offset) -> Offset:
@@ -125,7 +125,7 @@ def test_limbs_have_the_sources_directions_for_any_rest_pose(
     assert max(errors.values()) < 0.05
 
 
-def test_palms_face_as_the_fingers_of_the_source_tell() -> None:
+def test_palms_face_as_the_sources_fingers_imply() -> None:
     clip = at_rest(
         changed(lambda name, offset: turned_by("x", -90, offset) if is_finger(name) else offset)
     )
@@ -173,7 +173,7 @@ def test_long_spine_is_merged() -> None:
     assert bends["neck"] == pytest.approx(0, abs=1e-3)
 
 
-def test_joints_without_a_source_stay_as_their_parent_is() -> None:
+def test_joints_without_a_source_follow_their_parent() -> None:
     skeleton = smplx_skeleton()
     joint_map = {name: name for name in JOINT_NAMES if "index" not in name and name != "spine2"}
     clip = retarget(bvh_motion(skeleton, random_turns(skeleton, 2, 0)), joint_map)
@@ -208,13 +208,13 @@ def fingerless(name: str, offset: Offset) -> Offset:
 
 
 @pytest.mark.parametrize("change", [leaning, fingerless])
-def test_leaning_spines_and_fingers_without_length_at_rest_turn_nothing(
+def test_leaning_spines_and_zero_length_fingers_at_rest_rotate_nothing(
     change: Callable[[str, Offset], Offset],
 ) -> None:
     np.testing.assert_allclose(at_rest(changed(change)).poses, 0, atol=1e-6)
 
 
-def test_arms_give_the_scale_of_a_skeleton_without_legs() -> None:
+def test_a_skeleton_without_legs_is_scaled_by_its_arms() -> None:
     legs = ("hip", "knee", "ankle", "foot")
     above = {name: name for name in JOINT_NAMES if not name.endswith(legs)}
     skeleton = [bone for bone in smplx_skeleton(50) if bone[0] in above]
@@ -290,7 +290,7 @@ def _in_t_pose(calibration: dict[str, float], heading: float = 0) -> MotionClip:
 
 
 @pytest.mark.parametrize("heading", [0, 90, -160])
-def test_head_and_trunk_are_straight_where_the_calibration_pose_is(heading: float) -> None:
+def test_a_calibration_pose_straightens_head_and_trunk(heading: float) -> None:
     pitched: dict[str, float] = {"pelvis": -6, "spine1": 11, "spine2": -5, "neck": 13}
     clip = _in_t_pose(pitched, heading)
     _, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
@@ -302,7 +302,7 @@ def test_head_and_trunk_are_straight_where_the_calibration_pose_is(heading: floa
 
 
 @pytest.mark.parametrize("pose", [{"pelvis": 80}, {"left_shoulder": 10, "spine2": 50}])
-def test_another_first_pose_straightens_nothing(pose: dict[str, float]) -> None:
+def test_any_other_first_pose_straightens_nothing(pose: dict[str, float]) -> None:
     clip = _in_t_pose(pose)
     for joint, pitch in pose.items():
         bend = np.degrees(clip.poses[0, joint_index(joint), 0])

@@ -82,7 +82,7 @@ PARTS = np.split(ROWS, [3, 6, 9, 12, 75, 120, 165], axis=1)
 SHOW: dict[str, Any] = dict(zip([*NAMES.split(), "expression"], PARTS, strict=True))
 
 
-def test_shows_own_arrays_make_the_same_motion(tmp_path: Path) -> None:
+def test_shows_arrays_give_the_same_motion(tmp_path: Path) -> None:
     body = SHOW["body_pose_axis"].reshape(3, 21, 3)
     np.savez(tmp_path / "a.npz", **SHOW | {"body_pose_axis": body, "betas": np.zeros(300)})
     np.save(tmp_path / "a.npy", ROWS)
@@ -103,7 +103,7 @@ def test_shows_own_arrays_make_the_same_motion(tmp_path: Path) -> None:
         ({"expression": np.array([None] * 3)}, "without running code"),
     ],
 )
-def test_shows_arrays_that_make_no_motion_are_refused(
+def test_unusable_show_arrays_are_refused(
     tmp_path: Path, changed: dict[str, Any], message: str
 ) -> None:
     arrays = SHOW | changed

@@ -37,7 +37,7 @@ def test_aligned_words_keep_their_times(tmp_path: Path, audio: Audio, name: str,
     assert result == (Word("hello", 0.0, 0.5), Word("world", 1.0, 2.0))
 
 
-def test_plain_text_is_spread_over_the_time_of_speech(tmp_path: Path, audio: Audio) -> None:
+def test_words_of_plain_text_are_spread_over_the_speech(tmp_path: Path, audio: Audio) -> None:
     (tmp_path / "a.lab").write_text("One, three!\n")
     one, three = read_transcript(tmp_path / "a.lab", audio)
     assert (one.text, three.text) == ("one", "three")
@@ -66,7 +66,7 @@ def test_other_transcripts_are_refused(
         read_transcript(tmp_path / name, audio)
 
 
-def test_another_table_is_not_taken_for_a_table_of_words(tmp_path: Path) -> None:
+def test_other_tables_are_not_mistaken_for_word_tables(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("0,1,neutral\n")
     (tmp_path / "b.csv").write_text("start,end,word\n")
     assert not is_word_table(tmp_path / "a.csv")

@@ -102,7 +102,7 @@ def test_an_elbow_bends_only_the_way_it_can() -> None:
 
 @settings(max_examples=10)
 @given(seed=st.integers(0, 2**32 - 1))
-def test_a_face_comes_back_from_its_landmarks(seed: int) -> None:
+def test_a_face_is_recovered_from_its_landmarks(seed: int) -> None:
     clip = random_clip(6, seed=seed)
     clip = replace(clip, poses=0 * clip.poses)
     shifts = LANDMARKS.shifts(clip)

@@ -100,7 +100,7 @@ def detection(**changed: Any) -> Detection:
     return Detection(frame_rate=30, **(arrays | changed))
 
 
-def test_a_person_seen_by_a_camera_gestures_and_talks_again(body: BodyModel) -> None:
+def test_gestures_and_speech_are_recovered_from_a_camera_view(body: BodyModel) -> None:
     clip = talking()
     result = clip_from_detection(detection(pose=pose_of(clip), face=face_of(clip, body)), body)
     before, after = (
@@ -131,7 +131,7 @@ def test_an_arm_out_of_the_picture_hangs_with_a_note(body: BodyModel) -> None:
     assert hanging.all()
 
 
-def test_gaps_are_named_and_short_ones_bridged() -> None:
+def test_gaps_are_reported_and_short_ones_bridged() -> None:
     pose, face = np.zeros((400, 33, 3)), np.zeros((400, 478, 3))
     pose[:20] = face[:20] = np.nan
     face[100:105] = np.nan
@@ -148,7 +148,7 @@ def test_gaps_are_named_and_short_ones_bridged() -> None:
     assert np.isfinite(result.stretch(20, 200).face).all()
 
 
-def test_a_cut_ends_a_stretch_and_short_ones_are_left_out() -> None:
+def test_a_cut_ends_a_stretch_and_short_stretches_are_dropped() -> None:
     face = np.zeros((FRAMES, 478, 3))
     face[:, 454, 0] = 50
     face[100:, :, 0] += 200
