@@ -31,7 +31,7 @@ def test_the_figure_is_drawn_and_its_numbers_are_printed(tmp_path: Path) -> None
         assert f"answers_until_known_{choice}_sd_1: " in printed
 
 
-def test_an_order_counts_as_known_from_the_first_participant_who_makes_it_so() -> None:
+def test_an_order_is_known_from_the_first_participant_who_completes_it() -> None:
     taus = np.array([[0.5, KNOWN, 0.8], [0.7, KNOWN, 1.0]])
     curve = np.stack([taus, np.zeros_like(taus)], axis=-1)
 
@@ -39,7 +39,7 @@ def test_an_order_counts_as_known_from_the_first_participant_who_makes_it_so() -
     assert answers_needed(curve[:, :1]) is None
 
 
-def test_adaptive_pairs_find_the_order_sooner_than_any_rival() -> None:
+def test_adaptive_pairs_find_the_order_first() -> None:
     final: dict[str, list[float]] = {choice: [] for choice in CHOICES}
     for seed in range(100, 125):
         strengths = np.random.default_rng([seed, 1]).normal(0, 2, 6)

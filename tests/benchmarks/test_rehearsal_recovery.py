@@ -11,7 +11,7 @@ from tools.markdown import marks
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "rehearsal.md"
 
 
-def test_the_same_tables_come_every_time_and_the_page_holds_those_of_every_question() -> None:
+def test_tables_are_reproducible_and_the_page_has_every_question() -> None:
     first = measure(rehearsals=1)
     assert first == measure(rehearsals=1)
     begin, end = marks("measured")
@@ -22,7 +22,7 @@ def test_the_same_tables_come_every_time_and_the_page_holds_those_of_every_quest
         assert f"| {kind.replace('_', ' ')} |" in tables
 
 
-def test_every_place_is_taken_until_somebody_stays() -> None:
+def test_places_are_refilled_until_somebody_finishes() -> None:
     study, segments = template_study()
     people = default_population(study)
     leaving = Population(quality=people.quality, kinds={"dropping_out": 0.4})
@@ -37,7 +37,7 @@ def test_every_place_is_taken_until_somebody_stays() -> None:
     ("truth", "low", "high", "inside", "right", "wrong"),
     [(0.6, 0.55, 0.7, 1, 1, 0), (0.6, 0.3, 0.4, 0, 0, 1), (0.6, 0.45, 0.7, 1, 0, 0)],
 )
-def test_an_interval_that_leaves_out_one_half_has_found_a_side(
+def test_an_interval_without_one_half_finds_a_preference(
     truth: float, low: float, high: float, inside: int, right: int, wrong: int
 ) -> None:
     tally = Tally()

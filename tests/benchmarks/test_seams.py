@@ -34,7 +34,7 @@ def test_motion_without_seams_has_a_ratio_of_one() -> None:
     ("frame", "at_seam"),
     [(0, True), (2, True), (4, True), (-2, False), (7, False), (15, False)],
 )
-def test_a_jump_is_seen_anywhere_at_a_seam_and_nowhere_else(frame: int, at_seam: bool) -> None:
+def test_jumps_are_detected_at_seams_only(frame: int, at_seam: bool) -> None:
     """Frame 0 is the first shared one, and 4 the first that is shared no more."""
     values = wandering()
     for border in range(30, 600, 30):
@@ -42,7 +42,7 @@ def test_a_jump_is_seen_anywhere_at_a_seam_and_nowhere_else(frame: int, at_seam:
     assert ratio(values) > 1.8 if at_seam else ratio(values) < 0.9
 
 
-def test_a_clip_says_where_its_windows_begin() -> None:
+def test_a_clip_records_where_its_windows_begin() -> None:
     rng = np.random.default_rng(1)
     turns = np.cumsum(0.01 * rng.standard_normal((150, 55, 3)), axis=0)
     clip = MotionClip(

@@ -218,7 +218,7 @@ def by_an_encoder_that_follows_the_picture(_: StudyFolder, folder: Path) -> Mapp
     "files",
     [without_padding, as_other_tools_wrote_them, by_an_encoder_that_follows_the_picture],
 )
-def test_files_that_reveal_their_condition_would_be_found(
+def test_the_adversary_finds_revealing_files(
     heard: Callable[[str], HeardStudy], tmp_path: Path, files: Files
 ) -> None:
     others = files(heard("players").folder, tmp_path)
@@ -256,7 +256,7 @@ def in_one_byte_of_catch_trials(
 
 
 @pytest.mark.parametrize("leak", [in_a_header, in_tokens, in_one_byte_of_catch_trials])
-def test_a_dependence_on_condition_or_kind_would_be_found(
+def test_the_adversary_finds_planted_leaks(
     heard: Callable[[str], HeardStudy], leak: Change
 ) -> None:
     assert any(better_than_chance(heard("players"), leak))

@@ -78,7 +78,7 @@ def chosen(page: Page) -> str:
     return "".join(menu.input_value() or "-" for menu in menus)
 
 
-def test_clicks_rank_from_the_best_to_the_last_and_outlive_a_reload(page: Page) -> None:
+def test_clicks_rank_from_best_to_worst_and_survive_a_reload(page: Page) -> None:
     expect(question(page).locator(".tray .card")).to_have_text(["A", "B", "C", "D", "E"])
     expect_order(page, "")
     assert chosen(page) == "-----"
@@ -97,7 +97,7 @@ def test_clicks_rank_from_the_best_to_the_last_and_outlive_a_reload(page: Page) 
     assert chosen(page) == "-5143"
 
 
-def test_a_dragged_card_makes_the_others_move_on(page: Page) -> None:
+def test_dragging_a_card_moves_the_others(page: Page) -> None:
     places = question(page).locator(".place")
     drag(page, "B", places.nth(2))
     expect_order(page, "3rd B")
@@ -113,7 +113,7 @@ def test_a_dragged_card_makes_the_others_move_on(page: Page) -> None:
     expect_order(page, "1st E, 2nd A, 4th B and 5th D")
 
 
-def test_keys_move_the_card_that_has_the_focus(page: Page) -> None:
+def test_keys_move_the_focused_card(page: Page) -> None:
     announcement = page.locator(".questions [role=status]")
     card(page, "D").focus()
     for key, words in (
@@ -134,7 +134,7 @@ def test_keys_move_the_card_that_has_the_focus(page: Page) -> None:
     expect(card(page, "A")).to_be_focused()
 
 
-def test_menus_can_be_used_instead_and_say_what_is_wrong(page: Page) -> None:
+def test_menus_can_be_used_instead_and_show_errors(page: Page) -> None:
     page.get_by_role("button", name="Use menus instead").click()
     expect(page.locator(".card:visible")).to_have_count(0)
     menus = question(page).locator("select").all()
@@ -157,7 +157,7 @@ def test_menus_can_be_used_instead_and_say_what_is_wrong(page: Page) -> None:
 
 
 @pytest.mark.parametrize("page", ["ties"], indirect=True)
-def test_a_rank_is_shared_only_where_the_study_says_so(page: Page) -> None:
+def test_ranks_are_shared_only_if_the_study_allows_ties(page: Page) -> None:
     places = question(page).locator(".place")
     rank_in_order(page, "ABCD")
     drag(page, "B", places.first)
@@ -170,7 +170,7 @@ def test_a_rank_is_shared_only_where_the_study_says_so(page: Page) -> None:
     assert chosen(page) == "1123"
 
 
-def test_all_videos_stay_in_view_and_are_enlarged_alike_and_no_answer_tells(page: Page) -> None:
+def test_all_videos_stay_in_view_and_are_enlarged_alike(page: Page) -> None:
     sent = "[...new FormData(document.querySelector('#answers'))].flat().join()"
     (small,), before = video_sizes(page), page.evaluate(sent)
     page.locator(".question").last.scroll_into_view_if_needed()
@@ -194,7 +194,7 @@ def test_all_videos_stay_in_view_and_are_enlarged_alike_and_no_answer_tells(page
     assert video_sizes(page) == {small}
 
 
-def test_a_card_goes_where_it_is_put_and_pushes_no_other_out(page: Page) -> None:
+def test_a_card_lands_where_it_is_dropped_without_displacing_others(page: Page) -> None:
     orders = sorted(set(permutations((0, 0, 0, 1, 2, 3, 4), 4)))
     moves = [
         (ranks, card, rank)
@@ -243,7 +243,7 @@ def test_a_slider_has_no_value_before_it_is_moved_and_keeps_it_after_a_reload(pa
 
 
 @pytest.mark.parametrize("page", ["sliders"], indirect=True)
-def test_a_sliders_first_key_begins_in_the_middle_or_at_an_end(page: Page) -> None:
+def test_a_sliders_first_key_starts_in_the_middle_or_at_an_end(page: Page) -> None:
     keys = {
         "ArrowLeft": ("50", "49"),
         "ArrowUp": ("50", "51"),
@@ -257,7 +257,7 @@ def test_a_sliders_first_key_begins_in_the_middle_or_at_an_end(page: Page) -> No
             expect(field(page, number)).to_have_value(value)
 
 
-def test_a_press_or_a_touch_chooses_where_it_falls(
+def test_a_click_or_touch_selects_its_position(
     browser: Browser, served: dict[str, tuple[str, Flask]]
 ) -> None:
     touched = browser.new_context(has_touch=True).new_page()
@@ -272,7 +272,7 @@ def test_a_press_or_a_touch_chooses_where_it_falls(
 
 
 @pytest.mark.parametrize("page", ["sliders", "ties"], indirect=True)
-def test_scripts_say_nothing_that_is_not_translated(
+def test_every_text_of_the_scripts_is_translated(
     page: Page, served: dict[str, tuple[str, Flask]]
 ) -> None:
     (app,) = (app for address, app in served.values() if page.url.startswith(address))

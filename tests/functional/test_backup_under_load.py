@@ -125,7 +125,7 @@ def stored(url: str) -> tuple[Given, list[str], int]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_a_backup_under_load_holds_every_acknowledged_answer_and_serves_on(
+def test_a_backup_under_load_has_every_acknowledged_answer_without_an_interruption(
     backend: Backend, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if backend == "postgresql" and programs() is None:

@@ -89,7 +89,7 @@ class Participant:
         self.page = self.read(self.client.post(to, data=filled(self.page)))
 
 
-def test_a_participant_answers_and_the_proxy_adds_and_logs_nothing_that_tells(
+def test_a_participant_answers_and_the_proxy_reveals_and_logs_nothing(
     proxied: Proxied,
 ) -> None:
     with proxied.client() as client:
@@ -121,7 +121,7 @@ def test_a_participant_answers_and_the_proxy_adds_and_logs_nothing_that_tells(
     assert not [token for token in participant.tokens if token in proxied.written()]
 
 
-def test_nobody_reaches_the_files_or_another_path(proxied: Proxied) -> None:
+def test_files_and_other_paths_are_out_of_reach(proxied: Proxied) -> None:
     with proxied.client() as client:
         address = proxied.address.removesuffix(f"{PREFIX}/")
         inside = proxied.deployment.inner_location
@@ -142,7 +142,7 @@ def test_nobody_reaches_the_files_or_another_path(proxied: Proxied) -> None:
         assert "/evil" not in client.get(proxied.address, headers=forged).text
 
 
-def test_researchers_cookies_are_for_https_and_their_path(proxied: Proxied) -> None:
+def test_researchers_cookies_are_limited_to_https_and_their_path(proxied: Proxied) -> None:
     log = (proxied.root / "study.log").read_text("utf-8")
     link = re.search(r"https://\S+/join/\S+", log)
     assert link is not None
@@ -163,7 +163,9 @@ def test_researchers_cookies_are_for_https_and_their_path(proxied: Proxied) -> N
     assert link[0].rpartition("/")[2] not in proxied.written()
 
 
-def test_a_participant_answers_while_300_lines_of_another_address_hang(proxied: Proxied) -> None:
+def test_a_participant_answers_while_300_connections_of_another_address_hang(
+    proxied: Proxied,
+) -> None:
     tls = any_certificate()
     with proxied.client() as client:
         other = Participant(client, proxied.address, pages=PAGES)
@@ -180,7 +182,7 @@ def test_a_participant_answers_while_300_lines_of_another_address_hang(proxied: 
     assert participant.page.soup.select("#answers")
 
 
-def test_while_the_study_is_away_no_address_is_logged(proxied: Proxied) -> None:
+def test_while_the_study_is_down_no_address_is_logged(proxied: Proxied) -> None:
     with proxied.client() as client:
         participant = Participant(client, proxied.address, pages=1)
         proxied.server.send_signal(signal.SIGINT)

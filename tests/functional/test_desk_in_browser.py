@@ -50,7 +50,7 @@ def browser() -> Iterator[Browser]:
         yield chromium
 
 
-def test_a_first_study_goes_from_login_to_rehearsed_and_served_without_a_shell(
+def test_a_first_study_is_made_rehearsed_and_served_without_a_shell(
     browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("DATABASE_URL", raising=False)
@@ -81,7 +81,7 @@ def test_a_first_study_goes_from_login_to_rehearsed_and_served_without_a_shell(
         expect(page.get_by_label("Password")).to_be_visible()
 
 
-def test_files_are_uploaded_through_an_interruption_and_their_motion_turned_around(
+def test_an_interrupted_upload_resumes_and_its_motion_is_shown_in_3d(
     browser: Browser, lab: Path, tmp_path: Path
 ) -> None:
     study = StudyFolder(lab / "tiny")

@@ -72,7 +72,7 @@ def choose(seen: Window, answer: str) -> None:
     seen.click(f"label:has(input[value='{answer}'])")
 
 
-def test_a_participant_goes_the_whole_way(
+def test_a_participant_completes_a_study(
     seen: Window, engine: str, address: str, database: Database
 ) -> None:
     seen.go(f"{address}/?PROLIFIC_PID={engine}&STUDY_ID=s1&SESSION_ID=x1")
@@ -133,7 +133,7 @@ def take_trial(seen: Window, engine: str, number: int) -> None:
     seen.click("#next")
 
 
-def test_a_researcher_goes_the_whole_way(
+def test_a_researcher_logs_in_and_watches_a_study(
     seen: Window, engine: str, address: str, database: Database
 ) -> None:
     name = f"{NAME} of {engine}"

@@ -163,7 +163,7 @@ def turns_motion(response: Response) -> bool:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_page_is_light_looks_the_same_for_all_and_has_no_severe_barrier(
+def test_every_page_is_small_identical_for_all_and_accessible(
     name: str, examined: set[str], browser: Browser, tmp_path: Path
 ) -> None:
     write_shown_study(tmp_path / name, name)
@@ -193,7 +193,7 @@ def test_every_page_is_light_looks_the_same_for_all_and_has_no_severe_barrier(
     assert {"consent", "trial", "completed"} <= kinds
 
 
-def test_no_page_beside_the_way_has_a_severe_barrier_and_withdrawing_deletes(
+def test_every_side_page_is_accessible_and_withdrawing_deletes(
     browser: Browser, tmp_path: Path
 ) -> None:
     write_shown_study(tmp_path / "players", "players")
@@ -269,7 +269,7 @@ def test_the_page_for_phones_offers_the_link(browser: Browser, tmp_path: Path) -
         phone.context.close()
 
 
-def test_no_page_of_trouble_has_a_severe_barrier(browser: Browser, tmp_path: Path) -> None:
+def test_every_error_page_is_accessible(browser: Browser, tmp_path: Path) -> None:
     write_shown_study(tmp_path / "labels", "labels", participants=1)
     with (
         examination("trouble", participants_barriers) as examine,
@@ -316,7 +316,7 @@ def test_no_page_of_trouble_has_a_severe_barrier(browser: Browser, tmp_path: Pat
         page.context.close()
 
 
-def test_a_barrier_would_be_found(browser: Browser) -> None:
+def test_the_accessibility_check_finds_a_barrier(browser: Browser) -> None:
     page = browser.new_page()
     style = "@media (prefers-color-scheme: dark) { h1 { color: #eee; } }"
     page.set_content(
@@ -369,7 +369,7 @@ def test_a_pair_fits_a_laptop_and_no_page_is_wider_than_a_phone(
             assert min(height for _, height in video_sizes(page)) >= 300
 
 
-def test_unwatched_videos_of_six_are_listed_on_one_line_beside_next(
+def test_unwatched_videos_are_listed_on_one_line_beside_next(
     browser: Browser, tmp_path: Path
 ) -> None:
     write_shown_study(tmp_path / "ranking", "ranking")

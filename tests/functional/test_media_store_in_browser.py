@@ -36,7 +36,7 @@ def page(browser: Browser) -> Page:
     return opened
 
 
-def test_videos_play_and_are_fetched_ahead_and_nothing_of_the_page_reaches_the_store(
+def test_videos_play_and_preload_without_revealing_the_page_to_the_store(
     page: Page, tiny_study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     complaints: list[str] = []
@@ -68,7 +68,7 @@ def test_videos_play_and_are_fetched_ahead_and_nothing_of_the_page_reaches_the_s
             assert not {"cookie", "referer", "authorization"} & set(sent)
 
 
-def test_where_the_store_is_down_a_video_plays_from_the_study_s_own_server(
+def test_if_the_store_is_down_a_video_plays_from_the_studys_server(
     page: Page, tiny_study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with published(tiny_study, monkeypatch):

@@ -122,7 +122,7 @@ def garble(route: Route) -> None:
     route.fulfill(status=200, content_type="video/mp4", body="no video")
 
 
-def test_nothing_unfinished_is_sent_and_a_refresh_keeps_what_was_watched_and_chosen(
+def test_incomplete_answers_are_not_sent_and_a_refresh_keeps_progress(
     page: Page, address: str, database: Database
 ) -> None:
     begin_study(page, address)
@@ -140,7 +140,7 @@ def test_nothing_unfinished_is_sent_and_a_refresh_keeps_what_was_watched_and_cho
     assert answers_of(page, database) == []
 
 
-def test_double_clicks_take_one_place_and_answer_one_trial_and_going_back_is_harmless(
+def test_double_clicks_and_going_back_are_harmless(
     page: Page, address: str, database: Database
 ) -> None:
     def count_sessions() -> int:
@@ -183,7 +183,7 @@ def test_double_clicks_take_one_place_and_answer_one_trial_and_going_back_is_har
     ],
     ids=("in part", "silently", "faster", "out of view"),
 )
-def test_playing_in_part_silently_faster_or_out_of_view_does_not_count_and_says_so(
+def test_partial_silent_fast_or_hidden_playback_does_not_count_and_says_so(
     page: Page, address: str, way: str, words: str
 ) -> None:
     begin_study(page, address)
@@ -202,9 +202,7 @@ def test_playing_in_part_silently_faster_or_out_of_view_does_not_count_and_says_
     assert answered.value.json()["missing"] > 0.5
 
 
-def test_keys_play_the_video_that_has_the_focus_and_answer_the_next_question(
-    page: Page, address: str
-) -> None:
+def test_keys_play_the_focused_video_and_answer_the_next_question(page: Page, address: str) -> None:
     begin_study(page, address)
     with playing_on(*page.locator("video").all()):
         page.keyboard.press("k")
@@ -237,9 +235,7 @@ def test_a_lost_connection_loses_no_answer(page: Page, address: str, database: D
     assert len(answers_of(page, database)) == 2
 
 
-def test_two_windows_that_do_not_know_of_each_other_do_no_harm(
-    page: Page, address: str, database: Database
-) -> None:
+def test_two_independent_windows_do_no_harm(page: Page, address: str, database: Database) -> None:
     page.context.add_init_script("delete window.BroadcastChannel")
     begin_study(page, address)
     second = page.context.new_page()
@@ -260,7 +256,7 @@ def test_two_windows_that_do_not_know_of_each_other_do_no_harm(
     assert answers_of(page, database) == [(1, "emotion", -1), (1, "rhythm", -1)]
 
 
-def test_playing_while_the_page_is_busy_counts_with_its_frames(
+def test_playback_on_a_busy_page_counts_with_its_frames(
     page: Page, address: str, database: Database
 ) -> None:
     begin_study(page, address)
@@ -280,7 +276,7 @@ def test_playing_while_the_page_is_busy_counts_with_its_frames(
     assert record.dropped_frames is not None
 
 
-def test_a_refresh_in_the_middle_of_playing_keeps_what_was_played(page: Page, address: str) -> None:
+def test_a_refresh_during_playback_keeps_what_was_played(page: Page, address: str) -> None:
     begin_study(page, address)
     player(page, "A").locator("video").evaluate(RELOADED_MEANWHILE)
     follow(play_button(page, "A"))
@@ -290,7 +286,7 @@ def test_a_refresh_in_the_middle_of_playing_keeps_what_was_played(page: Page, ad
     expect_missing(page, re.compile(r"^Still to watch: (A 1 s · )?B$"))
 
 
-def test_a_broken_video_is_named_and_the_trial_left(
+def test_a_broken_video_can_be_reported_and_the_trial_skipped(
     page: Page, address: str, database: Database
 ) -> None:
     page.goto(address)
@@ -312,7 +308,7 @@ def test_a_broken_video_is_named_and_the_trial_left(
     assert answers_of(page, database) == []
 
 
-def test_a_broken_or_stalled_video_says_so_and_loaded_again_plays_and_keeps_its_place(
+def test_a_broken_or_stalled_video_can_be_reloaded_in_place(
     page: Page, address: str, database: Database
 ) -> None:
     # A video that is loaded again has another address.
@@ -353,7 +349,7 @@ def test_a_broken_or_stalled_video_says_so_and_loaded_again_plays_and_keeps_its_
     expect_missing(page, WATCHED)
 
 
-def test_a_report_whose_answer_is_lost_counts_once_after_a_reload(
+def test_a_report_whose_response_is_lost_counts_once_after_a_reload(
     page: Page, address: str, database: Database
 ) -> None:
     begin_study(page, address)
@@ -375,7 +371,7 @@ def test_a_report_whose_answer_is_lost_counts_once_after_a_reload(
     assert played(database, arrived[0]) < 1.05
 
 
-def test_reports_that_are_to_come_later_are_kept_and_hold_up_nobody_for_long(
+def test_delayed_reports_are_kept_and_block_nobody_for_long(
     browser: Browser, address: str, database: Database
 ) -> None:
     page = browser.new_page()  # the browser itself complains of status 429

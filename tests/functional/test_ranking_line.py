@@ -89,7 +89,7 @@ def study(home: Path, motionjury: Callable[..., str]) -> Path:
     return home / "lab"
 
 
-def test_everybody_ranks_all_systems_of_both_blocks_and_the_report_draws_them(
+def test_everybody_ranks_the_systems_of_both_blocks_and_the_report_shows_them(
     study: Path, motionjury: Callable[..., str]
 ) -> None:
     moved = read_clip(study / "motion" / "diffsheg" / "one_01.npz")
@@ -112,9 +112,7 @@ def test_everybody_ranks_all_systems_of_both_blocks_and_the_report_draws_them(
         assert outside not in page
 
 
-def test_every_stage_done_again_makes_nothing_new(
-    study: Path, motionjury: Callable[..., str]
-) -> None:
+def test_repeating_every_stage_changes_nothing(study: Path, motionjury: Callable[..., str]) -> None:
     assert "Generated 0 clips" in motionjury("generate", study)
     assert "Rendered 0 videos" in motionjury("render", study)
     assert f"{PARTICIPANTS} of them in an earlier run" in motionjury("rehearse", study)

@@ -59,7 +59,7 @@ def page_with_frame(context: BrowserContext, site: str, address: str) -> Page:
     return context.new_page()
 
 
-def test_a_worker_takes_the_whole_study_in_a_frame_below_a_path(
+def test_a_worker_takes_the_whole_study_in_a_frame_on_a_sub_path(
     browser: Browser, study: Path
 ) -> None:
     complaints: list[str] = []
@@ -100,7 +100,7 @@ def test_a_worker_takes_the_whole_study_in_a_frame_below_a_path(
     context.close()
 
 
-def test_no_other_site_can_show_it_in_a_frame(browser: Browser, study: Path) -> None:
+def test_no_other_site_can_frame_the_study(browser: Browser, study: Path) -> None:
     context = browser.new_context()
     with shown(study) as (address, _app):
         page = page_with_frame(context, "https://evil.example", f"{address}/")

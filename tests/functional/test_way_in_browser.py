@@ -76,7 +76,7 @@ def take_trial_by_keyboard(page: Page) -> None:
         page.keyboard.press(key)
 
 
-def test_the_whole_way_from_eligibility_to_the_code(
+def test_a_participant_goes_from_eligibility_to_the_code(
     page: Page, address: str, database: Database
 ) -> None:
     enter(page, f"{address}/?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1", database)

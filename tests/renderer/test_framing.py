@@ -61,7 +61,7 @@ def test_one_wide_clip_among_many_narrow_ones_is_in_the_picture(
     assert _is_in_picture(arms_wide, body, HANDS, camera)
 
 
-def test_a_little_less_reach_keeps_the_camera(
+def test_slightly_smaller_motion_keeps_the_camera(
     clip: MotionClip, arms_wide: MotionClip, body: BodyModel
 ) -> None:
     cameras = set()
@@ -72,7 +72,7 @@ def test_a_little_less_reach_keeps_the_camera(
     assert len(cameras) <= 2
 
 
-def test_a_stray_frame_does_not_shrink_everybody(clip: MotionClip, body: BodyModel) -> None:
+def test_an_outlier_frame_does_not_shrink_the_figures(clip: MotionClip, body: BodyModel) -> None:
     many = clip.frames(np.tile(np.arange(len(clip)), 40))
     trans = many.trans.copy()
     trans[0, 0] = 30.0
@@ -85,12 +85,12 @@ def test_a_stray_frame_does_not_shrink_everybody(clip: MotionClip, body: BodyMod
 @pytest.mark.parametrize(
     "bad", [{"size": 721}, {"size": 8}, {"frame_rate": 0}, {"framing": "x"}, {"view": "x"}]
 )
-def test_a_look_that_cannot_be_drawn_is_refused(bad: dict[str, Any]) -> None:
+def test_an_invalid_look_is_refused(bad: dict[str, Any]) -> None:
     with pytest.raises(InputError):
         Look(**bad)
 
 
-def test_joints_land_on_the_drawn_body(
+def test_projected_joints_lie_on_the_drawn_body(
     clip: MotionClip, body: BodyModel, body_path: Path, camera: Camera
 ) -> None:
     seconds = 0.4

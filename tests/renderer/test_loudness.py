@@ -40,7 +40,7 @@ def tone(seconds: float, amplitude: float, hertz: float = 997.0) -> Audio:
 
 @needs_espeak
 @pytest.mark.parametrize(("emotion", "amplitude"), [("anger", 1.0), ("sadness", 0.02)])
-def test_speech_of_any_level_comes_out_at_the_target_by_another_meter(
+def test_speech_of_any_level_reaches_the_target_by_another_meter(
     tmp_path: Path, emotion: str, amplitude: float
 ) -> None:
     text = "I walked along the river this morning, and everybody was already there."
@@ -82,7 +82,9 @@ def test_peaks_stay_below_the_ceiling_and_a_missed_target_is_noted() -> None:
         (tone(2, 1e-5), "it is silent"),
     ],
 )
-def test_sound_without_a_loudness_is_unchanged_with_a_note(audio: Audio, message: str) -> None:
+def test_sound_without_measurable_loudness_is_unchanged_with_a_note(
+    audio: Audio, message: str
+) -> None:
     result = at_common_loudness(audio)
     assert result.samples.tobytes() == audio.samples.tobytes()
     (note,) = result.notes

@@ -21,14 +21,14 @@ def _run(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_without_an_offscreen_library_the_package_to_install_is_named() -> None:
+def test_a_missing_offscreen_library_names_the_package_to_install() -> None:
     code = "import ctypes.util; ctypes.util.find_library = lambda n: None; import renderer.opengl"
     done = _run(code)
     assert done.returncode != 0
     assert "apt-get install libosmesa6" in done.stderr
 
 
-def test_a_platform_asked_for_but_missing_is_named() -> None:
+def test_a_missing_requested_platform_is_named() -> None:
     done = _run("import renderer.opengl", PYOPENGL_PLATFORM="glx")
     assert "looked for glx" in done.stderr
 
@@ -63,7 +63,7 @@ with FrameRenderer(np.array([[0, 1, 2]]), colours, camera, 32) as renderer:
 
 
 @pytest.mark.parametrize("platform", ["osmesa", "egl"])
-def test_both_platforms_draw_the_same_the_right_way_up(platform: str) -> None:
+def test_both_platforms_draw_the_same_picture_upright(platform: str) -> None:
     done = _run(_DRAW, PYOPENGL_PLATFORM=platform)
     if "no offscreen OpenGL library" in done.stderr or "could not be started" in done.stderr:
         pytest.skip(f"{platform} is not on this machine")

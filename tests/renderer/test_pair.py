@@ -23,7 +23,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path / "frames"
 
 
-def test_use_makes_frames_young_again(folder: Path) -> None:
+def test_using_frames_makes_them_recent(folder: Path) -> None:
     old, new = write(folder, "a", 10, 1), write(folder, "b", 10, 2)
     cache = FrameCache(folder, 10)
     cache.mark_used(old)
@@ -31,7 +31,7 @@ def test_use_makes_frames_young_again(folder: Path) -> None:
     assert (old.exists(), new.exists()) == (True, False)
 
 
-def test_frames_of_no_clip_are_removed_and_drafts_are_let_be(folder: Path) -> None:
+def test_orphaned_frames_are_removed_but_not_unfinished_ones(folder: Path) -> None:
     FrameCache(folder, 0).keep_only(())
     mine, stale, draft = (write(folder, name, 1, 1) for name in ("mine", "stale", ".draft"))
     FrameCache(folder, 100).keep_only({mine})
@@ -44,7 +44,7 @@ def test_frames_of_no_clip_are_removed_and_drafts_are_let_be(folder: Path) -> No
     limit=st.integers(0, 200),
     needed=st.sets(st.integers(0, 7)),
 )
-def test_the_limit_holds_except_for_required_frames_and_no_more_is_removed(
+def test_the_limit_spares_required_frames_and_removes_no_more_than_needed(
     tmp_path: Path, sizes: list[int], limit: int, needed: set[int]
 ) -> None:
     folder = tmp_path / "many"

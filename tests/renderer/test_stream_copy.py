@@ -46,7 +46,7 @@ def packets(video: Path, kind: str) -> list[bytes]:
 @pytest.mark.parametrize(
     ("name", "end"), [("plain", 2), ("named", 2), ("ending-late", Fraction(62, 30))]
 )
-def test_a_copy_shows_and_sounds_as_the_original_does(
+def test_a_copy_looks_and_sounds_like_the_original(
     tmp_path: Path, name: str, end: Fraction
 ) -> None:
     copy = copied(tmp_path, SOURCES[name])
@@ -69,7 +69,7 @@ def test_a_copy_holds_no_metadata_and_plays_while_it_loads(tmp_path: Path) -> No
         assert {stream.metadata["language"] for stream in container.streams} == {"und"}
 
 
-def test_copies_of_unlike_originals_last_equally_long(tmp_path: Path) -> None:
+def test_copies_of_different_originals_have_equal_length(tmp_path: Path) -> None:
     lengths = set()
     for number, (told, sound) in enumerate(product(SOURCES.values(), (True, False))):
         folder = tmp_path / str(number)
@@ -85,7 +85,7 @@ def test_copies_of_unlike_originals_last_equally_long(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"no video"])
-def test_an_unreadable_video_leaves_nothing(tmp_path: Path, content: bytes) -> None:
+def test_an_unreadable_video_leaves_no_copy(tmp_path: Path, content: bytes) -> None:
     broken = tmp_path / "broken.mp4"
     broken.write_bytes(content)
 
@@ -134,9 +134,7 @@ def dubbed(clip: Path, speech: Audio) -> Path:
 
 # Above 10 seconds a muxer no longer waits for the other stream's packets.
 @pytest.mark.parametrize("seconds", [SECONDS, 12.0])
-def test_with_its_own_speech_the_file_is_the_same_to_the_byte(
-    tmp_path: Path, seconds: float
-) -> None:
+def test_with_its_own_speech_the_file_is_identical(tmp_path: Path, seconds: float) -> None:
     clip = rendered(tmp_path, seconds)
     write_dubbed(
         picture=clip,
@@ -165,7 +163,7 @@ def test_another_speech_changes_neither_the_picture_nor_the_length(
     assert lasting[0] == lasting[1]
 
 
-def test_a_clip_that_is_damaged_is_named(clip: Path) -> None:
+def test_an_error_names_a_damaged_clip(clip: Path) -> None:
     clip.write_bytes(b"no video")
 
     with pytest.raises(InputError, match=r"clip.mp4: the rendered clip cannot be read"):

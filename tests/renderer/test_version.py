@@ -84,7 +84,7 @@ def blocks(pictures: NDArray[np.uint8]) -> NDArray[np.float64]:
     return np.asarray(split.mean(axis=(2, 4)) / 255)
 
 
-def test_videos_that_look_or_sound_otherwise_have_another_version(videos: Path) -> None:
+def test_changed_videos_require_a_new_version(videos: Path) -> None:
     result = [
         values
         for name in ("clip", "pair", "dubbed")
@@ -93,7 +93,7 @@ def test_videos_that_look_or_sound_otherwise_have_another_version(videos: Path) 
     assert fingerprint(*result) == pytest.approx(VIDEOS[RENDERER_VERSION], abs=1e-3)
 
 
-def test_the_text_of_a_look_is_unchanged() -> None:
+def test_the_text_form_of_a_look_is_stable() -> None:
     assert repr(Look()) == (
         "Look(size=720, frame_rate=30.0, framing='upper_body', avatar='alex', "
         "expression_matrix=None)"
@@ -106,13 +106,13 @@ def test_another_body_makes_other_videos(body_path: Path) -> None:
     assert fingerprint(*result) == pytest.approx(BODY[RENDERER_VERSION], abs=1e-5)
 
 
-def test_copies_that_play_otherwise_have_another_version(videos: Path) -> None:
+def test_changed_copies_require_a_new_version(videos: Path) -> None:
     copy_video(videos / "clip.mp4", videos / "copy.mp4", lasts=Fraction(1), sound=True)
     result = [*seen_and_heard(videos / "copy.mp4"), moments(videos / "copy.mp4")]
     assert fingerprint(*result) == pytest.approx(COPY[COPY_VERSION], abs=1e-3)
 
 
-def test_cells_that_look_otherwise_have_another_version(videos: Path) -> None:
+def test_changed_sheet_cells_require_a_new_version(videos: Path) -> None:
     cell = draw_cell(glance_at(videos / "clip.mp4"))
     picture = np.asarray(Image.open(BytesIO(cell.data)).convert("RGB"))
     assert fingerprint(blocks(picture[None])) == pytest.approx(CELL[CELL_VERSION], abs=1e-3)

@@ -106,7 +106,7 @@ def lasting(stream: VideoStream | AudioStream) -> Fraction:
     return stream.duration * stream.time_base
 
 
-def test_a_video_has_exactly_the_frames_of_its_speech_tagged_with_their_colours(
+def test_a_video_has_exactly_its_speechs_frames_and_colour_tags(
     video: Path,
 ) -> None:
     with av.open(str(video)) as container:
@@ -132,9 +132,7 @@ def test_sound_lasts_as_long_as_the_picture_and_starts_with_it(video: Path) -> N
     assert integrated_loudness(Audio(sound, 48000)) == pytest.approx(TARGET, abs=0.3)
 
 
-def test_a_video_plays_while_it_loads_and_nothing_in_it_names_anything(
-    video: Path, inputs: Path
-) -> None:
+def test_a_video_plays_while_loading_and_contains_no_names(video: Path, inputs: Path) -> None:
     with av.open(str(video)) as container:
         facts = dict(container.metadata)
         for stream in container.streams:
@@ -165,7 +163,7 @@ def test_frames_are_kept_without_loss(moving: Path, studio: Studio) -> None:
     np.testing.assert_array_equal(decoded, expected)
 
 
-def test_motion_much_shorter_than_its_speech_is_refused_and_leaves_nothing(
+def test_motion_much_shorter_than_its_speech_is_refused_without_a_file(
     studio: Studio, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match=r"0\.80 s, its speech 1\.40 s"):
@@ -173,7 +171,7 @@ def test_motion_much_shorter_than_its_speech_is_refused_and_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_pair_is_twice_as_wide_with_the_left_clip_left(
+def test_a_pair_is_twice_as_wide_with_the_left_clip_on_the_left(
     pair: Path, moving: Path, still: Path
 ) -> None:
     frames_of_pair = _pictures(pair).astype(int)
@@ -208,7 +206,7 @@ def test_a_pair_on_a_dark_background_matches_its_golden_picture(
     assert_like_golden(_pictures(pair)[0], "pair-on-dark", tmp_path)
 
 
-def test_too_few_missing_or_broken_frames_are_refused_and_leave_nothing(
+def test_missing_or_broken_frames_are_refused_without_a_partial_file(
     studio: Studio, moving: Path, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match="share 24 frames, 27 are needed"):
@@ -223,7 +221,7 @@ def test_too_few_missing_or_broken_frames_are_refused_and_leave_nothing(
         studio.compose(moving, moving, tmp_path / "pair.mp4", look=Look(size=320))
 
 
-def test_the_pipeline_runs_at_an_odd_rate(
+def test_the_pipeline_runs_at_a_fractional_frame_rate(
     body_path: Path, camera: Camera, inputs: Path, tmp_path: Path
 ) -> None:
     look = Look(size=64, frame_rate=25)

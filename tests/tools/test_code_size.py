@@ -21,7 +21,7 @@ lines"""
 '''
 
 
-def test_docstrings_comments_and_blanks_are_no_code() -> None:
+def test_docstrings_comments_and_blank_lines_are_not_counted() -> None:
     assert code_lines(MODULE) == 1 + 4 + 2
 
 

@@ -59,9 +59,7 @@ def test_a_study_can_be_in_english_and_in_every_translated_language() -> None:
     assert set(languages) == {SOURCE, *TRANSLATED}
 
 
-def test_exactly_the_texts_in_use_are_in_the_catalogue(
-    catalogue: Catalog, template: Catalog
-) -> None:
+def test_the_catalogue_has_exactly_the_texts_in_use(catalogue: Catalog, template: Catalog) -> None:
     known = {message.id for message in entries(catalogue)}
     used = {message.id for message in entries(template)}
 
@@ -70,7 +68,7 @@ def test_exactly_the_texts_in_use_are_in_the_catalogue(
     assert not catalogue.obsolete
 
 
-def test_the_catalogue_is_as_its_tool_writes_it(catalogue: Catalog, template: Catalog) -> None:
+def test_the_catalogue_is_formatted_by_its_tool(catalogue: Catalog, template: Catalog) -> None:
     written = catalogue_path(str(catalogue.locale)).read_text("utf-8")
 
     assert updated(catalogue, template) == written, "run 'make messages'"
@@ -84,7 +82,7 @@ def test_every_text_is_translated_in_as_many_forms_as_the_language_has(catalogue
         assert len(translations(message)) == expected, message.id
 
 
-def test_a_translation_has_the_places_and_marks_of_its_text(catalogue: Catalog) -> None:
+def test_a_translation_keeps_placeholders_and_marks(catalogue: Catalog) -> None:
     for message in entries(catalogue):
         forms, translated = texts(message), translations(message)
         # The form for many things is the one that every language has.
@@ -123,7 +121,7 @@ def code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         'raise UnacceptableError("What.")',
     ],
 )
-def test_a_text_that_cannot_be_found_is_refused(code: Path, written: str) -> None:
+def test_a_text_that_cannot_be_extracted_is_refused(code: Path, written: str) -> None:
     code.write_text(written, "utf-8")
 
     with pytest.raises(ValueError, match=r"code\.py:1: .* no literal"):

@@ -17,7 +17,7 @@ def given(request: pytest.FixtureRequest) -> Iterator[int]:
         yield request.param
 
 
-def test_with_more_threads_both_run_at_once() -> None:
+def test_both_run_at_once_if_there_are_threads() -> None:
     both = Barrier(2, timeout=60)
 
     def met() -> int:
@@ -29,7 +29,7 @@ def test_with_more_threads_both_run_at_once() -> None:
     assert first != second == get_ident()
 
 
-def test_each_has_half_of_the_threads_without_gradients_and_they_are_given_back(
+def test_each_gets_half_of_the_threads_without_gradients_and_returns_them(
     given: int,
 ) -> None:
     weight = torch.ones(1, requires_grad=True)

@@ -10,13 +10,13 @@ import torch
 from training.diffusion import LINEAR, SCALED_LINEAR
 
 
-def test_the_first_and_last_alpha_bar_are_the_papers() -> None:
+def test_the_first_and_last_alpha_bar_match_the_paper() -> None:
     assert LINEAR.alpha_bar[0] == pytest.approx(1 - 1e-4)
     logarithm = sum(math.log1p(-(1e-4 + (0.02 - 1e-4) * step / 999)) for step in range(1000))
     assert LINEAR.alpha_bar[-1] == pytest.approx(math.exp(logarithm))
 
 
-def test_the_deviation_of_scaled_noise_grows_linearly() -> None:
+def test_the_standard_deviation_of_scaled_noise_grows_linearly() -> None:
     alpha_bar = 1.0
     for step in range(1000):
         deviation = math.sqrt(0.00085) + (math.sqrt(0.012) - math.sqrt(0.00085)) * step / 999
@@ -24,7 +24,7 @@ def test_the_deviation_of_scaled_noise_grows_linearly() -> None:
     assert SCALED_LINEAR.alpha_bar[-1] == pytest.approx(alpha_bar)
 
 
-def test_the_noise_of_a_known_motion_is_taken_out_in_evenly_spaced_steps() -> None:
+def test_noise_of_a_known_motion_is_removed_in_evenly_spaced_steps() -> None:
     clean = torch.full((1, 1, 3), 2.0)
     steps_asked = []
 

@@ -65,9 +65,7 @@ def hubert() -> Hubert:
     return stand_in()
 
 
-def test_features_have_the_networks_width_and_otherwise_another_version(
-    take: Take, tmp_path: Path, hubert: Hubert
-) -> None:
+def test_changed_features_require_a_new_version(take: Take, tmp_path: Path, hubert: Hubert) -> None:
     write_smplx(tmp_path / "show" / "a.npz", 2, moments=(1,))
     write_clicks(tmp_path / "show" / "a.wav", 2)
     (show,) = read_takes(tmp_path / "show").takes
@@ -84,7 +82,7 @@ def test_features_have_the_networks_width_and_otherwise_another_version(
     assert other.version != extractors["hubert"].version
 
 
-def test_frames_between_recorded_ones_lie_on_the_shortest_turn(take: Take) -> None:
+def test_interpolated_frames_lie_on_the_shortest_rotation(take: Take) -> None:
     # Frame 95 of 95.2 a second, of which one in four is recorded, lies 0.8 of the way down.
     values = features.beat_gesture(119.9).compute(take).reshape(-1, 47, 3)[:, ARM]
     angles = np.degrees(np.linalg.norm(values, axis=1))
@@ -96,7 +94,7 @@ def test_frames_between_recorded_ones_lie_on_the_shortest_turn(take: Take) -> No
     assert angles[inside][0] == pytest.approx(share * DOWN, rel=1e-3)
 
 
-def test_a_take_without_a_face_is_refused_by_what_is_missing(take: Take) -> None:
+def test_a_take_without_a_face_is_refused_with_the_missing_file(take: Take) -> None:
     with pytest.raises(InputError, match=r"no facial weights.*2_scott_0_9_9\.json"):
         features.beat_expression(15).compute(replace(take, face=None))
     with pytest.raises(InputError, match=r"no facial weights.*--ablation without_face"):
@@ -127,7 +125,7 @@ def test_motion_is_read_at_the_rate_that_fits_the_sound_or_refused(
         assert len(features.beat_gesture(15).compute(take)) == 30
 
 
-def test_annotated_gestures_have_their_score_and_others_none(take: Take, tmp_path: Path) -> None:
+def test_only_annotated_gestures_have_a_score(take: Take, tmp_path: Path) -> None:
     path = tmp_path / "scores.txt"
     path.write_text("beat\t0.5\t1.0\t0.5\t0.8\tyes\n")
     scored = features.semantic_scores(15).compute(replace(take, semantic=path))
@@ -135,7 +133,7 @@ def test_annotated_gestures_have_their_score_and_others_none(take: Take, tmp_pat
     assert not features.semantic_scores(15).compute(take).any()
 
 
-def test_speech_is_heard_as_while_generating(take: Take, hubert: Hubert) -> None:
+def test_speech_features_are_the_same_as_in_generation(take: Take, hubert: Hubert) -> None:
     audio = read_audio(take.speech)
     heard = extract_all_frames(audio, 15, hubert)
     np.testing.assert_array_equal(features.mel(15).compute(take), heard.mel.numpy())
@@ -158,7 +156,7 @@ def computed(kind: Kind, one: Take, *, faces: bool) -> dict[str, np.ndarray]:
     return {feature.name: feature.compute(one) for feature in extractors}
 
 
-def test_ted_gesture_is_turned_into_our_axes_and_has_a_still_face(tmp_path: Path) -> None:
+def test_ted_gesture_is_rotated_to_our_axes_and_has_a_still_face(tmp_path: Path) -> None:
     (tmp_path / "a.lab").write_text("hello there")
     result = computed("ted", ted_take(tmp_path, transcript=tmp_path / "a.lab"), faces=False)
     assert {name: one.shape for name, one in result.items()} == {

@@ -10,7 +10,7 @@ KNOWN = Speakers(("2", "4", "anna"), 5)
 
 
 @pytest.mark.parametrize(("asked", "number"), [("anna", 3), ("2", 1), (2, 1), ("4", 2), ("3", 3)])
-def test_a_speaker_is_found_by_name_and_else_by_number(asked: int | str, number: int) -> None:
+def test_a_speaker_is_found_by_name_or_number(asked: int | str, number: int) -> None:
     assert KNOWN.number(asked) == number
     assert KNOWN.one_hot([KNOWN.names[number - 1]]).argmax() == number - 1
 
@@ -21,7 +21,7 @@ def test_an_unknown_speaker_is_refused_with_the_known_ones(asked: int | str) -> 
         KNOWN.number(asked)
 
 
-def test_an_unknown_speaker_is_always_the_same_known_one_and_not_all_are_one() -> None:
+def test_each_unknown_speaker_maps_to_a_fixed_known_one() -> None:
     names = [f"stranger {number}" for number in range(30)]
     result = [KNOWN.number_or_substitute(name) for name in names]
     assert result == [KNOWN.number_or_substitute(name) for name in names]

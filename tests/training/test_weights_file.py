@@ -13,7 +13,7 @@ from training.weights_file import read_weights, write_weights
 TENSORS = {"a.weight": torch.arange(6.0).reshape(2, 3).T, "b": torch.tensor([1], dtype=torch.uint8)}
 
 
-def test_weights_written_are_read_back(tmp_path: Path) -> None:
+def test_weights_survive_a_round_trip(tmp_path: Path) -> None:
     path = tmp_path / "new" / "w.safetensors"
     write_weights(path, TENSORS, {"name": "ä", "steps": [1, 2]})
     result = read_weights(path)
@@ -22,7 +22,7 @@ def test_weights_written_are_read_back(tmp_path: Path) -> None:
     assert list(result.with_prefix("a")) == ["weight"]
 
 
-def test_a_file_that_cannot_be_used_is_named_with_a_remedy(tmp_path: Path) -> None:
+def test_an_unusable_file_is_named_with_a_remedy(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
         read_weights(tmp_path / "none.safetensors")
     damaged = tmp_path / "damaged.safetensors"

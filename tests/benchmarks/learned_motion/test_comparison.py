@@ -46,7 +46,7 @@ def judged(
         ({"trained_1": math.nan}, ("at most half", "below that of `rule_based`")),
     ],
 )
-def test_one_seed_that_falls_short_fails_the_claim(
+def test_one_failing_seed_fails_the_claim(
     distances: dict[str, float], failed: tuple[str, ...]
 ) -> None:
     claims = judged(distances)
@@ -102,14 +102,12 @@ EDITED = Edited(
         (replace(EDITED, speed=0.4), 2),
     ],
 )
-def test_edits_of_one_seed_that_fall_short_fail_the_claim(worse: Edited, failed: int) -> None:
+def test_one_seed_with_failing_edits_fails_the_claim(worse: Edited, failed: int) -> None:
     judged = edit_verdicts(BY_NAME, [EDITED, worse])
     assert [number for number, verdict in enumerate(judged) if not verdict.holds] == [failed]
 
 
-def test_the_page_distinguishes_missing_numbers_from_zero_and_failed_claims_from_held_ones() -> (
-    None
-):
+def test_the_page_marks_missing_numbers_and_failed_claims() -> None:
     followings_of = {
         GROUND_TRUTH: following(0.7, 0.0),
         UNTRAINED: following(0.0, 0.0),

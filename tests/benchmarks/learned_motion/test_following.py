@@ -49,7 +49,7 @@ def speech(seed: int) -> Speech:
     )
 
 
-def test_wrists_that_move_as_the_process_says_follow_it_and_still_ones_nothing() -> None:
+def test_wrists_driven_by_the_process_follow_it_and_still_ones_do_not() -> None:
     spoken = speech(1)
     score = follow(swinging(spoken.wrist_speed, spoken.jaw_open), spoken)
     still = follow(swinging(np.zeros(FRAMES)), spoken)
@@ -58,7 +58,7 @@ def test_wrists_that_move_as_the_process_says_follow_it_and_still_ones_nothing()
     assert np.isnan([still.wrist_speed, still.jaw_open, still.beats]).all()
 
 
-def test_hands_that_rest_at_the_strokes_of_a_speech_are_aligned_with_them() -> None:
+def test_hands_that_stop_at_the_strokes_of_speech_are_aligned() -> None:
     spoken = speech(1)
     moment = (np.arange(FRAMES) + 0.5) / RATE
     since = np.abs(moment[:, None] - spoken.strokes).min(axis=1)
@@ -68,7 +68,7 @@ def test_hands_that_rest_at_the_strokes_of_a_speech_are_aligned_with_them() -> N
     assert follow(resting, elsewhere).strokes < 0
 
 
-def test_a_mean_leaves_undefined_clips_out_and_draws_takes_of_one_text_together() -> None:
+def test_a_mean_skips_undefined_clips_and_resamples_by_text() -> None:
     values = {f"t{number}": float(number % 2) for number in range(20)} | {"still": math.nan}
     scores = {
         take: Followed(wrist_speed=value, jaw_open=0.0, beats=0.0, strokes=0.0)

@@ -26,7 +26,7 @@ if __name__ == "__main__":
 
 
 @pytest.mark.slow
-def test_the_benchmark_ends_with_its_values_one_a_line(tmp_path: Path) -> None:
+def test_the_benchmark_prints_its_values_one_per_line(tmp_path: Path) -> None:
     (tmp_path / "brief.py").write_text(_BRIEFLY)
     done = subprocess.run(
         [sys.executable, str(tmp_path / "brief.py")],

@@ -27,7 +27,7 @@ def synchrony() -> FaceBodySynchrony:
     return FaceBodySynchrony.of(recordings(1))
 
 
-def test_recordings_that_were_never_seen_pass_and_others_bodies_fail(
+def test_unseen_recordings_pass_and_other_bodies_fail(
     synchrony: FaceBodySynchrony,
 ) -> None:
     seen = recordings(2)
@@ -35,13 +35,13 @@ def test_recordings_that_were_never_seen_pass_and_others_bodies_fail(
     assert abs(synchrony(seen, seen[::-1])) < 0.15
 
 
-def test_being_late_costs(synchrony: FaceBodySynchrony) -> None:
+def test_delayed_motion_scores_worse(synchrony: FaceBodySynchrony) -> None:
     seen = recordings(2)
     late = np.roll(seen, 6, axis=1)
     assert synchrony(seen, late) < 0.5 * synchrony(seen)
 
 
-def test_draws_that_change_both_alike_score_one_and_others_none() -> None:
+def test_draws_score_one_if_both_change_alike_and_zero_otherwise() -> None:
     chance = np.random.default_rng(1)
     body = chance.normal(size=(12, 40))
     turned = body @ np.linalg.qr(chance.normal(size=(40, 40)))[0]

@@ -50,7 +50,7 @@ def test_malformed_requests_neither_fail_nor_leave_anything_behind() -> None:
         "postgresql://me:word@host/db",
     ],
 )
-def test_a_secret_in_a_log_is_found_and_none_in_an_ordinary_one(tmp_path: Path, line: str) -> None:
+def test_secrets_in_a_log_are_found_without_false_alarms(tmp_path: Path, line: str) -> None:
     log = tmp_path / "log"
     log.write_text("[2026-01-01 10:00:00 +0000] [1234] [ERROR] Worker (pid:5) was sent SIGKILL!\n")
     assert secrets_in(log) == ()

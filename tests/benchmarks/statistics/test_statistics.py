@@ -15,7 +15,7 @@ TINY = ("--side", "8", "--large-side", "10", "--votes", "500", "--resamples", "5
 
 
 @pytest.mark.slow
-def test_it_agrees_with_r_on_the_answers_it_times() -> None:
+def test_timed_models_agree_with_r() -> None:
     missing = why_not_r()
     if missing:
         pytest.skip(missing)
@@ -27,11 +27,11 @@ def test_it_agrees_with_r_on_the_answers_it_times() -> None:
 
 
 @pytest.mark.skipif(bool(why_not_choix()), reason="choix is not installed")
-def test_it_agrees_with_choix_on_the_votes_it_times() -> None:
+def test_timed_strengths_agree_with_choix() -> None:
     assert beside_choix(made_votes(5000), turns=1).strengths_apart < 1e-6
 
 
-def test_both_bootstraps_spread_alike() -> None:
+def test_both_bootstraps_have_the_same_spread() -> None:
     assert beside_gather(30, 20, resamples=2000, turns=1).deviations_apart < 0.1
 
 

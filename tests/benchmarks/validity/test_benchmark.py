@@ -60,9 +60,7 @@ def test_clustered_tests_keep_their_level_where_pooled_ones_do_not() -> None:
         ("ratings", "difference of paired ratings", "pooled Wilcoxon of ratings"),
     ],
 )
-def test_numbers_clustered_two_ways_find_less_that_is_not_there(
-    name: str, clustered: str, naive: str
-) -> None:
+def test_two_way_clustering_lowers_false_positives(name: str, clustered: str, naive: str) -> None:
     found = few_studies(name)
 
     [ours] = (row.realised for number, row in found.items() if number.startswith(clustered))
@@ -70,7 +68,7 @@ def test_numbers_clustered_two_ways_find_less_that_is_not_there(
     assert ours.coverage.value > 0.7
 
 
-def test_conditions_that_differ_by_the_margin_are_seldom_found_equivalent() -> None:
+def test_conditions_that_differ_by_the_margin_are_rarely_called_equivalent() -> None:
     large = replace(SMALL, participants=25, items=24, participant_sd=0.3, item_sd=0.3)
 
     [row] = measured(BY_NAME["pairs, equivalence"], studies=100, design=large).values()
@@ -79,7 +77,9 @@ def test_conditions_that_differ_by_the_margin_are_seldom_found_equivalent() -> N
     assert row.realised.power.value > 0.5
 
 
-def test_how_the_work_is_shared_out_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_number_of_processes_does_not_change_the_result(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr("benchmarks.validity.benchmark.BLOCK", 2)
     small_experiment = replace(VOTES, designs=(SMALL,))
 
@@ -89,7 +89,7 @@ def test_how_the_work_is_shared_out_changes_nothing(monkeypatch: pytest.MonkeyPa
     assert repr(shared) == repr(measure(small_experiment, studies=5, seed=1))
 
 
-def test_the_command_ends_with_names_and_values_and_writes_each_kind_of_study_once(
+def test_the_command_prints_values_and_writes_each_kind_of_study_once(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "validity.md"
@@ -125,11 +125,11 @@ def realised(significant: int, covered: int) -> Realised:
         (65, 930, "headline"),
     ],
 )
-def test_the_verdict_keeps_to_its_limits(significant: int, covered: int, verdict: str) -> None:
+def test_the_verdict_respects_its_limits(significant: int, covered: int, verdict: str) -> None:
     assert realised(significant, covered).verdict == verdict
 
 
-def test_a_number_fails_over_all_where_it_fails_in_one_design() -> None:
+def test_a_number_that_fails_in_one_design_fails_overall() -> None:
     row, *_ = measured(VOTES, studies=1).values()
     fine, broken = (replace(row, realised=realised(count, 950)) for count in (50, 300))
 
@@ -141,7 +141,7 @@ LARGE = Design(participants=700, items=700, effect=0.8, participant_sd=0.6, item
 NOTHING = Design(participants=5, items=4, effect=0.0, participant_sd=0.6, item_sd=0.45)
 
 
-def test_the_true_win_share_is_what_many_answers_tend_to() -> None:
+def test_the_true_win_share_is_the_limit_of_many_answers() -> None:
     answers = preferences(LARGE, np.random.default_rng(1))
 
     assert answers.wins.mean() == pytest.approx(true_win_share(LARGE), abs=0.01)
@@ -149,7 +149,7 @@ def test_the_true_win_share_is_what_many_answers_tend_to() -> None:
 
 
 @pytest.mark.parametrize("tastes", [True, False])
-def test_the_true_rating_difference_is_what_many_ratings_tend_to(tastes: bool) -> None:
+def test_the_true_rating_difference_is_the_limit_of_many_ratings(tastes: bool) -> None:
     chance = np.random.default_rng(2)
     judged = judgements(LARGE, 2, chance, differ=tastes)
 

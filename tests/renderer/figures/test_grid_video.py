@@ -71,7 +71,7 @@ def grid(write: Write, clips: Clips, tmp_path_factory: pytest.TempPathFactory) -
 @pytest.mark.parametrize(
     ("count", "widened"), [(1, True), (2, False), (3, True), (5, False), (8, False), (9, True)]
 )
-def test_panels_are_inside_the_frame_and_none_covers_another(count: int, widened: bool) -> None:
+def test_panels_stay_inside_the_frame_without_overlap(count: int, widened: bool) -> None:
     layout = GridLayout(count=count, size=64, widened=widened)
     width, height = layout.frame
     assert width % 2 == height % 2 == 0

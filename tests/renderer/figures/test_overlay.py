@@ -24,7 +24,7 @@ def at(figure: CutOut, x: int) -> tuple[int, ...]:
     return tuple(np.asarray(figure.picture)[10, x].tolist())
 
 
-def test_older_moments_are_fainter_and_the_newest_is_whole() -> None:
+def test_older_moments_are_fainter_and_the_newest_is_opaque() -> None:
     trail = faded([square(RED, left, 3.0) for left in (0, 15, 28)])
     strengths = [at(trail, x)[3] for x in (5, 20, 33)]
     assert 30 < strengths[0] < strengths[1] < strengths[2] == 255
@@ -32,13 +32,13 @@ def test_older_moments_are_fainter_and_the_newest_is_whole() -> None:
     assert at(trail, 12)[3] == 0
 
 
-def test_a_hand_before_the_body_leaves_its_trail_on_it() -> None:
+def test_a_hand_in_front_of_the_body_leaves_its_trail() -> None:
     body, hand = square(GREEN, 10, 3.0), square(RED, 10, 2.6)
     assert at(faded([hand, body]), 15)[0] > 40
     assert at(faded([body, hand]), 15) == RED
 
 
-def test_the_latest_of_figures_at_the_same_depth_is_seen() -> None:
+def test_the_latest_of_figures_at_equal_depth_is_on_top() -> None:
     assert at(faded([square(RED, 10, 2.98), square(GREEN, 10, 3.0)]), 15) == GREEN
 
 
@@ -53,7 +53,7 @@ def test_variations_have_the_colour_of_their_legend_only_where_they_differ() -> 
     assert np.abs(np.array(at(shared, 15)[:3]) - RED[:3]).max() <= 2
 
 
-def test_no_variation_is_drawn_before_another() -> None:
+def test_no_variation_covers_another() -> None:
     one = blended([square(RED, 5, 3.0), square(RED, 10, 3.0)]).picture
     other = blended([square(RED, 10, 3.0), square(RED, 5, 3.0)]).picture
     np.testing.assert_array_equal(one.getchannel("A"), other.getchannel("A"))
@@ -67,7 +67,7 @@ def test_the_page_has_a_legend_and_the_moments() -> None:
     assert page.width == 300
 
 
-def test_figures_lie_on_the_videos_own_background(tmp_path: Path) -> None:
+def test_figures_are_drawn_on_the_videos_background(tmp_path: Path) -> None:
     dark, path = (0x2E, 0x34, 0x40), tmp_path / "overlay.png"
     picture = Image.new("RGBA", (300, 200))
     draw_overlay(picture, ["ours"], "1.2 s", clear=False, background=dark).save([path])

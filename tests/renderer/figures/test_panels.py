@@ -38,7 +38,7 @@ def figure(stage: Stage, clip: MotionClip, camera: Camera) -> CutOut:
     return cut_out(stage, frame_at(clip, 0.4), camera)
 
 
-def test_a_figure_put_back_on_its_background_is_the_frame(
+def test_a_cut_out_figure_on_its_background_restores_the_frame(
     figure: CutOut, stage: Stage, clip: MotionClip
 ) -> None:
     ground = Image.new("RGBA", figure.picture.size, (*BACKGROUND, 255))
@@ -48,7 +48,7 @@ def test_a_figure_put_back_on_its_background_is_the_frame(
     assert np.abs(put_back - expected).max() <= 4
 
 
-def test_nothing_of_the_background_is_left_on_the_edges(figure: CutOut) -> None:
+def test_edges_hold_no_trace_of_the_background(figure: CutOut) -> None:
     pixels = np.asarray(figure.picture).astype(int)
     alpha = pixels[..., 3]
     assert (alpha[:4] == 0).all()
@@ -70,7 +70,7 @@ def test_depth_is_the_figures_distance(
     assert depth - 0.25 < figure.depth[int(y), int(x)] < depth
 
 
-def test_a_box_holds_the_whole_figure_and_little_else(
+def test_a_box_contains_the_whole_figure_tightly(
     figure: CutOut, clip: MotionClip, body: BodyModel, camera: Camera
 ) -> None:
     left, top, right, bottom = box_around(body, frame_at(clip, 0.4), camera)
@@ -82,7 +82,7 @@ def test_a_box_holds_the_whole_figure_and_little_else(
 
 
 @pytest.mark.parametrize("view", VIEWS)
-def test_the_face_fills_the_picture_is_never_cut_and_seen_from_the_side_of_the_camera(
+def test_the_face_fills_the_picture_uncropped_from_the_cameras_side(
     view: str, clip: MotionClip, body: BodyModel, small_look: Look
 ) -> None:
     camera = frame_clips([clip], body, replace(small_look, view=view))

@@ -47,7 +47,7 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Cell:
     return draw_cell(glance_at(write_block_video(video, [40, 44, 48] * 10)))
 
 
-def test_the_page_shows_every_stimulus_or_that_it_is_missing_and_needs_no_file_but_the_videos(
+def test_the_page_shows_every_stimulus_or_a_gap_and_needs_only_the_videos(
     cell: Cell,
 ) -> None:
     page = sheet_page(sheet_of(cell, 3))
@@ -67,7 +67,7 @@ def glance(tmp_path: Path, places: Sequence[int | None]) -> Glance:
     return glance_at(write_block_video(tmp_path / "video.mkv", places))
 
 
-def test_a_moving_figure_gives_no_remark(tmp_path: Path) -> None:
+def test_ordinary_motion_gives_no_remark(tmp_path: Path) -> None:
     result = glance(tmp_path, [*SWAYING])
     assert result.remarks == ()
     assert result.pictures.shape == (MOMENTS, TILE_SIZE, TILE_SIZE, 3)
@@ -91,7 +91,7 @@ def test_a_moving_figure_gives_no_remark(tmp_path: Path) -> None:
     ],
     ids=["never moves", "freezes", "rests", "jumps", "jerks", "missing", "leaving"],
 )
-def test_problems_of_a_motion_are_remarked_once_with_their_times(
+def test_problems_of_a_motion_are_listed_once_with_their_times(
     tmp_path: Path, places: list[int | None], remarks: tuple[str, ...]
 ) -> None:
     assert glance(tmp_path, places).remarks == remarks
@@ -105,7 +105,7 @@ def test_a_figure_is_found_on_any_background(tmp_path: Path) -> None:
     np.testing.assert_allclose(dark.presence, usual.presence, atol=0.05)
 
 
-def test_a_partly_framed_figure_may_reach_over_any_edge(tmp_path: Path) -> None:
+def test_a_figure_may_be_cut_off_at_any_edge(tmp_path: Path) -> None:
     video = write_block_video(tmp_path / "video.mkv", [-20, -18, -16] * 10)
     message = "out of the picture 100% of the time"
     assert message in glance_at(video, Look(framing="full_body")).remarks

@@ -66,7 +66,7 @@ def test_rows_are_found_by_transcript_emotion_and_remark(page: Page) -> None:
     assert rows(page) == ["one", "two"]
 
 
-def test_search_and_segments_stay_in_view_beside_far_conditions(page: Page) -> None:
+def test_search_and_segments_stay_visible_when_scrolling(page: Page) -> None:
     page.locator("thead th").last.scroll_into_view_if_needed()
     assert page.evaluate("scrollX") > 500
     for place in ("#words", "tbody th >> nth=0"):
@@ -75,7 +75,7 @@ def test_search_and_segments_stay_in_view_beside_far_conditions(page: Page) -> N
         assert box["x"] >= 0
 
 
-def test_it_fits_a_phone_and_on_a_laptop_fits_or_hints_at_more_columns(
+def test_the_sheet_fits_a_phone_and_a_laptop_or_hints_at_more_columns(
     page: Page, tmp_path: Path
 ) -> None:
     further = page.locator("#further")

@@ -38,7 +38,7 @@ def test_the_body_is_unchanged_beside_its_skeleton(joints: np.ndarray, camera: C
     np.testing.assert_array_equal(picture[:, SIZE:], drawn(joints, camera, "over"))
 
 
-def test_the_sides_differ_in_shape_too(joints: np.ndarray, camera: Camera) -> None:
+def test_the_sides_differ_in_shape_as_well_as_colour(joints: np.ndarray, camera: Camera) -> None:
     # Shifted to one place and repainted, a round joint and a square one are not the same.
     shapes = []
     for side in SIDE_COLOURS:

@@ -29,7 +29,7 @@ def speech(*syllables: float, seconds: float = 4.0) -> Audio:
     return Audio((0.5 * loud * np.sin(2 * np.pi * 200 * times)).astype(np.float32), RATE)
 
 
-def test_a_moment_may_have_a_key_word() -> None:
+def test_a_moment_may_have_a_keyword() -> None:
     assert Moment.parse("2.4") == Moment(seconds=2.4)
     assert Moment.parse("never=2.4") == Moment(seconds=2.4, word="never")
     assert Moment.parse("a = b=1") == Moment(seconds=1, word="a = b")
@@ -63,7 +63,7 @@ def strip(*, clear: bool = False, **changes: object) -> Plate:
     return draw_strip(shape, panels, SPEECH, clear=clear)
 
 
-def test_there_is_a_panel_for_each_condition_and_key_word_and_the_sides_are_explained() -> None:
+def test_there_is_a_panel_per_condition_and_keyword_with_a_legend_of_sides() -> None:
     page = strip(skeleton=True)
     pictures = [axes.images[0] for axes in page.figure.axes if axes.images]
     assert len(pictures) == 6
@@ -72,9 +72,7 @@ def test_there_is_a_panel_for_each_condition_and_key_word_and_the_sides_are_expl
 
 
 @pytest.mark.parametrize("clear", [False, True])
-def test_it_is_as_wide_in_print_as_asked_for_and_panels_are_not_resampled(
-    tmp_path: Path, clear: bool
-) -> None:
+def test_the_print_width_is_exact_and_panels_are_not_resampled(tmp_path: Path, clear: bool) -> None:
     page = strip(clear=clear)
     page.save([tmp_path / "strip.png"])
     with Image.open(tmp_path / "strip.png") as image:
@@ -105,7 +103,7 @@ def test_no_text_covers_another_or_leaves_the_page(inches: float) -> None:
         assert not one.overlaps(other)
 
 
-def test_a_pdf_has_letters_and_pictures_and_names_no_program(tmp_path: Path) -> None:
+def test_a_pdf_has_text_and_pictures_and_names_no_program(tmp_path: Path) -> None:
     strip().save([tmp_path / "strip.pdf"])
     data = (tmp_path / "strip.pdf").read_bytes()
     assert data.count(b"/Subtype /Image") >= 6
@@ -115,21 +113,21 @@ def test_a_pdf_has_letters_and_pictures_and_names_no_program(tmp_path: Path) -> 
 
 
 @given(st.text(max_size=80), st.floats(20, 400))
-def test_fitted_text_is_never_wider_than_its_place(text: str, width: float) -> None:
+def test_fitted_text_is_never_wider_than_its_box(text: str, width: float) -> None:
     letters = font(12)
     shown = fitted(text.replace("\n", " "), letters, width)
     assert letters.getlength(shown) <= max(width, letters.getlength("…"))
 
 
 @given(st.lists(st.sampled_from(["no", "never", "breakfast", "in", "the", "house"]), max_size=30))
-def test_wrapped_text_keeps_every_word_where_there_is_room(words: list[str]) -> None:
+def test_wrapped_text_keeps_every_word_that_fits(words: list[str]) -> None:
     letters = font(12)
     lines = wrapped(" ".join(words), letters, 160, 40)
     assert " ".join(lines).split() == words
     assert all(letters.getlength(line) <= 160 for line in lines)
 
 
-def test_letters_are_there_without_a_system_font() -> None:
+def test_text_is_drawn_without_system_fonts() -> None:
     for sign in "Ğéßλж–“→":
         assert font(20).getmask(sign).getbbox() is not None
         assert bytes(font(20).getmask(sign)) != bytes(font(20).getmask("\U0001f9ff"))

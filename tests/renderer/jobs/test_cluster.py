@@ -98,7 +98,7 @@ def cluster_of_two(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> 
         yield scheduler
 
 
-def test_a_cluster_and_processes_of_this_machine_make_the_same_files(
+def test_a_cluster_and_local_processes_make_the_same_files(
     cluster_of_two: str, clip_job: ClipJob, inputs: Path
 ) -> None:
     jobs = [
@@ -115,7 +115,7 @@ def test_a_cluster_and_processes_of_this_machine_make_the_same_files(
     assert contents["clip0"] == contents["clip1"]
 
 
-def test_a_killed_workers_clip_is_done_by_another_until_it_has_killed_four(
+def test_a_clip_is_retried_until_it_has_killed_four_workers(
     cluster_of_two: str, clip_job: ClipJob, long_job: ClipJob, tmp_path: Path
 ) -> None:
     once = replace(long_job, name="once", frames=None, video=tmp_path / "once" / "once.mp4")
@@ -154,7 +154,7 @@ def test_a_scheduler_without_workers_and_a_lost_one_are_reported(
     assert video_of(clip_job).with_stem("clip0").exists()
 
 
-def test_workers_of_another_version_of_several_threads_or_without_the_files_are_refused(
+def test_unsuitable_workers_are_refused(
     cluster_of_two: str, clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pair, gone = pair_of(clip_job, "pair"), tmp_path / "gone.npz"
@@ -184,7 +184,9 @@ def test_an_address_without_a_scheduler_is_refused(
         run_jobs([clip_job], processes=1, cluster=address)
 
 
-def test_without_dask_a_remedy_is_given(clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_dask_the_error_gives_a_remedy(
+    clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'motionjury\[cluster\]'"):
         run_jobs([clip_job], processes=1, cluster="tcp://127.0.0.1:1")

@@ -30,7 +30,7 @@ def pair_job(clip_job: ClipJob) -> PairJob:
     return pair_of(clip_job, "pair")
 
 
-def test_broken_jobs_are_reported_and_the_rest_goes_on_in_order_in_one_thread(
+def test_failed_jobs_are_reported_and_the_rest_runs_in_order_in_one_thread(
     clip_job: ClipJob, pair_job: PairJob, inputs: Path, tmp_path: Path
 ) -> None:
     with np.load(inputs / "clip.npz") as archive:
@@ -64,7 +64,7 @@ def test_broken_jobs_are_reported_and_the_rest_goes_on_in_order_in_one_thread(
 
 
 @pytest.mark.slow
-def test_a_killed_processs_job_is_done_by_another_until_it_has_killed_two(
+def test_a_job_is_retried_until_it_has_killed_two_processes(
     long_job: ClipJob, clip_job: ClipJob, pair_job: PairJob, tmp_path: Path
 ) -> None:
     once = replace(long_job, name="once", frames=None, video=tmp_path / "once" / "once.mp4")
@@ -108,9 +108,7 @@ if __name__ == "__main__":
 """
 
 
-def test_ctrl_c_ends_all_processes_and_leaves_no_half_written_file(
-    clip_job: ClipJob, tmp_path: Path
-) -> None:
+def test_ctrl_c_ends_all_processes_without_partial_files(clip_job: ClipJob, tmp_path: Path) -> None:
     jobs = [replace(clip_job, name=str(number)) for number in range(1000)]
     (tmp_path / "jobs.pickle").write_bytes(pickle.dumps(jobs))
     script = tmp_path / "endless.py"
@@ -172,7 +170,7 @@ def sources_of(job: Job) -> tuple[Path, ...]:
 
 
 @given(data=st.data(), clips=st.integers(1, 6))
-def test_every_job_is_started_once_after_its_clips_or_lost_once_with_them(
+def test_every_job_starts_once_after_its_clips_or_fails_once_with_them(
     data: st.DataObject, clips: int
 ) -> None:
     clip = st.integers(0, clips - 1)

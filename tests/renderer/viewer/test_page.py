@@ -10,7 +10,7 @@ from renderer.look import Look
 from renderer.viewer.page import FILES, MotionFigures, Scene
 
 
-def test_the_library_is_the_one_that_its_readme_describes() -> None:
+def test_the_bundled_library_matches_its_readme() -> None:
     library = (FILES / "three.min.js").read_bytes()
 
     assert hashlib.sha256(library).hexdigest() in (FILES / "README.md").read_text()
@@ -25,7 +25,7 @@ def test_shared_data_of_two_figures_is_embedded_once(clip: MotionClip) -> None:
     assert figures.sources().count("<script") == 2
 
 
-def test_names_are_text(clip: MotionClip) -> None:
+def test_names_are_escaped(clip: MotionClip) -> None:
     element = MotionFigures(Look()).figure(Scene(name="<b>", clips={"'><script>": clip}))
 
     assert "<b>" not in element

@@ -92,7 +92,7 @@ def shared(first: NDArray[np.bool_], second: NDArray[np.bool_]) -> float:
     return float((first & second).sum() / (first | second).sum())
 
 
-def test_the_viewer_shows_the_frame_of_the_video_and_turns_it(
+def test_the_viewer_shows_the_videos_frame_and_rotates_it(
     browser: Browser, shown: MotionClip, body: BodyModel, tmp_path: Path
 ) -> None:
     with watched_page(browser, tmp_path.as_uri()) as page:
@@ -129,7 +129,7 @@ def test_the_viewer_shows_the_frame_of_the_video_and_turns_it(
         assert lines.sum() > 200
 
 
-def test_clips_play_side_by_side_on_the_clock_of_the_speech(
+def test_clips_play_side_by_side_in_time_with_the_speech(
     browser: Browser, shown: MotionClip, tmp_path: Path
 ) -> None:
     backwards = shown.frames(np.arange(len(shown))[::-1])
@@ -155,7 +155,7 @@ def test_clips_play_side_by_side_on_the_clock_of_the_speech(
         assert shared(left, right) < 0.99
 
 
-def test_a_figure_at_rest_is_not_drawn_again(
+def test_a_paused_figure_is_not_redrawn(
     browser: Browser, shown: MotionClip, tmp_path: Path
 ) -> None:
     with watched_page(browser, tmp_path.as_uri()) as page:

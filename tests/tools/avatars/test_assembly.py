@@ -17,7 +17,7 @@ from tools.avatars.sheet import COLUMNS, avatar_sheet
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["mannequin", "skeleton"])
-def test_the_shipped_body_is_what_its_recipe_makes(name: str) -> None:
+def test_the_shipped_body_matches_its_recipe(name: str) -> None:
     made = build_body(next(recipe for recipe in RECIPES if recipe.name == name))
     with np.load(default_body(name), allow_pickle=False) as shipped:
         assert set(shipped.files) == set(made)

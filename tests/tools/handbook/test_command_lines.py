@@ -12,7 +12,7 @@ PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("docs/co
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_the_program_takes_every_call_of_a_page(page: Path) -> None:
+def test_every_command_on_a_page_is_valid(page: Path) -> None:
     for words in calls(page.read_text(encoding="utf-8")):
         try:
             check_call(words)

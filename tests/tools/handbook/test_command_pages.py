@@ -34,7 +34,7 @@ def test_a_page_says_what_the_code_says(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", commands())
-def test_a_page_holds_every_option_that_help_shows(name: str) -> None:
+def test_a_page_lists_every_option_of_help(name: str) -> None:
     shown = commands()[name].get_help()
     page = WRITTEN[name.split()[0]]
     options = set(re.findall(r"^  (?:-\w, )?(--[\w-]+)", shown, re.MULTILINE)) - {"--help"}
@@ -46,7 +46,7 @@ def test_a_page_holds_every_option_that_help_shows(name: str) -> None:
 
 @pytest.mark.parametrize("name", COMMANDS)
 @pytest.mark.parametrize("heading", HEADINGS)
-def test_somebody_wrote_what_a_page_is_for(name: str, heading: str) -> None:
+def test_every_page_has_a_handwritten_introduction(name: str, heading: str) -> None:
     hand = by_hand(WRITTEN[name])
 
     below = re.search(rf"^## {heading}\n(.*?)(?=^## |\Z)", hand, re.MULTILINE | re.DOTALL)

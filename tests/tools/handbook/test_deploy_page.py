@@ -35,9 +35,7 @@ def commands_on_the_page() -> list[list[str]]:
 
 
 @pytest.mark.parametrize("arguments", commands_on_the_page(), ids=" ".join)
-def test_the_commands_of_the_page_have_such_options(
-    arguments: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_options_on_the_page_exist(arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     parser = deploy_command.make_parser(click.Context(deploy_command))
 
     parsed: dict[str, Any] = parser.parse_args(list(arguments))[0]

@@ -15,7 +15,7 @@ def page_of(script: str, *, info: str = "", printed: str = "text", between: str 
     return f"Before\n\n```sh{info}\n{script}\n```\n{between}```{printed}\nold\n```\n\nAfter\n"
 
 
-def test_commands_run_in_one_folder_and_what_they_print_is_written_below_them(
+def test_commands_run_in_one_folder_and_their_output_is_inserted(
     tmp_path: Path,
 ) -> None:
     script = "# One\n" + page_of("echo none") + "# Two\n"
@@ -42,14 +42,14 @@ def test_commands_run_in_one_folder_and_what_they_print_is_written_below_them(
         ("true", " fails", "expected to fail"),
     ],
 )
-def test_a_command_that_fails_or_is_expected_to_and_does_not_stops(
+def test_unexpected_failure_or_success_of_a_command_stops(
     tmp_path: Path, script: str, info: str, problem: str
 ) -> None:
     with pytest.raises(InputError, match=problem):
         run_page(page_of(script, info=info), tmp_path)
 
 
-def test_a_setting_in_the_file_leaves_the_others(tmp_path: Path) -> None:
+def test_changing_one_setting_keeps_the_others(tmp_path: Path) -> None:
     file = tmp_path / "study.toml"
     file.write_text(
         '# kept\nseed = 1\n[video]\nsize = 720\navatar = "alex"\n[gone.a]\nb = 1\n[gone.c]\nd = 2\n'
@@ -66,7 +66,7 @@ def test_a_setting_in_the_file_leaves_the_others(tmp_path: Path) -> None:
     }
 
 
-def test_output_that_differs_from_run_to_run_is_not_shown(tmp_path: Path) -> None:
+def test_output_that_varies_between_runs_is_hidden(tmp_path: Path) -> None:
     output = (
         "render: 3 of 80 frames, 65 a second, about 05:24 left\n"
         "Open http://127.0.0.1:8000/research/join/aB-9_x (once)\n"
@@ -80,7 +80,7 @@ def test_output_that_differs_from_run_to_run_is_not_shown(tmp_path: Path) -> Non
 
 
 @pytest.mark.slow
-def test_the_guide_begins_as_it_says(tmp_path: Path) -> None:
+def test_the_guides_first_steps_work_as_printed(tmp_path: Path) -> None:
     page = GUIDE.read_text(encoding="utf-8")
 
     assert run_page(page, tmp_path, until="**Recorded motion.**") == page, "run 'make guide'"

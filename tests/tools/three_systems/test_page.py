@@ -70,7 +70,7 @@ def study(tmp_path: Path) -> StudyFolder:
     return folder
 
 
-def test_the_page_shows_what_the_report_found(study: StudyFolder) -> None:
+def test_the_page_shows_the_reports_results(study: StudyFolder) -> None:
     text = measured(study, {"motionjury render study": Took(seconds=9, processor=240)}, [])
     assert "60 simulated participants took part over HTTP, and 51 of them are analysed" in text
     assert "| `amuse` | 0.50 | 1.00 [1.00, 1.00] | −0.50 | 1.00 [1.00, 1.00] |" in text
@@ -79,7 +79,7 @@ def test_the_page_shows_what_the_report_found(study: StudyFolder) -> None:
     assert "| `motionjury render study` | 4 min |" in text
 
 
-def test_the_words_around_what_was_measured_stay() -> None:
+def test_text_around_the_measurements_is_kept() -> None:
     page, (begin, end) = PAGE.read_text("utf-8"), marks("measured")
     before, after = page.split(begin)[0], page.split(end)[1]
     assert with_part(page, "measured", "new") == f"{before}{begin}\nnew\n{end}{after}"
@@ -90,7 +90,7 @@ def test_the_words_around_what_was_measured_stay() -> None:
 INIT = ("init", "made", "--template", "three-systems")
 
 
-def test_a_command_is_run_once_and_again_where_what_it_depends_on_has_changed(
+def test_a_command_reruns_only_if_its_inputs_changed(
     tmp_path: Path,
 ) -> None:
     line = Line(tmp_path)
@@ -103,7 +103,7 @@ def test_a_command_is_run_once_and_again_where_what_it_depends_on_has_changed(
         line.run(*INIT, of="second")
 
 
-def test_a_step_that_was_interrupted_is_done_again_and_its_time_is_kept(tmp_path: Path) -> None:
+def test_an_interrupted_step_is_repeated_and_its_time_is_kept(tmp_path: Path) -> None:
     line = Line(tmp_path)
     with pytest.raises(KeyboardInterrupt), line.step("import") as is_due:
         assert is_due

@@ -14,11 +14,11 @@ PAGE = Path(__file__).resolve().parents[3] / "docs" / "worked-examples.md"
 PAPER = "papers/amuse.txt"
 
 
-def test_the_page_in_the_docs_holds_the_numbers_that_are_computed() -> None:
+def test_the_docs_page_has_the_computed_numbers() -> None:
     assert PAGE.read_text("utf-8") == worked_examples(), "run 'make worked-examples'"
 
 
-def test_the_table_is_the_one_in_the_paper(shared_data: Path) -> None:
+def test_the_table_matches_the_paper(shared_data: Path) -> None:
     text = (shared_data.parent / PAPER).read_text("utf-8")
     lines = text[text.index("Table A.5.") :].splitlines()[:10]
     for printed in {row.other for row in TABLE_A5}:
@@ -27,7 +27,7 @@ def test_the_table_is_the_one_in_the_paper(shared_data: Path) -> None:
         assert list(map(int, cells)) == [n for row in rows for n in (row.ours, row.others)]
 
 
-def test_the_sign_test_of_rebuilt_counts_is_the_exact_binomial_one() -> None:
+def test_the_sign_test_of_rebuilt_counts_is_the_exact_binomial_test() -> None:
     for row in rebuild():
         ours, others = row.nearest
         assert row.binomial_p == pytest.approx(stats.binomtest(ours, ours + others).pvalue)
@@ -36,7 +36,7 @@ def test_the_sign_test_of_rebuilt_counts_is_the_exact_binomial_one() -> None:
 
 @pytest.mark.parametrize("total", [90, 528, 600])
 @pytest.mark.parametrize("decimals", [0, 2])
-def test_every_count_is_behind_the_percentage_it_is_printed_as(total: int, decimals: int) -> None:
+def test_every_count_matches_its_printed_percentage(total: int, decimals: int) -> None:
     for count in range(total + 1):
         assert count in counts_behind(round(100 * count / total, decimals), total, decimals)
 

@@ -47,7 +47,7 @@ def corpus(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_reader_of_beat_reads_it_without_complaint(corpus: Path) -> None:
+def test_the_beat_reader_reads_it_without_warnings(corpus: Path) -> None:
     result = read_takes(corpus)
     assert result.kind == "beat"
     assert result.skipped == ()
@@ -66,7 +66,7 @@ def test_the_reader_of_beat_reads_it_without_complaint(corpus: Path) -> None:
         assert len(read_transcript(take.transcript, speech)) > 10
 
 
-def test_anybody_can_compute_the_truth_from_the_files(corpus: Path) -> None:
+def test_the_truth_can_be_computed_from_the_files_alone(corpus: Path) -> None:
     request = read_request(corpus)
     assert request == REQUEST
     take = read_takes(corpus).takes[0]
@@ -86,9 +86,7 @@ def test_anybody_can_compute_the_truth_from_the_files(corpus: Path) -> None:
     assert np.linalg.norm(body, axis=1).max() < 20
 
 
-def test_an_interrupted_corpus_goes_on_and_ends_in_the_same_bytes(
-    corpus: Path, tmp_path: Path
-) -> None:
+def test_a_resumed_corpus_ends_in_the_same_bytes(corpus: Path, tmp_path: Path) -> None:
     again = tmp_path / "again"
 
     def stop(done: int, total: int) -> None:
@@ -106,7 +104,9 @@ def test_an_interrupted_corpus_goes_on_and_ends_in_the_same_bytes(
     assert digest(again) == digest(corpus)
 
 
-def test_another_corpus_or_other_files_are_left_alone(corpus: Path, tmp_path: Path) -> None:
+def test_a_folder_with_another_corpus_or_other_files_is_not_touched(
+    corpus: Path, tmp_path: Path
+) -> None:
     before = digest(corpus)
     with pytest.raises(InputError, match="holds another corpus"):
         make_corpus(corpus, replace(REQUEST, seed=2))
@@ -117,7 +117,7 @@ def test_another_corpus_or_other_files_are_left_alone(corpus: Path, tmp_path: Pa
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 
-def test_a_corpus_of_another_version_has_no_truth_to_compute(corpus: Path, tmp_path: Path) -> None:
+def test_the_truth_of_another_version_is_not_computed(corpus: Path, tmp_path: Path) -> None:
     text = (corpus / "corpus.json").read_text()
     (tmp_path / "corpus.json").write_text(text.replace('version": "', 'version": "0.'))
     with pytest.raises(InputError, match="Make the corpus again"):
@@ -127,7 +127,7 @@ def test_a_corpus_of_another_version_has_no_truth_to_compute(corpus: Path, tmp_p
         read_request(tmp_path)
 
 
-def test_a_corpus_is_measured_on_its_files(corpus: Path) -> None:
+def test_measurements_are_taken_from_the_files(corpus: Path) -> None:
     takes = read_measured(corpus)
     lengths = minutes(takes)
     seconds = sum(read_audio(take.speech).duration for take in read_takes(corpus).takes)

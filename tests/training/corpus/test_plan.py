@@ -25,7 +25,7 @@ def test_the_default_corpus_is_as_documented() -> None:
     assert {held_out for *_, held_out in kinds} == {True, False}
 
 
-def test_training_hears_neither_held_out_speakers_nor_unheard_sentences() -> None:
+def test_training_excludes_held_out_speakers_and_sentences() -> None:
     takes = list(planned_takes(CorpusRequest(speakers=10, sentences=24, takes=3)))
     learned = [take for take in takes if take.split != "test"]
     assert {take.speaker.number for take in learned} == set(range(1, 9))
@@ -34,7 +34,7 @@ def test_training_hears_neither_held_out_speakers_nor_unheard_sentences() -> Non
     assert not any(take.unheard or take.held_out_speaker for take in learned)
 
 
-def test_a_speaker_moves_the_same_in_corpora_of_any_size() -> None:
+def test_a_speakers_motion_does_not_depend_on_the_corpus_size() -> None:
     small, large = (
         {take.name: take for take in planned_takes(CorpusRequest(speakers=count))}
         for count in (4, 20)
@@ -80,7 +80,7 @@ def test_shared_passages_hold_out_the_same_texts_for_all_speakers() -> None:
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_passages_differ_and_those_for_testing_share_no_sentence_with_others(emotion: str) -> None:
+def test_passages_differ_and_test_passages_share_no_sentence(emotion: str) -> None:
     passages = {passage(emotion, number) for number in range(81)}
     unheard = {passage(emotion, number, unheard=True) for number in range(RESERVED_SENTENCES**2)}
     assert (len(passages), len(unheard)) == (81, RESERVED_SENTENCES**2)

@@ -47,7 +47,7 @@ def test_the_drive_is_the_same_curve_at_any_frame_rate(process: Process) -> None
         assert np.corrcoef(a, b)[0, 1] > 0.9
 
 
-def test_takes_follow_their_speech_more_than_any_other_and_differ_by_chance(
+def test_takes_follow_their_own_speech_best_and_differ_by_chance(
     process: Process,
 ) -> None:
     takes = []
@@ -61,7 +61,7 @@ def test_takes_follow_their_speech_more_than_any_other_and_differ_by_chance(
     assert max(correlation("wrist_speed", takes[0], take) for take in takes[1:]) < 0.98
 
 
-def test_chance_has_the_mean_that_the_process_has_without_it() -> None:
+def test_the_mean_over_chance_is_the_process_without_it() -> None:
     drawn = [Chance(seed=(seed,)).strokes(40) for seed in range(400)]
     expected = EXPECTED.strokes(40)
     gains = np.mean([one.gains for one in drawn], axis=(0, 1))
@@ -72,7 +72,7 @@ def test_chance_has_the_mean_that_the_process_has_without_it() -> None:
     assert drift.var() == pytest.approx(1, rel=0.05)
 
 
-def test_strokes_arrive_where_the_voice_rises_to_the_louder_of_near_syllables() -> None:
+def test_strokes_arrive_on_the_louder_of_nearby_syllables() -> None:
     times = np.arange(400) / 100
     peaks = {1.0: 0.7, 1.3: 0.9, 2.5: 0.6}
     loudness = sum(
@@ -115,7 +115,7 @@ def _wrist_speed(body: np.ndarray, frame_rate: float) -> np.ndarray:
     return moves * frame_rate
 
 
-def test_silence_moves_nothing_which_has_no_correlation_but_a_reason(process: Process) -> None:
+def test_silence_gives_no_motion_and_a_reason_instead_of_a_correlation(process: Process) -> None:
     still = drive(Audio(np.zeros(96_000, np.float32), 16_000), "neutral", SPEAKER, 30.0)
     assert still.wrist_speed.max() < 1e-6
     for result in correlate_motions(still, process.drive(30.0)):

@@ -44,7 +44,7 @@ def prepared(takes: TakeFolder, cache: Path, *features: Feature) -> PreparedTake
     return prepare(takes, features, cache, frame_rate=RATE)
 
 
-def test_features_are_computed_once_and_leave_no_file_open(
+def test_features_are_computed_once_without_leaving_files_open(
     takes: TakeFolder, tmp_path: Path
 ) -> None:
     feature, asked = counting("digit", digit)
@@ -59,7 +59,7 @@ def test_features_are_computed_once_and_leave_no_file_open(
         assert not values.flags.writeable
 
 
-def test_no_usable_take_and_a_cache_that_cannot_be_written_are_errors(
+def test_no_usable_take_and_an_unwritable_cache_are_errors(
     takes: TakeFolder, tmp_path: Path
 ) -> None:
     flat, _ = counting("digit", lambda take: np.zeros(3))
@@ -87,7 +87,7 @@ def test_another_version_rate_or_file_is_recomputed(takes: TakeFolder, tmp_path:
     assert after.arrays["digit"][2][0, 0] == 7
 
 
-def test_a_copied_data_set_or_cache_is_computed_no_more(takes: TakeFolder, tmp_path: Path) -> None:
+def test_a_copied_data_set_or_cache_is_not_recomputed(takes: TakeFolder, tmp_path: Path) -> None:
     feature, asked = counting("digit", digit)
     first = prepared(takes, tmp_path / "cache", feature)
     os.utime(takes.takes[0].speech, (1, 1))
@@ -100,7 +100,7 @@ def test_a_copied_data_set_or_cache_is_computed_no_more(takes: TakeFolder, tmp_p
     assert len(asked) == 4
 
 
-def test_damaged_files_of_the_cache_are_made_again(takes: TakeFolder, tmp_path: Path) -> None:
+def test_damaged_cache_files_are_recomputed(takes: TakeFolder, tmp_path: Path) -> None:
     feature, asked = counting("digit", digit)
     cache = tmp_path / "cache"
     first = prepared(takes, cache, feature)
@@ -134,7 +134,7 @@ def test_a_bad_take_is_named_and_skipped(takes: TakeFolder, tmp_path: Path) -> N
     assert "take02: its digit has shape (0, 2)" in empty
 
 
-def test_sound_and_motion_of_different_length_are_refused(
+def test_sound_and_motion_of_different_lengths_are_refused(
     takes: TakeFolder, tmp_path: Path
 ) -> None:
     longer = {"take00": 7, "take01": 8}
@@ -166,7 +166,7 @@ def test_stopping_keeps_finished_takes_and_no_partial_files(
     assert not list((tmp_path / "cache").rglob(".*"))
 
 
-def test_several_at_once_share_the_work(tmp_path: Path) -> None:
+def test_several_processes_share_the_work(tmp_path: Path) -> None:
     takes = takes_in(tmp_path / "data", 12)
     feature, asked = counting("digit", digit)
     with ThreadPoolExecutor(4) as pool:

@@ -77,7 +77,7 @@ def test_incomplete_takes_of_beat_are_named_and_skipped(tmp_path: Path) -> None:
         assert any(what in text and remedy in text for text in said(result)), what
 
 
-def test_hidden_files_are_passed_over_and_links_to_folders_followed_once(tmp_path: Path) -> None:
+def test_hidden_files_are_skipped_and_folder_links_followed_once(tmp_path: Path) -> None:
     beat_take(tmp_path / "disk", "2_scott_0_9_9")
     touch(tmp_path / "disk" / "._2_scott_0_9_9.bvh")
     touch(tmp_path / "disk" / ".cache" / "2_scott_0_10_10.bvh")
@@ -89,7 +89,7 @@ def test_hidden_files_are_passed_over_and_links_to_folders_followed_once(tmp_pat
     assert not result.skipped
 
 
-def test_a_transcript_is_a_text_or_a_table_with_the_columns_of_one(tmp_path: Path) -> None:
+def test_a_transcript_is_plain_text_or_a_word_table(tmp_path: Path) -> None:
     for name in ("2_scott_0_9_9", "2_scott_0_10_10", "2_scott_0_11_11"):
         beat_take(tmp_path, name)
     touch(tmp_path / "2_scott_0_9_9.lab")
@@ -117,7 +117,7 @@ def test_beat2_is_read_as_downloaded(tmp_path: Path) -> None:
     assert not result.skipped
 
 
-def test_folders_of_smplx_motion_are_speakers_and_damaged_archives_skipped(tmp_path: Path) -> None:
+def test_smplx_folders_are_speakers_and_damaged_archives_are_skipped(tmp_path: Path) -> None:
     for speaker in ("anna", "ben"):
         for name in ("talks well", "bad", "other"):
             smplx_take(tmp_path / speaker, f"{speaker} {name}")
@@ -141,7 +141,7 @@ def show_clip(folder: Path, *, motion: bool = True) -> None:
     write_clicks(folder / f"{folder.name}.wav", 1)
 
 
-def test_show_is_read_as_talkshow_sorts_it(tmp_path: Path) -> None:
+def test_show_is_read_in_talkshows_layout(tmp_path: Path) -> None:
     for split in ("train", "val", "test"):
         show_clip(tmp_path / "oliver" / "A talk (2020)" / split / f"{split}-00_01-00_02")
     result = read_takes(tmp_path)
@@ -154,7 +154,7 @@ def test_show_is_read_as_talkshow_sorts_it(tmp_path: Path) -> None:
     assert "1 recording cut into takes of several splits" in result.notes[1]
 
 
-def test_without_folders_of_splits_clips_of_one_video_share_a_split(tmp_path: Path) -> None:
+def test_without_split_folders_clips_of_one_video_share_a_split(tmp_path: Path) -> None:
     for video in range(6):
         for clip in range(3):
             show_clip(tmp_path / "oliver" / f"video {video}" / f"{video}-{clip}")
@@ -177,7 +177,7 @@ def test_shows_own_list_of_splits_is_understood(tmp_path: Path) -> None:
     assert any("1 name (seth/Gone.webm/3-00_03) of the list not there" in n for n in result.notes)
 
 
-def test_pickles_are_never_opened_and_the_way_out_is_named(tmp_path: Path) -> None:
+def test_pickles_are_never_opened_and_the_conversion_is_explained(tmp_path: Path) -> None:
     class Trap:
         def __reduce__(self) -> tuple[object, tuple[Path]]:
             return Path.touch, (tmp_path / "sprung",)
@@ -194,7 +194,7 @@ def test_pickles_are_never_opened_and_the_way_out_is_named(tmp_path: Path) -> No
     assert not (tmp_path / "sprung").exists()
 
 
-def test_ted_is_read_as_plain_arrays_by_split_and_talk_and_not_from_its_database(
+def test_ted_is_read_from_arrays_by_split_and_talk_not_from_its_database(
     tmp_path: Path,
 ) -> None:
     touch(tmp_path / "lmdb_train" / "data.mdb", tmp_path / "lmdb_train" / "lock.mdb")
@@ -209,7 +209,7 @@ def test_ted_is_read_as_plain_arrays_by_split_and_talk_and_not_from_its_database
     assert [take.split for take in result.takes] == ["train", "validation", "test"]
 
 
-def test_a_folder_of_several_layouts_asks_which(tmp_path: Path) -> None:
+def test_a_folder_with_several_layouts_must_be_disambiguated(tmp_path: Path) -> None:
     smplx_take(tmp_path, "a")
     write_show(tmp_path / "b.npy", 1)
     write_clicks(tmp_path / "b.wav", 1)
@@ -239,7 +239,7 @@ def script(name: str) -> str:
     return next(block for block in blocks if block.startswith(f"# python {name}"))
 
 
-def test_shows_pickles_become_takes(tmp_path: Path) -> None:
+def test_the_documented_script_converts_shows_pickles_to_takes(tmp_path: Path) -> None:
     frames, clip = 5, tmp_path / "show" / "oliver" / "talk.webm" / "00_01" / "00_01.pkl"
     write_clicks(clip.with_suffix(".wav"), frames / 30)
     rng = np.random.default_rng(1)

@@ -20,7 +20,7 @@ def _windows() -> Windows:
     return Windows(toy_speech(), split="train", frames=ROWS, stride=ROWS)
 
 
-def test_each_four_has_two_texts_by_two_speakers_in_one_emotion() -> None:
+def test_each_quadruple_has_two_texts_by_two_speakers_in_one_emotion() -> None:
     windows = _windows()
     fours = quadruples(windows, limit=100, seed=0)
     assert len(fours) == 2 * WINDOWS  # Each emotion has one four for each window of a take.
@@ -36,7 +36,7 @@ def test_each_four_has_two_texts_by_two_speakers_in_one_emotion() -> None:
     assert (some == quadruples(windows, limit=3, seed=7)).all()
 
 
-def test_one_speaker_alone_gives_no_quadruples() -> None:
+def test_a_single_speaker_gives_no_quadruples() -> None:
     prepared = toy_speech()
     alone = tuple(take for take in prepared.takes if take.speaker == "ann")
     arrays = {"filterbank": prepared.arrays["filterbank"][: len(alone)]}
@@ -67,6 +67,6 @@ def test_classes_are_those_of_the_training_split() -> None:
         assert take.speaker == classes.names["speaker"][speaker]
 
 
-def test_the_macro_f1_weighs_rare_classes_like_common_ones() -> None:
+def test_macro_f1_weights_rare_classes_like_common_ones() -> None:
     predicted, actual = np.array([0, 0, 0, 0]), np.array([0, 0, 0, 1])
     assert macro_f1(predicted, actual) == pytest.approx((6 / 7 + 0) / 2)

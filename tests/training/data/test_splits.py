@@ -51,7 +51,7 @@ def test_lists_are_read_in_the_forms_people_write(folder: Path, name: str, text:
     assert splits_of(read_takes(folder, split_list=path)) == WANTED
 
 
-def test_a_folder_of_names_a_split_is_a_list(folder: Path) -> None:
+def test_a_folder_that_names_a_split_is_a_list(folder: Path) -> None:
     lists = folder / "lists"
     lists.mkdir()
     for name, split in zip(NAMES, ("train", "val", "test"), strict=True):
@@ -95,7 +95,7 @@ def test_unusable_lists_are_refused_with_the_reason(
         read_split_list(tmp_path / name)
 
 
-def test_lists_that_are_not_there_or_of_other_takes_are_refused(folder: Path) -> None:
+def test_missing_lists_and_lists_of_other_takes_are_refused(folder: Path) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         read_takes(folder, split_list=folder / "gone.csv")
     (folder / "lists").mkdir()
@@ -126,7 +126,7 @@ def test_hashes_split_as_documented_in_any_order(names: set[str]) -> None:
     assert number["train"] == len(names) - 2 * kept
 
 
-def test_each_label_keeps_back_its_share_of_whole_recordings_whatever_their_order() -> None:
+def test_each_label_holds_out_its_share_of_whole_recordings_in_any_order() -> None:
     recordings = [f"r{number // 2}" for number in range(24)]
     labels = ["calm"] * 20 + ["rare"] * 4
     drawn = held_out_recordings(recordings, labels, share=0.2, seed=0)

@@ -43,7 +43,7 @@ def takes_of(*frames: int) -> PreparedTakes:
 
 
 @given(st.lists(st.integers(1, 60), min_size=1, max_size=6), st.integers(1, 20), st.integers(1, 12))
-def test_window_k_of_a_take_begins_at_frame_k_strides_in_all_features(
+def test_window_k_begins_at_frame_k_strides_in_all_features(
     counts: list[int], frames: int, stride: int
 ) -> None:
     assume(max(counts) >= frames)
@@ -138,7 +138,7 @@ def ted_directions(frame_rate: float) -> Feature:
         (ted, (ted_directions,), 15, 34, 10),
     ],
 )
-def test_click_and_jump_are_in_one_frame_of_every_window(
+def test_sound_and_motion_stay_aligned_in_every_window(
     tmp_path: Path,
     write: Callable[[Path], None],
     motions: tuple[Callable[[float], Feature], ...],

@@ -23,7 +23,7 @@ FACE: Final = FaceLandmarks.of_default_body()
 COMPONENTS: Final = components_of(FACE.actions)
 
 
-def test_landmarks_lie_in_four_components_of_which_the_lips_are_the_phonemes() -> None:
+def test_landmarks_form_four_components_with_the_lips_for_phonemes() -> None:
     eyes, nose, lips, jaw = COMPONENTS
     assert sorted((*eyes, *nose, *lips, *jaw)) == list(range(FACE.count))
     assert all(FACE.actions[one].startswith(("brow", "eye")) for one in eyes)
@@ -31,7 +31,7 @@ def test_landmarks_lie_in_four_components_of_which_the_lips_are_the_phonemes() -
     assert {FACE.actions[one][:9] for one in corners} >= {"mouthSmil", "mouthFrow"}
 
 
-def test_graphs_have_the_papers_edges() -> None:
+def test_graphs_have_the_edges_of_the_paper() -> None:
     bones = bone_graph(2)
     assert bones[4, 5] == bones[3, 5] == 1  # upper arm and forearm; through a third bone
     assert bones[5, 8] == 0  # the two forearms
@@ -67,7 +67,7 @@ def told() -> LinearSkip:
 
 
 @pytest.mark.parametrize("step", STEPS)
-def test_no_other_linear_estimate_of_gaussian_motion_is_better(step: int) -> None:
+def test_the_linear_estimate_of_gaussian_motion_is_optimal(step: int) -> None:
     windows = smooth_windows().astype(np.float64)
     flat = windows.reshape(len(windows), -1)
     alpha_bar = LINEAR.alpha_bar[step]
@@ -80,7 +80,7 @@ def test_no_other_linear_estimate_of_gaussian_motion_is_better(step: int) -> Non
 
 
 @pytest.mark.parametrize("frames", [1, 5, 11])
-def test_shorter_windows_keep_slow_motion_too(frames: int) -> None:
+def test_shorter_windows_keep_slow_motion(frames: int) -> None:
     clean = torch.from_numpy(smooth_windows(1)[:, :frames])
     noise = torch.randn(clean.shape, generator=torch.Generator().manual_seed(4))
     steps = torch.tensor([200])

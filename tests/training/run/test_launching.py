@@ -13,14 +13,14 @@ def run(code: str, count: int = 3) -> int:
     return run_in_processes(count, [sys.executable, "-c", f"{SAYS}{code}"])
 
 
-def test_the_leader_alone_is_heard_also_where_all_fail(capfd: pytest.CaptureFixture[str]) -> None:
+def test_only_the_leader_prints_even_if_all_fail(capfd: pytest.CaptureFixture[str]) -> None:
     assert run("print(*(os.environ[name] for name in ('WORLD_SIZE', 'LOCAL_RANK')))") == 0
     assert capfd.readouterr() == ("3 0\n", "rank 0\n")
     assert run("sys.exit(4)") == 4
     assert capfd.readouterr().err == "rank 0\n"
 
 
-def test_one_that_fails_alone_is_heard_and_ends_the_others(
+def test_a_single_failing_process_is_reported_and_ends_the_others(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("training.run.launching._SETTLING", 0.2)
@@ -28,11 +28,11 @@ def test_one_that_fails_alone_is_heard_and_ends_the_others(
     assert capfd.readouterr().err == "rank 0\nrank 2\n"
 
 
-def test_a_process_that_a_signal_ended_gives_the_status_of_a_shell() -> None:
+def test_a_process_killed_by_a_signal_gives_a_shells_exit_status() -> None:
     assert run("os.kill(os.getpid(), 9)", count=1) == 128 + 9
 
 
-def test_without_a_launcher_a_process_leads_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_launcher_a_process_is_its_own_leader(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("WORLD_SIZE", "RANK", "LOCAL_RANK"):
         monkeypatch.delenv(name, raising=False)
     assert (group_size(), is_leader()) == (1, True)

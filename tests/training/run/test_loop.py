@@ -55,7 +55,7 @@ def finished(whole: dict[str, bytes], tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_a_run_killed_between_two_saves_goes_on_from_the_last_one(
+def test_a_run_killed_between_two_saves_resumes_from_the_last_one(
     whole: dict[str, bytes], tmp_path: Path
 ) -> None:
     config = replace(CONFIG, checkpoint_every=6)
@@ -83,7 +83,7 @@ def test_a_finished_run_is_not_trained_again(finished: Path, whole: dict[str, by
         assert torch.equal(tensor, best.tensors[f"network.{name}"])
 
 
-def test_more_steps_may_be_asked_for_and_fewer_may_not(finished: Path) -> None:
+def test_the_number_of_steps_may_be_raised_but_not_lowered(finished: Path) -> None:
     with pytest.raises(InputError, match="made 23 steps, more than the 10 wanted"):
         train(Line(), replace(CONFIG, steps=10), RunFolder(finished))
     assert train(Line(), replace(CONFIG, steps=30), RunFolder(finished)).steps == 30
@@ -98,7 +98,7 @@ def test_more_steps_may_be_asked_for_and_fewer_may_not(finished: Path) -> None:
         (Line(data_sha256="b" * 64), CONFIG, "data sha256 was 'aaaa"),
     ],
 )
-def test_a_run_of_other_settings_or_data_is_not_continued_and_the_difference_is_named(
+def test_other_settings_or_data_cannot_resume_a_run_and_are_named(
     task: Line, config: TrainingConfig, message: str, finished: Path, whole: dict[str, bytes]
 ) -> None:
     with pytest.raises(InputError, match=message) as refused:
@@ -120,7 +120,7 @@ class Small(Line):
         return {"size": size, **super().validation(network)}
 
 
-def test_the_weights_that_are_returned_did_best_by_the_tasks_first_measure(tmp_path: Path) -> None:
+def test_the_returned_weights_are_the_best_by_the_tasks_first_measure(tmp_path: Path) -> None:
     with pytest.raises(TrainingStopped):
         train(Small(), CONFIG, RunFolder(tmp_path), show=interrupt_after(17))
     trained = train(Small(), CONFIG, RunFolder(tmp_path))
@@ -133,7 +133,7 @@ def test_the_weights_that_are_returned_did_best_by_the_tasks_first_measure(tmp_p
     assert measure(Small(), trained.network) == trained.best.measured
 
 
-def test_training_leaves_the_callers_chance_and_settings_alone(tmp_path: Path) -> None:
+def test_training_keeps_the_callers_random_state_and_settings(tmp_path: Path) -> None:
     torch.manual_seed(3)
     expected = torch.rand(4)
     torch.manual_seed(3)
@@ -144,7 +144,7 @@ def test_training_leaves_the_callers_chance_and_settings_alone(tmp_path: Path) -
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_a_loss_that_is_not_a_number_and_a_missing_graphics_processor_are_named(
+def test_a_nan_loss_and_a_missing_gpu_are_reported(
     tmp_path: Path,
 ) -> None:
     with pytest.raises(
@@ -157,7 +157,7 @@ def test_a_loss_that_is_not_a_number_and_a_missing_graphics_processor_are_named(
             train(Line(device="cuda"), CONFIG, RunFolder(tmp_path))
 
 
-def test_a_damaged_state_or_log_is_named(finished: Path, whole: dict[str, bytes]) -> None:
+def test_a_damaged_state_or_log_is_reported(finished: Path, whole: dict[str, bytes]) -> None:
     (finished / "log.jsonl").write_bytes(whole["log.jsonl"][:200])
     with pytest.raises(InputError, match=r"log\.jsonl: the log holds \d of the 23 steps"):
         train(Line(), CONFIG, RunFolder(finished))
@@ -166,7 +166,7 @@ def test_a_damaged_state_or_log_is_named(finished: Path, whole: dict[str, bytes]
         train(Line(), CONFIG, RunFolder(finished))
 
 
-def test_a_place_that_cannot_be_written_costs_no_training(tmp_path: Path) -> None:
+def test_an_unwritable_output_is_refused_before_training(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("no folder")
     with pytest.raises(OSError, match="file"):
         train(Line(), CONFIG, RunFolder(tmp_path / "file" / "run"), show=refuse_a_step)
@@ -198,7 +198,7 @@ def test_a_run_stopped_at_any_step_ends_in_the_same_bytes(kind: str, stops: set[
     assert run(CONFIGS[kind], *stops) == of_whole(kind)
 
 
-def test_averaged_weights_are_measured_and_saved(tmp_path: Path) -> None:
+def test_averaged_weights_are_evaluated_and_saved(tmp_path: Path) -> None:
     averaged = CONFIGS["averaged, in parts, slower from epoch to epoch"]
     trained = train(Line(), averaged, RunFolder(tmp_path))
     state = read_weights(tmp_path / "checkpoint.safetensors").tensors
@@ -209,7 +209,7 @@ def test_averaged_weights_are_measured_and_saved(tmp_path: Path) -> None:
     assert trained.best.measured == measure(Line(), trained.network)
 
 
-def test_a_scale_that_is_too_large_is_lowered_and_kept(tmp_path: Path) -> None:
+def test_a_loss_scale_that_overflows_is_lowered_and_saved(tmp_path: Path) -> None:
     train(Line(factor=30), CONFIGS["float16"], RunFolder(tmp_path))
     scaler = read_weights(tmp_path / "checkpoint.safetensors").facts["learner"]["scaler"]
     assert 0 < scaler["scale"] < 2**16
@@ -229,9 +229,7 @@ def grown(path: Path, upto: int) -> RunLog:
 
 
 @pytest.mark.parametrize("tail", ["", '{"step": 7, "lo', "\x00\x00", '{"step": 7, "loss": 1}'])
-def test_steps_that_a_crash_lost_are_cut_off_when_the_run_goes_on(
-    tail: str, tmp_path: Path
-) -> None:
+def test_resuming_cuts_steps_lost_by_a_crash_off_the_log(tail: str, tmp_path: Path) -> None:
     whole, path = tmp_path / "whole.jsonl", tmp_path / "log.jsonl"
     lines = grown(whole, 6).lines
     grown(path, 6)
@@ -249,7 +247,7 @@ def test_steps_that_a_crash_lost_are_cut_off_when_the_run_goes_on(
 
 
 @pytest.mark.parametrize("steps", [1, 40, 3000])
-def test_equal_logs_make_equal_pictures_with_held_out_measures(steps: int, tmp_path: Path) -> None:
+def test_equal_logs_make_equal_plots_with_held_out_measures(steps: int, tmp_path: Path) -> None:
     learned: list[dict[str, object]] = [
         {"step": step, "learning_rate": 0.1, "loss": 5 / step, "noise": -1.0}
         for step in range(1, steps + 1)

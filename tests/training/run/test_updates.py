@@ -55,7 +55,7 @@ def test_a_step_in_parts_equals_a_step_in_one(accumulate: int, normed: bool, ste
     assert not weights[0].equal(weights[1]), "each part draws chance of its own"
 
 
-def test_the_mean_of_the_weights_follows_fast_at_first() -> None:
+def test_the_running_mean_of_weights_adapts_fast_at_first() -> None:
     learner = learned(replace(CONFIG, ema_decay=0.9), steps=0, chance=True)
     expected = torch.zeros(8, 3)
     for step in range(30):
@@ -78,7 +78,7 @@ def test_the_learning_rate_falls_from_epoch_to_epoch() -> None:
     assert constant.learning_rates(10**6) == {"learning_rate": 0.02}
 
 
-def test_a_mean_of_weights_has_batch_statistics_of_its_own() -> None:
+def test_the_mean_of_weights_has_its_own_batch_statistics() -> None:
     config = replace(CONFIG, batch_size=32, gradient_clip=None, ema_decay=0.9)
     learner = learned(config, steps=0, chance=False, normed=True)
     mean, variance = torch.zeros(8), torch.ones(8)
@@ -96,7 +96,7 @@ def test_a_mean_of_weights_has_batch_statistics_of_its_own() -> None:
 
 
 @given(st.integers(1, 60), st.integers(1, 20), st.integers(0, 5))
-def test_an_epoch_goes_through_all_examples_but_an_unfilled_batch(
+def test_an_epoch_covers_all_examples_except_an_incomplete_batch(
     examples: int, size: int, seed: int
 ) -> None:
     count = batches_per_epoch(examples, size)
@@ -122,7 +122,7 @@ def test_parts_hold_each_example_once_and_are_shared_evenly(
         assert accumulate <= len(parts) < accumulate + processes
 
 
-def test_each_step_part_and_update_draws_chance_of_its_own() -> None:
+def test_each_step_part_and_update_has_its_own_randomness() -> None:
     places = list(product(range(2), range(3), range(3), range(3)))
     assert len({part_seed(*place) for place in places}) == len(places)
 
@@ -200,7 +200,7 @@ def test_two_passes_equal_two_optimizers() -> None:
         torch.testing.assert_close(state(learner)[name], weight, rtol=1e-5, atol=1e-6)
 
 
-def test_a_pass_has_its_rhythm_and_its_rate() -> None:
+def test_a_pass_has_its_own_interval_and_learning_rate() -> None:
     learner = learner_of(replace(IN_PASSES, passes=(LEADER, replace(FOLLOWER, every=3, first=1))))
     changed = []
     for step in range(6):
@@ -214,7 +214,7 @@ def test_a_pass_has_its_rhythm_and_its_rate() -> None:
     assert learner.learning_rates(4) == rates
 
 
-def test_untaught_parts_are_frozen_with_their_statistics_and_without_dropout() -> None:
+def test_untrained_parts_are_frozen_including_statistics_and_dropout() -> None:
     stages = (replace(LEADER, end=3), replace(FOLLOWER, first=3))
     learner = learner_of(replace(IN_PASSES, passes=stages, ema_decay=0.5), normed=True)
     seen = []
@@ -229,7 +229,7 @@ def test_untaught_parts_are_frozen_with_their_statistics_and_without_dropout() -
     assert all(weight.requires_grad for weight in learner._network.parameters())
 
 
-def test_a_run_in_passes_and_stages_goes_on_to_the_same_bytes(tmp_path: Path) -> None:
+def test_a_resumed_run_with_passes_and_stages_ends_in_the_same_bytes(tmp_path: Path) -> None:
     config = replace(
         IN_PASSES,
         accumulate=2,
@@ -247,7 +247,7 @@ def test_a_run_in_passes_and_stages_goes_on_to_the_same_bytes(tmp_path: Path) ->
     assert parts == files_of_run(Following(normed=True), config, tmp_path / "whole")
 
 
-def test_weights_are_chosen_among_those_of_the_last_stage(tmp_path: Path) -> None:
+def test_weights_are_selected_from_the_last_stage(tmp_path: Path) -> None:
     beginning: list[Tensor] = []
 
     class Forgetful(Following):
@@ -275,8 +275,6 @@ def test_weights_are_chosen_among_those_of_the_last_stage(tmp_path: Path) -> Non
         ((replace(LEADER, end=4), replace(FOLLOWER, first=5)), "no pass is made in step 5 of 9"),
     ],
 )
-def test_passes_that_do_not_fit_the_network_or_the_steps_are_refused(
-    passes: tuple[Pass, ...], message: str, tmp_path: Path
-) -> None:
+def test_invalid_passes_are_refused(passes: tuple[Pass, ...], message: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=message):
         train(Following(), replace(IN_PASSES, passes=passes), RunFolder(tmp_path))

@@ -80,7 +80,7 @@ def degrees_apart(one: MotionClip, other: MotionClip) -> dict[str, float]:
     return dict(zip(JOINT_NAMES, angles.max(axis=0), strict=True))
 
 
-def test_the_recording_lies_where_the_released_means_and_deviations_say(
+def test_a_recording_fits_the_released_means_and_deviations(
     recording: BvhMotion,
 ) -> None:
     if not (DATA / "diffsheg_stats").exists():
@@ -96,7 +96,7 @@ def test_the_recording_lies_where_the_released_means_and_deviations_say(
     assert np.sqrt((wrong**2).mean()) > 3
 
 
-def test_the_recording_comes_back_as_it_was_on_its_own_skeleton_and_another_is_refused(
+def test_a_recording_survives_a_round_trip_on_its_own_skeleton_only(
     recording: BvhMotion,
 ) -> None:
     _, joint_map = choose_joint_map(recording.joint_names)
@@ -109,7 +109,7 @@ def test_the_recording_comes_back_as_it_was_on_its_own_skeleton_and_another_is_r
         body_values(other)
 
 
-def test_the_idealised_skeleton_moves_as_the_speakers_own(recording: BvhMotion) -> None:
+def test_the_idealised_skeleton_moves_like_the_speakers_own(recording: BvhMotion) -> None:
     values = with_still_face(body_values(recording))
     angles = degrees_apart(beat_clip(values, 15, recording.joints), beat_clip(values, 15))
     fingers = ("index", "middle", "pinky", "ring", "thumb")
@@ -117,7 +117,7 @@ def test_the_idealised_skeleton_moves_as_the_speakers_own(recording: BvhMotion) 
     assert max(angles.values()) < 2
 
 
-def test_values_survive_the_way_over_angles_about_axes() -> None:
+def test_values_survive_a_round_trip_through_axis_angles() -> None:
     rng = np.random.default_rng(2)
     body = rng.uniform(-1.5, 1.5, (20, 141))
     # At a right angle about y several angles mean the same turn.
@@ -137,7 +137,7 @@ def test_the_zero_pose_stands_upright_with_level_arms() -> None:
     assert at["left_ankle"][1] == pytest.approx(REST_JOINTS[joint_index("left_ankle")][1], abs=0.02)
 
 
-def test_facial_weights_are_arkits_and_stay_weights() -> None:
+def test_facial_weights_are_arkits_and_stay_in_range() -> None:
     values = np.zeros((2, 192))
     for name, weight in (("jawOpen", 0.4), ("browInnerUp", 1.7), ("mouthClose", -0.3)):
         values[:, 141 + FACIAL_WEIGHTS.index(name)] = weight
@@ -151,7 +151,7 @@ def test_facial_weights_are_arkits_and_stay_weights() -> None:
 
 
 @pytest.mark.parametrize("cuts", [[30, 60], [1, 2, 50]])
-def test_pieces_are_the_whole_motion_also_where_forearms_twist_past_half_a_turn(
+def test_chunks_equal_the_whole_motion_even_if_forearms_twist_past_half_a_turn(
     cuts: list[int],
 ) -> None:
     body = np.zeros((80, 47, 3))
@@ -182,7 +182,7 @@ def clip(turned: float = 0.0) -> MotionClip:
     return MotionClip(poses=poses, trans=np.ones((5, 3), np.float32), frame_rate=15, arkit=arkit)
 
 
-def test_directions_from_the_front_are_units_from_which_joints_are_built_again() -> None:
+def test_joints_are_rebuilt_from_unit_directions() -> None:
     values = bone_and_landmark_values(clip(), FACE)
     assert values.shape == (5, BONE_VALUES + 3 * FACE.count)
     np.testing.assert_allclose(values[0, BONE_VALUES:], 0, atol=1e-7)
@@ -219,7 +219,7 @@ def _turns(clip: MotionClip) -> Rotation:
     return Rotation.from_rotvec(clip.poses.reshape(-1, 3))
 
 
-def test_a_clip_comes_back_from_the_first_two_rows_of_its_matrices_also_stretched() -> None:
+def test_a_clip_is_recovered_from_scaled_first_two_matrix_rows() -> None:
     clip = _clip()
     values = smplx_6d_values(clip)
     assert values.shape == (6, WIDTH)
@@ -237,7 +237,7 @@ def test_a_clip_comes_back_from_the_first_two_rows_of_its_matrices_also_stretche
 RNG = np.random.default_rng(8)
 
 
-def test_values_come_back_with_the_relaxed_hands_added() -> None:
+def test_values_survive_a_round_trip_with_relaxed_hands() -> None:
     values = RNG.normal(0, 0.2, (5, 232))
     expected = values.copy()
     expected[:, 39:129] += RELAXED_HANDS.reshape(-1)
@@ -249,7 +249,7 @@ def test_values_come_back_with_the_relaxed_hands_added() -> None:
     [(0, "spine1"), (9, "neck"), (18, "head"), (27, "left_elbow"), (36, "right_wrist"),
      (129, "jaw")],
 )  # fmt: skip
-def test_each_value_turns_its_joint_and_no_other(column: int, joint: str) -> None:
+def test_each_value_rotates_only_its_own_joint(column: int, joint: str) -> None:
     values = np.zeros((1, 232))
     values[0, column] = 0.5
     clip, still = show_clip(values, 30), show_clip(np.zeros((1, 232)), 30)
@@ -257,7 +257,7 @@ def test_each_value_turns_its_joint_and_no_other(column: int, joint: str) -> Non
     assert [JOINT_NAMES[index] for index in changed] == [joint]
 
 
-def test_joints_lie_where_the_body_layer_puts_them_against_the_pelvis() -> None:
+def test_joint_positions_match_the_body_layer_relative_to_the_pelvis() -> None:
     clip = _clip()
     matrices = skinning_matrices(clip.poses, clip.trans, REST_JOINTS)
     rest = np.concatenate([REST_JOINTS, np.ones((55, 1))], axis=1)

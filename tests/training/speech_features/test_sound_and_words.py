@@ -39,7 +39,7 @@ def _tone(hertz: float, seconds: float) -> NDArray[np.float32]:
     return (0.5 * np.sin(2 * np.pi * hertz * times)).astype(np.float32)
 
 
-def test_ten_seconds_have_998_rows_and_zeros_follow() -> None:
+def test_ten_seconds_give_998_rows_padded_with_zeros() -> None:
     rows = filterbank(_tone(440, 10.0))
     padding = 9.173025 / (2 * 5.062332)
     assert tuple(rows.shape) == (1024, 128)
@@ -62,7 +62,7 @@ def noise(seconds: float, rate: int = RATE, seed: int = 1) -> Audio:
 
 
 @pytest.mark.parametrize("rate", [15, 30])
-def test_bands_are_those_that_librosa_gives_by_default(rate: int) -> None:
+def test_bands_match_librosas_defaults(rate: int) -> None:
     speech = noise(2.0)
     theirs = librosa.feature.melspectrogram(
         y=speech.samples.astype(float), sr=RATE, n_fft=WINDOW, hop_length=RATE // rate, n_mels=BANDS
@@ -70,7 +70,7 @@ def test_bands_are_those_that_librosa_gives_by_default(rate: int) -> None:
     np.testing.assert_allclose(mel_bands(speech, rate), theirs.T[: 2 * rate], rtol=1e-4)
 
 
-def test_another_sampling_rate_puts_a_tone_into_the_same_band_with_the_same_power() -> None:
+def test_a_tone_has_the_same_band_and_power_at_any_sampling_rate() -> None:
     tones = [
         Audio(np.sin(2 * np.pi * 440 * np.arange(2 * rate) / rate).astype(np.float32), rate)
         for rate in (RATE, 16000, 44100)
@@ -90,7 +90,7 @@ def test_a_frame_rate_that_does_not_divide_the_sound_is_refused(frame_rate: floa
 NOISE = Audio(np.random.default_rng(1).normal(0, 0.1, 32000).astype(np.float32), 16000)
 
 
-def test_two_rows_of_coefficients_and_their_changes_make_a_frame() -> None:
+def test_a_frame_has_two_rows_of_coefficients_and_their_deltas() -> None:
     result = mfcc(NOISE, 15)
     assert result.shape == (30, WIDTH)
     rows = result.reshape(60, 3, COEFFICIENTS)
@@ -100,7 +100,7 @@ def test_two_rows_of_coefficients_and_their_changes_make_a_frame() -> None:
     np.testing.assert_allclose(rows[2:-2, 2], (rows[3:-1, 1] - rows[1:-3, 1]) / 2, atol=1e-4)
 
 
-def test_silence_is_finite_and_a_spectrogram_is_logarithms() -> None:
+def test_the_log_spectrogram_of_silence_is_finite() -> None:
     assert np.isfinite(mfcc(Audio(np.zeros(8000, np.float32), 16000), 15)).all()
     np.testing.assert_allclose(log_mel(NOISE, 15), np.log10(mel_bands(NOISE, 15)), rtol=1e-5)
 
@@ -133,7 +133,7 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("samples", "vectors"), [(0, 1), (399, 1), (400, 1), (720, 2), (16000, 49)]
 )
-def test_there_are_1024_channels_50_times_a_second(samples: int, vectors: int) -> None:
+def test_features_have_1024_channels_at_50_hertz(samples: int, vectors: int) -> None:
     assert stand_in().features(speech(1)[:samples]).shape == (vectors, 1024)
 
 
@@ -151,7 +151,7 @@ def test_the_stand_in_distinguishes_speech_but_not_loudness_and_is_deterministic
     assert float((plain - hubert.features(speech(2)[16000:])).abs().mean()) > 0.01
 
 
-def test_weights_of_a_folder_are_heard_with_and_named_by_their_hash(saved: Path) -> None:
+def test_weights_from_a_folder_are_used_and_identified_by_their_hash(saved: Path) -> None:
     hubert = load_hubert(saved)
     assert not hubert.stands_in
     assert "hubert (sha256 " in hubert.description
@@ -193,7 +193,7 @@ def test_a_folder_without_a_file_or_of_another_network_is_refused(
 
 
 @pytest.mark.parametrize(("vectors", "frames"), [(49, 15), (498, 149), (7, 1), (1, 4), (3, 20)])
-def test_vectors_come_to_frames_linearly_with_aligned_corners(vectors: int, frames: int) -> None:
+def test_vectors_are_interpolated_to_frames_with_aligned_corners(vectors: int, frames: int) -> None:
     features = torch.randn(vectors, 4, generator=torch.Generator().manual_seed(1))
     expected = torch.nn.functional.interpolate(
         features.T[None], size=frames, mode="linear", align_corners=True
@@ -204,7 +204,7 @@ def test_vectors_come_to_frames_linearly_with_aligned_corners(vectors: int, fram
 WORDS = (Word("hello", 0.0, 0.2), Word("nobody", 0.2, 0.3), Word("hi", 0.35, 0.36))
 
 
-def test_the_stand_in_is_the_same_each_time_and_knows_spelling() -> None:
+def test_the_stand_in_is_deterministic_and_depends_on_spelling() -> None:
     result = StandIn().lookup(["walking", "walked", "sea"])
     again = StandIn().lookup(["walking"])
     assert result["walking"].shape == (300,)
@@ -213,7 +213,7 @@ def test_the_stand_in_is_the_same_each_time_and_knows_spelling() -> None:
     assert near > 0.2 > far
 
 
-def test_fasttexts_text_is_read_for_the_words_that_are_asked(tmp_path: Path) -> None:
+def test_fasttext_vectors_are_read_for_the_requested_words(tmp_path: Path) -> None:
     path = tmp_path / "wiki.vec"
     path.write_text("3 2\nhello 1 2\nbroken 1\nhi 3 4\n")
     vectors = read_word_vectors(path)

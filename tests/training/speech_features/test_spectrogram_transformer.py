@@ -25,7 +25,7 @@ from training.speech_features.spectrogram_transformer import (
 CONFIG = ast_config(SMALL)
 
 
-def test_a_network_for_images_becomes_one_for_sound(tmp_path: Path) -> None:
+def test_an_image_network_is_converted_to_one_for_sound(tmp_path: Path) -> None:
     sizes = DeiTConfig(
         hidden_size=SMALL.width,
         num_hidden_layers=SMALL.layers,
@@ -50,7 +50,7 @@ def test_a_network_for_images_becomes_one_for_sound(tmp_path: Path) -> None:
     torch.testing.assert_close(fitted[:, 5], own[:, 4])
 
 
-def test_an_encoder_of_another_size_or_architecture_is_refused_by_what_differs(
+def test_another_size_or_architecture_is_refused_with_the_difference(
     tmp_path: Path,
 ) -> None:
     ASTModel(ASTConfig(hidden_size=8, num_hidden_layers=1, num_attention_heads=2)).save_pretrained(
@@ -63,7 +63,7 @@ def test_an_encoder_of_another_size_or_architecture_is_refused_by_what_differs(
         read_ast_weights(tmp_path, CONFIG)
 
 
-def test_an_encoder_of_speech_responds_to_when_a_sound_comes() -> None:
+def test_a_speech_encoder_responds_to_the_time_of_a_sound() -> None:
     torch.manual_seed(3)
     config = SPEECH_PRESETS["tiny"].network
     encoder = SpeechEncoder(config).eval()
@@ -78,7 +78,7 @@ def test_an_encoder_of_speech_responds_to_when_a_sound_comes() -> None:
     assert after > 1e-2
 
 
-def test_masks_stay_within_their_shares_and_hide_the_same_from_both() -> None:
+def test_masks_keep_their_share_and_are_the_same_for_both() -> None:
     torch.manual_seed(2)
     filterbanks = torch.ones(40, 1024, 128)
     masked, target = augment(filterbanks)
@@ -93,7 +93,7 @@ def test_masks_stay_within_their_shares_and_hide_the_same_from_both() -> None:
     assert float(masked.max()) <= 1.1
 
 
-def test_a_packed_transformer_hears_the_same() -> None:
+def test_a_packed_transformer_gives_the_same_output() -> None:
     torch.manual_seed(2)
     model = SpeechEncoder(SMALL).transformer.eval().requires_grad_(False)
     filterbanks = torch.randn(3, SMALL.frames, SMALL.bands)

@@ -54,7 +54,7 @@ def at_once(_short_training: None) -> SpeechFrames:
 
 @settings(max_examples=6, deadline=None)
 @given(st.lists(st.integers(0, len(SPEECH)), max_size=6))
-def test_how_speech_comes_in_changes_no_bit(at_once: SpeechFrames, cuts: list[int]) -> None:
+def test_chunking_of_speech_does_not_change_a_bit(at_once: SpeechFrames, cuts: list[int]) -> None:
     result = streamed(np.split(SPEECH, sorted(cuts)))
     assert torch.equal(result.mel, at_once.mel)
     assert torch.equal(result.hubert, at_once.hubert)
@@ -69,7 +69,7 @@ def test_a_window_over_all_speech_gives_the_features_of_each_moment() -> None:
 
 @pytest.mark.parametrize("rate", [15, 30])
 @pytest.mark.parametrize("seconds", [0.02, 0.4, 1.0, 1.04, 2.0, 2.5])
-def test_there_are_as_many_frames_as_the_speech_lasts(seconds: float, rate: int) -> None:
+def test_the_number_of_frames_matches_the_speech(seconds: float, rate: int) -> None:
     pieces = [speech(seconds)]
     count = sum(len(frames) for frames in stream_frames(pieces, rate, HUBERT, WINDOW))
     assert count == round(seconds * rate)
@@ -124,7 +124,7 @@ class Listening:
         return SimpleNamespace(last_hidden_state=places.expand(1, count, 1024))
 
 
-def test_long_speech_is_never_heard_at_once() -> None:
+def test_long_speech_is_never_encoded_at_once() -> None:
     network = Listening()
     hubert = replace(HUBERT, network=network)
     audio = Audio(np.zeros(round(200.2 * 16000), np.float32), 16000)
@@ -138,7 +138,7 @@ def test_long_speech_is_never_heard_at_once() -> None:
     assert float(parts[1].hubert[0, 0]) == 4 * 50
 
 
-def test_long_speech_sounds_the_same_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_long_speech_gives_the_same_features_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     audio = Audio(speech(6.5), 16000)
     whole = extract_all_frames(audio, 15, HUBERT).mel
     monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 4.0)
@@ -162,7 +162,7 @@ def test_windows_cover_the_speech_and_share_at_least_the_fade(
         assert plan.starts[-1] + frames - total < plan.count - 1
 
 
-def test_one_motion_cut_into_windows_comes_back_whole() -> None:
+def test_motion_cut_into_windows_is_reassembled() -> None:
     plan = plan_windows(95, 40, 6)
     motion = torch.randn(plan.starts[-1] + 40, 3)
     windows = torch.stack([motion[start : start + 40] for start in plan.starts])
