@@ -29,8 +29,9 @@ from tests.support.servers.visitor import Ledger, StrandedError, Visitor
 from tests.support.servers.wire import Wire
 from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 
-CALM_SECONDS: Final = (0.2, 2.0)
-"""Between two kills, at least and at most."""
+POLL_SECONDS: Final = 0.01
+QUESTIONS: Final = 2
+"""Of each trial of a fabricated study."""
 
 FINISH_SECONDS: Final = 120.0
 """How long the participants may take to finish after the last kill."""
@@ -122,8 +123,12 @@ async def _strained(
     ]
     chance = random.Random(strain.seed)  # noqa: S311 - it must be repeatable, not secret
     kinds = ["worker", "worker", "arbiter", *(["database"] if crash else [])]
-    for _ in range(strain.kills):
-        await asyncio.sleep(chance.uniform(*CALM_SECONDS))
+    answers = strain.sessions * strain.trials * QUESTIONS
+    for number in range(strain.kills):
+        # Spread over the answers: on a fast machine all would otherwise be given before most kills.
+        due = (number + chance.random()) / strain.kills * answers
+        while len(ledger.acknowledged) < due and not all(task.done() for task in sessions):
+            await asyncio.sleep(POLL_SECONDS)
         kind = chance.choice(kinds)
         killed[kind] += 1
         if kind == "worker":

@@ -152,6 +152,15 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
         """
         Worker.handle_quit(self, sig, frame)
 
+    def is_parent_alive(self) -> bool:
+        """Say whether the process that starts workers is there; without it, end as if told to.
+
+        gunicorn's own worker ends too, but lets busy connections go on for half a minute.
+        """
+        if not super().is_parent_alive():
+            self.alive = False
+        return self.alive
+
     def enqueue_req(self, conn: Any) -> None:
         """Receive a request on a connection that is new, or free again."""
         begun = b""

@@ -28,6 +28,8 @@ def test_no_acknowledged_answer_is_lost_or_doubled_when_everything_is_killed(
     assert sum(outcome.killed.values()) == 3
     everything = {"worker", "arbiter"} | ({"database"} if backend == "postgresql" else set())
     assert set(outcome.killed) == everything
+    # Participants were in the midst of something.
+    assert outcome.sent_again > 0
 
 
 @pytest.mark.slow
