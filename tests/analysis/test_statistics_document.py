@@ -7,7 +7,7 @@ from pathlib import Path
 TABLES = (Path(__file__).parents[2] / "docs" / "statistics.md").read_text("utf-8")
 
 
-def test_every_function_that_the_document_names_is_there_and_documented() -> None:
+def test_every_function_named_in_the_document_exists_and_is_documented() -> None:
     module = None
     found = 0
     for row in (line for line in TABLES.splitlines() if line.startswith("| ")):

@@ -170,7 +170,7 @@ def test_ranks_are_shared_only_if_the_study_allows_ties(page: Page) -> None:
     assert chosen(page) == "1123"
 
 
-def test_all_videos_stay_in_view_and_are_enlarged_alike(page: Page) -> None:
+def test_all_videos_stay_in_view_and_enlarging_them_is_not_sent(page: Page) -> None:
     sent = "[...new FormData(document.querySelector('#answers'))].flat().join()"
     (small,), before = video_sizes(page), page.evaluate(sent)
     page.locator(".question").last.scroll_into_view_if_needed()

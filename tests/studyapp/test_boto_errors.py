@@ -27,7 +27,7 @@ UNREACHED = (
         (ValueError("Invalid endpoint: x"), UNREACHED.format("ValueError")),
     ],
 )
-def test_a_refusal_differs_from_no_response(raised: Exception, words: str) -> None:
+def test_refusals_and_missing_responses_are_distinguished(raised: Exception, words: str) -> None:
     with (
         pytest.raises(InputError) as error,
         as_input_errors(

@@ -7,7 +7,7 @@ import pytest
 from studyapp.clock import Clock, has_passed
 
 
-def test_only_what_counts_as_passed_is_sped_up() -> None:
+def test_only_study_time_is_sped_up() -> None:
     slow, fast = Clock(), Clock(speed=100.0)
     moment = slow.now() - timedelta(seconds=10)
 
@@ -27,9 +27,7 @@ def test_only_what_counts_as_passed_is_sped_up() -> None:
         (-timedelta(hours=1), True),
     ],
 )
-def test_after_the_clock_was_set_back_nobody_waits_until_it_has_caught_up(
-    ago: timedelta, *, passed: bool
-) -> None:
+def test_a_clock_set_back_makes_nobody_wait(ago: timedelta, *, passed: bool) -> None:
     now = Clock().now()
 
     assert has_passed(timedelta(minutes=10), now - ago, now) is passed

@@ -42,7 +42,7 @@ HEAVY = (
         ("studyapp.desk.job_process", (*HEAVY, "flask", "sqlalchemy")),
     ],
 )
-def test_serving_and_running_jobs_loads_nothing_heavy(module: str, spared: tuple[str, ...]) -> None:
+def test_serving_and_running_jobs_load_nothing_heavy(module: str, spared: tuple[str, ...]) -> None:
     code = f"import json, sys, {module}; print(json.dumps(sorted(sys.modules)))"
 
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -89,7 +89,7 @@ def test_two_workers_serve_pages_and_stop_soon_on_request(tiny_study: Path) -> N
             assert server.wait(timeout=REQUEST_SECONDS - 10) == 0
 
 
-def test_a_worker_quits_even_while_it_hands_a_request_to_a_thread() -> None:
+def test_a_worker_quits_even_while_dispatching_a_request() -> None:
     class BusyPool:
         def shutdown(self, **_: object) -> None:
             pytest.fail("the pool's lock is held until the signal has been handled")
@@ -110,7 +110,7 @@ def slow_study(tmp_path: Path) -> tuple[Path, Path, str]:
 
 
 @pytest.mark.slow
-def test_an_honest_participant_takes_part_while_300_lines_hang_at_either_end(
+def test_a_participant_takes_part_while_300_connections_hang(
     slow_study: tuple[Path, Path, str],
 ) -> None:
     folder, output, url = slow_study

@@ -76,7 +76,7 @@ FAST = answered_too_fast(3, 0.5)
         (marked(), {}, ""),
     ],
 )
-def test_a_rule_removes_whom_it_says_and_says_why(
+def test_a_rule_removes_the_right_participants_with_a_reason(
     rule: ExclusionRule, facts: dict[str, Any], why: str | None
 ) -> None:
     assert rule.judge(someone(**facts)) == why
@@ -109,7 +109,7 @@ def test_a_participant_counts_under_the_first_rule_that_removes_them() -> None:
         ([0.1, math.nan, 1.0], ["p0"], "cannot be applied to 1 of 3 participants, who stay"),
     ],
 )
-def test_participants_who_cannot_be_judged_are_kept_and_counted(
+def test_participants_without_the_facts_of_a_rule_are_kept_and_counted(
     watched: list[float], removed: list[str], remark: str
 ) -> None:
     participants = [someone(f"p{place}", watched=share) for place, share in enumerate(watched)]

@@ -35,7 +35,7 @@ def test_participants_who_fail_too_many_catch_trials_are_excluded(
 
 @pytest.mark.parametrize("sides", ["lr", "ll"])
 @pytest.mark.parametrize("numbered", [True, False])
-def test_a_catch_trial_is_failed_once_whatever_questions_it_asks_and_may_come_again(
+def test_a_catch_trial_counts_once_for_all_its_questions(
     sides: str, numbered: bool, table: pd.DataFrame, tmp_path: Path
 ) -> None:
     catch = catch_rows("p01", sides, (3, 3))

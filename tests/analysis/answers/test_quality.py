@@ -15,7 +15,7 @@ SECONDS = np.array([20.0, 30, 40, 20, 22, 24, 30, 30, np.nan, 2, 3, 30])
 PEOPLE = list("aaabbbcccddd")
 
 
-def test_medians_are_those_of_participants_and_half_of_them_is_too_fast() -> None:
+def test_times_below_half_the_median_of_participants_are_too_fast() -> None:
     result = response_times(SECONDS, PEOPLE)
     assert (result.low_quartile, result.median, result.high_quartile) == (17.25, 26, 30)
     assert (result.n, result.missing) == (11, 1)
@@ -25,7 +25,7 @@ def test_medians_are_those_of_participants_and_half_of_them_is_too_fast() -> Non
     assert (nothing.reason, nothing.missing, nothing.too_fast) == ("no response times", 1, {})
 
 
-def test_everybody_is_looked_at_alone_in_the_order_of_appearance() -> None:
+def test_each_participant_is_judged_alone_in_order_of_appearance() -> None:
     answers = pd.DataFrame(
         {
             "participant": pd.Categorical(list("qppppqppppq")),
@@ -71,9 +71,7 @@ def attention_rows(participant: str, answers: str, asked: str) -> pd.DataFrame:
     )
 
 
-def test_catch_trials_of_some_are_none_failed_for_the_others(
-    table: pd.DataFrame, tmp_path: Path
-) -> None:
+def test_participants_without_catch_trials_failed_none(table: pd.DataFrame, tmp_path: Path) -> None:
     result = facts(tmp_path, pd.concat([table, catch_rows("p01", "lrl", (3, 5, 1))]))
     assert {name: one.failed_catch for name, one in result.items()} == {
         "p00": 0,
@@ -82,7 +80,7 @@ def test_catch_trials_of_some_are_none_failed_for_the_others(
     }
 
 
-def test_an_attention_check_is_failed_once_by_any_other_answer_than_those_asked_for(
+def test_any_answer_but_the_instructed_one_fails_an_attention_check_once(
     table: pd.DataFrame, tmp_path: Path
 ) -> None:
     checks = attention_rows("p01", "125", "224")
@@ -98,7 +96,7 @@ def test_attention_checks_are_never_analysed(table: pd.DataFrame, tmp_path: Path
     assert not any("attention" in note for note in answers.notes)
 
 
-def test_attention_checks_that_ask_for_nothing_are_noted(
+def test_attention_checks_without_an_instructed_answer_are_noted(
     table: pd.DataFrame, tmp_path: Path
 ) -> None:
     checks = attention_rows("p01", "12", "22").drop(columns="instructed")
@@ -109,7 +107,7 @@ def test_attention_checks_that_ask_for_nothing_are_noted(
     )
 
 
-def test_a_ranking_may_be_asked_to_put_one_condition_first_several_times(tmp_path: Path) -> None:
+def test_several_rankings_may_be_told_to_put_one_condition_first(tmp_path: Path) -> None:
     ranking = TABLES["ranking"](participants=2, segments=3)
     own = ranking[(ranking["participant"] == "p00") & (ranking["segment"] == "s0")]
     first = np.where(own["condition"] == "static", 1.0, np.nan)
@@ -121,7 +119,7 @@ def test_a_ranking_may_be_asked_to_put_one_condition_first_several_times(tmp_pat
     assert result["p01"].same_answers is None
 
 
-def test_watching_and_times_are_those_of_analysed_answers(
+def test_watching_and_times_cover_analysed_answers_only(
     table: pd.DataFrame, tmp_path: Path
 ) -> None:
     counts = table["kind"].isin(["main", "repeat"])
@@ -136,7 +134,7 @@ def test_watching_and_times_are_those_of_analysed_answers(
     assert len(result["p00"].seconds) == 0
 
 
-def test_same_answers_are_counted_by_question_as_chosen_on_the_page(tmp_path: Path) -> None:
+def test_straight_lining_is_counted_per_question_in_page_terms(tmp_path: Path) -> None:
     table = pairwise_table(("ours", "other"), ("a", "b"), participants=1, effects=(0.5, 0))
     table["response"] = np.where(table["question"] == "a", 1, table["response"])
     [result] = facts(tmp_path, table).values()

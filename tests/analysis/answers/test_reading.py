@@ -46,7 +46,7 @@ def read_text(folder: Path, text: str, layout: Layout = PAIRWISE) -> AnswerTable
     return read_answers(path, layout)
 
 
-def test_names_stand_in_the_order_in_which_the_table_names_them(tmp_path: Path) -> None:
+def test_names_keep_the_tables_order(tmp_path: Path) -> None:
     result = read(
         tmp_path,
         pairs(
@@ -78,7 +78,7 @@ def test_names_stand_in_the_order_in_which_the_table_names_them(tmp_path: Path) 
         ({"kind": "catch", "correct_side": "up"}, "correct_side"),
     ],
 )
-def test_values_that_a_column_cannot_hold_are_refused(
+def test_invalid_values_of_a_column_are_refused(
     change: dict[str, Any], column: str, tmp_path: Path
 ) -> None:
     table = pairs({"kind": "main"}, change)
@@ -86,7 +86,7 @@ def test_values_that_a_column_cannot_hold_are_refused(
     assert text.startswith(f"answers.csv, row 3, column {column}:")
 
 
-def test_empty_answers_are_left_out_and_unknown_columns_not_read_with_a_note(
+def test_empty_answers_and_unknown_columns_are_skipped_with_a_note(
     tmp_path: Path,
 ) -> None:
     table = pairs({}, {"response": None}, {"response": "NA"}, {"response": 5, "left": "NA"})
@@ -100,7 +100,7 @@ def test_empty_answers_are_left_out_and_unknown_columns_not_read_with_a_note(
     )
 
 
-def test_a_trial_is_a_main_one_unless_the_table_says_otherwise(tmp_path: Path) -> None:
+def test_a_trial_is_a_main_trial_by_default(tmp_path: Path) -> None:
     result = read(tmp_path, pairs({"kind": "practice"}, {"kind": None}))
     assert result.answers["kind"].tolist() == ["practice", "main"]
     assert read(tmp_path, pairs({})).answers["kind"].tolist() == ["main"]
@@ -127,14 +127,14 @@ OWN_SPEECH_TWICE = (
         (OWN_SPEECH_TWICE, MISMATCH, "row 3, column right_speech: left_speech and right"),
     ],
 )
-def test_contradictions_are_refused_with_their_place(
+def test_contradictions_are_refused_with_their_position(
     text: str, layout: Layout, problem: str, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match=problem):
         read_text(tmp_path, HEADER + text, layout)
 
 
-def test_a_ranking_in_practice_may_come_back(tmp_path: Path) -> None:
+def test_a_practice_ranking_may_be_repeated(tmp_path: Path) -> None:
     rows = "".join(f"anna,s1,realism,ours,1,{kind}\n" for kind in ("practice", "repeat"))
     text = f"participant,segment,question,condition,rank,kind\n{rows}"
     assert len(read_text(tmp_path, text, RANKING).answers) == 2
@@ -170,7 +170,7 @@ def test_parquet_is_read_like_csv(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
-def test_other_separators_blank_lines_and_a_byte_order_mark_do_no_harm(
+def test_other_separators_blank_lines_and_a_byte_order_mark_are_accepted(
     separator: str, tmp_path: Path
 ) -> None:
     text = pairs({}, {"response": 8}).to_csv(index=False, sep=separator)
@@ -217,7 +217,7 @@ def test_rankings_of_one_segment_in_several_trials_are_kept_apart(tmp_path: Path
     assert result.averaged().given[0].tolist() == [2, 1.5, 2.5]
 
 
-def test_places_left_out_and_rows_repeated_without_a_trial_are_noted(tmp_path: Path) -> None:
+def test_skipped_ranks_and_repeated_rows_without_a_trial_are_noted(tmp_path: Path) -> None:
     gaps = ranked(("1", "s1", "a", 1), ("1", "s1", "b", 2), ("1", "s1", "c", 4))
     assert read_table(gaps, "ranking", tmp_path).notes[0].startswith("1 ranking leaves places out")
     assert read_table(gaps.assign(rank=[1, 1, 3]), "ranking", tmp_path).notes == ()
@@ -238,7 +238,7 @@ def rated(*scores: int) -> pd.DataFrame:
     )
 
 
-def test_a_rating_far_above_all_others_is_noted_and_off_a_stated_scale_refused(
+def test_an_outlying_rating_is_noted_and_one_off_the_stated_scale_refused(
     tmp_path: Path,
 ) -> None:
     table = rated(*[1, 2, 3, 4, 5] * 8, 55)
@@ -254,7 +254,7 @@ def test_a_rating_far_above_all_others_is_noted_and_off_a_stated_scale_refused(
     ("name", "written"),
     [(FORMULA, "'" + FORMULA), ("'tis", "''tis"), ("-x", "'-x"), ("plain", "plain")],
 )
-def test_a_table_of_the_report_runs_nothing_in_a_spreadsheet_and_is_read_as_it_was(
+def test_the_reports_table_runs_no_formula_and_is_read_back_unchanged(
     name: str, written: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "t.csv"

@@ -25,7 +25,7 @@ def test_a_rotation_is_the_first_two_columns_of_its_matrix() -> None:
     np.testing.assert_allclose(seen[2, 9:12], turn[:, 1], atol=1e-6)
 
 
-def test_turns_that_are_the_same_look_the_same() -> None:
+def test_equal_rotations_have_equal_features() -> None:
     clip = random_clip(3)
     length = np.linalg.norm(clip.poses, axis=2, keepdims=True)
     other_way = clip.poses * (1 - 2 * np.pi / length)
@@ -36,7 +36,7 @@ def test_turns_that_are_the_same_look_the_same() -> None:
 
 
 @pytest.mark.parametrize("face", ["arkit", "expressions"])
-def test_gesture_and_face_lie_side_by_side(face: Face) -> None:
+def test_gesture_and_face_are_concatenated(face: Face) -> None:
     clip = random_clip(3)
     view = ClipView(joints=GESTURE_JOINTS, face=face)
     gesture, expression = ClipView(joints=GESTURE_JOINTS), ClipView(face=face)
@@ -46,7 +46,7 @@ def test_gesture_and_face_lie_side_by_side(face: Face) -> None:
     )
 
 
-def test_a_face_in_other_terms_is_refused() -> None:
+def test_a_face_in_other_parameters_is_refused() -> None:
     clip = random_clip(3)
     with pytest.raises(InputError, match="no SMPL-X expression coefficients"):
         ClipView(face="expressions").frames(replace(clip, expressions=None))

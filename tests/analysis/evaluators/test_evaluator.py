@@ -61,7 +61,7 @@ def test_a_clip_without_a_face_says_what_is_missing(both_file: Path, face_file: 
             load_evaluator(path).embed(faceless)
 
 
-def test_landmarks_travel_with_the_file_and_follow_the_face(face_file: Path) -> None:
+def test_landmarks_are_stored_in_the_file_and_follow_the_face(face_file: Path) -> None:
     face = load_evaluator(face_file)
     clip = swinging("anger", 90)
     still = replace(clip, arkit=np.zeros_like(clip.arkit))
@@ -72,7 +72,7 @@ def test_landmarks_travel_with_the_file_and_follow_the_face(face_file: Path) -> 
     np.testing.assert_allclose(face.embed(clip), face.embed(turned), atol=1e-6)
 
 
-def test_only_a_network_of_emotions_classifies(gesture: Evaluator) -> None:
+def test_only_an_emotion_network_classifies(gesture: Evaluator) -> None:
     assert gesture.labels == ()
     with pytest.raises(InputError, match="classifies no emotions"):
         gesture.classify(swinging("anger", 90))
@@ -115,7 +115,7 @@ def test_every_setting_that_a_score_depends_on_is_listed(
         (("held_out",), {"accuracy": "good"}, r"held_out\.accuracy"),
     ],
 )
-def test_a_changed_header_is_refused_with_what_is_wrong(
+def test_a_changed_header_is_refused_with_the_reason(
     keys: tuple[str, ...], value: object, said: str, emotion_file: Path, tmp_path: Path
 ) -> None:
     file = read_weights(emotion_file)
@@ -146,7 +146,9 @@ def test_damaged_tensors_are_refused(emotion_file: Path, tmp_path: Path) -> None
             load_evaluator(tmp_path / "damaged.safetensors")
 
 
-def test_a_file_that_is_no_feature_network_is_refused(emotion_file: Path, tmp_path: Path) -> None:
+def test_a_file_that_is_not_a_feature_network_is_refused(
+    emotion_file: Path, tmp_path: Path
+) -> None:
     with pytest.raises(InputError, match="no such file"):
         load_evaluator(tmp_path / "none.safetensors")
     checkpoint = emotion_file.with_suffix(".run") / "checkpoint.safetensors"

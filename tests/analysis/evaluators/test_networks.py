@@ -23,21 +23,21 @@ def test_an_embedding_of_the_emotion_network_is_the_mean_over_its_frames() -> No
     torch.testing.assert_close(network(windows), network.classifier(frames.mean(dim=1)))
 
 
-def test_positions_are_sines_and_cosines() -> None:
+def test_positional_encodings_are_sines_and_cosines() -> None:
     table = sinusoids(5, 4)
     torch.testing.assert_close(table[0], torch.tensor([0.0, 1.0, 0.0, 1.0]))
     torch.testing.assert_close(table[3, :2], torch.tensor([math.sin(3), math.cos(3)]))
 
 
 @pytest.mark.parametrize("window", [12, 13, 34, 60])
-def test_windows_of_any_length_are_rebuilt_in_their_shape(window: int) -> None:
+def test_windows_of_any_length_are_reconstructed_in_their_shape(window: int) -> None:
     network = AutoencoderNetwork(AutoencoderConfig(window=window, features=4), 7)
     windows = torch.randn(3, window, 7)
     assert network.embed(windows).shape == (3, 4)
     assert network(windows).shape == windows.shape
 
 
-def test_the_loss_of_the_autoencoder_is_the_error_of_values_and_of_their_changes() -> None:
+def test_the_autoencoder_loss_covers_values_and_their_differences() -> None:
     network = AutoencoderNetwork(AutoencoderConfig(window=12, features=4), 7).eval()
     windows = torch.randn(3, 12, 7)
     losses = network.losses(windows, torch.zeros(3))
@@ -47,7 +47,7 @@ def test_the_loss_of_the_autoencoder_is_the_error_of_values_and_of_their_changes
     torch.testing.assert_close(losses["loss"], losses["error"] + losses["change"])
 
 
-def test_windows_that_were_never_seen_are_rebuilt_better_than_by_the_mean() -> None:
+def test_unseen_windows_are_reconstructed_better_than_by_the_mean() -> None:
     torch.manual_seed(0)
     network = AutoencoderNetwork(AutoencoderConfig(window=12, features=8), 4)
     phases, sizes = 6 * torch.rand(600, 1, 1), 0.5 + 1.5 * torch.rand(600, 1, 1)

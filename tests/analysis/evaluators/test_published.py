@@ -33,7 +33,7 @@ def _error(features: NDArray[Any], expected: NDArray[Any]) -> float:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("preset", PRESETS)
-def test_features_and_their_distance_are_those_of_the_authors_classes(
+def test_features_and_their_distance_match_the_authors_code(
     preset: str, reference: Path, tmp_path: Path
 ) -> None:
     shapes = json.loads((reference / f"{preset}_state_dict.json").read_text("utf-8"))
@@ -79,7 +79,7 @@ def ted(checkpoint: Checkpoint) -> PublishedEvaluator:
     return load_published("ted", checkpoint("ted"))
 
 
-def test_weights_of_several_processors_and_weights_alone_are_the_same_network(
+def test_data_parallel_and_plain_weights_give_the_same_network(
     ted: PublishedEvaluator, tmp_path: Path
 ) -> None:
     motion = np.random.default_rng(0).standard_normal((3, 34, 27))
@@ -117,7 +117,7 @@ def test_options_of_a_training_script_load_and_other_objects_run_no_code(
     assert not (tmp_path / "harm").exists()
 
 
-def test_other_files_than_the_presets_checkpoint_are_refused_with_the_fault(
+def test_files_other_than_the_presets_checkpoint_are_refused(
     checkpoint: Checkpoint, tmp_path: Path
 ) -> None:
     ted = checkpoint("ted")
@@ -140,7 +140,7 @@ def test_other_files_than_the_presets_checkpoint_are_refused_with_the_fault(
             load_published(preset, file)
 
 
-def test_motion_that_a_network_cannot_see_is_refused(ted: PublishedEvaluator) -> None:
+def test_motion_that_a_network_cannot_use_is_refused(ted: PublishedEvaluator) -> None:
     for motion in (np.zeros((34, 27)), np.zeros((1, 33, 27)), np.zeros((1, 34, 30))):
         with pytest.raises(InputError, match="shape"):
             ted.features(motion)
@@ -148,7 +148,7 @@ def test_motion_that_a_network_cannot_see_is_refused(ted: PublishedEvaluator) ->
         ted.features(np.full((1, 34, 27), np.nan))
 
 
-def test_windows_of_a_clip_are_cut_as_the_authors_cut_theirs(
+def test_clips_are_cut_into_the_authors_windows(
     ted: PublishedEvaluator, checkpoint: Checkpoint
 ) -> None:
     emage = load_published("emage", checkpoint("emage"))
@@ -169,7 +169,7 @@ def test_windows_of_a_clip_are_cut_as_the_authors_cut_theirs(
             assert evaluator.embed(clip).shape == (rows, evaluator.preset.features)
 
 
-def test_beat_is_shown_clips_in_deviations_of_the_frames_that_are_named_by_path(
+def test_beat_clips_are_normalised_by_the_named_frames(
     checkpoint: Checkpoint, tmp_path: Path
 ) -> None:
     path = checkpoint("beat")
@@ -195,7 +195,7 @@ def test_beat_is_shown_clips_in_deviations_of_the_frames_that_are_named_by_path(
     np.testing.assert_allclose(beat.embed(clip), beat.features(seen[None]), atol=1e-4)
 
 
-def test_the_package_and_its_evaluators_load_no_torch_until_one_is_asked_for() -> None:
+def test_torch_is_loaded_only_when_an_evaluator_is_used() -> None:
     code = (
         "import sys, analysis, analysis.evaluators;"
         " assert 'torch' not in sys.modules; analysis.load_published"

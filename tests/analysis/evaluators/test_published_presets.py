@@ -26,13 +26,13 @@ def _clip(poses: NDArray[np.floating]) -> MotionClip:
     return MotionClip(poses=shaped, trans=np.zeros((len(poses), 3), np.float32), frame_rate=30.0)
 
 
-def test_emage_sees_the_first_two_rows_of_each_joints_rotation_matrix(reference: Path) -> None:
+def test_emage_gets_the_first_two_rows_of_each_joints_rotation_matrix(reference: Path) -> None:
     with np.load(reference / "emage_plain.npz") as expected:
         for poses, seen in zip(expected["axis_angle"], expected["motion"], strict=True):
             np.testing.assert_allclose(rotation_rows(_clip(poses)), seen, atol=1e-6)
 
 
-def test_ted_sees_unit_directions_of_the_published_joints_less_the_published_mean(
+def test_ted_gets_unit_directions_of_the_published_joints_minus_the_published_mean(
     reference: Path,
 ) -> None:
     with np.load(reference / "ted_plain.npz") as expected:
@@ -43,7 +43,7 @@ def test_ted_sees_unit_directions_of_the_published_joints_less_the_published_mea
     np.testing.assert_allclose(lengths, 1)
 
 
-def test_a_person_who_stands_as_ted_speakers_do_on_average_is_seen_near_their_mean() -> None:
+def test_an_average_ted_pose_maps_near_the_mean() -> None:
     poses = np.zeros((1, 55, 3))
     poses[0, joint_index("left_shoulder"), 2] = -1.0
     poses[0, joint_index("right_shoulder"), 2] = 1.0
@@ -68,7 +68,7 @@ def test_the_left_hand_stays_the_left_hand_for_ted() -> None:
     assert moved[6, 1] < still[6, 1] and moved[6, 0] < 0  # y is down, x to the person's right
 
 
-def test_talkshow_sees_the_columns_that_its_code_picks(tmp_path: Path) -> None:
+def test_talkshow_gets_the_columns_that_its_code_picks(tmp_path: Path) -> None:
     row = np.linspace(0.001, 0.265, 265)[None]
     np.save(tmp_path / "talk.npy", row)
     clip = read_rows(tmp_path / "talk.npy")
@@ -79,7 +79,7 @@ def test_talkshow_sees_the_columns_that_its_code_picks(tmp_path: Path) -> None:
     np.testing.assert_allclose(talkshow_frames(_clip(poses)), picked, atol=1e-6)
 
 
-def test_beats_own_angles_come_back_from_the_clip_that_they_made() -> None:
+def test_beats_angles_survive_a_round_trip_through_a_clip() -> None:
     turns = np.random.default_rng(0).normal(0, 0.2, (12, 47, 3))
     roots = [
         p for p, name in enumerate(UPPER_BODY_JOINTS) if name.endswith(("Ring", "Pinky", "Index"))
@@ -99,7 +99,7 @@ def test_beats_own_angles_come_back_from_the_clip_that_they_made() -> None:
 
 
 @pytest.mark.parametrize("frames", [rotation_rows, beat_frames, ted_frames, talkshow_frames])
-def test_no_network_sees_where_the_body_stands(
+def test_no_network_depends_on_the_bodys_position(
     frames: Callable[[MotionClip], NDArray[np.float64]],
 ) -> None:
     clip = _clip(np.random.default_rng(0).normal(0, 0.2, (3, 55, 3)))

@@ -28,7 +28,7 @@ def request(
     return EvaluatorRequest(kind=kind, size="tiny", channels=channels, training=training, **options)
 
 
-def test_two_trainings_write_the_same_bytes_and_learn_from_recordings_not_kept_back(
+def test_training_is_reproducible_and_excludes_held_out_recordings(
     gesture_file: Path, tmp_path: Path
 ) -> None:
     again = trained(tmp_path, "motion", "gesture", steps=4)
@@ -53,7 +53,7 @@ def test_clips_that_cannot_be_used_are_named_and_left_out(tmp_path: Path) -> Non
     assert found.facts.data.clips == 10
 
 
-def test_the_face_of_the_first_clip_decides_and_others_are_left_out(tmp_path: Path) -> None:
+def test_clips_with_another_kind_of_face_than_the_first_are_left_out(tmp_path: Path) -> None:
     clip = swinging("anger", 52)
     expressive = replace(clip, arkit=None, expressions=np.zeros((len(clip), 100), np.float32))
     given = (*sources(), replace(source("anger", 52), name="zz", read=lambda: expressive))
@@ -96,12 +96,12 @@ def test_too_little_to_learn_from_is_refused_with_a_remedy(
     assert not out.exists()
 
 
-def test_a_face_that_is_held_still_cannot_be_learned() -> None:
+def test_a_frozen_face_cannot_be_learned() -> None:
     with pytest.raises(InputError, match="face is held still"):
         request(channels="both", frozen=("face",))
 
 
-def test_other_recordings_do_not_continue_a_run(tmp_path: Path) -> None:
+def test_a_run_is_not_resumed_with_other_recordings(tmp_path: Path) -> None:
     out, folder = tmp_path / "m.safetensors", RunFolder(tmp_path / "run")
     train_evaluator(request(), sources(), out, folder)
     before = out.read_bytes()
@@ -139,7 +139,7 @@ def places(found: Split, rows: NDArray[np.int64], *, held_out: bool = False) -> 
     return np.asarray(np.rint(windows[:, :, 0].numpy() * norm.deviation + norm.mean))
 
 
-def test_no_window_crosses_clips_and_no_recording_is_both_learned_from_and_kept_back() -> None:
+def test_windows_stay_within_clips_and_training_excludes_held_out_recordings() -> None:
     found = parts([f"r{n // 2}" for n in range(20)], ["x"] * 20)
     learned = places(found, np.arange(len(found.training)))
     kept_back = places(found, np.arange(len(found.held_out)), held_out=True)
@@ -150,7 +150,7 @@ def test_no_window_crosses_clips_and_no_recording_is_both_learned_from_and_kept_
     assert (found.recordings, found.how) == (10, "2 of 10 recordings")
 
 
-def test_one_recording_is_split_in_time_and_what_is_kept_back_shapes_no_normalisation() -> None:
+def test_one_recording_is_split_in_time_and_normalised_without_its_held_out_part() -> None:
     found = parts(["r"], ["x"], frames=100)
     learned = places(found, np.arange(len(found.training)))
     kept_back = places(found, np.arange(len(found.held_out)), held_out=True)

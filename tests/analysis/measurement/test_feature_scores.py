@@ -41,7 +41,7 @@ def clips(
     return found
 
 
-def test_clips_further_from_the_recordings_score_worse_in_all_distances() -> None:
+def test_clips_further_from_the_recordings_score_worse_in_every_distance() -> None:
     recorded = clips(30)
     conditions = {"near": clips(30, seed=1), "far": clips(30, seed=2, shift=2.0)}
     found = feature_scores(network(), conditions, recorded)
@@ -63,7 +63,7 @@ def test_every_condition_is_compared_over_equally_many_windows() -> None:
         assert settings["samples"] == "40 windows of recorded motion and of every condition"
 
 
-def test_a_condition_of_few_clips_is_not_compared_and_does_not_shrink_the_others() -> None:
+def test_a_condition_with_few_clips_is_skipped_without_shrinking_the_others() -> None:
     conditions = {"all": clips(30, seed=1), "catch": clips(3, seed=2)}
     found = feature_scores(network(), conditions, clips(30))
     few = score_of(found, "catch", names.FGD)
@@ -73,7 +73,7 @@ def test_a_condition_of_few_clips_is_not_compared_and_does_not_shrink_the_others
     assert not math.isnan(score_of(found, "catch", names.kernel_of(names.GESTURE)).value)
 
 
-def test_without_recordings_and_for_recorded_motion_there_is_a_variance_but_no_distance() -> None:
+def test_recorded_motion_has_a_variance_but_no_distance() -> None:
     variance = "variance of features (gesture autoencoder)"
     recorded = clips(10)
     of_itself = feature_scores(
@@ -86,7 +86,7 @@ def test_without_recordings_and_for_recorded_motion_there_is_a_variance_but_no_d
     assert score_of(alone, "ours", variance).value > 0
 
 
-def test_clips_that_the_network_cannot_look_at_are_counted_with_their_reason() -> None:
+def test_clips_that_the_network_cannot_embed_are_counted_with_reasons() -> None:
     own = clips(10, seed=1) | {"short": ClipFeatures(reason="the clip is too short")}
     found = feature_scores(network(), {"ours": own}, clips(10))
     score = score_of(found, "ours", names.FGD)
@@ -96,7 +96,7 @@ def test_clips_that_the_network_cannot_look_at_are_counted_with_their_reason() -
     assert "the clip is too short (1 of 1 clips)" in score_of(none, "ours", names.FGD).reason
 
 
-def test_named_emotions_are_counted_by_clip_and_in_a_confusion() -> None:
+def test_predicted_emotions_are_counted_in_a_confusion_matrix() -> None:
     emotions = {"s00": "anger", "s01": "anger", "s02": "fear", "s03": "joy"}
     found = feature_scores(
         network(names.EMOTION, LABELS),

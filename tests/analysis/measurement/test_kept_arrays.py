@@ -40,7 +40,7 @@ def computed(
     return bool(calls), kept
 
 
-def test_an_array_is_computed_once_for_its_content_settings_kind_and_version(
+def test_an_array_is_computed_once_per_content_settings_kind_and_version(
     tmp_path: Path, source: Path
 ) -> None:
     folder = tmp_path / "kept"
@@ -69,7 +69,7 @@ def test_damaged_or_mismatched_files_are_computed_again(
         assert computed(folder, source)[0]
 
 
-def test_only_files_that_a_run_no_longer_uses_are_removed(tmp_path: Path, source: Path) -> None:
+def test_only_unused_files_are_removed(tmp_path: Path, source: Path) -> None:
     folder = tmp_path / "kept"
 
     def place(kind: Kind, settings: str) -> Path:
@@ -85,16 +85,14 @@ def test_only_files_that_a_run_no_longer_uses_are_removed(tmp_path: Path, source
     assert set(folder.iterdir()) == {used, beside, other_kind, folder / ".draft.npy"}
 
 
-def test_a_folder_that_cannot_be_written_keeps_nothing_and_stops_nobody(
-    tmp_path: Path, source: Path
-) -> None:
+def test_an_unwritable_cache_folder_is_harmless(tmp_path: Path, source: Path) -> None:
     (tmp_path / "kept").write_text("a file, not a folder")
     assert computed(tmp_path / "kept", source)[0]
     assert computed(tmp_path / "kept", source)[0]
     assert computed(None, source)[0]
 
 
-def test_another_motion_rate_or_frozen_channel_is_kept_elsewhere(
+def test_motion_rate_and_frozen_channels_are_part_of_the_cache_key(
     tmp_path: Path, waving: Callable[..., MotionClip]
 ) -> None:
     def place(rate: float, *frozen: str) -> Path:

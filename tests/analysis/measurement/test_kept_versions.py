@@ -85,7 +85,7 @@ def landmarks() -> NDArray[np.floating]:
     return face.positions(moving().frames(slice(0, 30)))
 
 
-def test_joints_onsets_landmarks_and_depths_that_lie_elsewhere_have_another_version() -> None:
+def test_changed_cached_values_require_a_new_version() -> None:
     joints = joint_motion(moving(40), 30)
     for arrays, kind, expected in (
         ((joints.relative, joints.pelvis), measured_clips.JOINTS, JOINTS),
@@ -99,9 +99,7 @@ def test_joints_onsets_landmarks_and_depths_that_lie_elsewhere_have_another_vers
 @pytest.mark.parametrize(
     ("kind", "channels"), [("motion", "gesture"), ("emotion", "body"), ("motion", "both")]
 )
-def test_a_network_that_sees_other_features_has_another_version(
-    kind: Kind, channels: Channels
-) -> None:
+def test_changed_network_features_require_a_new_version(kind: Kind, channels: Channels) -> None:
     evaluator = network(kind, channels)
     arrays = [evaluator.embed(moving())]
     if evaluator.labels:

@@ -98,7 +98,7 @@ ERRORS = {
 }
 
 
-def test_beside_recordings_a_copy_is_perfect_and_other_motion_is_not(
+def test_a_copy_of_the_recordings_scores_perfectly_and_other_motion_does_not(
     recorded_study: RecordedStudy,
 ) -> None:
     clips, _, recorded = recorded_study
@@ -148,7 +148,7 @@ def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(
     assert [file.where for file in nothing.skipped] == [str(bad)]
 
 
-def test_values_kept_from_an_earlier_run_change_no_number(study: Study, tmp_path: Path) -> None:
+def test_cached_values_change_no_number(study: Study, tmp_path: Path) -> None:
     folder = tmp_path / "kept"
     alone = study_metrics(*study)
     first = study_metrics(*study, kept=folder)
@@ -167,7 +167,7 @@ def test_values_kept_from_an_earlier_run_change_no_number(study: Study, tmp_path
 
 
 @pytest.mark.slow
-def test_several_processes_find_what_one_finds(recorded_study: RecordedStudy) -> None:
+def test_the_number_of_processes_does_not_change_the_scores(recorded_study: RecordedStudy) -> None:
     clips, _, recorded = recorded_study
     progress = []
     alone = study_metrics(clips, {}, recorded=recorded, presets=PRESETS)
@@ -200,7 +200,7 @@ def test_missing_inputs_of_metrics_are_reported(recorded_study: RecordedStudy) -
     assert alone.remarks == ("no recordings are given, so nothing is compared with them",)
 
 
-def test_clips_are_compared_at_the_slowest_rate_stated_or_given(
+def test_clips_are_compared_at_the_lowest_stated_or_actual_rate(
     study: Study, tmp_path: Path, waving: Callable[..., MotionClip]
 ) -> None:
     folder = tmp_path / "kept"
@@ -218,7 +218,7 @@ def test_clips_are_compared_at_the_slowest_rate_stated_or_given(
     assert score_of(metrics, "waving", "jerk (hands)").settings["frame rate"] == "20 fps"
 
 
-def test_semantic_scores_choose_which_frames_are_recalled(
+def test_semantic_scores_weight_the_recalled_frames(
     recorded_study: RecordedStudy, tmp_path: Path
 ) -> None:
     clips, _, recorded = recorded_study
@@ -254,12 +254,12 @@ def test_metrics_shared_by_two_presets_are_measured_once() -> None:
     assert not together.foot_sliding
 
 
-def test_an_unknown_preset_is_refused_with_those_there_are() -> None:
+def test_an_unknown_preset_is_refused_with_the_known_ones() -> None:
     with pytest.raises(InputError, match=r"'amuze'.*amuse, beat"):
         combined(["amuze"])
 
 
-def test_a_papers_table_is_of_a_preset_and_shows_each_score_once() -> None:
+def test_a_papers_table_shows_each_score_of_its_preset_once() -> None:
     distances = set(network_names.DISTANCES.values())
     for preset, columns in PAPER_TABLES.items():
         assert preset in PRESETS

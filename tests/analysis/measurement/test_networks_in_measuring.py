@@ -75,7 +75,7 @@ def study(tmp_path: Path, waving: Callable[..., MotionClip]) -> Clips:
     return clips
 
 
-def test_clips_are_shown_to_a_network_once_and_its_features_are_kept(
+def test_each_clip_is_embedded_once_and_its_features_are_cached(
     study: Clips, network_file: NetworkFile, tmp_path: Path
 ) -> None:
     path, opened = network_file
@@ -94,7 +94,7 @@ def test_clips_are_shown_to_a_network_once_and_its_features_are_kept(
     assert score_of(first, "ours", names.FGD).settings["network sha256"] == "c0ffee" * 11
 
 
-def test_the_network_sees_the_studys_frozen_channels(
+def test_the_studys_channels_are_frozen_for_the_network(
     study: Clips, network_file: NetworkFile
 ) -> None:
     path, opened = network_file
@@ -126,7 +126,7 @@ def test_two_networks_of_one_kind_differ_by_their_hash(
     assert names.distance_of(found[1].name) == "FGD (gesture autoencoder, beefbeef)"
 
 
-def test_a_network_that_is_not_given_is_listed_with_what_trains_it(study: Clips) -> None:
+def test_a_missing_network_is_listed_with_its_training_command(study: Clips) -> None:
     found = study_metrics(study, {}, recorded=study["truth"], presets=["s2ue", "amuse"])
     for name, command in (
         (names.FLD, "face"),
@@ -168,7 +168,7 @@ LANDMARK_ERRORS = (
 )
 
 
-def test_landmarks_of_a_copied_face_have_no_error_and_of_another_one_millimetres(
+def test_landmark_errors_are_zero_for_a_copied_face_and_millimetres_otherwise(
     talking: Clips, waving: Callable[..., MotionClip]
 ) -> None:
     def measured(**settings: Any) -> StudyMetrics:
@@ -191,7 +191,7 @@ def test_landmarks_of_a_copied_face_have_no_error_and_of_another_one_millimetres
     assert "has no face" in faceless.reason
 
 
-def test_faces_differ_between_clips_unless_they_are_held_still(talking: Clips) -> None:
+def test_faces_differ_between_clips_unless_frozen(talking: Clips) -> None:
     name = "mean distance between clips (expressions)"
     moving = score_of(study_metrics(talking, {}, presets=["diffsheg"]), "truth", name)
     assert moving.value > 0
@@ -202,7 +202,7 @@ def test_faces_differ_between_clips_unless_they_are_held_still(talking: Clips) -
     assert still.reason == "the study holds the face still"
 
 
-def test_penetration_is_measured_where_a_body_is_given_and_kept(
+def test_penetration_is_measured_with_a_body_and_cached(
     talking: Clips, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wanted: dict[str, Any] = {

@@ -20,7 +20,7 @@ def clips() -> Iterator[tuple[FloatArray, FloatArray]]:
         yield rotations, chance.normal(0, 1, (frames, 5, 3))
 
 
-def test_the_spread_is_that_of_all_frames_together_without_joints_that_never_move() -> None:
+def test_the_spread_covers_all_frames_and_skips_still_joints() -> None:
     spread = recorded_spread(ClipExtent.of(*clip) for clip in clips())
     assert spread is not None
     rotations = np.concatenate([rotations for rotations, _ in clips()])
@@ -38,7 +38,7 @@ def test_the_spread_is_that_of_all_frames_together_without_joints_that_never_mov
     assert np.abs(standard[:, 1, 0]).max() < 1e-9
 
 
-def test_no_recording_and_no_extent_are_no_spread() -> None:
+def test_without_recordings_or_movement_there_is_no_spread() -> None:
     assert recorded_spread([]) is None
     point = ClipExtent.of(np.zeros((4, 2, 3)), np.ones((4, 2, 3)))
     assert recorded_spread([point]) is None

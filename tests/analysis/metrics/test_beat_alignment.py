@@ -38,7 +38,7 @@ def test_scores_agree_with_their_closed_form(closed_form: Mapping[str, Any]) -> 
     assert to_motion == pytest.approx(one_sided["audio_to_motion"])
 
 
-def test_chance_agrees_with_its_closed_form(closed_form: Mapping[str, Any]) -> None:
+def test_the_chance_score_agrees_with_its_closed_form(closed_form: Mapping[str, Any]) -> None:
     for case in closed_form["beat_alignment"]["chance"]:
         period, duration = case["period"], 20.0
         audio = np.arange(period / 2, duration, period)
@@ -49,7 +49,9 @@ def test_chance_agrees_with_its_closed_form(closed_form: Mapping[str, Any]) -> N
 
 @pytest.mark.parametrize("frame_rate", [15.0, 30.0, 60.0])
 @pytest.mark.parametrize("frequency", [0.5, 1.0])
-def test_a_swinging_joint_beats_where_it_turns(frame_rate: float, frequency: float) -> None:
+def test_a_swinging_joint_has_beats_at_its_turning_points(
+    frame_rate: float, frequency: float
+) -> None:
     time = np.arange(round(6 * frame_rate)) / frame_rate
     position = np.sin(2 * np.pi * frequency * time)
     speed = np.abs(np.diff(position)) * frame_rate
@@ -60,7 +62,7 @@ def test_a_swinging_joint_beats_where_it_turns(frame_rate: float, frequency: flo
     assert len(found) <= len(turns)
 
 
-def test_a_hold_is_one_beat_the_deeper_of_two_close_dips_another_and_noise_none() -> None:
+def test_holds_and_the_deeper_of_close_dips_are_beats_and_noise_is_not() -> None:
     speed = np.concatenate([np.full(20, 0.5), np.zeros(30), np.full(20, 0.5)])
     noise = 1e-4 * np.random.default_rng(0).random(70)
     assert motion_beats(speed, 30.0, 7 / 30).tolist() == pytest.approx([(34.5 + 0.5) / 30])
@@ -99,7 +101,7 @@ def test_motion_on_the_beat_scores_above_chance_and_off_the_beat_below(
     assert above_chance(turns + 0.25) < -0.1
 
 
-def test_a_wide_gaussian_flatters_unrelated_onsets_and_the_difference_shows_it() -> None:
+def test_a_wide_kernel_inflates_scores_but_not_the_difference_from_chance() -> None:
     onsets = np.sort(np.random.default_rng(4).uniform(0, 10, 25))
     found = aligned(swinging(), onsets, BEAT)
     assert found.score.value > 0.7
@@ -115,7 +117,7 @@ def test_a_wide_gaussian_flatters_unrelated_onsets_and_the_difference_shows_it()
     ],
 )
 @pytest.mark.parametrize("settings", [AMUSE, TALKSHOW], ids=lambda settings: settings.name)
-def test_without_beats_there_is_no_score_but_a_reason(
+def test_without_beats_there_is_a_reason_instead_of_a_score(
     positions: FloatArray, onsets: FloatArray, reason: str, rate: float, settings: BeatSettings
 ) -> None:
     alignment = aligned(positions, onsets, settings)
@@ -126,7 +128,7 @@ def test_without_beats_there_is_no_score_but_a_reason(
         assert alignment.motion_beats.value == pytest.approx(rate, abs=0.2)
 
 
-def test_both_directions_are_there_and_say_which_is_which_and_what_they_count() -> None:
+def test_both_directions_are_reported_and_labelled() -> None:
     positions, onsets = swinging(), np.array([0.75, 3.0])
     there, back = (
         aligned(positions, onsets, replace(AMUSE, direction=direction))
@@ -144,7 +146,7 @@ def test_both_directions_are_there_and_say_which_is_which_and_what_they_count() 
     assert "7 frames" in settings["extremum window"]
 
 
-def test_chance_of_a_long_clip_is_that_of_its_blocks_together(
+def test_the_chance_score_of_a_long_clip_pools_its_blocks(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     chance = np.random.default_rng(0)
@@ -156,7 +158,7 @@ def test_chance_of_a_long_clip_is_that_of_its_blocks_together(
             assert chance_score(motion, audio, 30.0, 0.1, direction) == pytest.approx(at_once)
 
 
-def test_bones_that_turn_to_and_fro_beat_where_they_turn_back() -> None:
+def test_oscillating_bones_have_beats_at_their_turning_points() -> None:
     time = np.arange(300) / 30
     angle = 0.5 * np.sin(2 * np.pi * 0.5 * time)
     swing = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)

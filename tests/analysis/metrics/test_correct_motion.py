@@ -23,7 +23,7 @@ SHAPE = (12, 4, 3)
 
 
 @pytest.mark.parametrize("settings", [AMUSE, BEAT, DIFFSHEG], ids=lambda s: s.name)
-def test_the_closed_forms_are_met_by_every_preset(
+def test_every_preset_matches_its_closed_form(
     closed_form: Mapping[str, Any], settings: CorrectSettings
 ) -> None:
     expected = closed_form["srgr"]
@@ -58,7 +58,7 @@ def test_thresholds_are_strict_and_each_preset_measures_its_own_distance() -> No
     assert percent_correct_motion(at_threshold, recorded, settings=DIFFSHEG).value == 0
 
 
-def test_euler_angles_are_compared_the_short_way_round() -> None:
+def test_euler_angles_are_compared_modulo_a_full_turn() -> None:
     one, other = np.full((2, 1, 3), 179.5), np.full((2, 1, 3), -179.5)
     assert percent_correct_motion(one, other, settings=BEAT).value == 1
     assert percent_correct_motion(one, other, settings=AMUSE).value == 0

@@ -37,7 +37,7 @@ def test_deviation_worked_by_hand() -> None:
     assert l1_deviation(np.array([[0.0, 0.0], [2.0, 4.0]])).value == 3.0
 
 
-def test_the_distance_of_two_clips_is_a_root_mean_square_in_metres() -> None:
+def test_the_distance_between_clips_is_a_root_mean_square_in_metres() -> None:
     still = np.zeros((20, 5, 3))
     apart = np.zeros((25, 5, 3))
     apart[..., 1] = 0.3
@@ -46,13 +46,13 @@ def test_the_distance_of_two_clips_is_a_root_mean_square_in_metres() -> None:
     assert mean_pair_distance(features).value == pytest.approx(0.3)
 
 
-def test_many_clips_are_measured_as_few_are() -> None:
+def test_many_clips_are_measured_like_few() -> None:
     features = np.random.default_rng(1).standard_normal((700, 9)) + 50
     assert mean_pair_distance(features).value == pytest.approx(pdist(features).mean())
     assert mean_pair_distance(features).n == 700 * 699 // 2
 
 
-def test_the_variance_of_features_is_that_of_a_normal_sample_and_one_clip_has_none() -> None:
+def test_feature_variance_matches_a_normal_sample_and_needs_two_clips() -> None:
     features = np.random.default_rng(2).normal(3, 1.5, (4000, 6))
     assert feature_variance(features).value == pytest.approx(1.5**2, rel=0.03)
     two = feature_variance(features[:2]).value
@@ -63,7 +63,7 @@ def test_the_variance_of_features_is_that_of_a_normal_sample_and_one_clip_has_no
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.1, 10))
-def test_diversities_do_not_see_a_shift_and_grow_with_the_scale(seed: int, scale: float) -> None:
+def test_diversity_ignores_shifts_and_grows_with_scale(seed: int, scale: float) -> None:
     sample = np.random.default_rng(seed).standard_normal((6, 4))
     for measure, power in ((l1_deviation, 1), (mean_pair_distance, 1), (feature_variance, 2)):
         value = measure(sample).value

@@ -15,14 +15,14 @@ def confusion(spoken: Sequence[str], named: Sequence[str]) -> EmotionConfusion:
     return emotion_confusion(spoken, named, LABELS, condition="ours", network="abc")
 
 
-def test_rows_are_spoken_emotions_and_columns_named_ones() -> None:
+def test_rows_are_spoken_emotions_and_columns_predicted_ones() -> None:
     found = confusion(["anger", "anger", "neutral", "joy"], ["fear", "anger", "neutral", "fear"])
     assert found.spoken == ("neutral", "anger")
     assert found.named == LABELS
     assert found.counts == ((1, 0, 0), (0, 1, 1))
 
 
-def test_emotions_count_alike_however_many_clips_they_have() -> None:
+def test_emotions_have_equal_weight_whatever_their_number_of_clips() -> None:
     spoken = ["anger"] * 9 + ["fear"]
     found = emotion_accuracy(confusion(spoken, ["anger"] * 10))
     assert found.value == pytest.approx(0.5)
@@ -31,7 +31,7 @@ def test_emotions_count_alike_however_many_clips_they_have() -> None:
     assert found.settings["chance"] == "1 / 3"
 
 
-def test_the_interval_of_one_emotion_is_wilsons_and_all_right_is_not_certain() -> None:
+def test_one_emotion_has_wilsons_interval() -> None:
     accuracy = emotion_accuracy(confusion(["fear"] * 10, ["fear"] * 7 + ["anger"] * 3))
     # R: binom::binom.confint(7, 10, methods = "wilson")
     assert accuracy.interval == pytest.approx((0.3967781, 0.8922087), abs=1e-6)
@@ -40,7 +40,7 @@ def test_the_interval_of_one_emotion_is_wilsons_and_all_right_is_not_certain() -
     assert certain.interval == pytest.approx((0.6756, 1), abs=1e-4)
 
 
-def test_no_emotion_that_the_network_knows_is_no_score() -> None:
+def test_without_a_known_emotion_there_is_no_score() -> None:
     found = emotion_accuracy(confusion(["joy"], ["fear"]))
     assert math.isnan(found.value)
     assert "no clip has speech of an emotion" in found.reason

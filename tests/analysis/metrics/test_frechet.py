@@ -39,7 +39,7 @@ def normal(mean: ArrayLike, covariance: ArrayLike, *, least: int = 0) -> FloatAr
 
 
 @pytest.mark.parametrize("least", [0, 100])
-def test_every_closed_form_is_met(closed_form: Mapping[str, Any], least: int) -> None:
+def test_distances_match_their_closed_forms(closed_form: Mapping[str, Any], least: int) -> None:
     for case in closed_form["frechet"]["cases"]:
         one = normal(case["mu1"], case["S1"], least=least)
         other = normal(case["mu2"], case["S2"], least=least)
@@ -69,7 +69,7 @@ def test_the_distance_has_the_invariances_of_a_distance(
     assert frechet_of_samples(scale * one, scale * other) == close(scale**2 * distance)
 
 
-def test_only_few_samples_are_flagged_with_what_equal_laws_would_score() -> None:
+def test_small_samples_are_flagged_with_the_score_of_equal_distributions() -> None:
     one, other = np.random.default_rng(2).standard_normal((2, 72, 240))
     found = frechet(embeddings(one), embeddings(other), name="FGD", resamples=0)
     assert found.value == pytest.approx(273, rel=0.05)
@@ -90,7 +90,7 @@ def test_unequal_samples_are_cut_reproducibly_to_equal_ones_with_a_remark() -> N
     assert distance.settings["samples"] == "25 of each (40 generated, 25 recorded)"
 
 
-def test_the_interval_is_as_wide_as_the_score_varies_between_samples() -> None:
+def test_the_interval_matches_the_variation_between_samples() -> None:
     chance = np.random.default_rng(5)
 
     def drawn() -> tuple[Embeddings, Embeddings]:
@@ -102,7 +102,7 @@ def test_the_interval_is_as_wide_as_the_score_varies_between_samples() -> None:
     assert 1 < np.mean(widths) / (2 * 1.96 * np.std(scores)) < 1.4
 
 
-def test_windows_of_one_clip_are_no_independent_samples() -> None:
+def test_windows_of_one_clip_are_not_independent_samples() -> None:
     chance = np.random.default_rng(6)
     clip_level = chance.standard_normal((2, 20, 3))
     windows = np.repeat(clip_level, 10, axis=1)
@@ -130,7 +130,7 @@ def test_extrapolation_removes_the_bias_and_keeps_a_real_distance() -> None:
         (np.zeros((2, 2)), ["a"], "1 clips are named for 2"),
     ],
 )
-def test_embeddings_are_a_finite_table_with_a_clip_for_every_row(
+def test_embeddings_must_be_finite_with_a_clip_per_row(
     values: FloatArray, clips: list[str] | None, message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
@@ -159,7 +159,7 @@ def test_with_enough_samples_every_rule_gives_our_distance(rule: Rule) -> None:
     assert published_distance(one, other, rule) == pytest.approx(ours, rel=1e-5)
 
 
-def test_a_root_that_is_not_finite_is_taken_again_and_one_that_is_not_real_fails_pytorch_fid(
+def test_pytorch_fids_handling_of_bad_matrix_roots_is_reproduced(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     one, other = np.random.default_rng(0).standard_normal((2, 20, 3))

@@ -30,7 +30,7 @@ def test_point_masses_agree_with_their_closed_form(closed_form: Mapping[str, Any
     assert distance(one, other) == pytest.approx(expected["value"])
 
 
-def test_it_is_the_mean_over_pairs_of_the_definition() -> None:
+def test_it_equals_the_definitions_mean_over_pairs() -> None:
     one, other = np.random.default_rng(1).standard_normal((2, 6, 3))
 
     def kernel(x: FloatArray, y: FloatArray) -> float:
@@ -44,7 +44,7 @@ def test_it_is_the_mean_over_pairs_of_the_definition() -> None:
     assert distance(one, other) == pytest.approx(sum(within) - 2 * across)
 
 
-def test_the_interval_is_as_wide_as_the_score_varies_between_samples() -> None:
+def test_the_interval_matches_the_variation_between_samples() -> None:
     chance = np.random.default_rng(2)
     found = [
         kernel_distance(embeddings(one + 0.5), embeddings(other))

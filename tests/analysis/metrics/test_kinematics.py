@@ -88,14 +88,14 @@ def feet(
 
 
 @pytest.mark.parametrize("frame_rate", [15.0, 60.0])
-def test_feet_on_the_ground_slide_as_fast_as_they_glide(frame_rate: float) -> None:
+def test_sliding_equals_the_speed_of_feet_on_the_ground(frame_rate: float) -> None:
     found = foot_sliding(feet(speed=0.4, frame_rate=frame_rate), frame_rate=frame_rate)
     assert found.value == pytest.approx(0.4)
     assert found.unit == "m/s"
     assert foot_sliding(feet(), frame_rate=frame_rate).value == 0
 
 
-def test_a_foot_in_the_air_may_move_and_sliding_fades_with_its_height() -> None:
+def test_sliding_fades_with_the_height_of_the_foot() -> None:
     found = foot_sliding(feet(speed=0.4, lifted=0.1), frame_rate=30)
     assert found.n == 59
     assert found.value == pytest.approx(0.4)
@@ -106,7 +106,7 @@ def test_a_foot_in_the_air_may_move_and_sliding_fades_with_its_height() -> None:
     assert half.value == pytest.approx(0.4 * (1 + 2 - math.sqrt(2)) / 2)
 
 
-def test_where_the_body_stands_and_which_way_it_faces_does_not_matter() -> None:
+def test_position_and_heading_do_not_matter() -> None:
     gliding = feet(speed=0.3)
     turned = gliding[..., [2, 1, 0]] + [3.0, 1.0, -2.0]
     assert foot_sliding(turned, frame_rate=30).value == pytest.approx(
@@ -122,7 +122,7 @@ def at_speed(
     return np.stack([np.broadcast_to(x, (frames, joints))] + [np.zeros((frames, joints))] * 2, 2)
 
 
-def test_every_frame_is_in_the_bin_of_its_speed_and_the_last_bin_is_open() -> None:
+def test_frames_are_binned_by_speed_with_an_open_last_bin() -> None:
     counts = speed_counts(np.concatenate([at_speed(0.12), at_speed(99.0)], axis=1), 30.0)
     assert counts.shape == (4, 80)
     assert counts[0, 2] == counts[2, 79] == 30
@@ -131,7 +131,7 @@ def test_every_frame_is_in_the_bin_of_its_speed_and_the_last_bin_is_open() -> No
     np.testing.assert_array_equal(slower, counts[:2])
 
 
-def test_the_distance_of_histograms_is_hellingers() -> None:
+def test_histograms_are_compared_by_hellinger_distance() -> None:
     slow, fast = (np.stack([speed_counts(at_speed(v), 30.0)] * 6) for v in (0.12, 0.52))
     same = speed_distance(slow, slow, frame_rate=30.0)
     assert (same.value, same.interval) == (0, (0, 0))
@@ -164,7 +164,7 @@ def test_clips_too_short_too_slow_or_without_a_standing_foot_have_a_reason_inste
         assert reason in result.reason
 
 
-def test_positions_do_not_see_where_the_body_walks_or_how_it_is_shaped(
+def test_joint_positions_ignore_walking_and_body_shape(
     waving: Callable[..., MotionClip],
 ) -> None:
     still, walking = waving(), waving(drift=0.5)
@@ -176,7 +176,7 @@ def test_positions_do_not_see_where_the_body_walks_or_how_it_is_shaped(
     np.testing.assert_allclose(joint_motion(shaped, 30.0).relative, reference, atol=1e-9)
 
 
-def test_a_slower_rate_gives_fewer_frames_of_the_same_motion(
+def test_a_lower_rate_gives_fewer_frames_of_the_same_motion(
     waving: Callable[..., MotionClip],
 ) -> None:
     clip = waving(frequency=0.5)
@@ -186,7 +186,7 @@ def test_a_slower_rate_gives_fewer_frames_of_the_same_motion(
     np.testing.assert_allclose(slow, fast[::2], atol=2e-3)
 
 
-def test_the_pelvis_walks_and_stands_as_high_as_its_feet_reach_down(
+def test_the_pelvis_follows_walking_and_crouching(
     waving: Callable[..., MotionClip],
 ) -> None:
     clip = waving(drift=0.5)
@@ -201,6 +201,6 @@ def test_the_pelvis_walks_and_stands_as_high_as_its_feet_reach_down(
     assert crouching[0, 1] < pelvis[0, 1] - 0.1
 
 
-def test_clips_are_compared_at_the_slowest_rate_up_to_thirty() -> None:
+def test_clips_are_compared_at_the_lowest_rate_up_to_thirty() -> None:
     assert common_frame_rate({60.0, 120.0}) == 30.0
     assert common_frame_rate([25.0, 60.0]) == 25.0

@@ -39,20 +39,22 @@ def velocity(
     return velocity_error(one, other, frame_rate=frame_rate, norm=norm).value
 
 
-def test_a_shift_on_one_axis_is_a_third_of_it_in_millimetres() -> None:
+def test_a_shift_on_one_axis_counts_a_third_in_millimetres() -> None:
     shifted = motion() + np.array([0.3, 0, 0])
     assert maje(shifted, motion()) == pytest.approx(100)
     assert maje(shifted, motion(), scale=0.5) == pytest.approx(50)
 
 
-def test_arms_clear_of_the_body_stay_as_they_are() -> None:
+def test_arms_clear_of_the_body_are_unchanged() -> None:
     shifted = motion() + np.array([0.3, -1, 2])
     assert mace(shifted, motion()) == pytest.approx(0, abs=1e-6)
     assert velocity(shifted, motion()) == pytest.approx(0, abs=1e-9)
 
 
 @pytest.mark.parametrize("frame_rate", [15.0, 30.0, 60.0])
-def test_velocities_and_accelerations_are_the_same_at_every_frame_rate(frame_rate: float) -> None:
+def test_velocity_and_acceleration_errors_do_not_depend_on_the_frame_rate(
+    frame_rate: float,
+) -> None:
     time = np.arange(2 * frame_rate) / frame_rate
     falling = np.zeros((len(time), 1, 3))
     falling[:, 0, 1] = -0.5 * 9.81 * time**2
@@ -63,7 +65,7 @@ def test_velocities_and_accelerations_are_the_same_at_every_frame_rate(frame_rat
     assert velocity(walking, still, "L1", frame_rate) == pytest.approx(0.7 / 3)
 
 
-def test_frames_that_seed_the_generator_do_not_count() -> None:
+def test_seed_frames_do_not_count() -> None:
     seeded = motion()
     seeded[:SEED_FRAMES] += 5
     assert maje(seeded, motion()) == 0
@@ -82,7 +84,7 @@ def test_errors_are_distances_that_grow_with_the_motion(seed: int, scale: float)
         assert error(scale * one, scale * other) == pytest.approx(scale * error(one, other))
 
 
-def test_all_points_fit_a_box_of_one_metre_afterwards() -> None:
+def test_points_are_scaled_to_a_box_of_one_metre() -> None:
     clips = [motion(3) * 0.2, motion(4) * 3 + 1]
     scale = box_scale(clips)
     together = scale * np.concatenate([clip.reshape(-1, 3) for clip in clips])
@@ -91,7 +93,7 @@ def test_all_points_fit_a_box_of_one_metre_afterwards() -> None:
         assert math.isnan(box_scale(without_extent))
 
 
-def test_too_few_frames_and_clips_of_other_lengths_have_no_error_but_a_reason() -> None:
+def test_too_few_frames_and_unequal_lengths_give_a_reason() -> None:
     whole = motion()
     for result, reason in (
         (point_error(whole[:4], whole[:4], frame_rate=15, settings=MAJE), "no frame behind those"),

@@ -41,7 +41,7 @@ def metrics() -> StudyMetrics:
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet"])
-def test_tables_are_read_back_as_they_were_conditions_before_clips(
+def test_tables_survive_a_round_trip_with_conditions_before_clips(
     metrics: StudyMetrics, tmp_path: Path, ending: str
 ) -> None:
     path = tmp_path / f"scores.{ending}"
@@ -94,7 +94,7 @@ def test_json_holds_the_document_and_the_clips_without_nan(
     assert metrics_document(metrics, Path("/study"))["skipped"] == [skipped]
 
 
-def test_two_writings_are_the_same_bytes_and_an_unknown_ending_is_refused(
+def test_tables_are_reproducible_and_unknown_extensions_are_refused(
     metrics: StudyMetrics, tmp_path: Path
 ) -> None:
     for ending in ("csv", "json", "parquet"):

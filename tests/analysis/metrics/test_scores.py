@@ -17,14 +17,14 @@ from analysis.metrics.scores import MetricResult
         ({"value": 1.0, "interval": (2.0, 1.0)}, "interval"),
     ],
 )
-def test_a_reason_belongs_to_a_missing_score_alone_and_an_interval_ends_above_its_start(
+def test_only_missing_scores_have_reasons_and_intervals_are_ordered(
     fields: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(ValueError, match=message):
         MetricResult(name="m", unit="", n=1, **fields)
 
 
-def test_a_result_travels_to_another_process_as_it_is_with_settings_that_nobody_changes() -> None:
+def test_results_are_picklable_with_read_only_settings() -> None:
     settings = {"a": "b"}
     result = MetricResult(
         name="m", value=1.0, unit="m", n=2, settings=settings, interval=(0.5, 2.0), remark="few"

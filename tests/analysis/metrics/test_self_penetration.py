@@ -38,7 +38,7 @@ def posed(**turned: tuple[float, float, float]) -> MotionClip:
     return MotionClip(poses=poses, trans=np.zeros((30, 3), np.float32), frame_rate=30.0)
 
 
-def test_a_closed_surface_winds_once_around_what_is_inside_and_a_hole_takes_its_share() -> None:
+def test_the_winding_number_is_one_inside_a_closed_surface_and_lower_with_a_hole() -> None:
     points = np.array([[0.5, 0.5, 0.5], [0.01, 0.9, 0.1], [1.5, 0.5, 0.5], [-3.0, 0, 2]])
     found = winding_numbers(points, CUBE, FACES)
     assert found == pytest.approx([1, 1, 0, 0], abs=1e-9)
@@ -46,13 +46,13 @@ def test_a_closed_surface_winds_once_around_what_is_inside_and_a_hole_takes_its_
     assert with_hole == pytest.approx(5 / 6)
 
 
-def test_arms_at_rest_and_stretched_out_are_outside() -> None:
+def test_resting_and_stretched_arms_do_not_penetrate() -> None:
     assert not body().depths(posed()).any()
     hanging = posed(left_shoulder=(0, 0, -1.2), right_shoulder=(0, 0, 1.2))
     assert not body().depths(hanging).any()
 
 
-def test_a_hand_in_the_chest_is_centimetres_deep_and_deeper_further_in() -> None:
+def test_depth_grows_with_a_hand_in_the_chest() -> None:
     near, far = (
         body().depths(posed(left_shoulder=(0, turn, 0), left_elbow=(0, -3.1 - turn, 0)))
         for turn in (-0.6, -0.3)
@@ -61,13 +61,13 @@ def test_a_hand_in_the_chest_is_centimetres_deep_and_deeper_further_in() -> None
     assert 0.01 < near[0] < far[0] < 0.12
 
 
-def test_where_a_clip_stands_and_how_it_is_shaped_changes_nothing() -> None:
+def test_position_and_body_shape_do_not_matter() -> None:
     inside = posed(left_shoulder=(0, -0.3, 0), left_elbow=(0, -2.8, 0))
     moved = replace(inside, trans=inside.trans + 5, betas=np.ones(10, np.float32))
     assert body().depths(moved) == pytest.approx(body().depths(inside), abs=1e-5)
 
 
-def test_the_middle_frame_of_each_half_second_is_looked_at() -> None:
+def test_the_middle_frame_of_each_half_second_is_measured() -> None:
     assert sampled_frames(60, 30.0).tolist() == [7, 22, 37, 52]
     assert sampled_frames(1, 30.0).tolist() == [0]
 

@@ -48,7 +48,7 @@ def test_many_studies_are_tested_as_each_of_them_would_be() -> None:
         ([0.04], 1e-6, [1]),
     ],
 )
-def test_a_block_is_corrected_together_with_the_rest_of_its_family(
+def test_a_block_is_corrected_with_the_rest_of_its_family(
     block: list[float], company: float | None, decided: list[float]
 ) -> None:
     p_values = np.array([block])
@@ -59,7 +59,7 @@ def test_a_block_is_corrected_together_with_the_rest_of_its_family(
     assert decided_by_holm(p_values, rest, 1).tolist() == [decided]
 
 
-def test_a_difference_counts_as_found_where_the_better_one_comes_out_ahead() -> None:
+def test_a_difference_counts_as_found_only_in_the_right_direction() -> None:
     tested = BlockTests(p_values=np.zeros((2, 2)), signs=np.array([[1.0, 1.0], [-1.0, 1.0]]))
     decided = np.ones((2, 2))
 

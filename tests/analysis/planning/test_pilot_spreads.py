@@ -52,7 +52,7 @@ def test_spreads_and_thresholds_of_preferences_are_recovered(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("protocol", "seed", "column"), [("rating", 7, "response"), ("ranking", 5, "rank")]
 )
-def test_tastes_are_recovered_whether_each_condition_is_rated_or_all_are_ranked(
+def test_spreads_of_taste_are_recovered_from_ratings_and_rankings(
     protocol: str, seed: int, column: str, tmp_path: Path
 ) -> None:
     chance = np.random.default_rng(seed)
@@ -71,7 +71,7 @@ def test_tastes_are_recovered_whether_each_condition_is_rated_or_all_are_ranked(
     assert items == pytest.approx(0.6, abs=0.25)
 
 
-def test_a_pilot_with_one_participant_has_no_spreads(tmp_path: Path) -> None:
+def test_a_pilot_with_one_participant_has_no_spread(tmp_path: Path) -> None:
     rows = {
         "participant": ["p"] * 4,
         "segment": ["s", "t", "u", "v"],

@@ -62,7 +62,7 @@ def test_finished_simulations_are_reused_and_progress_is_shown(tmp_path: Path) -
     assert fresh.powers == first.powers
 
 
-def test_another_seed_effect_or_design_is_another_cell() -> None:
+def test_cells_depend_on_seed_effect_and_design() -> None:
     others = (
         replace(TASK, seed=2),
         replace(TASK, effect=0.4),
@@ -74,7 +74,7 @@ def test_another_seed_effect_or_design_is_another_cell() -> None:
     assert replace(TASK, size=REQUEST.size(8, 6)).key == TASK.key
 
 
-def test_less_is_simulated_where_it_would_take_too_long() -> None:
+def test_fewer_studies_are_simulated_if_they_would_take_too_long() -> None:
     tasks = [replace(TASK, effort=Effort())] * 10
 
     assert limit_effort(tasks, estimate_minutes(tasks) * 1.01) == tasks
@@ -83,7 +83,7 @@ def test_less_is_simulated_where_it_would_take_too_long() -> None:
     assert estimate_minutes(less) < estimate_minutes(tasks)
 
 
-def test_a_plan_that_was_cut_says_so(tmp_path: Path) -> None:
+def test_a_shortened_plan_says_so(tmp_path: Path) -> None:
     short = replace(REQUEST, minutes=1e-6, effort=Effort(quick=500))
 
     result = plan(short, Runner(folder=tmp_path))
@@ -92,7 +92,7 @@ def test_a_plan_that_was_cut_says_so(tmp_path: Path) -> None:
     assert plan_sentences(result)[-1] == result.cut
 
 
-def test_sentences_say_what_a_researcher_must_know(made: Plan) -> None:
+def test_sentences_state_power_limits_and_costs(made: Plan) -> None:
     text = "\n".join(plan_sentences(made))
 
     assert "As it stands, with 10 participants per comparison (9 of them analysed)" in text
@@ -143,7 +143,7 @@ ADD_SEGMENTS = (
         ({(80, 6): 0.79}, "", "add little"),
     ],
 )
-def test_where_participants_add_little_segments_are_recommended_if_they_add_more(
+def test_segments_are_recommended_if_they_add_more_than_participants(
     changed: dict[tuple[int, int], float], said: str, not_said: str, made: Plan
 ) -> None:
     text = "\n".join(plan_sentences(with_powers(made, SATURATED | changed)))
@@ -152,7 +152,7 @@ def test_where_participants_add_little_segments_are_recommended_if_they_add_more
     assert not_said not in text
 
 
-def test_the_smallest_difference_lies_where_the_power_is_reached(made: Plan) -> None:
+def test_the_smallest_difference_is_where_the_power_is_reached(made: Plan) -> None:
     (one,) = made.smallest
 
     assert made.power(0, 10, 6, 0.5).power < 0.8

@@ -42,7 +42,7 @@ def power(sketch: Sketch, participants: int, items: int, effect: float) -> Power
 
 
 @pytest.mark.parametrize("sketch", [PAIRS, RATINGS, RANKINGS], ids=lambda sketch: sketch.kind)
-def test_larger_effects_are_found_more_often_and_nothing_in_at_most_a_twentieth(
+def test_power_grows_with_the_effect_and_false_positives_stay_at_the_level(
     sketch: Sketch,
 ) -> None:
     nothing, some, much = (power(sketch, 12, 8, effect).power for effect in (0.0, 0.5, 1.2))
@@ -52,7 +52,7 @@ def test_larger_effects_are_found_more_often_and_nothing_in_at_most_a_twentieth(
     assert much > 0.6
 
 
-def test_more_tests_are_corrected_more_also_of_rankings() -> None:
+def test_more_tests_are_corrected_more() -> None:
     six = power(replace(PAIRS, questions=6), 12, 10, 0.6)
     rankings = power(replace(RANKINGS, questions=3), 12, 10, 0.9)
 
@@ -62,7 +62,7 @@ def test_more_tests_are_corrected_more_also_of_rankings() -> None:
 
 
 @pytest.mark.parametrize(("participants", "items", "by_model"), [(10, 30, False), (20, 20, True)])
-def test_few_participants_are_judged_by_the_win_share_and_many_by_the_mixed_model(
+def test_the_win_share_decides_for_few_participants_and_the_mixed_model_for_many(
     participants: int, items: int, by_model: bool
 ) -> None:
     pairs = part(PAIRS, participants, items)
@@ -111,7 +111,7 @@ POWERS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", POWERS)
-def test_scores_have_nearly_the_powers_that_are_known_of_a_crossed_mixed_model(
+def test_the_power_of_scores_is_near_that_of_a_crossed_mixed_model(
     effect: float,
 ) -> None:
     for participants, items, known in POWERS[effect]:
@@ -129,7 +129,7 @@ def test_scores_have_nearly_the_powers_that_are_known_of_a_crossed_mixed_model(
     [replace(PAIRS, questions=2), RATINGS, replace(RANKINGS, questions=2)],
     ids=lambda sketch: sketch.kind,
 )
-def test_a_study_that_is_simulated_otherwise_has_another_version(sketch: Sketch) -> None:
+def test_changed_simulations_require_a_new_version(sketch: Sketch) -> None:
     task = Task(
         size=sketch.size(20, 20, excluded=0.0),
         effect=0.5,

@@ -43,7 +43,7 @@ HIDDEN = """[...document.querySelectorAll('.scroll')].filter(e => e.scrollWidth 
   .map(e => [e.textContent, getComputedStyle(e).backgroundAttachment.includes('local')])"""
 
 
-def test_tables_fit_a_laptop_and_show_a_shade_where_they_go_on(page: Page) -> None:
+def test_tables_fit_a_laptop_and_shade_scrollable_edges(page: Page) -> None:
     resize(page, LAPTOP)
     assert page.evaluate(HIDDEN) == []
     resize(page, SIZES["phone"])
@@ -53,7 +53,7 @@ def test_tables_fit_a_laptop_and_show_a_shade_where_they_go_on(page: Page) -> No
 
 
 @pytest.mark.parametrize("width", [1280, 390])
-def test_the_page_asks_for_nothing_complains_of_nothing_and_fits(
+def test_the_page_loads_nothing_logs_no_error_and_fits(
     browser: Browser, written: Path, width: int
 ) -> None:
     page = browser.new_page(viewport={"width": width, "height": 800})
@@ -71,7 +71,7 @@ def test_the_page_asks_for_nothing_complains_of_nothing_and_fits(
     page.close()
 
 
-def test_a_table_is_sorted_by_its_numbers_by_click_and_by_keyboard_and_back_again(
+def test_a_table_is_sorted_numerically_by_click_and_keyboard(
     page: Page,
 ) -> None:
     table = page.locator("#flow ~ section table.sortable").filter(has=page.locator("[data-value]"))
@@ -107,7 +107,7 @@ def test_the_page_follows_light_and_dark(page: Page) -> None:
     assert seen[0] != seen[1]
 
 
-def test_a_rehearsal_is_called_one_on_every_screen(page: Page) -> None:
+def test_a_rehearsal_is_marked_on_every_screen(page: Page) -> None:
     height = page.evaluate("document.documentElement.scrollHeight")
     assert height > 2000
     for top in range(0, height, 700):

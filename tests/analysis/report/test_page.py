@@ -43,7 +43,7 @@ def opened(path: Path) -> BeautifulSoup:
 
 
 @pytest.mark.parametrize("protocol", TABLES)
-def test_labels_stand_for_names_of_conditions_everywhere_but_in_data(
+def test_labels_replace_condition_names_everywhere_but_in_data(
     protocol: str, tmp_path: Path
 ) -> None:
     table = TABLES[protocol](participants=5, segments=4)
@@ -61,7 +61,7 @@ def test_labels_stand_for_names_of_conditions_everywhere_but_in_data(
     assert '"xx_' in (tmp_path / "results.json").read_text("utf-8")
 
 
-def test_the_page_needs_nothing_from_outside_and_allows_no_script_but_its_own(
+def test_the_page_is_self_contained_and_allows_only_its_own_scripts(
     page: BeautifulSoup, folder: Path
 ) -> None:
     assert not page.find_all(["link", "iframe", "object"])
@@ -79,7 +79,7 @@ def test_the_page_needs_nothing_from_outside_and_allows_no_script_but_its_own(
         assert (folder / name).exists(), name
 
 
-def test_every_id_is_one_of_a_kind_and_every_reference_finds_its_own(page: BeautifulSoup) -> None:
+def test_ids_are_unique_and_references_resolve(page: BeautifulSoup) -> None:
     ids = [element["id"] for element in page.find_all(id=True)]
     assert len(ids) == len(set(ids))
     wanted = {e["href"][1:] for e in page.find_all(href=re.compile("^#"))}
@@ -90,7 +90,7 @@ def test_every_id_is_one_of_a_kind_and_every_reference_finds_its_own(page: Beaut
     assert wanted <= set(ids)
 
 
-def test_tables_and_figures_speak_to_those_who_cannot_see_them(page: BeautifulSoup) -> None:
+def test_tables_and_figures_are_accessible_to_screen_readers(page: BeautifulSoup) -> None:
     assert page.select("html[lang=en]")
     assert {header["scope"] for header in page.find_all("th")} <= {"row", "col", "colgroup"}
     pictures = page.find_all("svg")
@@ -103,7 +103,7 @@ def test_tables_and_figures_speak_to_those_who_cannot_see_them(page: BeautifulSo
         assert len(caption.get_text()) > 30
 
 
-def test_every_figure_is_a_file_too_and_every_named_table_is_latex(
+def test_every_figure_is_also_a_file_and_every_named_table_latex(
     page: BeautifulSoup, folder: Path
 ) -> None:
     for ending in ("pdf", "png", "svg"):
@@ -116,7 +116,7 @@ def test_every_figure_is_a_file_too_and_every_named_table_is_latex(
         assert r"\toprule" in file.read_text("utf-8")
 
 
-def test_hostile_names_are_text_and_nothing_else(tmp_path: Path) -> None:
+def test_hostile_names_are_escaped(tmp_path: Path) -> None:
     table = pairwise_table((HOSTILE, "other"), effects=(1.0, 0.0), participants=4, segments=4)
     report = report_of(table, "pairwise", tmp_path)
 
@@ -128,7 +128,7 @@ def test_hostile_names_are_text_and_nothing_else(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_processes_with_different_hash_seeds_write_the_same_bytes(
+def test_reports_do_not_depend_on_the_hash_seed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(style.STYLE, "pdf.fonttype", 42)
@@ -156,9 +156,7 @@ def bytes_in(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
-def test_the_sentences_for_the_paper_are_those_of_the_page(
-    page: BeautifulSoup, folder: Path
-) -> None:
+def test_sentences_for_the_paper_match_the_page(page: BeautifulSoup, folder: Path) -> None:
     shown = " ".join(page.get_text(" ").split())
 
     paragraphs = (folder / "paper.txt").read_text("utf-8").strip().split("\n\n")

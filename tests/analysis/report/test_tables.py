@@ -30,7 +30,7 @@ TABLE = Table(
 )
 
 
-def test_a_table_is_laid_out_as_booktabs_wants_it() -> None:
+def test_a_table_uses_booktabs_rules() -> None:
     lines = booktabs(TABLE).splitlines()
     assert lines[0].startswith(r"% Needs \usepackage{booktabs,graphicx}")
     assert r"\begin{tabular}{lrrr}" in lines
@@ -43,7 +43,7 @@ def test_a_table_is_laid_out_as_booktabs_wants_it() -> None:
     assert remark in booktabs(TABLE, remark="[rehearsal]")
 
 
-def test_a_tables_file_holds_numbers_in_full_and_words_as_they_are() -> None:
+def test_a_tables_file_has_full_precision_and_unescaped_text() -> None:
     row = (Cell(text="ours"), Cell(text=".33", value=1 / 3), *cells("–", "9"))
     frame = as_frame(replace(TABLE, rows=(row,)))
     assert frame.columns.tolist() == [
@@ -52,7 +52,7 @@ def test_a_tables_file_holds_numbers_in_full_and_words_as_they_are() -> None:
     assert frame.iloc[0].tolist() == ["ours", 0.3333333333, "–", "9"]
 
 
-def test_a_long_table_breaks_over_pages_and_letters_pdflatex_lacks_are_announced() -> None:
+def test_long_tables_break_over_pages_and_unsupported_letters_are_announced() -> None:
     text = booktabs(replace(TABLE, rows=TABLE.rows * LONGEST))
     assert r"\begin{longtable}{lrrr}" in text
     assert text.index(r"\endhead") < text.index(r"ours\_1")
@@ -62,7 +62,7 @@ def test_a_long_table_breaks_over_pages_and_letters_pdflatex_lacks_are_announced
 
 
 @pytest.mark.parametrize("sign", [chr(k) for k in range(33, 127) if not chr(k).isalnum()])
-def test_no_sign_of_a_name_is_taken_for_a_command(sign: str) -> None:
+def test_special_characters_in_names_are_escaped(sign: str) -> None:
     text = as_latex(f"a{sign}b")
     bare = re.sub(r"\\[a-z]+\{\}|\\[&%$#_{}]|\{[\[\]]\}|\$[^$]*\$", "", text)
     assert not set(bare) & set('\\&%$#_{}~^[]<>|"')

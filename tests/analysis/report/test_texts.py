@@ -23,7 +23,7 @@ SOURCES = "\n".join(
 
 
 @pytest.mark.parametrize("name", ["tables", "figures"])
-def test_every_table_and_every_figure_that_is_described_is_made(name: str) -> None:
+def test_every_described_table_and_figure_is_made(name: str) -> None:
     described = tomllib.loads((REPORT / "templates" / f"{name}.toml").read_text("utf-8"))
     assert [key for key in described if f'"{key}"' not in SOURCES] == []
 
@@ -39,14 +39,14 @@ def test_every_macro_is_used_by_a_section_or_by_another_macro(file: Path) -> Non
     ] == []
 
 
-def test_a_name_that_a_template_does_not_know_is_an_error() -> None:
+def test_an_unknown_name_in_a_template_is_an_error() -> None:
     with pytest.raises(UndefinedError):
         paragraphs("plan.assumed", together=[])
     with pytest.raises(UndefinedError):
         table("exclusions", [()])
 
 
-def test_a_line_break_in_a_name_ends_no_paragraph() -> None:
+def test_a_line_break_in_a_name_does_not_end_the_paragraph() -> None:
     said = paragraphs("participants.stills", segment="s1", transcript="one\n\ntwo", missing=[])
     assert len(said) == 1
     assert said[0].endswith("The speech: “one two”")

@@ -42,7 +42,7 @@ def test_shares_p_values_and_quantities_have_sensible_digits(
     assert formatted(value) == text
 
 
-def test_an_estimate_has_its_interval_or_the_reason_why_not() -> None:
+def test_an_estimate_has_an_interval_or_a_reason() -> None:
     values = np.array([1, 1, 0, 1.0])
     participants, segments = np.array([0, 0, 1, 1]), np.array([0, 1, 0, 1])
     for estimate, words in (
@@ -53,7 +53,7 @@ def test_an_estimate_has_its_interval_or_the_reason_why_not() -> None:
         assert wording.share_words(estimate).replace(wording.NO_BREAK, " ") == words
 
 
-def test_names_counts_and_places_are_written_as_people_say_them() -> None:
+def test_names_counts_and_ordinals_are_written_as_spoken() -> None:
     assert wording.heading("fit_to_GT") == "Fit to GT"
     assert wording.count(1, "segment") == "1 segment"
     assert wording.count(2016, "answer") == "2,016 answers"

@@ -15,7 +15,7 @@ def against(resamples: int = 50, **settings: Any) -> MetricAgainstPeople:
     return against_people("rating", *study, resamples=resamples).metrics[0]
 
 
-def test_a_metric_that_orders_conditions_as_people_do_agrees_entirely() -> None:
+def test_a_metric_that_orders_conditions_as_people_do_correlates_perfectly() -> None:
     result = against(100, tau=1.0, noise=0.0, within=1.0)
     assert result.kendall.estimate == result.spearman.estimate == 1
     assert result.kendall.low < 1
@@ -31,7 +31,7 @@ def test_a_metric_that_orders_conditions_as_people_do_agrees_entirely() -> None:
         ({"participants": 1}, True, "one participant: it is unknown how people differ"),
     ],
 )
-def test_too_little_to_correlate_has_no_interval_and_says_why(
+def test_too_few_conditions_give_a_reason_instead_of_an_interval(
     settings: dict[str, int], has_estimate: bool, reason: str
 ) -> None:
     result = against(**settings).kendall

@@ -119,7 +119,7 @@ CHANGES: dict[str, Change] = {
 
 @pytest.mark.parametrize("change", CHANGES)
 @pytest.mark.parametrize("protocol", TABLES)
-def test_whatever_was_answered_no_number_is_missing_without_a_reason(
+def test_every_missing_number_has_a_reason_for_any_answers(
     protocol: str, change: str, tmp_path: Path
 ) -> None:
     table = CHANGES[change](TABLES[protocol](participants=4, segments=4))

@@ -97,7 +97,7 @@ def with_and_without(
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_with_and_without_exclusions_they_are_the_numbers_of_such_reports(
+def test_numbers_with_and_without_exclusions_match_such_reports(
     tmp_path: Path, protocol: str
 ) -> None:
     each = with_and_without(tmp_path, protocol, PLANNED, AFTERWARDS)
@@ -115,7 +115,7 @@ def test_with_and_without_exclusions_they_are_the_numbers_of_such_reports(
     assert all(number.is_as_planned for number in planned)
 
 
-def test_a_condition_that_only_excluded_participants_met_has_a_reason(tmp_path: Path) -> None:
+def test_a_condition_seen_only_by_excluded_participants_has_a_reason(tmp_path: Path) -> None:
     table = ranking_table(participants=3, segments=3)
     only = table["participant"] == "p01"
     table = table[only | (table["condition"] != "static")]

@@ -33,7 +33,7 @@ def with_emotions(table: pd.DataFrame) -> pd.DataFrame:
         ("ranking", "mean_rank"),
     ],
 )
-def test_every_protocol_is_taken_apart(protocol: str, measure: str, tmp_path: Path) -> None:
+def test_every_protocol_is_split_into_levels(protocol: str, measure: str, tmp_path: Path) -> None:
     result = apart(tmp_path, with_emotions(TABLES[protocol](participants=8)), protocol)
 
     assert {one.measure for one in result} == {measure}
@@ -59,7 +59,7 @@ def test_every_protocol_is_taken_apart(protocol: str, measure: str, tmp_path: Pa
     )
 
 
-def test_levels_add_up_to_the_whole(tmp_path: Path) -> None:
+def test_levels_add_up_to_the_whole_study(tmp_path: Path) -> None:
     table = with_emotions(TABLES["pairwise"](participants=8))
     results: Any = report_of(table, "pairwise", tmp_path).results
 
@@ -71,7 +71,7 @@ def test_levels_add_up_to_the_whole(tmp_path: Path) -> None:
                 assert together == pytest.approx(whole.win_share.estimate)
 
 
-def test_ratings_without_a_partner_have_no_difference(tmp_path: Path) -> None:
+def test_unpaired_ratings_have_no_difference(tmp_path: Path) -> None:
     table = with_emotions(TABLES["rating"](participants=6))
     lonely = table[~((table["condition"] == "ours") & (table["segment"] == "s0"))]
 
@@ -83,7 +83,7 @@ def test_ratings_without_a_partner_have_no_difference(tmp_path: Path) -> None:
     assert [level.level for level in pair.levels] == [f"s{n}" for n in range(1, 6)]
 
 
-def test_a_level_of_many_segments_is_tested_as_a_whole_study_is() -> None:
+def test_a_level_of_many_segments_is_tested_like_a_whole_study() -> None:
     chance = np.random.default_rng(2)
     people, items = np.repeat(np.arange(9), 12), np.tile(np.arange(12), 9)
     wins = chance.integers(0, 3, len(people)) / 2

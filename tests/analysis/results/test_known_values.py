@@ -17,7 +17,7 @@ from analysis.stats.clustered_mean import Estimate
         (0.0, 0.3, "wrong"),
     ],
 )
-def test_the_better_one_is_found_or_not(truth: float, estimate: float, sign: str) -> None:
+def test_conclusions_match_known_differences(truth: float, estimate: float, sign: str) -> None:
     result = Estimate(estimate=estimate, low=estimate - 0.1, high=estimate + 0.1)
     difference = KnownDifference(
         part="",

@@ -11,7 +11,7 @@ from analysis.results.pairwise import MismatchResults
 from tests.analysis.results.made_tables import mismatch_table, report_of
 
 
-def test_raters_prefer_own_speech_where_the_motion_shows_it(tmp_path: Path) -> None:
+def test_raters_prefer_own_speech_if_the_motion_shows_it(tmp_path: Path) -> None:
     table = mismatch_table()
     result = report_of(table, "mismatch", tmp_path).results
     assert isinstance(result, MismatchResults)
@@ -28,7 +28,7 @@ def test_raters_prefer_own_speech_where_the_motion_shows_it(tmp_path: Path) -> N
     assert bias.on_left == pytest.approx((table["left_speech"] == "own").mean())
 
 
-def test_practice_trials_meet_their_own_repeats() -> None:
+def test_practice_trials_are_paired_with_their_own_repeats() -> None:
     rows = [
         ("p1", "practice", "s1", 0, 2),
         ("p1", "practice", "s1", 0, 1),

@@ -72,7 +72,7 @@ def test_a_comparison_agrees_with_its_parts(table: pd.DataFrame, found: Pairwise
     )
 
 
-def test_the_condition_that_appears_first_is_a_and_results_turn_round_with_it(
+def test_the_first_condition_is_a_and_results_flip_with_the_order(
     tmp_path: Path,
 ) -> None:
     table = pairwise_table(("x", "y"), effects=(0.8, 0.0), participants=8, segments=6)
@@ -105,7 +105,7 @@ def test_sides_swapped_with_their_answers_change_no_count_and_no_agreement(
     assert repr(swapped.test_retest) == repr(found.test_retest)
 
 
-def test_of_several_answers_about_an_item_the_first_counts_for_agreement(
+def test_agreement_uses_the_first_answer_about_an_item(
     table: pd.DataFrame, found: PairwiseResults, tmp_path: Path
 ) -> None:
     contrary = table.assign(response=6 - table["response"])
@@ -150,7 +150,7 @@ def test_equivalence_is_reported_if_a_margin_was_stated(found: PairwiseResults) 
         assert equivalence.verdict.startswith("equivalent") == inside
 
 
-def test_with_few_segments_the_win_share_decides_and_says_why_with_many_the_model(
+def test_the_win_share_decides_with_few_segments_and_the_model_with_many(
     tmp_path: Path,
 ) -> None:
     many = pairwise_table(("x", "y"), effects=(0.3, 0.0), participants=20, segments=20)
@@ -171,7 +171,7 @@ def test_with_few_segments_the_win_share_decides_and_says_why_with_many_the_mode
     )
 
 
-def test_where_all_prefer_the_same_one_the_sign_test_decides_and_says_why(tmp_path: Path) -> None:
+def test_if_all_prefer_the_same_condition_the_sign_test_decides(tmp_path: Path) -> None:
     table = pairwise_table(("x", "y"), effects=(0.0, 0.0), participants=12, segments=4)
     table["response"] = (table["left"] == "x").map({True: 1, False: 5})
     [one] = results(tmp_path, table).comparisons
@@ -182,7 +182,7 @@ def test_where_all_prefer_the_same_one_the_sign_test_decides_and_says_why(tmp_pa
     assert "all answers alike" in one.decision.why
 
 
-def test_where_the_model_has_no_estimate_the_win_share_decides(tmp_path: Path) -> None:
+def test_without_a_model_estimate_the_win_share_decides(tmp_path: Path) -> None:
     table = pairwise_table(("x", "y"), effects=(0.0, 0.0), participants=20, segments=20)
     table["response"] = (table["left"] == "x").map({True: 1, False: 5})
     table.loc[table.index % 80 == 3, "response"] = 3
@@ -204,7 +204,7 @@ def five() -> pd.DataFrame:
     )
 
 
-def test_with_more_than_three_conditions_strengths_decide_unless_one_is_in_every_comparison(
+def test_with_more_than_three_conditions_strengths_decide_unless_all_share_a_reference(
     five: pd.DataFrame, tmp_path: Path
 ) -> None:
     found = results(tmp_path, five)
@@ -229,7 +229,7 @@ def test_with_more_than_three_conditions_strengths_decide_unless_one_is_in_every
         ("primary=a,e,emotion", {("a", "e")}),
     ],
 )
-def test_a_declared_family_alone_decides(
+def test_only_the_declared_family_decides(
     family: str, inside: set[tuple[str, str]], five: pd.DataFrame, tmp_path: Path
 ) -> None:
     found = results(tmp_path, five, family=family)
@@ -241,7 +241,7 @@ def test_a_declared_family_alone_decides(
     )
 
 
-def test_an_unbeaten_condition_keeps_its_strength_and_is_decided_by_signs(
+def test_an_unbeaten_condition_has_a_strength_and_is_decided_by_the_sign_test(
     five: pd.DataFrame, tmp_path: Path
 ) -> None:
     table = five.copy()

@@ -29,7 +29,7 @@ ONCE = np.ones(5, int)
         ([0.1 + 0.2, 0.3, 0.4, 0.1, 0.2], ONCE),
     ],
 )
-def test_both_agree_with_scipy_ties_and_repetitions_included(
+def test_both_correlations_agree_with_scipy_with_ties_and_weights(
     second: list[float], times: np.ndarray
 ) -> None:
     first = np.array([1.0, 2.0, 2.0, 4.0, 5.0])
@@ -40,12 +40,12 @@ def test_both_agree_with_scipy_ties_and_repetitions_included(
     assert spearman(*signs, weights)[0] == pytest.approx(stats.spearmanr(*drawn).statistic)
 
 
-def test_ten_conditions_show_a_true_half_as_anything_from_nearly_none_to_nearly_all() -> None:
+def test_with_ten_conditions_a_true_half_varies_from_nearly_none_to_nearly_one() -> None:
     result = sampling_range(10)
     assert (round(result.low, 2), round(result.high, 2)) == (0.07, 0.82)
 
 
-def test_ten_conditions_in_perfect_order_rule_out_no_relation_and_four_do_not() -> None:
+def test_a_perfect_order_excludes_zero_with_ten_conditions_but_not_with_four() -> None:
     low, high = compatible(1.0, 4, "kendall")
     assert low < 0
     assert high == 1

@@ -15,7 +15,7 @@ def results(folder: Path, table: pd.DataFrame) -> RankingResults:
     return found
 
 
-def test_worths_and_places_follow_the_truth_and_take_segments_for_a_sample(
+def test_worths_and_ranks_follow_the_truth_with_segments_as_a_sample(
     tmp_path: Path,
 ) -> None:
     found = results(tmp_path, ranking_table(participants=15))

@@ -22,7 +22,7 @@ def results(folder: Path, table: pd.DataFrame, margin: float | None = None) -> R
 
 
 @with_reference
-def test_it_agrees_with_r(tmp_path: Path) -> None:
+def test_results_agree_with_r(tmp_path: Path) -> None:
     ratings, expected = reference_ratings()
     table = ratings.rename(columns={"item": "segment", "method": "condition", "rating": "response"})
     result = results(tmp_path, table.assign(question="match"), margin=0.3)
@@ -98,7 +98,7 @@ def test_equivalence_is_tested_with_segments_as_a_sample_too(tmp_path: Path) -> 
     assert one.two_way.verdict.startswith("equivalent") == inside
 
 
-def test_intervals_are_cut_at_the_ends_of_a_stated_scale_and_nowhere_else(tmp_path: Path) -> None:
+def test_intervals_are_clipped_only_at_a_stated_scales_ends(tmp_path: Path) -> None:
     table = rating_table(("x", "y"), participants=3, segments=3)
     table["response"] = [5, 5, 4] * 6
 

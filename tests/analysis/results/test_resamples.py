@@ -39,7 +39,7 @@ def test_resamples_are_those_of_the_two_way_bootstrap_and_estimates_the_means() 
     assert result.segments.sum(axis=1) == pytest.approx(12)
 
 
-def test_strengths_have_the_greatest_likelihood() -> None:
+def test_strengths_maximise_the_likelihood() -> None:
     chance = np.random.default_rng(3)
     wins = chance.integers(1, 30, (4, 4)).astype(float)
     np.fill_diagonal(wins, 0)
@@ -84,7 +84,7 @@ SPEECHES = ("condition", "left_speech", "right_speech", "response")
         ("ranking", ("condition", "rank"), [("x", 1), ("y", 2), ("z", 2)], [-1, -2.5, -2.5]),
     ],
 )
-def test_answers_are_summed_for_what_they_favour_wherever_it_stood(
+def test_answers_are_summed_by_preferred_condition_on_either_side(
     protocol: str, columns: tuple[str, ...], rows: list[object], sums: list[float], tmp_path: Path
 ) -> None:
     table = pd.DataFrame(rows, columns=columns).assign(participant="p", segment="s", question="q")
@@ -121,7 +121,7 @@ def _within(answers: pd.DataFrame, metrics: StudyMetrics) -> WithinCorrelation:
     return within_conditions(result, side)
 
 
-def test_within_conditions_what_is_left_without_their_means_is_correlated() -> None:
+def test_within_conditions_deviations_from_the_mean_are_correlated() -> None:
     answers, metrics = AgreeingStudy(within=0.6).drawn(np.random.default_rng(1))
     result = _within(answers, metrics)
     rows = answers.groupby(["condition", "segment"], observed=True)["value"].mean().reset_index()
@@ -164,7 +164,7 @@ ALIKE = metrics_of(np.full((6, 12), 0.1))
         (4, {}, None, True, "4 segments are too few for an interval"),
     ],
 )
-def test_without_a_correlation_or_an_interval_the_reason_is_given(
+def test_a_missing_correlation_or_interval_has_a_reason(
     segments: int,
     change: dict[str, float],
     scores: StudyMetrics | None,
@@ -187,7 +187,7 @@ def test_without_a_correlation_or_an_interval_the_reason_is_given(
         ("near the reference", [-3, -3], [-3, math.nan], [-3, -4]),
     ],
 )
-def test_in_a_resample_scores_are_means_of_its_segments_of_which_higher_ones_are_better(
+def test_scores_in_a_resample_are_means_of_its_segments(
     better: Better, whole: list[float], of_the_first: list[float], of_the_second: list[float]
 ) -> None:
     (metric,) = oriented_metrics(metrics_of(SCORES, better=better), NAMES, SEGMENTS, "c01")

@@ -67,7 +67,7 @@ def test_an_unbalanced_sample_agrees_with_the_formula() -> None:
     assert result.high == pytest.approx(result.estimate + margin)
 
 
-def test_where_all_answer_alike_often_it_is_the_plain_two_way_variance() -> None:
+def test_a_balanced_sample_gives_the_plain_two_way_variance() -> None:
     generator = np.random.default_rng(6)
     people, items = np.repeat(np.arange(12), 27), np.tile(np.arange(9), 36)
     values = (np.sign((people - 6) + (items - 4) + generator.normal(0, 5, 324)) + 1) / 2
@@ -86,7 +86,7 @@ def test_where_all_answer_alike_often_it_is_the_plain_two_way_variance() -> None
         ([[1, 0], [0, 1]], INDEPENDENT, 1 / 12),
     ],
 )
-def test_a_two_way_variance_below_a_one_way_one_is_replaced_and_says_so(
+def test_a_two_way_variance_below_a_one_way_one_is_replaced_with_a_note(
     rows: list[list[float]], method: str, variance: float
 ) -> None:
     result = means(rows)
@@ -94,15 +94,13 @@ def test_a_two_way_variance_below_a_one_way_one_is_replaced_and_says_so(
     assert result.standard_error**2 == pytest.approx(variance)
 
 
-def test_with_one_segment_only_participants_are_a_sample() -> None:
+def test_with_one_segment_only_participants_are_sampled() -> None:
     result = means([[1], [0], [1], [1]])
     assert result.method == ONE_SEGMENT
     assert result.p_value == pytest.approx(stats.ttest_1samp([1, 0, 1, 1], 0.5).pvalue)
 
 
-def test_one_busy_participant_costs_degrees_of_freedom_and_is_named_with_what_hangs_on_them() -> (
-    None
-):
+def test_a_dominant_participant_costs_degrees_of_freedom_and_is_named() -> None:
     generator = np.random.default_rng(8)
     people = np.concatenate([np.zeros(300, int), generator.integers(1, 30, 210)])
     values = np.where(people == 0, generator.random(510) < 0.7, generator.random(510) < 0.5)
@@ -126,7 +124,7 @@ tables = st.integers(2, 6).flatmap(
 
 
 @given(tables)
-def test_an_interval_lies_in_the_unit_range_around_the_mean_and_is_mirrored_with_the_answers(
+def test_an_interval_of_shares_stays_in_range_and_mirrors_with_the_answers(
     rows: list[list[float]],
 ) -> None:
     result, mirrored = means(rows), means(1 - np.asarray(rows))
@@ -141,7 +139,7 @@ def test_an_interval_lies_in_the_unit_range_around_the_mean_and_is_mirrored_with
         assert 0 <= result.p_value <= 1
 
 
-def test_participants_alike_about_one_segment_leave_their_answers_as_independent() -> None:
+def test_identical_participants_on_one_segment_give_no_clustering() -> None:
     values, people = np.array([0.0, 1, 0, 1]), np.array([0, 0, 1, 1])
     result = clustered_mean(values, people, np.zeros(4))
     assert result.method == INDEPENDENT

@@ -17,7 +17,7 @@ def outcome(table: ArrayLike) -> FTest:
     return min_f(table.ravel(), people.ravel(), items.ravel())
 
 
-def test_it_is_made_of_the_two_t_tests() -> None:
+def test_min_f_combines_the_two_t_tests() -> None:
     generator = np.random.default_rng(7)
     table = 0.4 + generator.normal(0, 0.5, (20, 1)) + generator.normal(0, 1, (20, 12))
     result = outcome(table)
@@ -39,9 +39,7 @@ def test_an_unbalanced_sample_counts_every_participant_and_item_once() -> None:
     )
 
 
-def test_participants_all_alike_leave_the_test_to_the_items_and_a_mean_of_zero_is_no_effect() -> (
-    None
-):
+def test_identical_participants_leave_the_test_to_the_items() -> None:
     table = [[1, 2, 0], [1, 2, 0], [0, 2, 1]]
     result = outcome(table)
     of_items = stats.ttest_1samp(np.mean(table, axis=0), 0).statistic ** 2
@@ -61,7 +59,7 @@ def made() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     return values + chance.normal(size=len(people)), group, people, what
 
 
-def test_groups_join_the_two_analyses_of_variance() -> None:
+def test_group_comparison_combines_the_two_analyses_of_variance() -> None:
     values, group, people, items = made()
     frame = pd.DataFrame({"y": values, "group": group, "who": people, "what": items})
     within = AnovaRM(frame, "y", "who", within=["group"], aggregate_func="mean").fit()

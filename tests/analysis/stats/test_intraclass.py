@@ -25,7 +25,7 @@ def of(table: ArrayLike) -> Intraclass:
     return intraclass_correlation(values[there], raters, items)
 
 
-def test_it_is_what_shrout_and_fleiss_published() -> None:
+def test_it_matches_shrout_and_fleiss() -> None:
     result = of(SHROUT_AND_FLEISS)
     assert round(result.single.estimate, 2) == 0.29
     assert round(result.average.estimate, 2) == 0.62
@@ -34,7 +34,7 @@ def test_it_is_what_shrout_and_fleiss_published() -> None:
     assert result.method == COMPLETE
 
 
-def test_missing_answers_are_named_bias_no_variance_and_leave_intervals_that_hold() -> None:
+def test_missing_answers_are_noted_and_leave_estimates_and_intervals_valid() -> None:
     chance = np.random.default_rng(1)
     results = []
     for _ in range(200):
@@ -53,7 +53,7 @@ def test_missing_answers_are_named_bias_no_variance_and_leave_intervals_that_hol
     assert np.mean([single.low <= truth <= single.high for single in intervals]) > 0.92
 
 
-def test_items_alike_are_below_zero_and_judges_alike_have_no_rest() -> None:
+def test_identical_items_score_below_zero_and_identical_judges_leave_no_residual() -> None:
     alike = of([[1, 2, 3], [2, 3, 1], [3, 1, 2]])
     assert alike.single.estimate < 0
     assert alike.average.low == -1

@@ -36,11 +36,11 @@ PUBLISHED = {1: 0.050, 2: 0.083, 3: 0.107, 4: 0.126, 5: 0.142, 10: 0.193, 20: 0.
 
 
 @pytest.mark.parametrize(("looks", "rate"), PUBLISHED.items())
-def test_equally_spaced_looks_have_the_published_rates(looks: int, rate: float) -> None:
+def test_equally_spaced_looks_have_the_published_error_rates(looks: int, rate: float) -> None:
     assert equally_spaced(looks) == pytest.approx(rate, abs=6e-4)
 
 
-def test_unequal_looks_err_as_often_as_simulated_studies_do() -> None:
+def test_error_rates_of_unequal_looks_match_simulation() -> None:
     looks = np.array([5, 8, 20, 25])
     steps = np.diff(looks, prepend=0) ** 0.5
     walks = np.random.default_rng(1).normal(size=(400_000, 4)) * steps
@@ -55,7 +55,7 @@ def test_a_look_at_the_same_participants_again_costs_nothing() -> None:
     assert false_positive_rate([]) == 0
 
 
-def test_looks_after_every_single_one_of_many_participants_are_followed() -> None:
+def test_looks_after_every_participant_are_integrated() -> None:
     close, apart = false_positive_rate([999, 1000]), false_positive_rate([500, 1000])
 
     assert 0.05 < close < 0.06 < apart
@@ -75,7 +75,7 @@ LATER = replace(LOOK, finished=20, answers=200)
 NOW = replace(LOOK, finished=30, answers=300)
 
 
-def test_looks_at_the_reported_answers_are_not_before_them() -> None:
+def test_looks_at_the_reported_answers_do_not_count_as_earlier() -> None:
     result = looks_before([LOOK, LATER, NOW, NOW], finished=30, answers=300)
 
     assert (result.count, result.looks, result.finished) == (2, (LOOK, LATER), (10, 20))
@@ -83,7 +83,7 @@ def test_looks_at_the_reported_answers_are_not_before_them() -> None:
     assert result.reason == ""
 
 
-def test_looks_in_a_row_that_are_alike_are_counted_together() -> None:
+def test_consecutive_identical_looks_are_counted_together() -> None:
     other = replace(LOOK, reason="curious")
 
     result = looks_before([LOOK, LOOK, other, LOOK], finished=30, answers=300)
@@ -107,7 +107,7 @@ def test_looks_in_a_row_that_are_alike_are_counted_together() -> None:
         ([LOOK], 0, "no participant had finished"),
     ],
 )
-def test_without_participants_or_looks_there_is_no_rate_but_a_reason(
+def test_without_participants_or_looks_there_is_a_reason_instead_of_a_rate(
     looks: list[Look], finished: int, reason: str
 ) -> None:
     result = looks_before(looks, finished=finished, answers=300)

@@ -33,14 +33,14 @@ def by_all_signs(values: NDArray[np.float64]) -> float:
 
 @settings(max_examples=60)
 @given(st.lists(st.integers(-3, 3), min_size=1, max_size=9).filter(any))
-def test_with_ties_and_zeros_signed_ranks_give_what_all_signs_do(values: list[float]) -> None:
+def test_signed_ranks_with_ties_and_zeros_match_full_enumeration(values: list[float]) -> None:
     # Means that are equal but for rounding are tied.
     rounding = 1e-13 * np.arange(len(values))
     result = signed_rank(np.array(values) / 7 + rounding)
     assert result.p_value == pytest.approx(by_all_signs(np.array(values)))
 
 
-def test_pooled_tests_are_the_plain_ones() -> None:
+def test_pooled_tests_equal_the_textbook_tests() -> None:
     answers = np.random.default_rng(1).integers(-2, 3, 600)
     result = pooled_tests(answers)
     wins, losses = int((answers > 0).sum()), int((answers < 0).sum())
@@ -56,7 +56,7 @@ def test_six_above_and_one_below_worked_by_hand() -> None:
     assert result.low < 0.5 < result.high
 
 
-def test_a_mean_that_is_zero_but_for_rounding_is_zero() -> None:
+def test_rounding_errors_around_zero_count_as_zero() -> None:
     assert sign_test(np.array([0.1 + 0.2 - 0.3, -1.0])).estimate == 0
 
 
@@ -83,7 +83,7 @@ def test_equivalence_distinguishes_four_cases(estimate: float, error: float, ver
 
 
 @given(st.floats(-2, 2), st.floats(0.01, 2), st.floats(0.01, 2), st.floats(1, 200))
-def test_it_is_equivalent_where_the_interval_lies_within_the_margins(
+def test_means_are_equivalent_if_the_interval_lies_within_the_margins(
     estimate: float, error: float, margin: float, df: float
 ) -> None:
     result = equivalence(estimate, error, margin, df=df)
@@ -93,6 +93,6 @@ def test_it_is_equivalent_where_the_interval_lies_within_the_margins(
 
 
 @pytest.mark.parametrize("margin", [0, -0.1, math.nan, math.inf])
-def test_a_margin_that_is_not_above_zero_is_refused(margin: float) -> None:
+def test_a_margin_must_be_positive(margin: float) -> None:
     with pytest.raises(InputError, match="the margin of equivalence is"):
         equivalence(0.0, 0.1, margin)

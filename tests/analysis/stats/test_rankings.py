@@ -34,7 +34,7 @@ def ranking(*rows: dict[str, int]) -> pd.DataFrame:
     )
 
 
-def test_ties_share_the_mean_of_their_places_however_they_are_numbered() -> None:
+def test_ties_share_their_mean_rank_however_they_are_numbered() -> None:
     for tied in (1, 2):
         result = placements(ranking({"a": 1, "b": 1, "c": tied + 1}), ABC)
         assert result.ranks.tolist() == [[1.5, 1.5, 3]]
@@ -42,7 +42,7 @@ def test_ties_share_the_mean_of_their_places_however_they_are_numbered() -> None
         assert result.tied.tolist() == [[2, 2, 1]]
 
 
-def test_a_condition_left_out_has_no_rank_and_takes_none() -> None:
+def test_an_omitted_condition_has_no_rank_and_occupies_none() -> None:
     result = placements(ranking({"a": 2, "c": 1}), ABC)
     assert result.ranks[0, [0, 2]].tolist() == [2, 1]
     assert np.isnan(result.ranks[0, 1])
@@ -59,7 +59,7 @@ def test_shares_of_places_worked_by_hand() -> None:
     assert a.first_share.estimate == pytest.approx(0.5)
 
 
-def test_a_mean_rank_has_the_two_way_interval_within_the_places() -> None:
+def test_the_two_way_interval_of_a_mean_rank_stays_within_the_ranks() -> None:
     table = ranking_table()
     result = rank_summaries(placements(table, CONDITIONS))[1]
     own = table[table["condition"] == "ours"]
@@ -75,7 +75,7 @@ def test_a_mean_rank_has_the_two_way_interval_within_the_places() -> None:
 
 
 @with_reference
-def test_friedmans_and_the_pairwise_tests_agree_with_r() -> None:
+def test_friedmans_test_and_pairwise_tests_agree_with_r() -> None:
     ratings, reference = reference_ratings()
     expected = reference["participants_friedman"]
 
@@ -98,14 +98,14 @@ def test_friedmans_and_the_pairwise_tests_agree_with_r() -> None:
         assert pair.conover_holm == pytest.approx(expected["conover_p_holm"][name], rel=1e-6)
 
 
-def test_with_ties_friedmans_test_is_scipys() -> None:
+def test_with_ties_friedmans_test_agrees_with_scipy() -> None:
     table = np.random.default_rng(1).integers(1, 4, (12, 5)).astype(float)
     expected = stats.friedmanchisquare(*table.T)
     result = friedman(Blocks(conditions=tuple("abcde"), means=table))
     assert (result.statistic, result.p_value) == pytest.approx(tuple(expected))
 
 
-def test_all_participants_alike_agree_perfectly_and_differ_surely() -> None:
+def test_identical_rankings_agree_perfectly() -> None:
     alike = Blocks(conditions=ABC, means=np.array([[1.0, 2, 3]] * 8))
     pairs = compare_pairs(alike)
     assert friedman(alike).kendall_w == pytest.approx(1)
@@ -113,7 +113,7 @@ def test_all_participants_alike_agree_perfectly_and_differ_surely() -> None:
     assert [pair.difference for pair in pairs] == [1, 2, 1]
 
 
-def test_participants_without_an_answer_for_each_condition_are_left_out_and_counted() -> None:
+def test_incomplete_rankings_are_left_out_and_counted() -> None:
     table = ranking_table(participants=6, segments=1)
     lacking = table[~((table["participant"] == "p01") & (table["condition"] == "static"))]
     rankings = placements(lacking, CONDITIONS)
@@ -133,7 +133,7 @@ def test_kendalls_w_is_given_for_each_segment_and_overall() -> None:
     assert all(s.n == 12 and s.p_value < 1 for s in result.segments)
 
 
-def test_the_interval_of_kendalls_w_lies_around_the_mean_and_not_above_it() -> None:
+def test_the_interval_of_kendalls_w_contains_its_mean() -> None:
     """Participants drawn twice agree with themselves; counted, they would raise it."""
     rankings = placements(ranking_table(), CONDITIONS)
     result = kendall_w(rankings)

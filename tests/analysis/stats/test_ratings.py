@@ -29,7 +29,7 @@ def made(seed: int = 1) -> tuple[np.ndarray, ...]:
     return values, which, people, items
 
 
-def test_paired_ratings_are_differences_of_one_participant_and_segment() -> None:
+def test_ratings_are_paired_by_participant_and_segment() -> None:
     values, which, people, items = made()
     table = values.reshape(80, 3)
 
@@ -47,7 +47,7 @@ def test_paired_ratings_are_differences_of_one_participant_and_segment() -> None
         assert one.method.startswith("paired ratings, clustered by")
 
 
-def test_ratings_without_a_partner_are_left_out_while_they_are_few() -> None:
+def test_a_few_unpaired_ratings_are_left_out() -> None:
     values, which, people, items = made()
     few = ~((which == 0) & (items < 2))
 
@@ -59,7 +59,7 @@ def test_ratings_without_a_partner_are_left_out_while_they_are_few() -> None:
     assert result.segments == 6
 
 
-def test_without_pairs_it_is_the_difference_of_two_means() -> None:
+def test_unpaired_ratings_give_the_difference_of_two_means() -> None:
     values, which, people, items = made(seed=3)
     apart = which == (people + items) % 3
     y, first = values[apart], which[apart] == 0
@@ -78,7 +78,7 @@ def test_without_pairs_it_is_the_difference_of_two_means() -> None:
     assert result.standard_error == pytest.approx(math.sqrt(expected), rel=1e-3)
 
 
-def test_ratings_given_twice_count_as_their_mean() -> None:
+def test_repeated_ratings_count_as_their_mean() -> None:
     values, which, people, items = made()
     once = mean_difference(rated_cells(values, which, people, items, count=3), 0, 2)
     doubled = (np.tile(part, 2) for part in (values, which, people, items))
@@ -94,7 +94,7 @@ def delta(seed: int) -> tuple[Estimate, np.ndarray, np.ndarray]:
     return result, values[which == 1], values[which == 2]
 
 
-def test_cliffs_delta_is_the_mean_of_all_pairs_with_an_interval_that_holds() -> None:
+def test_cliffs_delta_is_the_mean_over_all_pairs_with_a_valid_interval() -> None:
     result, first, second = delta(1)
     assert result.estimate == pytest.approx(np.sign(first[:, None] - second).mean())
     # The interval is even on the scale of Fisher's z, where the error is larger than that of delta.
@@ -105,7 +105,7 @@ def test_cliffs_delta_is_the_mean_of_all_pairs_with_an_interval_that_holds() -> 
     assert np.mean([each.low <= 0 <= each.high for each in estimates]) > 0.92
 
 
-def test_a_score_that_nobody_gave_is_counted_as_zero() -> None:
+def test_unused_scores_are_counted_as_zero() -> None:
     ratings = pd.DataFrame({"participant": [*"aabb"], "segment": [*"xyxy"], "condition": "ours"})
     [result] = rating_table(ratings.assign(value=[2, 4, 4, 2]), ["ours"], (1, 2, 3, 4, 5))
     assert result.counts == {1: 0, 2: 2, 3: 0, 4: 2, 5: 0}

@@ -94,7 +94,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
 
 
 @pytest.mark.parametrize(("statistic", "reason"), CASES)
-def test_where_there_is_no_number_it_says_why(statistic: Callable[[], Any], reason: str) -> None:
+def test_a_missing_number_has_a_reason(statistic: Callable[[], Any], reason: str) -> None:
     result = statistic()
 
     assert result.reason == reason
@@ -115,7 +115,7 @@ def test_where_there_is_no_number_it_says_why(statistic: Callable[[], Any], reas
         ([], "no answers"),
     ],
 )
-def test_strengths_that_do_not_exist_have_a_reason(outcomes: list[int], reason: str) -> None:
+def test_missing_strengths_have_a_reason(outcomes: list[int], reason: str) -> None:
     count = len(outcomes)
     result = bradley_terry(
         votes_of(["a", "c"][:count], ["b", "d"][:count], outcomes, ["P"] * count, conditions="abcd")

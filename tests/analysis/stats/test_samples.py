@@ -37,7 +37,7 @@ WHO, WHAT = np.array([0, 0, 1, 1]), np.array([0, 1, 0, 1])
         lambda values: cliffs_delta(values, WHAT == 0, WHO, WHAT),
     ],
 )
-def test_a_missing_value_is_named_and_never_becomes_a_number(
+def test_a_missing_value_is_reported_and_never_becomes_a_number(
     statistic: Callable[[NDArray[np.float64]], object],
 ) -> None:
     with pytest.raises(InputError, match="value 2 of 4 is missing"):

@@ -67,7 +67,7 @@ def with_ties() -> Votes:
     return replace(votes, outcome=np.where(np.arange(len(votes.outcome)) % 5, votes.outcome, 0))
 
 
-def test_strengths_add_up_to_zero_and_swapping_sides_turns_the_left_effect() -> None:
+def test_strengths_sum_to_zero_and_swapping_sides_flips_the_left_effect() -> None:
     votes = with_ties()
     swapped = replace(votes, left=votes.right, right=votes.left, outcome=-votes.outcome)
 
@@ -78,7 +78,7 @@ def test_strengths_add_up_to_zero_and_swapping_sides_turns_the_left_effect() -> 
     assert other.left == pytest.approx(-one.left, abs=1e-8)
 
 
-def test_one_participant_has_strengths_but_no_clustered_errors_and_says_so() -> None:
+def test_one_participant_gives_strengths_but_no_clustered_errors() -> None:
     votes = with_ties()
     alone = bradley_terry(replace(votes, participant=np.zeros_like(votes.left), segment=votes.left))
 
@@ -121,19 +121,19 @@ def test_for_two_conditions_plackett_luce_equals_davidsons_model_with_ties() -> 
     assert ranked.log_likelihood == pytest.approx(pairs.log_likelihood)
 
 
-def test_only_the_order_of_ranks_counts_and_the_last_choice_of_one_says_nothing() -> None:
+def test_only_the_order_of_ranks_counts() -> None:
     two = as_rankings(votes_of(["a", "b"], ["b", "a"], [1, 1], ["P", "Q"]))
     for table in (two, two.assign(rank=two["rank"] * 10)):
         assert plackett_luce(table, "ab").log_likelihood == pytest.approx(2 * np.log(0.5))
 
 
-def test_a_winner_of_everything_has_a_worth_after_a_prior_and_is_named() -> None:
+def test_an_unbeaten_condition_has_a_finite_worth_and_is_named() -> None:
     result = plackett_luce(as_rankings(votes_of(["a"], ["b"], [1], ["P"])), "ab")
     assert result.swept == "a never lost to any of the others"
     assert np.isfinite(result.strengths).all()
 
 
-def test_worths_that_were_put_in_are_found_also_where_rankings_leave_conditions_out() -> None:
+def test_true_worths_are_recovered_from_partial_rankings() -> None:
     whole = ranking_table(participants=20, segments=40)
     whole["ranking"] = whole.index // 3
     left_out = (whole["ranking"] % 3 == 0) & (whole["condition"] == "ours")
@@ -146,7 +146,7 @@ def test_worths_that_were_put_in_are_found_also_where_rankings_leave_conditions_
         assert (result.n, result.participants) == (800, 20)
 
 
-def test_errors_agree_with_those_of_a_logistic_regression() -> None:
+def test_standard_errors_agree_with_logistic_regression() -> None:
     votes = made_votes()
     design = np.eye(4)[votes.left] - np.eye(4)[votes.right]
     fitted = Logit((votes.outcome > 0).astype(float), design[:, 1:]).fit(disp=False)
@@ -170,7 +170,7 @@ def test_errors_agree_with_those_of_a_logistic_regression() -> None:
     assert two_way == pytest.approx(turn @ covariance @ turn.T, rel=1e-6)
 
 
-def test_a_larger_one_way_variance_takes_the_place_of_the_two_way_one() -> None:
+def test_a_larger_one_way_variance_replaces_the_two_way_one() -> None:
     votes = made_votes(taste=0.0, luck=0.0)
     result = bradley_terry(votes)
 
@@ -214,7 +214,7 @@ def test_indistinguishable_conditions_share_their_ranks(
     assert rank_intervals(values, p_values(values, 0.01 * np.eye(3))) == ranks
 
 
-def test_one_test_of_all_strengths_is_hotellings_where_participants_alone_are_a_sample() -> None:
+def test_the_omnibus_test_is_hotellings_if_only_participants_are_sampled() -> None:
     chance = np.random.default_rng(4)
     given = chance.normal(size=(15, 3)) + np.array([0.6, 0.0, 0.0])
     influences = (given - given.mean(axis=0)) / len(given)
@@ -231,7 +231,7 @@ def test_one_test_of_all_strengths_is_hotellings_where_participants_alone_are_a_
     assert result.p_value == pytest.approx(stats.f.sf(squared * 13 / (14 * 2), 2, 13))
 
 
-def test_too_few_segments_have_no_test_of_all_and_say_so() -> None:
+def test_too_few_segments_give_no_omnibus_test() -> None:
     votes = made_votes()
     few = replace(votes, segment=votes.segment % 3)
     result = bradley_terry(few)

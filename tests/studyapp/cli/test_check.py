@@ -36,7 +36,7 @@ def test_warnings_alone_let_a_study_be_served_and_errors_end_with_status_one(
     assert (found.errors, found.findings[0].name) == (1, "video-missing")
 
 
-def test_every_key_of_a_wrong_study_file_is_a_finding(tiny_study: Path) -> None:
+def test_every_invalid_key_of_a_study_file_is_a_finding(tiny_study: Path) -> None:
     definition = tiny_study / "study.toml"
     definition.write_text("colour = 3\nseed = -1\n" + definition.read_text())
 

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-def test_the_demo_speaks_one_sentence_per_emotion_is_kept_and_continues_after_an_interruption(
+def test_the_demo_has_a_sentence_per_emotion_and_resumes(
     tmp_path: Path,
 ) -> None:
     folder = StudyFolder(tmp_path / "demo-study")

@@ -36,7 +36,7 @@ def is_in_the_file(study: Path) -> bool:
     return any(PERSON.encode() in path.read_bytes() for path in study.glob("responses.db*"))
 
 
-def test_tables_are_written_by_their_ending_and_a_folder_for_another_lab_is_explained(
+def test_tables_follow_their_extension_and_a_shared_folder_is_explained(
     study: Path, tmp_path: Path
 ) -> None:
     output = run("export", study, "--out", tmp_path / "out.parquet")
@@ -60,9 +60,7 @@ def test_a_participant_is_erased_after_a_question_and_what_remains_is_printed(st
     assert not is_in_the_file(study)
 
 
-def test_erasing_again_rewrites_the_files_however_long_the_log_is(
-    study: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_erasing_again_rewrites_the_files(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cleared: list[Database] = []
     monkeypatch.setattr("studyapp.cli.exclude_command.scrub", cleared.append)
     assert "No participant has this" in run("forget", study, "nobody", "--yes")
@@ -77,7 +75,7 @@ def test_erasing_again_rewrites_the_files_however_long_the_log_is(
     assert len(cleared) == 2
 
 
-def test_a_pseudonym_finds_a_participant_who_is_in_no_later_export(
+def test_a_participant_is_found_by_a_pseudonym_from_an_earlier_export(
     study: Path,
 ) -> None:
     run("export", study, "--with-recruiter-ids")

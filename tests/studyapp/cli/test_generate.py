@@ -13,7 +13,7 @@ from tests.support.command_line import run
 from tests.support.studies.takes import write_speech
 
 
-def test_recordings_get_motion_without_a_study_and_stand_ins_are_named(tmp_path: Path) -> None:
+def test_recordings_get_motion_without_a_study_and_stand_ins_are_reported(tmp_path: Path) -> None:
     speech = ("--speech", write_speech(tmp_path / "hello.wav", 1))
     checkpoint = written_network(tmp_path / "small.safetensors")
     network = ("generate", "--generator", "diffsheg", "--checkpoint", checkpoint, *speech)

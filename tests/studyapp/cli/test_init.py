@@ -52,7 +52,7 @@ def test_options_end_up_in_the_study_file(tmp_path: Path) -> None:
     assert study.video.framing == "hands"
 
 
-def test_finished_videos_have_catch_trials_if_flawed_ones_are_promised(tmp_path: Path) -> None:
+def test_finished_videos_have_catch_trials_if_flawed_videos_are_planned(tmp_path: Path) -> None:
     videos = ("--condition", "real=videos", "--condition", "ours=videos")
 
     output = run("init", tmp_path / "with", *videos, "--catch-videos")

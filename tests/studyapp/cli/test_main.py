@@ -62,13 +62,13 @@ def test_bad_input_is_one_sentence_without_a_traceback(refused: Refused, tmp_pat
     assert "Traceback" not in error
 
 
-def test_debug_shows_where_it_happened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_debug_shows_a_traceback(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(sys, "argv", ["motionjury", "--debug", "check", str(tmp_path)])
     with pytest.raises(InputError, match=r"study\.toml is missing"):
         main()
 
 
-def test_an_interruption_says_how_to_continue(
+def test_an_interrupted_command_says_how_to_resume(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def interrupted(**_: object) -> None:

@@ -35,7 +35,7 @@ def test_scores_are_shown_and_written_and_damaged_files_are_counted(
     assert pd.read_csv(out)["segment"].dropna().unique().tolist() == ["a"]
 
 
-def test_a_missing_score_is_a_dash_with_its_reason_and_none_at_all_a_failure(
+def test_a_missing_score_is_a_dash_and_no_scores_at_all_a_failure(
     generated: Path,
 ) -> None:
     shown = run("metrics", "--generated", generated, "--preset", "diffsheg", status=1)

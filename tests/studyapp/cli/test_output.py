@@ -18,7 +18,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return now
 
 
-def test_without_a_terminal_lines_are_printed_with_rate_and_time_left_of_this_run(
+def test_without_a_terminal_progress_is_printed_as_lines(
     clock: list[float], capsys: pytest.CaptureFixture[str]
 ) -> None:
     with progress("render", "frame") as show:

@@ -25,7 +25,7 @@ def study(tmp_path: Path) -> Callable[[str], Path]:
     return make
 
 
-def test_every_size_gets_its_power_and_its_cost(study: Callable[[str], Path]) -> None:
+def test_every_size_has_its_power_and_cost(study: Callable[[str], Path]) -> None:
     folder = study("pairwise")
     out = folder / "plan"
 

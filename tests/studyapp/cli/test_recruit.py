@@ -75,7 +75,7 @@ def recruit(folder: Path, *arguments: str, status: int = 0) -> str:
         ),
     ],
 )
-def test_codes_are_inserted_once_and_everything_else_stays(
+def test_codes_are_inserted_once_without_other_changes(
     tiny_study: Path, written: str, expected: str
 ) -> None:
     path = tiny_study / "study.toml"
@@ -92,7 +92,7 @@ def test_codes_are_inserted_once_and_everything_else_stays(
 
 
 @pytest.mark.parametrize("more", ["[recruitment\n", "[recruitment]\nprolific = { reward = 9 }\n"])
-def test_codes_are_not_written_into_a_file_that_is_wrong(tiny_study: Path, more: str) -> None:
+def test_codes_are_not_written_into_an_invalid_file(tiny_study: Path, more: str) -> None:
     path = tiny_study / "study.toml"
     text = path.read_text("utf-8") + more
     path.write_text(text, "utf-8")

@@ -34,7 +34,7 @@ def requests(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("available", "used"), [(3, 3), (384, 256)])
-def test_by_default_all_processors_are_used_up_to_a_limit_and_failures_are_printed(
+def test_all_processors_are_used_by_default_and_failures_are_printed(
     tiny_study: Path,
     requests: dict[str, Any],
     monkeypatch: pytest.MonkeyPatch,

@@ -42,7 +42,7 @@ def test_a_table_is_reported_with_rules_that_are_marked_exploratory(tmp_path: Pa
     assert document["rules"][1]["remark"] == "cannot be applied: how long answers took is not known"
 
 
-def test_margin_and_family_of_a_table_are_named_on_the_command_line(tmp_path: Path) -> None:
+def test_margin_and_family_are_options_for_tables(tmp_path: Path) -> None:
     report(tmp_path, "pairwise", "--family", "primary=ours,other", "--margin", "0.1")
 
     document = results(tmp_path)

@@ -27,7 +27,7 @@ def token_of(output: str, address: str = "http://127.0.0.1:8000/") -> str:
     return token
 
 
-def test_somebody_is_invited_listed_and_given_a_new_password(tiny_study: Path) -> None:
+def test_a_researcher_is_invited_listed_and_given_a_new_password(tiny_study: Path) -> None:
     assert "Nobody yet" in researchers(tiny_study, "list")
     assert not (tiny_study / "responses.db").exists()
 

@@ -47,7 +47,7 @@ def test_a_network_is_trained_and_damaged_files_are_counted(recorded: Path, tmp_
 
 
 @short_training()
-def test_a_network_that_learned_nothing_says_so(recorded: Path, tmp_path: Path) -> None:
+def test_a_network_that_learned_nothing_is_reported(recorded: Path, tmp_path: Path) -> None:
     given = ("motion", "--data", recorded, "--config", "tiny", "--steps", 1, "--seed", 3)
     shown = run("train", "evaluator", *given, "--out", tmp_path / "m.safetensors")
     assert "The network is no better than that baseline" in shown

@@ -20,7 +20,7 @@ def _short_training() -> Iterator[None]:
         yield
 
 
-def test_every_generator_that_learns_is_listed_beside_the_feature_networks() -> None:
+def test_every_trainable_generator_is_listed_with_the_feature_networks() -> None:
     shown = run("train", "--help")
     assert "evaluator" in shown
     for name in trainable_names():
@@ -29,7 +29,7 @@ def test_every_generator_that_learns_is_listed_beside_the_feature_networks() -> 
 
 
 @pytest.mark.slow
-def test_a_corpus_becomes_a_network_and_the_network_moves_as_one_of_its_speakers(
+def test_a_network_trained_on_a_corpus_moves_like_its_speakers(
     corpus: Path, tmp_path: Path
 ) -> None:
     recordings, out = tmp_path / "recordings", tmp_path / "networks" / "two.safetensors"

@@ -89,7 +89,7 @@ def unpack(archive: Path, into: Path) -> Manifest:
 
 
 @pytest.mark.parametrize("name", ["out.tar", "out.tar.gz"])
-def test_every_flipped_or_missing_byte_is_noticed(name: str, tmp_path: Path) -> None:
+def test_every_flipped_or_missing_byte_is_detected(name: str, tmp_path: Path) -> None:
     archive, broken = tmp_path / name, tmp_path / "broken"
     manifest = write_backup(tmp_path, archive, compressed=is_compressed(name))
     assert read_manifest(archive) == unpack(archive, tmp_path / "unpacked") == manifest
@@ -169,7 +169,7 @@ SPECIAL = (tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.CHRTYPE, tarfile.FIFOTYPE, 
         ([*BASE.items(), ("videos/x", b"")], "more than its manifest lists"),
     ],
 )
-def test_every_member_must_be_the_listed_file(
+def test_every_member_must_match_the_manifest(
     parts: list[tuple[tarfile.TarInfo | str, bytes]], error: str, tmp_path: Path
 ) -> None:
     archive = forge(tmp_path / "out.tar", *listing(as_json(manifest_of(BASE))), *parts)
@@ -196,14 +196,12 @@ def test_an_invalid_manifest_is_refused(old: bytes, new: bytes, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("members", [(), [("holiday.jpg", b"")]])
-def test_other_archives_are_no_backups(
-    members: Sequence[tuple[str, bytes]], tmp_path: Path
-) -> None:
+def test_other_archives_are_refused(members: Sequence[tuple[str, bytes]], tmp_path: Path) -> None:
     with pytest.raises(InputError, match="this is not a backup"):
         read_manifest(forge(tmp_path / "out.tar", *members))
 
 
-def test_a_claimed_size_does_not_fill_the_memory(tmp_path: Path) -> None:
+def test_a_false_size_does_not_exhaust_memory(tmp_path: Path) -> None:
     """Small headers can claim long names and manifests, which compress to nothing."""
     long_name = tarfile.TarInfo(NAME)
     long_name.type, long_name.size = tarfile.GNUTYPE_LONGNAME, 1 << 30

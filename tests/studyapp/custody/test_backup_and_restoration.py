@@ -108,7 +108,7 @@ def test_everything_is_restored_and_participants_can_continue(
     database.close()
 
 
-def test_media_outside_the_backup_are_checked(study: Study, new: StudyFolder) -> None:
+def test_media_outside_the_backup_are_verified(study: Study, new: StudyFolder) -> None:
     made = study.back_up()
     assert len(made.manifest.media) == 17
 
@@ -124,7 +124,7 @@ def test_media_outside_the_backup_are_checked(study: Study, new: StudyFolder) ->
     assert restored.changed == ("videos/pairs/003.mp4",)
 
 
-def test_nothing_is_ever_overwritten_or_written_elsewhere(
+def test_nothing_is_overwritten_or_written_elsewhere(
     study: Study, new: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made = study.back_up()
@@ -159,7 +159,7 @@ def fail(*_: object, **__: object) -> None:
 
 
 @pytest.mark.parametrize("step", ["compare_media", "compact", "require_intact", "_note_restored"])
-def test_a_restore_that_fails_leaves_nothing_or_all(
+def test_a_failed_restore_leaves_nothing_or_everything(
     study: Study, new: StudyFolder, step: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made = study.back_up()
@@ -286,7 +286,7 @@ def test_a_backup_with_triggers_or_views_is_refused(
     assert not new.root.exists()
 
 
-def test_links_to_media_are_followed_without_circles(study: Study, tmp_path: Path) -> None:
+def test_links_to_media_are_followed_without_loops(study: Study, tmp_path: Path) -> None:
     shutil.move(study.folder.videos, tmp_path / "big-disk")
     study.folder.videos.symlink_to(tmp_path / "big-disk")
     (tmp_path / "big-disk" / "circle").symlink_to(study.folder.root)

@@ -35,13 +35,13 @@ REFUSED = {
 @pytest.mark.parametrize(
     ("field", "value"), [(field, value) for field, values in REFUSED.items() for value in values]
 )
-def test_a_value_that_a_file_cannot_hold_is_refused(field: str, value: str) -> None:
+def test_values_that_a_file_cannot_hold_are_refused(field: str, value: str) -> None:
     given = PurePosixPath(value) if field == "folder" else value
     with pytest.raises(InputError, match=rf"{field} .*\. (Give|On the server)"):
         plan_deployment(**GIVEN | {field: given})
 
 
-def test_names_follow_from_folder_and_host() -> None:
+def test_default_names_come_from_folder_and_host() -> None:
     deployment = plan_deployment(
         **GIVEN
         | {

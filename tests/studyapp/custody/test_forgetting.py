@@ -90,7 +90,7 @@ def stored_text(database: Database) -> str:
 
 
 @BOTH
-def test_only_one_empty_row_is_left(person: Participant) -> None:
+def test_erasure_leaves_one_empty_row(person: Participant) -> None:
     before = rows(person.database)
     second = other(person)
     token = second.token
@@ -233,7 +233,7 @@ def files_of(database: Database, request: pytest.FixtureRequest) -> bytes:
 
 
 @BOTH
-def test_nothing_is_left_in_the_databases_files(
+def test_erasure_leaves_no_bytes_in_the_database_files(
     person: Participant, request: pytest.FixtureRequest
 ) -> None:
     database = person.database
@@ -258,7 +258,7 @@ def test_nothing_is_left_in_the_databases_files(
 
 
 @BOTH
-def test_a_reader_of_an_earlier_state_blocks_the_scrubbing(
+def test_a_long_reader_blocks_scrubbing(
     person: Participant, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scrubbing, "LOCK_SECONDS", 0.05)

@@ -108,7 +108,7 @@ def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path) -> None:
         assert "exit status" not in output_of("systemd-analyze", "security", *strict, service)
 
 
-def test_the_unit_names_the_folder_as_one_word() -> None:
+def test_the_unit_quotes_the_folder() -> None:
     (command,) = re.findall(r"^ExecStart=(.*)$", text_of(deployment(), "serve.service"), re.M)
 
     words = [word.replace("%%", "%") for word in shlex.split(command)]
@@ -117,7 +117,7 @@ def test_the_unit_names_the_folder_as_one_word() -> None:
 
 
 @pytest.mark.parametrize("study", (ALL[0], ALL[-1]), ids=lambda d: d.proxy)
-def test_scripts_are_sound(tmp_path: Path, study: Deployment) -> None:
+def test_scripts_pass_shellcheck(tmp_path: Path, study: Deployment) -> None:
     write_deployment(study, tmp_path / "out")
     scripts: Sequence[Path] = [tmp_path / "out" / name for name in ("install", "command")]
 
@@ -127,7 +127,7 @@ def test_scripts_are_sound(tmp_path: Path, study: Deployment) -> None:
             assert output_of("shellcheck", script) == ""
 
 
-def test_postgresql_gets_a_database_of_utf_8_and_nothing_the_second_time(
+def test_postgresql_setup_is_idempotent_and_utf_8(
     tmp_path: Path, postgresql: ThrowawayPostgresql
 ) -> None:
     if shutil.which("psql") is None:
@@ -156,7 +156,7 @@ def test_postgresql_gets_a_database_of_utf_8_and_nothing_the_second_time(
     assert row == ("deployed_role", "UTF8", "C.UTF-8", False)
 
 
-def test_files_have_their_modes_whatever_the_umask_is_and_are_never_overwritten(
+def test_files_have_fixed_modes_and_are_never_overwritten(
     tmp_path: Path,
 ) -> None:
     out = tmp_path / "new" / "out"

@@ -10,7 +10,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables.base import UtcMoment
 
 
-def test_a_moment_keeps_its_time_zone_and_needs_one(database: Database) -> None:
+def test_timestamps_keep_and_require_a_time_zone(database: Database) -> None:
     paris = datetime(2026, 5, 4, 12, 30, 15, 250, tzinfo=timezone(timedelta(hours=2)))
     with database.reading() as session:
         read = session.scalar(select(literal(paris, UtcMoment())))

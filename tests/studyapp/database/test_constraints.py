@@ -78,7 +78,9 @@ REFUSED: dict[str, Callable[[], Base]] = {
 
 
 @pytest.mark.parametrize("refused", REFUSED.values(), ids=REFUSED.keys())
-def test_the_database_refuses(database: Database, refused: Callable[[], Base]) -> None:
+def test_the_database_enforces_its_constraints(
+    database: Database, refused: Callable[[], Base]
+) -> None:
     with database.writing() as session:
         for each in stored():
             session.add(each)

@@ -54,7 +54,7 @@ def rows_at(url: str) -> Rows:
         return rows_of(database)
 
 
-def test_a_copy_holds_every_row_as_it_was(
+def test_a_copy_has_every_row_unchanged(
     answered: Participant, database_url: str, tmp_path: Path
 ) -> None:
     write_copy(database_url, tmp_path / "copy.db")
@@ -66,7 +66,7 @@ def test_a_copy_holds_every_row_as_it_was(
 
 @SQLITE
 @pytest.mark.parametrize("empty_url", ["postgresql"], indirect=True)
-def test_a_copy_fills_postgresql_which_then_counts_on(
+def test_a_copy_fills_postgresql_and_its_sequences_continue(
     answered: Participant, database_url: str, empty_url: str, tmp_path: Path, served: ServedStudy
 ) -> None:
     write_copy(database_url, tmp_path / "copy.db")
@@ -85,7 +85,7 @@ def test_a_copy_fills_postgresql_which_then_counts_on(
 
 @SQLITE
 @pytest.mark.parametrize("empty_url", ["postgresql"], indirect=True)
-def test_nothing_is_stored_where_filling_fails(
+def test_a_failed_copy_stores_nothing(
     answered: Participant, database_url: str, empty_url: str, tmp_path: Path
 ) -> None:
     write_copy(database_url, tmp_path / "copy.db")
@@ -101,7 +101,7 @@ def test_nothing_is_stored_where_filling_fails(
 
 
 @pytest.mark.parametrize("empty_url", ["postgresql"], indirect=True)
-def test_another_programs_database_is_not_empty(empty_url: str) -> None:
+def test_another_programs_database_does_not_count_as_empty(empty_url: str) -> None:
     require_empty(empty_url)
     engine = create_engine(empty_url)
     with engine.begin() as connection:
@@ -116,7 +116,7 @@ def test_another_programs_database_is_not_empty(empty_url: str) -> None:
 
 
 @SQLITE
-def test_writers_and_readers_go_on_while_a_copy_is_made(
+def test_writers_and_readers_continue_during_a_copy(
     answered: Participant, database_url: str, tmp_path: Path
 ) -> None:
     with answered.database.writing() as session:
@@ -131,7 +131,7 @@ def test_writers_and_readers_go_on_while_a_copy_is_made(
 
 
 @SQLITE
-def test_deleted_data_leave_no_bytes_in_a_copy(
+def test_deleted_data_leaves_no_bytes_in_a_copy(
     participant: Participant, database_url: str, tmp_path: Path
 ) -> None:
     token = participant.trial().token.encode()
@@ -145,7 +145,7 @@ def test_deleted_data_leave_no_bytes_in_a_copy(
     assert [path.name for path in tmp_path.glob("copy*")] == ["copy.db"]
 
 
-def test_where_there_is_no_database_nothing_is_made(tmp_path: Path) -> None:
+def test_copying_a_missing_database_creates_nothing(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="DATABASE_URL"):
         write_copy(sqlite_url(tmp_path / "responses.db"), tmp_path / "copy.db")
 
@@ -153,7 +153,9 @@ def test_where_there_is_no_database_nothing_is_made(tmp_path: Path) -> None:
 
 
 @SQLITE
-def test_a_damaged_copy_is_found(answered: Participant, database_url: str, tmp_path: Path) -> None:
+def test_a_damaged_copy_is_detected(
+    answered: Participant, database_url: str, tmp_path: Path
+) -> None:
     write_copy(database_url, tmp_path / "copy.db")
     with closing(sqlite3.connect(tmp_path / "copy.db")) as copy:
         copy.execute("DELETE FROM trials WHERE id = 1")

@@ -35,7 +35,7 @@ def place(number: int) -> Place:
     return Place(arm="a-b", design="d", number=number)
 
 
-def test_a_failure_stores_nothing(database: Database) -> None:
+def test_a_failed_transaction_stores_nothing(database: Database) -> None:
     with pytest.raises(ZeroDivisionError), database.writing() as session:
         session.add(place(0))
         session.flush()
@@ -45,7 +45,7 @@ def test_a_failure_stores_nothing(database: Database) -> None:
         assert session.scalars(select(Place)).all() == []
 
 
-def test_what_sqlite_has_committed_is_on_the_disk(tmp_path: Path) -> None:
+def test_sqlite_commits_are_synced_to_disk(tmp_path: Path) -> None:
     engine = sqlite_engine(make_url(sqlite_url(tmp_path / "new.db")), changes=True)
     with engine.connect() as connection:
         found = [
@@ -57,7 +57,7 @@ def test_what_sqlite_has_committed_is_on_the_disk(tmp_path: Path) -> None:
 
 
 @POSTGRESQL
-def test_writers_run_side_by_side_but_for_those_who_take_the_same_turn(database: Database) -> None:
+def test_writers_run_concurrently_unless_they_share_a_lock(database: Database) -> None:
     order: list[str] = []
 
     def write(name: str, turn: Turn | None) -> None:
@@ -84,7 +84,7 @@ def test_writers_run_side_by_side_but_for_those_who_take_the_same_turn(database:
     assert order == ["other", "none", "first", "same"]
 
 
-def test_reading_sees_one_state_whatever_is_stored_meanwhile(database: Database) -> None:
+def test_readers_see_one_consistent_state(database: Database) -> None:
     with database.reading() as session:
         before = session.scalars(select(Place.number)).all()
         with database.writing() as other:
@@ -95,7 +95,7 @@ def test_reading_sees_one_state_whatever_is_stored_meanwhile(database: Database)
         assert session.scalars(select(Place.number)).all() == [0]
 
 
-def test_several_processes_may_make_the_newest_schema_at_once(
+def test_several_processes_may_upgrade_the_schema_at_once(
     postgresql: ThrowawayPostgresql,
 ) -> None:
     url = postgresql.create_database("to_be_migrated")
@@ -110,7 +110,7 @@ def test_several_processes_may_make_the_newest_schema_at_once(
     postgresql.drop_database("to_be_migrated")
 
 
-def test_a_database_of_another_schema_is_refused_and_stays_as_it_is(
+def test_a_database_with_another_schema_is_refused_unchanged(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     url = sqlite_url(tmp_path / "other.db")
@@ -164,7 +164,7 @@ def files(folder: Path) -> dict[str, tuple[bytes, int]]:
     return {f.name: (f.read_bytes(), f.stat().st_mtime_ns) for f in folder.iterdir()}
 
 
-def test_reading_finds_what_was_written_and_leaves_the_file_as_it_is(tmp_path: Path) -> None:
+def test_reading_leaves_the_file_unchanged(tmp_path: Path) -> None:
     url = sqlite_url(tmp_path / "answered.db")
     writer = Database.open(url)
     with writer.writing() as session:
@@ -181,7 +181,7 @@ def test_reading_finds_what_was_written_and_leaves_the_file_as_it_is(tmp_path: P
     assert files(tmp_path) == before
 
 
-def test_reading_sees_what_a_running_server_has_just_stored_and_stores_nothing(
+def test_reading_sees_the_latest_commits_of_a_running_server_and_writes_nothing(
     database: Database, database_url: str
 ) -> None:
     reader = Database.open_for_reading(database_url)
@@ -196,7 +196,7 @@ def test_reading_sees_what_a_running_server_has_just_stored_and_stores_nothing(
 
 
 @pytest.mark.parametrize("empty_url", ["sqlite", "postgresql"], indirect=True)
-def test_reading_makes_no_database_where_there_is_none(tmp_path: Path, empty_url: str) -> None:
+def test_reading_never_creates_a_database(tmp_path: Path, empty_url: str) -> None:
     for _ in range(2):
         assert Database.open_for_reading(empty_url) is None
     assert not list(tmp_path.iterdir())
@@ -205,7 +205,7 @@ def test_reading_makes_no_database_where_there_is_none(tmp_path: Path, empty_url
     assert (tmp_path / "empty.db").stat().st_size == 0
 
 
-def test_a_failed_statement_does_not_show_what_it_was_given(database: Database) -> None:
+def test_a_failed_statement_hides_its_parameters(database: Database) -> None:
     with pytest.raises(DBAPIError) as caught, database.reading() as session:
         session.execute(text("SELECT * FROM nowhere WHERE token = :token"), {"token": "s3cret"})
 
@@ -241,7 +241,7 @@ def test_a_rehearsal_never_answers_into_the_real_database(
 
 
 @pytest.mark.parametrize("name", ["which?", "a%41", "two words", "a#b", "a?mode=ro&b"])
-def test_answers_and_rehearsals_lie_apart_in_a_folder_of_any_name(
+def test_answers_and_rehearsals_have_separate_files_in_any_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, empty_sqlite: Path, name: str
 ) -> None:
     monkeypatch.delenv("DATABASE_URL", raising=False)
@@ -257,7 +257,7 @@ def test_answers_and_rehearsals_lie_apart_in_a_folder_of_any_name(
     assert list(tmp_path.iterdir()) == [folder]
 
 
-def test_writers_of_a_file_go_in_the_order_they_came(tmp_path: Path) -> None:
+def test_sqlite_writers_are_served_in_order_of_arrival(tmp_path: Path) -> None:
     database = Database.open(sqlite_url(tmp_path / "line.db"))
     inside, held = threading.Event(), threading.Event()
     order: list[int] = []
@@ -289,7 +289,7 @@ def test_writers_of_a_file_go_in_the_order_they_came(tmp_path: Path) -> None:
 
 
 @POSTGRESQL
-def test_a_frozen_server_is_given_up_and_its_connection_replaced(
+def test_the_connection_to_a_frozen_server_is_replaced(
     database: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("studyapp.database.postgresql.IDLE_SECONDS", 0.0)
@@ -318,7 +318,7 @@ def test_a_frozen_server_is_given_up_and_its_connection_replaced(
 
 
 @POSTGRESQL
-def test_every_statement_has_an_end_unless_it_takes_time(
+def test_statements_have_a_timeout_unless_they_are_long_running(
     database: Database, database_url: str
 ) -> None:
     limit = text("SHOW statement_timeout")
@@ -334,7 +334,7 @@ def test_every_statement_has_an_end_unless_it_takes_time(
         assert session.scalar(limit) == "10min"
 
 
-def test_a_server_that_takes_connections_and_says_nothing_is_given_up(
+def test_connecting_to_a_silent_server_times_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("studyapp.database.postgresql.CONNECT_SECONDS", 1)
@@ -345,7 +345,7 @@ def test_a_server_that_takes_connections_and_says_nothing_is_given_up(
             Database.open(url)
 
 
-def test_only_its_owner_may_read_a_database_and_all_beside_it(tmp_path: Path) -> None:
+def test_only_its_owner_may_read_the_database_files(tmp_path: Path) -> None:
     file = tmp_path / "responses.db"
     (tmp_path / "responses.db-line").touch(mode=0o666)
     before = os.umask(0)

@@ -14,7 +14,7 @@ KINDS = ["sqlite", "postgresql"]
 
 
 @pytest.mark.parametrize("database_url", KINDS, indirect=True)
-def test_the_newest_schema_is_that_of_the_models(database: Database) -> None:
+def test_the_migrated_schema_matches_the_models(database: Database) -> None:
     with database.engine.connect() as connection:
         context = MigrationContext.configure(connection, opts={"compare_type": True})
         assert compare_metadata(context, Base.metadata) == []

@@ -44,7 +44,7 @@ def pages(desk: Flask, method: str, below: str = "/research/") -> Iterator[tuple
             yield rule.endpoint.rpartition(".")[2], addresses.build(rule.endpoint, values, method)
 
 
-def test_nobody_comes_in_without_logging_in(desk: Flask) -> None:
+def test_every_page_needs_a_login(desk: Flask) -> None:
     addresses = [address for _, address in pages(desk, "GET")]
     assert len(addresses) > 10
     for address in (*addresses, "/tiny/research/"):
@@ -52,7 +52,7 @@ def test_nobody_comes_in_without_logging_in(desk: Flask) -> None:
         assert answer.request.path == "/research/log-in", address
 
 
-def test_no_form_of_another_site_does_anything(desk: Flask, ada: ResearchBrowser) -> None:
+def test_forms_from_other_sites_are_refused(desk: Flask, ada: ResearchBrowser) -> None:
     addresses = [address for _, address in pages(desk, "POST")]
     assert len(addresses) > 10
     for address in addresses:
@@ -88,7 +88,7 @@ def test_each_role_in_a_study_opens_its_pages_and_no_others(
     ("role", "refused"),
     [("viewer", ("make", "make/study", "researchers")), ("analyst", ("researchers",))],
 )
-def test_each_role_at_the_desk_is_kept_from_the_pages_of_others(
+def test_each_role_at_the_desk_is_limited_to_its_pages(
     researcher: Researcher, role: Role, refused: tuple[str, ...]
 ) -> None:
     researcher("Ada")
@@ -100,13 +100,13 @@ def test_each_role_at_the_desk_is_kept_from_the_pages_of_others(
     assert (answer.status_code == 403) is ("make/study" in refused)
 
 
-def test_too_much_at_once_is_refused(ada: ResearchBrowser) -> None:
+def test_oversized_requests_are_refused(ada: ResearchBrowser) -> None:
     text = "#" * 2 * LARGEST_PIECE
     answer = ada.post("/research/studies/tiny/settings", text=text, seen="")
     assert answer.status_code == 413
 
 
-def test_a_desk_that_cannot_be_served_is_refused_and_its_database_is_its_owners(
+def test_an_unservable_desk_is_refused_and_its_database_is_private(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with pytest.raises(InputError, match="no such folder"):

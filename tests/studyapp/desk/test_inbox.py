@@ -46,7 +46,7 @@ def files(folder: StudyFolder) -> list[str]:
     return sorted(path.relative_to(folder.root).as_posix() for path in paths if path.is_file())
 
 
-def test_an_upload_goes_on_where_it_stopped_even_after_a_crash(folder: StudyFolder) -> None:
+def test_an_upload_resumes_even_after_a_crash(folder: StudyFolder) -> None:
     file = upload(condition="ours", name="take.npz")
     Inbox(folder).append(file, 0, CONTENT[:5000])
     again = Inbox(folder)
@@ -66,7 +66,7 @@ def test_an_upload_goes_on_where_it_stopped_even_after_a_crash(folder: StudyFold
     assert (folder.inbox / "ours" / "take.npz").read_bytes() == CONTENT
 
 
-def test_a_piece_at_another_place_or_of_another_size_is_refused(inbox: Inbox) -> None:
+def test_a_chunk_with_a_wrong_offset_or_size_is_refused(inbox: Inbox) -> None:
     inbox.append(upload(), 0, CONTENT[:5000])
     for offset in (0, 4999, 5001):
         with pytest.raises(WrongOffsetError) as refused:
@@ -78,7 +78,7 @@ def test_a_piece_at_another_place_or_of_another_size_is_refused(inbox: Inbox) ->
     assert inbox.received(upload()) == 5000
 
 
-def test_a_piece_that_comes_twice_at_once_is_stored_once(
+def test_a_chunk_sent_twice_at_once_is_stored_once(
     inbox: Inbox, folder: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     inbox.append(upload(), 0, CONTENT[:2000])
@@ -123,7 +123,7 @@ def test_files_that_can_never_be_imported_are_refused_at_once(
     assert files(folder) == []
 
 
-def test_another_file_of_a_name_takes_the_place_of_one_only_once_it_is_removed(
+def test_a_file_must_be_removed_before_another_takes_its_name(
     inbox: Inbox, folder: StudyFolder
 ) -> None:
     inbox.append(upload(name="other.wav"), 0, CONTENT)
@@ -139,7 +139,9 @@ def test_another_file_of_a_name_takes_the_place_of_one_only_once_it_is_removed(
     assert inbox.append(other, 0, CONTENT) == len(CONTENT)
 
 
-def test_the_disk_keeps_room_for_answers(inbox: Inbox, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_uploads_leave_disk_space_for_answers(
+    inbox: Inbox, monkeypatch: pytest.MonkeyPatch
+) -> None:
     free = SimpleNamespace(free=KEPT_FREE + len(CONTENT) - 1)
     monkeypatch.setattr("shutil.disk_usage", lambda _: free)
     with pytest.raises(InputError, match=r"no room for take\.wav"):
@@ -170,7 +172,7 @@ def motion(motion_file: Callable[..., Path]) -> bytes:
     return motion_file(2.0).read_bytes()
 
 
-def test_upload_pieces_arrive_in_order_and_a_wrong_one_gets_the_offset(
+def test_chunks_arrive_in_order_and_a_wrong_one_gets_the_offset(
     lab: Lab, ada: ResearchBrowser, motion: bytes
 ) -> None:
     size = len(motion)
@@ -193,7 +195,7 @@ def test_refusals_give_a_reason(ada: ResearchBrowser) -> None:
     assert send_piece(ada, b"x" * 2 * LARGEST_PIECE, offset=0, size=2 * LARGEST_PIECE)[0] == 413
 
 
-def test_small_files_come_by_a_form_alone(lab: Lab, ada: ResearchBrowser, motion: bytes) -> None:
+def test_small_files_are_uploaded_by_form(lab: Lab, ada: ResearchBrowser, motion: bytes) -> None:
     def post(*names: str) -> int:
         data = {
             "form_code": ada.code(),
@@ -210,7 +212,7 @@ def test_small_files_come_by_a_form_alone(lab: Lab, ada: ResearchBrowser, motion
     assert [path.name for path in inbox.iterdir()] == ["take-1.npz"]
 
 
-def test_the_import_brings_in_what_it_can_and_leaves_the_rest_with_the_reason(
+def test_the_import_takes_valid_files_and_explains_the_others(
     lab: Lab, ada: ResearchBrowser, motion: bytes
 ) -> None:
     for name in ("take-0.npz", "take-9.npz"):

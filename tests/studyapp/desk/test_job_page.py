@@ -54,7 +54,7 @@ def test_a_job_is_run_watched_and_logged(tiny: LabStudy, ada: ResearchBrowser) -
     assert "Run again" in ada.get(TINY).text
 
 
-def test_while_a_job_runs_no_other_can_be_begun_and_anybody_who_steers_stops_it(
+def test_a_running_job_blocks_others_and_can_be_stopped_by_any_manager(
     tiny: LabStudy, ada: ResearchBrowser, joined: Joined
 ) -> None:
     analyst = joined("analyst")
@@ -109,9 +109,7 @@ def test_only_listed_commands_run_and_only_listed_files_are_sent(
     assert not [event for _, event, _ in changes(tiny) if event == "job started"]
 
 
-def test_a_report_is_shown_without_the_rights_of_our_pages(
-    tiny: LabStudy, ada: ResearchBrowser
-) -> None:
+def test_a_report_is_shown_in_a_sandbox(tiny: LabStudy, ada: ResearchBrowser) -> None:
     write_earlier_results(tiny)
     with ada.client.get(f"{JOBS}report/files/report.html") as shown:
         policy = shown.headers["Content-Security-Policy"]
@@ -153,7 +151,7 @@ def test_answers_before_the_end_require_a_reason(tiny: LabStudy, ada: ResearchBr
     assert ("Ada", "downloaded", "Tables of answers") in changes(tiny)
 
 
-def test_a_study_is_packed_for_another_lab_from_its_rehearsal_until_somebody_answers(
+def test_a_shared_folder_uses_the_rehearsal_until_there_are_answers(
     tiny: LabStudy, ada: ResearchBrowser
 ) -> None:
     tiny.folder.rehearsal.write_bytes(tiny.folder.responses.read_bytes())

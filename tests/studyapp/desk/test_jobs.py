@@ -41,7 +41,7 @@ def processes_of(study: Path) -> list[int]:
     return processes
 
 
-def test_a_command_that_succeeds_leaves_its_archive_and_one_that_fails_its_own_words(
+def test_a_job_leaves_its_archive_or_its_error_message(
     jobs: Path,
 ) -> None:
     begin(jobs, "researchers", ".", "list", packed="speech")
@@ -60,7 +60,7 @@ def test_a_command_that_succeeds_leaves_its_archive_and_one_that_fails_its_own_w
     assert job_standings(jobs) == {}
 
 
-def test_one_job_of_a_study_runs_at_a_time_and_stops_when_asked(jobs: Path) -> None:
+def test_a_study_runs_one_job_at_a_time_which_can_be_stopped(jobs: Path) -> None:
     begin(jobs, *SLOW)
     with pytest.raises(InputError, match="another job"):
         begin(jobs, "check", kind="other")
@@ -85,7 +85,7 @@ def running_processes(study: Path) -> list[int]:
     return running
 
 
-def test_a_job_outlives_the_server_that_began_it(jobs: Path, tiny_study: Path) -> None:
+def test_a_job_outlives_the_server_that_started_it(jobs: Path, tiny_study: Path) -> None:
     code = (
         "import os, signal, sys; from pathlib import Path; "
         "from tests.studyapp.desk.job_watching import SLOW, begin; "

@@ -48,7 +48,7 @@ def grace(researcher: Researcher) -> ResearchBrowser:
 @pytest.mark.parametrize(
     ("template", "language"), [*((each, "en") for each in TEMPLATE_DESCRIPTIONS), ("rating", "ja")]
 )
-def test_the_form_as_it_comes_makes_what_init_makes(
+def test_the_default_form_makes_the_same_study_as_init(
     lab: Lab, grace: ResearchBrowser, tmp_path: Path, template: str, language: str
 ) -> None:
     fields = filled_in(grace.get(f"{MAKE}?template={template}&language={language}"))

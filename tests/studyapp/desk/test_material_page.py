@@ -58,7 +58,7 @@ def write_finding(folder: StudyFolder, where: str, what: str) -> None:
     path.write_text(json.dumps({"format": 1, "findings": [finding]}), "utf-8")
 
 
-def test_the_table_says_what_is_there_missing_and_bad_unless_it_was_brought_anew(
+def test_the_table_shows_present_missing_and_bad_material(
     folder: StudyFolder, ada: ResearchBrowser
 ) -> None:
     write_finding(folder, "motion/mismatched/take-1.npz", "the archive is damaged")
@@ -92,7 +92,7 @@ def test_a_viewer_plays_a_video_and_is_offered_no_removal(
     assert not page.soup.select("form[action$=remove]")
 
 
-def test_motion_is_turned_around_whether_rendered_or_not_and_a_row_side_by_side(
+def test_motion_is_shown_in_3d_alone_and_side_by_side(
     folder: StudyFolder, ada: ResearchBrowser
 ) -> None:
     write_motion(folder.clip("broken", "take-0"), 2.0)
@@ -123,13 +123,13 @@ def test_motion_is_turned_around_whether_rendered_or_not_and_a_row_side_by_side(
         "rule_based/take-3/video.mp4",
     ],
 )
-def test_there_is_nothing_beside_the_studys_own_clips(
+def test_only_the_studys_own_clips_are_served(
     folder: StudyFolder, ada: ResearchBrowser, where: str
 ) -> None:
     ada.get(f"{MATERIAL}/{where}", 404)
 
 
-def test_a_file_is_removed_for_good_once_somebody_says_so(
+def test_a_file_is_deleted_after_confirmation(
     tiny: LabStudy, folder: StudyFolder, ada: ResearchBrowser
 ) -> None:
     path = folder.clip("mismatched", "take-1")

@@ -23,7 +23,7 @@ def invited(lab: Lab, tiny: LabStudy) -> str:
     return invite(tiny.database, lab.clock, role="viewer", by="Ada")
 
 
-def test_a_study_that_nobody_owns_is_taken_over_once_and_by_an_owner_of_the_desk(
+def test_an_unowned_study_is_taken_over_once_by_an_owner_of_the_desk(
     tiny: LabStudy, researcher: Researcher
 ) -> None:
     viewer = researcher("Mary", "viewer")
@@ -45,7 +45,7 @@ def test_members_open_a_study_without_another_password_until_they_log_out(
     assert ada.client.get(INSIDE).status_code == 303
 
 
-def test_an_owner_of_the_desk_sees_no_study_of_others(
+def test_an_owner_of_the_desk_does_not_see_others_studies(
     researcher: Researcher, ada: ResearchBrowser
 ) -> None:
     grace = researcher("Grace")
@@ -55,7 +55,7 @@ def test_an_owner_of_the_desk_sees_no_study_of_others(
     assert grace.client.get(INSIDE, follow_redirects=True).status_code == 404
 
 
-def test_a_link_of_the_studys_owner_lets_in_whoever_is_logged_in_at_the_desk(
+def test_an_owners_link_admits_a_logged_in_member_of_the_desk(
     lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
     mary = researcher("Mary", "viewer")
@@ -67,7 +67,7 @@ def test_a_link_of_the_studys_owner_lets_in_whoever_is_logged_in_at_the_desk(
     assert mary.post(answer.request.path, name="Mary").status_code == 404, "works once"
 
 
-def test_an_account_in_a_study_is_brought_by_its_password_for_a_name_is_no_proof(
+def test_an_existing_account_is_joined_only_with_its_password(
     lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
     join(tiny.database, lab.clock, invited(lab, tiny), name="Mary", password=PASSWORD)
@@ -95,7 +95,7 @@ def test_a_researcher_removed_from_the_desk_loses_its_studies(
         assert ada.client.get(address).status_code == 303
 
 
-def test_a_researcher_removed_from_a_study_cannot_return_by_the_desk(
+def test_a_researcher_removed_from_a_study_cannot_return_through_the_desk(
     lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
     mary = researcher("Mary", "viewer")
@@ -127,7 +127,7 @@ def test_participants_take_part_below_the_studys_name(desk: Flask) -> None:
     assert participant.get("/tiny").status_code == 308
 
 
-def test_another_study_in_place_of_one_is_another_study(
+def test_replacing_a_folder_makes_another_study(
     lab: Lab, desk: Flask, ada: ResearchBrowser
 ) -> None:
     ada.post(f"{TINY}open")

@@ -31,13 +31,11 @@ WITHOUT_FIELD = {"--joints"}
         ("Run 'motionjury forget'", "Run 'motionjury forget'"),
     ],
 )
-def test_commands_are_called_as_the_jobs_and_options_are_left_out(
-    message: str, at_desk: str
-) -> None:
+def test_messages_name_jobs_instead_of_commands_and_options(message: str, at_desk: str) -> None:
     assert at_the_desk(message) == at_desk
 
 
-def test_no_refused_file_asks_for_an_option_that_the_page_lacks() -> None:
+def test_no_refusal_mentions_an_option_that_the_page_lacks() -> None:
     constants = (
         node.value
         for path in IMPORTING

@@ -25,7 +25,7 @@ def digest_of(page: PageReader) -> str:
     return str(page.soup.select_one("[name=seen]")["value"])  # type: ignore[index]
 
 
-def test_the_saved_file_is_the_typed_text(tiny: LabStudy, ada: ResearchBrowser, file: Path) -> None:
+def test_the_file_is_saved_as_typed(tiny: LabStudy, ada: ResearchBrowser, file: Path) -> None:
     page = ada.get(SETTINGS)
     text = file.read_text("utf-8").replace("Gestures and speech", "Gestures – once more")
     answer = ada.post(SETTINGS, text=text.replace("\n", "\r\n"), seen=digest_of(page))
@@ -40,7 +40,9 @@ def test_the_saved_file_is_the_typed_text(tiny: LabStudy, ada: ResearchBrowser, 
     )
 
 
-def test_a_wrong_file_is_not_saved_and_its_line_is_shown(ada: ResearchBrowser, file: Path) -> None:
+def test_an_invalid_file_is_not_saved_and_its_line_is_shown(
+    ada: ResearchBrowser, file: Path
+) -> None:
     page, before = ada.get(SETTINGS), file.read_text("utf-8")
     text = "seeed = 3\n" + before
     answer = ada.post(SETTINGS, text=text, seen=digest_of(page))

@@ -15,7 +15,7 @@ def first_question(study: LabStudy) -> str:
     return served.study.questions[0].text
 
 
-def test_a_study_is_being_made_until_its_videos_are_there(tiny: LabStudy) -> None:
+def test_a_study_is_in_preparation_until_its_videos_exist(tiny: LabStudy) -> None:
     video = tiny.folder.videos / "pairs" / "003.mp4"
     away = tiny.folder.root / "003.mp4"
     video.rename(away)
@@ -26,14 +26,14 @@ def test_a_study_is_being_made_until_its_videos_are_there(tiny: LabStudy) -> Non
     assert tiny.application() is not None
 
 
-def test_a_change_that_nobody_has_seen_is_served_at_once(tiny: LabStudy) -> None:
+def test_a_change_before_the_first_participant_is_served_at_once(tiny: LabStudy) -> None:
     before = tiny.application()
     redefine(tiny.folder.root, AGAIN)
     assert first_question(tiny).endswith("follow the speech better?")
     assert tiny.application() is not before
 
 
-def test_participants_go_on_with_what_was_there_when_a_file_is_wrong(tiny: LabStudy) -> None:
+def test_participants_continue_with_the_old_study_if_a_file_is_invalid(tiny: LabStudy) -> None:
     before = tiny.application()
     redefine(tiny.folder.root, ("trials = 4", "trails = 4"))
     assert tiny.application() is before

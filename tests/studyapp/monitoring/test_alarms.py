@@ -55,7 +55,7 @@ def outbox(opened: Database, served: ServedStudy, clock: SetClock) -> Outbox:
     return Outbox(opened, served, clock)
 
 
-def test_a_full_study_raises_one_alarm_and_another_only_if_sending_failed(outbox: Outbox) -> None:
+def test_a_full_study_raises_one_alarm_unless_sending_failed(outbox: Outbox) -> None:
     assert outbox.look() == 0
     outbox.fill()
     outbox.works = False
@@ -124,7 +124,7 @@ def test_a_webhook_gets_the_alarm_as_json_and_its_failure_names_no_secret(
     assert not any("secret" in line for line in caplog.messages if "alarm" in line)
 
 
-def test_mail_goes_encrypted_with_the_name_and_password_of_the_environment(
+def test_mail_is_sent_encrypted_with_credentials_from_the_environment(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     server = MagicMock()
@@ -154,6 +154,6 @@ def test_mail_without_a_usable_server_is_refused(
     assert "s3cret" not in str(caught.value)
 
 
-def test_no_header_comes_into_a_mail_by_an_address() -> None:
+def test_an_address_cannot_inject_mail_headers() -> None:
     with pytest.raises(ValidationError):
         make_study(alarms={"mail": ["ada@example.org\nBcc: all@example.org"]})

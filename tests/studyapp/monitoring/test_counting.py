@@ -47,7 +47,7 @@ def session_progress(standing: Standing, settled: int = 0, **changes: Any) -> Se
     return SessionProgress(**(values | changes))
 
 
-def test_places_are_open_that_are_wanted_and_held_by_nobody() -> None:
+def test_open_places_are_those_required_and_not_held() -> None:
     arms = [
         Arm(name=name, conditions=("a", "b"), places=places)
         for name, places in (("x", 5), ("y", 2))
@@ -148,7 +148,7 @@ def test_a_long_list_is_cut_into_pages_without_loss() -> None:
     assert rows_on_page(long, 4) == []
 
 
-def test_places_done_are_a_staircase_that_goes_on_to_the_projected_end() -> None:
+def test_completed_places_are_plotted_with_the_projected_end() -> None:
     began = NOON - timedelta(hours=4)
     finished = [NOON - timedelta(hours=hours) for hours in (2, 3)]
 

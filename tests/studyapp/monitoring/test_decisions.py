@@ -50,7 +50,7 @@ def left(count: int, came: int, position: int = 3) -> Dropouts:
     return Dropouts(by_trial=by_trial, withdrawn=0, came=came)
 
 
-def test_a_study_that_goes_well_needs_no_decision() -> None:
+def test_a_healthy_study_needs_no_decision() -> None:
     assert decisions(**QUIET) == ()
 
 

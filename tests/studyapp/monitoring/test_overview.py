@@ -42,7 +42,7 @@ def people(database: Database, served: ServedStudy, clock: SetClock) -> None:
 
 
 @BOTH
-def test_everything_that_happened_is_counted_once_and_lists_hold_as_many(
+def test_every_event_is_counted_once_and_lists_agree(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     people(opened, served, clock)
@@ -84,7 +84,7 @@ def test_everything_that_happened_is_counted_once_and_lists_hold_as_many(
     assert count(arm="no such arm") == count(earlier=True) == 0
 
 
-def test_study_sessions_of_another_design_are_counted_apart(
+def test_study_sessions_of_another_design_are_counted_separately(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     people(opened, served, clock)
@@ -98,7 +98,7 @@ def test_study_sessions_of_another_design_are_counted_apart(
     assert (found.places.done, found.dropouts.came, found.progress.emotions) == (0, 0, ())
 
 
-def test_a_study_that_nobody_has_come_to_has_an_overview(
+def test_a_study_without_participants_has_an_overview(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     found = overview(opened, served, clock.now())

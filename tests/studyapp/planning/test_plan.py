@@ -16,7 +16,7 @@ def pairwise(own_study: OwnStudy, monkeypatch: pytest.MonkeyPatch) -> Path:
     return own_study("pairwise").root
 
 
-def test_an_answered_study_gives_spreads_and_the_excluded_participants(pairwise: Path) -> None:
+def test_an_answered_study_gives_spreads_and_its_exclusion_rate(pairwise: Path) -> None:
     definition = pairwise / "study.toml"
     text = definition.read_text("utf-8").replace("participants = 3", "participants = 16")
     definition.write_text(text, "utf-8")

@@ -38,7 +38,7 @@ def only(study: Study, participants: int = 6, items: int = 12, *, excluded: floa
     return part
 
 
-def test_trials_are_those_that_the_study_plans() -> None:
+def test_simulated_trials_are_those_of_the_study() -> None:
     study = make_study(trials=5, practice=2)
     size = planned(study).size(6, 12)
     (part,) = size.parts
@@ -83,7 +83,7 @@ def test_excluded_participants_are_missing_unless_they_are_replaced() -> None:
     assert size.parts[0].trials.analysed == 22
 
 
-def test_more_segments_are_like_those_there_are() -> None:
+def test_added_segments_resemble_existing_ones() -> None:
     more = with_items(SEGMENTS, 30)
     few = with_items(SEGMENTS, 6)
 

@@ -18,7 +18,7 @@ MODULES = [path.read_text() for path in Path(preflight.__path__[0]).glob("*.py")
 SOURCE = "\n".join([*MODULES, Path(media_probe.__file__).read_text()])
 
 
-def test_the_table_in_the_documents_is_the_catalogue() -> None:
+def test_the_documented_table_matches_the_catalogue() -> None:
     page = (DOCS / "check.md").read_text(encoding="utf-8")
 
     assert with_table(page) == page, "run python -m tools.check_page"
@@ -50,7 +50,7 @@ def calls() -> Iterator[tuple[str, set[str]]]:
                 yield str(name.value), {str(keyword.arg) for keyword in node.keywords}
 
 
-def test_every_clause_gets_its_values() -> None:
+def test_every_placeholder_of_a_finding_is_filled() -> None:
     for name, keywords in calls():
         fields = {field for _, field, _, _ in Formatter().parse(kinds()[name].says) if field}
         assert {field.partition(".")[0] for field in fields} <= keywords, name
@@ -81,7 +81,7 @@ def test_a_finding_is_printed_with_name_place_and_remedy_and_those_of_a_kind_tog
     assert "it is known." in output(NOTE, everything=True)
 
 
-def test_a_record_counts_and_keeps_all_findings() -> None:
+def test_the_json_record_has_all_findings_and_counts() -> None:
     warning = Finding(name="odd", severity="warning", what="b", where="w", remedy="Look at it")
     record = make_record("mine", [missing("a"), warning, NOTE])
 

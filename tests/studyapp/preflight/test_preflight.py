@@ -67,7 +67,7 @@ def change(folder: StudyFolder, keys: Mapping[str, object]) -> None:
             table[name] = value
 
 
-def test_a_missing_video_is_named_with_its_conditions_and_errors_come_first(
+def test_a_missing_video_is_reported_with_its_conditions_and_errors_come_first(
     ready: StudyFolder,
 ) -> None:
     pair = read_stimuli(ready.stimuli).pairs[3]
@@ -82,7 +82,7 @@ def test_a_missing_video_is_named_with_its_conditions_and_errors_come_first(
         assert word in error
 
 
-def test_a_video_longer_than_its_speech_and_then_missing_speech_are_named(
+def test_overlong_videos_and_missing_speech_are_reported(
     ready: StudyFolder,
 ) -> None:
     first, *others = read_stimuli(ready.stimuli).pairs
@@ -156,14 +156,14 @@ def test_settings_are_compared_with_each_other_and_with_the_material(
         {"video.avatar": "mannequin", "freeze": ["face", "hands"]},
     ],
 )
-def test_a_framing_of_what_moves_is_fine(ready: StudyFolder, keys: dict[str, object]) -> None:
+def test_framing_the_moving_part_is_accepted(ready: StudyFolder, keys: dict[str, object]) -> None:
     change(ready, keys)
     findings = check(ready)
     assert count(findings, "warning", "frame the") == 0
     assert count(findings, "note", "about the face") == 0
 
 
-def test_notes_of_the_design_vanish_once_the_study_file_is_changed(
+def test_design_notes_disappear_once_the_study_file_is_edited(
     ready: StudyFolder, original: list[Finding]
 ) -> None:
     repeated = "1 of 1 catch trials and attention checks repeat the speech"
@@ -187,7 +187,7 @@ def test_notes_of_the_design_vanish_once_the_study_file_is_changed(
     assert count(findings, "warning", "excludes nobody") == 0
 
 
-def test_a_channel_that_moves_in_some_conditions_only_is_found_until_it_is_frozen(
+def test_a_channel_that_moves_in_only_some_conditions_is_reported_until_frozen(
     ready: StudyFolder,
 ) -> None:
     for segment in ready.segments():
@@ -199,7 +199,7 @@ def test_a_channel_that_moves_in_some_conditions_only_is_found_until_it_is_froze
     assert count(check(ready), "warning", "never moves") == 0
 
 
-def test_every_broken_clip_is_an_error_beside_all_other_findings(
+def test_every_broken_clip_is_an_error_among_other_findings(
     ready: StudyFolder, original: list[Finding]
 ) -> None:
     segments = [segment.name for segment in ready.segments()][:2]

@@ -49,7 +49,7 @@ def test_a_file_that_is_no_database_is_found(tiny_study: Path) -> None:
     assert "database-unusable" in names(tiny_study)
 
 
-def test_participants_are_counted_and_a_pause_and_a_changed_design_are_found(
+def test_participants_a_pause_and_a_changed_design_are_reported(
     tiny_study: Path,
 ) -> None:
     answer_study(tiny_study, people=2)
@@ -115,7 +115,7 @@ def test_only_a_local_address_may_be_unencrypted() -> None:
         (server(ranges=False), "ranges-lost"),
     ],
 )
-def test_another_server_and_lost_ranges_are_found(
+def test_another_server_and_missing_byte_ranges_are_found(
     transport: httpx.BaseTransport, name: str
 ) -> None:
     assert request(HTTPS, transport) == [name]

@@ -53,7 +53,7 @@ PAGE = {
         ("consent", "  \n ", {"consent-blank"}),
     ],
 )
-def test_gaps_of_the_page_are_found(key: str, value: object, names: set[str]) -> None:
+def test_missing_page_settings_are_found(key: str, value: object, names: set[str]) -> None:
     page = PAGE | {key: value}
     assert {finding.name for finding in page_findings(make_study(page=page))} == names
 
@@ -82,7 +82,7 @@ def test_time_covers_videos_questions_and_texts() -> None:
     assert expected.longest_page == pytest.approx(17.0)
 
 
-def test_words_are_counted_in_text_without_spaces() -> None:
+def test_words_are_counted_in_languages_without_spaces() -> None:
     assert count_words("three short words") == 3
     assert count_words("動画を見て下さい。") == pytest.approx(8 / 2.5 + 1)
 
@@ -98,7 +98,7 @@ def test_words_are_counted_in_text_without_spaces() -> None:
         (10, 5, {"lease-short"}),
     ],
 )
-def test_a_misstated_duration_a_long_study_and_a_short_lease_are_warned_of(
+def test_wrong_durations_long_studies_and_short_leases_give_warnings(
     minutes: float, lease: int, names: set[str]
 ) -> None:
     study = make_study(page=PAGE, lease_minutes=lease)
@@ -109,7 +109,7 @@ def test_a_misstated_duration_a_long_study_and_a_short_lease_are_warned_of(
     assert findings == {"expected-duration"} | names
 
 
-def test_the_pace_is_that_of_participants_who_finished(tiny_study: Path) -> None:
+def test_the_pace_comes_from_participants_who_finished(tiny_study: Path) -> None:
     folder = StudyFolder(tiny_study)
     material = Material.read(folder, folder.study())
     assert pace_of_study(material) is None

@@ -48,7 +48,7 @@ def check_videos(folder: StudyFolder) -> dict[str, str]:
     return {finding.name: finding.what for finding in findings}
 
 
-def test_an_intact_study_has_small_pictures_only(own_study: OwnStudy) -> None:
+def test_the_only_finding_of_an_intact_study_is_small_pictures(own_study: OwnStudy) -> None:
     assert set(check_videos(own_study("rating"))) == {"picture-small", "frame-rate-low"}
 
 
@@ -112,7 +112,7 @@ def test_silence_is_measured_in_blocks() -> None:
     assert silent_share(Audio(speech, SOUND_RATE)) == pytest.approx(0.7, abs=0.05)
 
 
-def test_videos_of_catch_trials_that_look_alike_are_found(own_study: OwnStudy) -> None:
+def test_catch_trials_with_similar_videos_are_found(own_study: OwnStudy) -> None:
     study = own_study("pairwise")
     assert "hardly differ in 3 of 3 segments" in check_videos(study)["catch-hardly-differs"]
     for segment, spoilt in (("one", Told(rate=10)), ("two", Told(frames=24))):
@@ -126,7 +126,7 @@ def test_videos_of_catch_trials_that_look_alike_are_found(own_study: OwnStudy) -
     assert "catch-hardly-differs" not in check_videos(study)
 
 
-def test_a_page_loads_its_own_videos_and_those_of_the_next() -> None:
+def test_page_weight_includes_the_next_pages_videos() -> None:
     (segment,) = make_segments(["neutral"])
     shown: dict[str, Content] = {name: (Stimulus.own(name, segment.name),) for name in "abc"}
     plan = [

@@ -17,7 +17,7 @@ from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
 @BOTH
-def test_an_invitation_is_one_study_session_however_often_it_is_used_and_no_link_is_stored(
+def test_an_invitation_gives_one_study_session_and_its_link_is_not_stored(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     tokens = make_invitations(opened, 2, clock)

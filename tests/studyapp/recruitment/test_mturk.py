@@ -55,9 +55,7 @@ def client(connection: Any) -> MTurkClient:
     return MTurkClient(connection)
 
 
-def test_a_hit_is_made_as_mechanical_turk_wants_it_looked_at_and_stopped(
-    client: MTurkClient, stub: Stubber
-) -> None:
+def test_a_hit_is_created_inspected_and_stopped(client: MTurkClient, stub: Stubber) -> None:
     request = hit_request(STUDY, ADDRESS, made_before=0, live=False)
     answer = {"HIT": {"HITId": "h1", "HITStatus": "Assignable", "MaxAssignments": 20}}
     stub.add_response("create_hit", answer, request)
@@ -157,7 +155,7 @@ def test_tasks_of_the_sandbox_are_not_on_the_live_site(sandbox: Sandbox) -> None
         mturk.hits_of(sandbox.folder, live=True)
 
 
-def test_a_study_session_is_paid_once_however_often_it_is_handed_in(sandbox: Sandbox) -> None:
+def test_a_study_session_is_paid_once_however_often_it_is_submitted(sandbox: Sandbox) -> None:
     with taking_part(sandbox.folder.root) as worker:
         arrival = Arrival(recruiter_participant="w1", recruiter_session="a1")
         worker.arrive(arrival).begin().take_all()

@@ -49,7 +49,7 @@ WAITING = "AWAITING REVIEW"
         ("REJECTED", None, "failed_attention", "settled", "rejected"),
     ],
 )
-def test_only_who_finished_and_waits_is_paid(
+def test_only_finished_unpaid_participants_are_paid(
     status: str, code: str | None, study_status: StudyStatus, verdict: Verdict, why: str
 ) -> None:
     judged = judge_submission(status, code, study_status, CODES)
@@ -77,7 +77,7 @@ def test_assignments_are_paid_by_the_same_rule(
     ("rule", "failed", "outcome"),
     [(2, 1, "completed"), (2, 2, "failed_attention"), (3, 2, "completed"), (0, 9, "completed")],
 )
-def test_pay_needs_as_many_failed_checks_as_the_rule_says(
+def test_pay_is_refused_only_after_the_rules_number_of_failed_checks(
     rule: int, failed: int, outcome: str
 ) -> None:
     assert Recruitment(unpaid_failed_checks=rule).outcome(failed) == outcome
@@ -95,7 +95,7 @@ def test_a_participant_without_a_submission_id_is_matched_to_the_only_one() -> N
 
 
 @BOTH
-def test_everybody_sent_by_name_is_known_with_where_they_stand(
+def test_everybody_sent_by_name_is_listed_with_their_status(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     def come(name: str) -> Participant:

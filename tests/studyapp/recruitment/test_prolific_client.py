@@ -55,7 +55,7 @@ def client(stand_in: StandIn, waits: list[float]) -> Iterator[ProlificClient]:
         yield opened
 
 
-def test_an_action_whose_answer_was_lost_is_found_done_and_a_refusal_is_in_prolifics_words(
+def test_a_lost_response_is_recovered_and_a_refusal_quotes_prolific(
     client: ProlificClient, stand_in: StandIn
 ) -> None:
     made = client.create(draft())
@@ -66,7 +66,7 @@ def test_an_action_whose_answer_was_lost_is_found_done_and_a_refusal_is_in_proli
     assert client.move(made.id, "PUBLISH").status == "ACTIVE"
 
 
-def test_a_draft_whose_answer_was_lost_is_not_made_again(
+def test_a_draft_whose_response_was_lost_is_not_created_twice(
     client: ProlificClient, stand_in: StandIn, waits: list[float]
 ) -> None:
     wanted = draft()
@@ -82,7 +82,7 @@ def test_a_draft_whose_answer_was_lost_is_not_made_again(
     assert client.study_named("another") is None
 
 
-def test_a_busy_prolific_is_asked_again_later_and_later_until_it_is_given_up(
+def test_a_busy_prolific_is_retried_with_growing_pauses(
     client: ProlificClient, stand_in: StandIn, waits: list[float]
 ) -> None:
     stand_in.troubles = [429, 429, 503]
@@ -125,7 +125,7 @@ def test_all_pages_of_submissions_are_read_and_many_are_approved_in_few_requests
     assert len([each for each in stand_in.asked if "bulk-approve" in each]) == 2
 
 
-def test_the_token_stands_in_no_error_log_or_address(
+def test_the_token_is_in_no_error_log_or_address(
     stand_in: StandIn, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     secret = "s3cret-of-a-researcher"  # noqa: S105
@@ -146,7 +146,7 @@ def test_the_token_stands_in_no_error_log_or_address(
         assert secret not in str(refused.value)
 
 
-def test_an_answer_that_repeats_the_token_does_not_bring_it_into_the_error() -> None:
+def test_a_response_that_echoes_the_token_does_not_leak_it() -> None:
     app = Flask(__name__)
 
     @app.route("/<path:_path>")
@@ -184,7 +184,7 @@ def test_each_outcome_has_its_code_and_only_finishing_may_be_paid_unseen() -> No
     )
 
 
-def test_prolific_gets_an_address_with_the_participants_id() -> None:
+def test_prolifics_address_has_a_placeholder_for_the_participant() -> None:
     sent = draft()
 
     assert sent["external_study_url"] == (

@@ -111,9 +111,7 @@ def test_only_real_people_are_counted_reported_exported_and_backed_up(
     assert rows(rehearsed.rehearsal) == (1, TRIALS * QUESTIONS)
 
 
-def test_nobody_is_paid_at_prolific_for_what_was_rehearsed(
-    rehearsed: StudyFolder, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_rehearsals_pay_nobody(rehearsed: StudyFolder, monkeypatch: pytest.MonkeyPatch) -> None:
     with opened(rehearsed.rehearsal) as database:
         assert [each.study_status for each in known_participants(database)] == ["completed"]
     write_record(rehearsed.root, RecruitmentRecord(prolific_study="s1"))
@@ -129,7 +127,7 @@ def test_nobody_is_paid_at_prolific_for_what_was_rehearsed(
     assert all(asked.startswith("GET ") for asked in site.asked)
 
 
-def test_nobody_simulated_is_known_to_the_study_itself(rehearsed: StudyFolder) -> None:
+def test_simulated_participants_are_unknown_to_the_real_study(rehearsed: StudyFolder) -> None:
     with reading(rehearsed.rehearsal) as session:
         token = session.scalars(select(StudySession.token)).one()
     entrance = f"/?PROLIFIC_PID={PERSON}&STUDY_ID=rehearsal&SESSION_ID={PERSON}"
@@ -138,7 +136,7 @@ def test_nobody_simulated_is_known_to_the_study_itself(rehearsed: StudyFolder) -
         assert person.get(f"/take/{token}").status_code == 404
 
 
-def test_rehearsing_anew_removes_simulated_answers_alone(rehearsed: StudyFolder) -> None:
+def test_a_new_rehearsal_removes_only_simulated_answers(rehearsed: StudyFolder) -> None:
     before = rehearsed.responses.read_bytes()
     prepare(rehearsed, seed=7)
     assert not rehearsed.rehearsal.exists()

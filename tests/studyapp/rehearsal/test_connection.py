@@ -8,7 +8,7 @@ from studyapp.rehearsal.visit import study_client
 REQUESTS = 3
 
 
-def test_a_connection_that_the_server_closes_between_requests_loses_none() -> None:
+def test_a_connection_closed_between_requests_loses_no_request() -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
         listener.settimeout(60)
 

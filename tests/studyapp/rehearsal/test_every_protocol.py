@@ -59,7 +59,7 @@ each_study = pytest.mark.parametrize("folder", STUDIES, indirect=True)
         (r'src="/media/', 'src="/media/x', "a video that is not of this rehearsal"),
     ],
 )
-def test_a_spoilt_page_stops_the_participant(
+def test_a_broken_page_stops_the_simulated_participant(
     app: Flask, participant: Participant, pattern: str, spoilt: str, problem: str
 ) -> None:
     with (
@@ -70,7 +70,7 @@ def test_a_spoilt_page_stops_the_participant(
 
 
 @pytest.mark.parametrize("folder", ["mismatch"], indirect=True)
-def test_a_page_that_only_leads_back_to_itself_is_left(participant: Participant) -> None:
+def test_a_page_that_only_links_to_itself_is_left(participant: Participant) -> None:
     circle = "<h1>Start</h1><form method='post'><button>Go</button></form>"
     transport = httpx.MockTransport(lambda _: httpx.Response(200, html=circle))
     with (
@@ -98,7 +98,7 @@ def require_stored_as_said(database: Database, participant: Participant) -> None
 
 
 @each_study
-def test_a_participant_passes_all_pages_and_what_it_says_is_stored(
+def test_a_simulated_participant_completes_all_pages_and_its_answers_are_stored(
     app: Flask, participant: Participant, eyes: Eyes
 ) -> None:
     with browser(app) as client:

@@ -47,7 +47,7 @@ def judged(
 @pytest.mark.parametrize(
     "kind", ["attentive", "careless", "hasty", "side_biased", "straight_lining"]
 )
-def test_every_answer_is_one_that_the_study_takes(study: Study, kind: Kind) -> None:
+def test_every_simulated_answer_is_valid(study: Study, kind: Kind) -> None:
     for _, trial, judgement in judged(study, kinds={kind: 1.0}):
         asks = study.asks(trial)
         assert set(judgement.values) == {ask.key for ask in asks}
@@ -58,7 +58,7 @@ def test_every_answer_is_one_that_the_study_takes(study: Study, kind: Kind) -> N
 
 @each_study
 @pytest.mark.parametrize("overlooked", [0.0, 1.0])
-def test_attention_checks_are_done_as_they_ask_or_answered_as_any_other_page(
+def test_attention_checks_are_followed_or_answered_like_other_pages(
     study: Study, overlooked: float
 ) -> None:
     for rater, trial, judgement in judged(study, kinds={}, overlooked=overlooked):

@@ -43,7 +43,7 @@ def fill(answers: Mapping[str, tuple[str, ...]], html: str = TRIAL) -> dict[str,
     return page.fill(page.answer_form, answers)
 
 
-def test_a_form_is_filled_with_answers_and_all_that_a_browser_sends_along() -> None:
+def test_a_form_is_submitted_as_by_a_browser() -> None:
     answers = {**ANSWERS, "fit:reasons": ("hands", "face")}
 
     assert fill(answers) == {
@@ -86,12 +86,12 @@ def test_unanswerable_questions_are_named(answers: dict[str, str], problem: str)
         ('data-watched-url="/watched/7"', "without data-watched-url"),
     ],
 )
-def test_a_page_that_lacks_what_a_person_needs_is_named(lost: str, problem: str) -> None:
+def test_an_incomplete_page_is_reported(lost: str, problem: str) -> None:
     with pytest.raises(BrokenPageError, match=rf"^/p/trial: .*Trial 7 of 30.*{problem}"):
         fill(ANSWERS, TRIAL.replace(lost, ""))
 
 
-def test_a_completion_code_is_read_from_its_place_alone() -> None:
+def test_a_completion_code_is_read_only_from_its_element() -> None:
     page = Page("http://study.test/done", '<p>Thanks</p><output id="completion-code"> K7 </output>')
     assert page.completion_code == "K7"
     with pytest.raises(BrokenPageError, match="empty completion code"):

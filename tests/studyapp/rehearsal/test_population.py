@@ -11,7 +11,7 @@ from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.rehearsal import Rehearsal
 
 
-def test_stated_values_replace_guessed_ones(study: PairwiseStudy) -> None:
+def test_stated_values_replace_defaults(study: PairwiseStudy) -> None:
     stated = Rehearsal.model_validate(
         {
             "careless": 0.2,
@@ -33,9 +33,7 @@ UTILITIES = st.lists(st.floats(-9, 9), min_size=2, max_size=8)
 
 
 @given(utilities=UTILITIES, within=st.floats(0, 5))
-def test_shared_ranks_leave_no_rank_out_and_keep_the_order(
-    utilities: list[float], within: float
-) -> None:
+def test_tied_ranks_skip_no_rank_and_keep_the_order(utilities: list[float], within: float) -> None:
     found = ranks(utilities, tie_within=within)
     assert set(found) == set(range(1, max(found) + 1))
     assert sorted(ranks(utilities)) == list(range(1, len(utilities) + 1))

@@ -56,7 +56,7 @@ def wrong(recovery: Recovery) -> list[str]:
     return [check.what for check in recovery.miscounted]
 
 
-def test_everything_is_counted_right_and_what_is_lost_or_changed_is_found_out(
+def test_lost_or_changed_answers_are_detected(
     folder: StudyFolder, app: Flask, participant: Participant, eyes: Eyes
 ) -> None:
     rehearsed(folder, app, participant, eyes, "careless", "dropping_out")
@@ -86,12 +86,12 @@ def test_everything_is_counted_right_and_what_is_lost_or_changed_is_found_out(
     assert "were shown the code that is stored, each another one" in spoilt
 
 
-def test_without_a_rehearsal_there_is_nothing_to_find(folder: StudyFolder) -> None:
+def test_without_a_rehearsal_there_is_no_comparison(folder: StudyFolder) -> None:
     with pytest.raises(InputError, match="has not been rehearsed"):
         recover(folder)
 
 
-def test_everything_noted_is_read_again_but_for_a_line_that_was_never_finished(
+def test_notes_are_read_back_except_an_unfinished_line(
     folder: StudyFolder,
 ) -> None:
     ledger = Ledger(folder.acknowledged)

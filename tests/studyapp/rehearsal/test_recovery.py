@@ -37,7 +37,7 @@ def reference_share(
 
 
 @pytest.mark.slow
-def test_the_intervals_of_the_report_hold_the_truth_as_often_as_they_claim(
+def test_the_reports_intervals_have_their_stated_coverage(
     study: PairwiseStudy, population: Population
 ) -> None:
     rules = [rule.to_rule() for rule in study.settled_exclusions]

@@ -68,7 +68,7 @@ def test_a_design_that_cannot_answer_is_distinguished_from_bad_luck() -> None:
     assert "not told apart this time" in difference_in_words(replace(UNDECIDED, truth=0.3))
 
 
-def test_each_kind_is_counted_as_left_out_missed_or_wrongly_left_out() -> None:
+def test_each_kind_is_counted_as_excluded_missed_or_wrongly_excluded() -> None:
     found = {kind.kind: kind for kind in kinds()}
     attentive, careless, left = (found[kind] for kind in ("attentive", "careless", "dropping_out"))
     assert (attentive.came, attentive.analysed, attentive.wrongly_excluded) == (3, 2, 1)

@@ -33,7 +33,7 @@ def spoil(folder: StudyFolder, what: str) -> None:
         (1, "population", "another population"),
     ],
 )
-def test_the_same_rehearsal_is_gone_on_with_and_any_other_starts_anew_and_says_so(
+def test_a_rehearsal_resumes_only_with_the_same_settings(
     folder: StudyFolder, seed: int, changed: str, message: str
 ) -> None:
     prepare(folder, seed=1)
@@ -72,7 +72,7 @@ def roster(folder: StudyFolder, count: int, *arrived: tuple[int, bool, int | Non
         return read_roster(database, count, truth)
 
 
-def test_the_roster_lists_participants_and_expects_at_most_twice_as_many_as_places(
+def test_the_roster_has_at_most_twice_as_many_participants_as_places(
     folder: StudyFolder,
 ) -> None:
     begun = roster(folder, 4, (2, True, 0), (1, False, 1))

@@ -113,7 +113,7 @@ def said(rendered: Path) -> list[tuple[object, ...]]:
 
 
 @pytest.mark.slow
-def test_participants_can_be_added_answer_by_the_seed_alone_and_real_answers_are_never_touched(
+def test_participants_can_be_added_and_depend_on_the_seed_alone(
     folder: StudyFolder, said: list[tuple[object, ...]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Who leaves is replaced, and nobody's answers depend on who comes first."""
@@ -188,7 +188,7 @@ def kill(folder: StudyFolder, how: signal.Signals) -> None:
 
 
 @pytest.mark.slow
-def test_a_rehearsal_that_was_stopped_in_any_way_leaves_no_server_and_is_finished_as_any_other(
+def test_a_stopped_rehearsal_leaves_no_server_and_can_be_finished(
     folder: StudyFolder, said: list[tuple[object, ...]]
 ) -> None:
     before: set[tuple[object, ...]] = set()

@@ -86,7 +86,7 @@ def said(study: Study, *, seed: int, raters: int) -> Mapping[tuple[str, str], Se
 @pytest.mark.parametrize(
     ("protocol", "keys"), [*zip(PROTOCOLS, STUDIES.values(), strict=True)], ids=STUDIES
 )
-def test_very_many_raters_agree_with_the_value_on_these_segments(
+def test_many_raters_approach_the_true_value_on_these_segments(
     protocol: str, keys: dict[str, object]
 ) -> None:
     study = made(protocol, **keys)
@@ -100,7 +100,7 @@ def test_very_many_raters_agree_with_the_value_on_these_segments(
         assert abs(np.mean(counted) - known.on_these_segments) < 3 * error, known.about
 
 
-def test_very_many_studies_agree_with_the_value_over_all_segments() -> None:
+def test_many_studies_approach_the_true_value_over_all_segments() -> None:
     study = made("pairwise", **STUDIES["pairs"])
     counted = [np.mean(said(study, seed=seed, raters=6)["", "ours-theirs"]) for seed in range(500)]
     (known, *_) = expectations(study, SEGMENTS, population=PEOPLE, seed=0)

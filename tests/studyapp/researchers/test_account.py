@@ -18,7 +18,7 @@ from tests.studyapp.researchers.conftest import NEW, Door
 from tests.support.studies.taking_part_steps import SetClock
 
 
-def test_the_last_owner_can_neither_leave_nor_become_something_else(door: Door) -> None:
+def test_the_last_owner_can_neither_leave_nor_change_role(door: Door) -> None:
     charles = door.join("Charles", "analyst")
 
     with pytest.raises(InputError, match=r"only owner.*somebody else"):
@@ -78,7 +78,7 @@ def test_a_link_expires(door: Door, purpose: str) -> None:
     assert list_usable_links(door.database, door.clock.now()) == []
 
 
-def test_a_name_is_given_once_and_a_refused_one_leaves_the_link_usable(door: Door) -> None:
+def test_names_are_unique_and_a_refused_name_leaves_the_link_usable(door: Door) -> None:
     token = door.invite("analyst")
 
     for name, problem in (("ADA", "already"), ("A", "2 to 100"), ("A\x00da", "visible")):
@@ -113,7 +113,7 @@ def test_removed_researchers_get_no_new_password(door: Door) -> None:
         door.offer("Nobody")
 
 
-def test_a_link_that_was_taken_back_cannot_be_used(door: Door) -> None:
+def test_a_revoked_link_cannot_be_used(door: Door) -> None:
     token = door.invite("owner")
     (link,) = list_usable_links(door.database, door.clock.now())
 

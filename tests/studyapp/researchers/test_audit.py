@@ -11,7 +11,7 @@ from tests.support.studies.taking_part_steps import SetClock
 
 
 @BOTH
-def test_a_look_is_in_both_logs_and_researchers_are_numbered_for_others(
+def test_a_look_is_in_both_logs_and_researchers_are_numbered(
     opened: Database, clock: SetClock
 ) -> None:
     state = StudyState(finished=12, planned=25, answers=300)

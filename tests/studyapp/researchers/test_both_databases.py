@@ -32,7 +32,7 @@ def at_once(do: Callable[[Given], object], each: Sequence[Given]) -> list[type[B
         return [raised for raised in pool.map(tried, each) if raised is not None]
 
 
-def test_an_account_lives_from_the_link_to_the_end(door: Door) -> None:
+def test_an_accounts_life_from_link_to_removal(door: Door) -> None:
     number = door.join("Charles")
     door.turns_away("Charles", "wrong")
     login = door.enter("Charles")
@@ -50,14 +50,14 @@ def test_an_account_lives_from_the_link_to_the_end(door: Door) -> None:
         door.use(door.invite(), "ada")
 
 
-def test_attempts_at_the_same_moment_get_no_further(door: Door) -> None:
+def test_simultaneous_attempts_count_towards_the_limit(door: Door) -> None:
     raised = at_once(lambda _: door.enter(password="wrong"), range(MAX_ATTEMPTS_PER_NAME + 6))  # noqa: S106
 
     assert raised.count(WrongLoginError) == MAX_ATTEMPTS_PER_NAME
     assert raised.count(TooManyAttemptsError) == 6
 
 
-def test_a_link_used_by_two_at_once_makes_one_account(door: Door) -> None:
+def test_a_link_used_twice_at_once_makes_one_account(door: Door) -> None:
     token = door.invite()
 
     raised = at_once(lambda name: door.use(token, name), ["Bea", "Charles", "Mary", "George"])
@@ -66,7 +66,7 @@ def test_a_link_used_by_two_at_once_makes_one_account(door: Door) -> None:
     assert len(list_accounts(door.database)) == 2
 
 
-def test_owners_who_shut_each_other_out_at_once_leave_one(door: Door) -> None:
+def test_owners_who_remove_each_other_at_once_leave_one(door: Door) -> None:
     owners = [door.ada, *(door.join(name, "owner") for name in ("Charles", "Mary"))]
 
     raised = at_once(lambda one: remove_access(door.database, door.clock, one, by=""), owners)

@@ -68,7 +68,7 @@ def ask(opened: Database, clock: SetClock, comer: Participant, figures: CountedF
 
 
 @BOTH
-def test_figures_are_computed_once_until_something_has_changed_and_a_rest_is_over(
+def test_figures_are_recomputed_only_after_a_change_and_a_pause(
     clock: SetClock, comer: Participant, figures: CountedFigures, ask: Ask
 ) -> None:
     first, second = ask(), ask()
@@ -93,7 +93,7 @@ def test_figures_are_computed_once_until_something_has_changed_and_a_rest_is_ove
     assert (ask().is_computing, figures.work(), ask().document) == (True, 1, "results 3")
 
 
-def test_a_process_that_went_away_is_replaced_after_a_while(
+def test_a_lost_process_is_replaced_after_a_while(
     clock: SetClock, figures: CountedFigures, ask: Ask
 ) -> None:
     ask()
@@ -122,7 +122,7 @@ def test_a_failure_is_reported_keeps_earlier_results_and_is_retried(
     assert found == [("results 1", ""), ("results 1", "It took too long."), ("results 2", "")]
 
 
-def test_excluding_somebody_makes_figures_old_and_forgetting_somebody_removes_them(
+def test_exclusions_outdate_figures_and_erasures_remove_them(
     opened: Database, clock: SetClock, figures: CountedFigures, ask: Ask
 ) -> None:
     ask()
@@ -139,7 +139,7 @@ def test_excluding_somebody_makes_figures_old_and_forgetting_somebody_removes_th
 
 
 @pytest.mark.slow
-def test_the_process_hands_over_documents_and_says_why_it_cannot(
+def test_the_process_returns_documents_or_a_reason(
     tiny_study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     answer_study(tiny_study, people=3, stop_after=2)

@@ -42,7 +42,7 @@ ELSEWHERE = "192.0.2.9"
     ],
     ids=["idle", "for ever", "a page that refreshes itself"],
 )
-def test_nobody_stays_logged_in_who_does_nothing_or_for_ever(
+def test_logins_end_when_idle_and_after_a_maximum(
     door: Door, *, by_hand: bool, step: float, lasts: int
 ) -> None:
     login = door.enter()
@@ -54,7 +54,7 @@ def test_nobody_stays_logged_in_who_does_nothing_or_for_ever(
     assert door.who(login, by_hand=by_hand) is None
 
 
-def test_every_refusal_says_the_same_after_the_same_work(
+def test_every_refusal_has_the_same_message_and_cost(
     door: Door, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     remove_access(door.database, door.clock, door.join("Charles"), by="Ada")
@@ -72,7 +72,7 @@ def test_every_refusal_says_the_same_after_the_same_work(
     assert verified == ["$argon2id$v=19$m=8,t=1,"] * 4
 
 
-def test_a_password_is_hashed_anew_when_the_parameters_have_changed(
+def test_a_password_is_rehashed_when_the_parameters_change(
     door: Door, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     dearer = PasswordHasher(time_cost=2, memory_cost=8, parallelism=1)
@@ -85,7 +85,7 @@ def test_a_password_is_hashed_anew_when_the_parameters_have_changed(
     door.enter()
 
 
-def test_after_too_many_attempts_not_even_the_right_password_helps_for_a_while(door: Door) -> None:
+def test_too_many_attempts_block_even_the_right_password_for_a_while(door: Door) -> None:
     for _ in range(MAX_ATTEMPTS_PER_NAME):
         door.clock.advance(seconds=1)
         door.turns_away("ada", "wrong")
@@ -112,7 +112,7 @@ def test_one_address_cannot_try_many_names(door: Door) -> None:
     door.enter(address=ELSEWHERE)
 
 
-def test_the_right_password_forgives_wrong_ones_and_old_attempts_are_not_kept(door: Door) -> None:
+def test_the_right_password_clears_failed_attempts(door: Door) -> None:
     for _ in range(2):
         for _ in range(MAX_ATTEMPTS_PER_NAME - 1):
             door.turns_away(password="wrong")  # noqa: S106
@@ -138,7 +138,7 @@ def test_guessing_the_old_password_is_counted_like_logging_in(door: Door) -> Non
         change(PASSWORD)
 
 
-def test_the_database_holds_neither_passwords_nor_what_cookies_and_links_hold(door: Door) -> None:
+def test_the_database_contains_no_password_cookie_or_link(door: Door) -> None:
     secrets = {door.enter(), door.invite()}
 
     with door.database.reading() as session:
@@ -170,7 +170,7 @@ def test_common_too_short_and_too_long_passwords_are_refused() -> None:
             check_password(("zq7!kvmw2p#" * 50)[:length], name="Ada Lovelace")
 
 
-def test_a_password_is_the_same_however_its_letters_are_encoded() -> None:
+def test_passwords_are_compared_after_unicode_normalisation() -> None:
     assert verify_password(hash_password("gru\u0308ne Wiesen im Mai"), "gr\u00fcne Wiesen im Mai")
 
 
@@ -198,7 +198,7 @@ def device(door: Door) -> Device:
     return Device(door, secret, recovery)
 
 
-def test_each_code_of_the_device_logs_in_once(door: Door, device: Device) -> None:
+def test_each_totp_code_logs_in_once(door: Door, device: Device) -> None:
     code = device.code()
     for wrong in ("", "000000", device.code(60)):
         door.turns_away(code=wrong)
@@ -223,7 +223,7 @@ def test_a_recovery_code_logs_in_once_and_none_is_stored(door: Door, device: Dev
     assert not set(kept) & set(device.recovery)
 
 
-def test_turning_it_on_or_off_needs_the_password_and_a_code_that_fits(door: Door) -> None:
+def test_turning_the_second_factor_on_or_off_needs_password_and_code(door: Door) -> None:
     secret = new_secret()
     right = {"secret": secret, "code": code_of(door, secret), "password": PASSWORD}
     for wrong in ({"password": "wrong"}, {"code": "000000"}, {"secret": "short"}):
@@ -239,7 +239,7 @@ def test_turning_it_on_or_off_needs_the_password_and_a_code_that_fits(door: Door
     door.enter()
 
 
-def test_codes_cannot_be_guessed_on_and_on(door: Door, device: Device) -> None:
+def test_guesses_of_codes_are_limited(door: Door, device: Device) -> None:
     for number in range(MAX_ATTEMPTS_PER_NAME):
         with suppress(WrongLoginError):
             door.enter(code=f"{number:06}")
@@ -248,7 +248,7 @@ def test_codes_cannot_be_guessed_on_and_on(door: Door, device: Device) -> None:
         door.enter(code=device.code())
 
 
-def test_a_link_for_a_new_password_does_not_go_around_it(door: Door, device: Device) -> None:
+def test_a_password_link_does_not_bypass_the_second_factor(door: Door, device: Device) -> None:
     assert door.choose(door.offer()) is None
 
     door.turns_away(password=NEW)

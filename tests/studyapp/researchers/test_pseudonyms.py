@@ -14,7 +14,7 @@ def person(**names: str | None) -> StudySession:
     return StudySession(**({"token": "t", "recruiter_study": ""} | names))
 
 
-def test_the_key_is_made_once_for_its_owner_alone(tmp_path: Path) -> None:
+def test_the_key_is_made_once_and_readable_only_by_its_owner(tmp_path: Path) -> None:
     path = tmp_path / "pseudonyms.key"
     assert PseudonymKey.read(path) is None
 
@@ -40,7 +40,7 @@ def test_a_damaged_key_is_refused_and_not_replaced(tmp_path: Path, content: byte
     assert path.read_bytes() == content
 
 
-def test_a_pseudonym_is_the_persons_and_the_keys() -> None:
+def test_a_pseudonym_depends_on_person_and_key() -> None:
     key, other = PseudonymKey(bytes(32)), PseudonymKey(bytes(31) + b"1")
     one = person(recruiter_participant="pid", recruiter_study="study", visit="v")
 

@@ -51,9 +51,7 @@ def test_real_answers_come_before_those_of_a_rehearsal_which_are_reported_on_req
     assert "--rehearsal" in CliRunner().invoke(group, ["report", "--help"]).output
 
 
-def test_a_table_that_became_empty_is_not_left_as_it_was(
-    folder: StudyFolder, tmp_path: Path
-) -> None:
+def test_a_table_that_became_empty_is_overwritten(folder: StudyFolder, tmp_path: Path) -> None:
     answer_once(folder, folder.responses)
     earlier = tmp_path / "real_refusals.csv"
     earlier.write_text("study_session\n1\n", "utf-8")
@@ -87,9 +85,7 @@ Once = Callable[..., Path]
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_the_same_answers_stand_in_the_table_and_in_the_export(
-    answered_once: Once, protocol: str
-) -> None:
+def test_table_and_export_have_the_same_answers(answered_once: Once, protocol: str) -> None:
     folder = StudyFolder(answered_once(protocol))
     with reading(folder.responses) as session:
         exported = responses_table(session)
@@ -108,7 +104,7 @@ def test_the_same_answers_stand_in_the_table_and_in_the_export(
         assert table["watched"].astype(float).tolist() == part["watched"].tolist()
 
 
-def test_right_answers_of_pairs_are_those_shown_and_failures_those_that_the_protocol_finds(
+def test_right_answers_and_failures_match_the_protocol(
     answered_once: Once,
 ) -> None:
     folder = StudyFolder(answered_once("pairwise"))

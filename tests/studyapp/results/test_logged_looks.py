@@ -67,7 +67,7 @@ def before(folder: StudyFolder) -> LooksBefore:
     return earlier_looks(folder.study(), read_answers(folder, "participants"))
 
 
-def test_reports_say_which_looks_there_were_before_and_another_lab_repeats_them(
+def test_reports_list_earlier_looks_also_in_another_lab(
     folder: StudyFolder, tmp_path: Path
 ) -> None:
     looked(folder, by="Ada Lovelace", finished=1, reason="=videos <stalled>", times=3)
@@ -97,7 +97,7 @@ def test_reports_say_which_looks_there_were_before_and_another_lab_repeats_them(
     assert stored_looks(folder)[0] == ("report", "", "a video broke", 2)
 
 
-def test_a_report_is_no_look_before_itself_but_one_before_later_answers(
+def test_a_report_counts_as_a_look_only_for_later_answers(
     folder: StudyFolder,
 ) -> None:
     said = noted(folder, "a video broke"), noted(folder)

@@ -30,7 +30,7 @@ def folders(motion_file: Callable[..., Path], tmp_path: Path) -> Callable[..., P
     return make
 
 
-def test_a_study_is_measured_beside_its_ground_truth_and_keeps_its_positions(
+def test_a_study_is_compared_with_its_ground_truth_and_caches_positions(
     folder: StudyFolder, take: Callable[..., Take]
 ) -> None:
     import_take(folder, take())
@@ -72,7 +72,7 @@ def test_a_study_is_measured_with_the_published_evaluator_that_it_names(
     assert {*published} <= names
 
 
-def test_a_folder_of_motion_is_one_condition_and_folders_in_it_are_several(
+def test_a_folder_is_one_condition_and_its_subfolders_are_several(
     folders: Callable[..., Path],
 ) -> None:
     flat = folders("flat", "a.npz", "b.npz")
@@ -83,7 +83,7 @@ def test_a_folder_of_motion_is_one_condition_and_folders_in_it_are_several(
         assert list(dict.fromkeys(s.condition for s in metrics.conditions)) == named
 
 
-def test_the_reference_is_measured_too_and_compared_with_by_names_of_files(
+def test_the_reference_is_measured_and_matched_by_file_name(
     folders: Callable[..., Path], tmp_path: Path
 ) -> None:
     scores = tmp_path / "semantics"
@@ -105,7 +105,7 @@ def test_the_reference_is_measured_too_and_compared_with_by_names_of_files(
 
 
 @pytest.mark.slow
-def test_motion_and_speech_of_any_format_are_taken_by_their_names(
+def test_motion_and_speech_of_any_format_are_matched_by_name(
     folders: Callable[..., Path],
     speech_file: Callable[..., Path],
     shared_data: Path,
@@ -130,7 +130,7 @@ def test_motion_and_speech_of_any_format_are_taken_by_their_names(
         (("recorded/a.npz",), ("a.npz",), "name of the reference, 'recorded'"),
     ],
 )
-def test_folders_that_do_not_fit_are_refused(
+def test_mismatched_folders_are_refused(
     folders: Callable[..., Path],
     made: tuple[str, ...],
     reference: tuple[str, ...] | None,

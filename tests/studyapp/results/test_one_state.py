@@ -57,7 +57,7 @@ def live(folder: StudyFolder, _out: Path) -> object:
     ],
     indirect=["database_url"],
 )
-def test_somebody_who_withdraws_meanwhile_is_in_all_of_it_or_in_nothing(
+def test_a_withdrawal_during_reading_is_seen_everywhere_or_nowhere(
     tiny_study: Path,
     tmp_path: Path,
     database_url: str,

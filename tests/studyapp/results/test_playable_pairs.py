@@ -42,7 +42,7 @@ def opened(page: Path) -> BeautifulSoup:
     return BeautifulSoup(page.read_text("utf-8"), "html.parser")
 
 
-def test_pairs_play_in_the_order_of_their_win_shares_under_the_labels_of_conditions(
+def test_pairs_are_ordered_by_win_share_and_labelled(
     folder: StudyFolder, page: BeautifulSoup
 ) -> None:
     section = page.select_one("#motion")
@@ -60,7 +60,7 @@ def test_pairs_play_in_the_order_of_their_win_shares_under_the_labels_of_conditi
     assert not any(words in unasked for words in ("motion-viewer", "media-src", 'id="motion"'))
 
 
-def test_only_scripts_that_the_policy_knows_are_in_the_page(page: BeautifulSoup) -> None:
+def test_the_page_has_only_scripts_allowed_by_its_policy(page: BeautifulSoup) -> None:
     policy = str(page.select('meta[http-equiv="Content-Security-Policy"]')[0]["content"])
     run = [each.string or "" for each in page.select("script:not([type])")]
 
@@ -68,7 +68,7 @@ def test_only_scripts_that_the_policy_knows_are_in_the_page(page: BeautifulSoup)
     assert re.findall(r"'(sha256-[^']+)'", policy) == [policy_hash(script) for script in run]
 
 
-def test_pairs_whose_motion_is_not_there_are_named(answered: Answered) -> None:
+def test_pairs_with_missing_motion_are_named(answered: Answered) -> None:
     # Of a mismatch study, the pairs are those of its second task.
     folder = with_motion(answered("mismatch", people=3), "ours")
 
@@ -80,7 +80,7 @@ def test_pairs_whose_motion_is_not_there_are_named(answered: Answered) -> None:
     assert "there is no motion file" in section.get_text()
 
 
-def test_finished_videos_without_recordings_lend_their_sound_to_their_motion(
+def test_sound_comes_from_finished_videos_if_there_is_no_recording(
     answered: Answered,
 ) -> None:
     folder = with_motion(answered("pairwise", people=3), "ours", "theirs", "real")
@@ -96,7 +96,7 @@ def test_finished_videos_without_recordings_lend_their_sound_to_their_motion(
 
 
 @pytest.mark.parametrize("browser", [pytest.param(launched, marks=IN_A_BROWSER)])
-def test_a_pair_plays_in_the_report_without_any_other_file(
+def test_a_pair_plays_in_a_self_contained_report(
     path: Path, browser: Callable[..., AbstractContextManager[Browser]]
 ) -> None:
     asked: list[str] = []

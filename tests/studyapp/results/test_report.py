@@ -45,7 +45,7 @@ RESULTS = {
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_a_study_and_the_table_that_its_report_writes_give_the_same_results(
+def test_a_study_and_its_reports_table_give_the_same_results(
     answered: Answered, protocol: str, tmp_path: Path
 ) -> None:
     page = report(answered(protocol, people=3, stop_after=1))
@@ -81,7 +81,7 @@ def test_a_study_and_the_table_that_its_report_writes_give_the_same_results(
         assert (table.parent / "realism_answers.csv").exists()
 
 
-def test_a_study_that_nobody_has_answered_is_reported_as_such(
+def test_a_study_without_answers_is_reported_as_such(
     answered: Answered,
 ) -> None:
     page = report(answered("mismatch", people=0), with_motion=True)
@@ -95,7 +95,7 @@ def test_a_study_that_nobody_has_answered_is_reported_as_such(
     assert found["participants"] == {"recruited": 0, "attentive": 0}
 
 
-def test_two_reports_of_a_study_are_the_same_bytes_and_leave_nothing_older(
+def test_reports_are_reproducible_and_replace_older_files(
     answered: Answered,
 ) -> None:
     folder = answered("ranking")
@@ -120,7 +120,7 @@ def test_two_reports_of_a_study_are_the_same_bytes_and_leave_nothing_older(
         ("three-systems", ("report", "amuse", "diffsheg", "s2ue")),
     ],
 )
-def test_a_report_measures_what_the_papers_do_whose_protocol_and_systems_a_study_has(
+def test_a_report_has_the_metrics_of_the_papers_that_a_study_follows(
     tmp_path: Path, template: str, measured: tuple[str, ...]
 ) -> None:
     study = new_study(tmp_path / "study.toml", template=template, name="study")

@@ -76,7 +76,7 @@ def left_edge(picture: np.ndarray) -> int:
     return int(np.flatnonzero(picture[60, :, 0] < 120)[0])
 
 
-def test_frames_are_those_of_their_moments(tmp_path: Path) -> None:
+def test_frames_match_their_moments(tmp_path: Path) -> None:
     video = write_block_video(tmp_path / "v.mkv", range(60))
     pictures = [np.asarray(one) for one in frames_at(video, (0.0, 0.5, 1.5, 99.0), 128)]
     assert [left_edge(one) for one in pictures] == pytest.approx([0, 15, 45, 59], abs=1)

@@ -111,7 +111,7 @@ UNUSABLE_RANKINGS: list[tuple[dict[str, str | list[str]], str]] = [
 ]
 
 
-def test_a_ranking_is_an_order_and_reasons_of_it_stand_beside_each_of_its_ranks(
+def test_a_ranking_is_an_order_with_its_reason_stored_at_each_rank(
     arrive: Arrive,
 ) -> None:
     participant = arrive("ranking")
@@ -137,7 +137,7 @@ def test_a_ranking_is_an_order_and_reasons_of_it_stand_beside_each_of_its_ranks(
         participant.answer(shown.token, ranks(shown))
 
 
-def test_every_video_has_to_be_played_in_a_time_of_its_own(arrive: Arrive) -> None:
+def test_videos_cannot_be_watched_simultaneously(arrive: Arrive) -> None:
     participant = arrive("rating")
     _, second, _ = participant.trial().videos
     participant.clock.advance(seconds=2)
@@ -147,7 +147,9 @@ def test_every_video_has_to_be_played_in_a_time_of_its_own(arrive: Arrive) -> No
         participant.report(second.token, (0.0, 2.0))
 
 
-def test_the_code_comes_with_the_last_answer_and_stays(participant: Participant) -> None:
+def test_the_code_appears_with_the_last_answer_and_does_not_change(
+    participant: Participant,
+) -> None:
     for _ in range(participant.look().presentations):
         assert participant.stored().completion_code is None
         last = participant.take_trial()
@@ -173,7 +175,7 @@ def test_the_code_comes_with_the_last_answer_and_stays(participant: Participant)
         (False, "4", 5.0, False),
     ],
 )
-def test_a_video_is_left_out_only_where_something_shows_that_it_failed(
+def test_a_video_can_be_skipped_only_with_evidence_of_failure(
     participant: Participant, *, sent: bool, media_error: str, stalled: float, shown: bool
 ) -> None:
     first = participant.trial()

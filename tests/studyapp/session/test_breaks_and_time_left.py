@@ -16,7 +16,7 @@ def resting(open_changed: Open) -> Participant:
     return open_changed(("[page]\n", "[page]\nbreak_every = 2\n")).enrol().begin()
 
 
-def test_breaks_come_between_trials_wait_until_left_and_never_right_before_the_end(
+def test_breaks_come_between_trials_but_not_right_before_the_end(
     resting: Participant,
 ) -> None:
     breaks = []
@@ -36,7 +36,7 @@ def test_breaks_come_between_trials_wait_until_left_and_never_right_before_the_e
     assert breaks == [(2, 3), (4, 5)]
 
 
-def test_a_break_takes_no_time_from_the_trial_after_it(resting: Participant) -> None:
+def test_a_break_does_not_count_towards_the_next_trials_time(resting: Participant) -> None:
     for _ in range(2):
         resting.take_trial()
     offered = resting.look().offered_break

@@ -59,7 +59,7 @@ def test_only_the_same_participant_continues_a_session(
     assert held_places(opened) == (1 if same else 2)
 
 
-def test_who_has_nothing_but_a_name_waits_and_is_never_told_the_code(
+def test_a_name_alone_has_to_wait_and_never_gets_the_code(
     participant: Participant,
 ) -> None:
     named, clock = Arrival(recruiter_participant="p"), participant.clock
@@ -83,7 +83,7 @@ def test_who_has_nothing_but_a_name_waits_and_is_never_told_the_code(
         silent.withdraw()
 
 
-def test_one_network_address_takes_so_many_places_an_hour(
+def test_places_per_network_address_and_hour_are_limited(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     recruitment = served.study.recruitment.model_copy(update={"newcomers_per_address": 2})
@@ -107,7 +107,7 @@ def test_one_network_address_takes_so_many_places_an_hour(
 
 
 @pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
-def test_many_arrivals_at_once_leave_connections_to_those_who_answer(
+def test_many_arrivals_leave_connections_for_answers(
     participant: Participant,
 ) -> None:
     database, served, clock = participant.database, participant.served, participant.clock

@@ -62,7 +62,7 @@ def test_failing_frees_the_place_and_keeps_code_and_answers(
         ((REPLACING, OTHER_RULES), "catch"),
     ],
 )
-def test_otherwise_the_place_stays_filled(
+def test_other_exclusions_keep_the_place_filled(
     open_changed: Open, changes: tuple[Change, ...], careless: str
 ) -> None:
     assert held_places(finish(open_changed, careless, *changes)) == 1

@@ -19,7 +19,7 @@ from tests.support.studies.asked_forms import ABOUT, ADULT, COMPREHENSION, FORM
 from tests.support.studies.taking_part_steps import Participant
 
 
-def test_questions_come_before_the_trials_and_after_them_and_are_answered_once(
+def test_questions_before_and_after_the_trials_are_answered_once(
     open_changed: Open,
 ) -> None:
     asking = open_changed(added=FORM).arrive(Arrival(visit="visit", form=ADULT))
@@ -64,7 +64,9 @@ def reader(open_changed: Open) -> Participant:
     return open_changed(added=COMPREHENSION).enrol()
 
 
-def test_an_open_question_is_no_try_and_a_wrong_answer_leaves_one_more(reader: Participant) -> None:
+def test_an_unanswered_question_is_not_an_attempt_and_a_wrong_answer_leaves_one(
+    reader: Participant,
+) -> None:
     for answer in ("", "the hats"):
         with pytest.raises(UnacceptableError):
             reader.begin(judged=answer)
@@ -77,7 +79,7 @@ def test_an_open_question_is_no_try_and_a_wrong_answer_leaves_one_more(reader: P
         assert session.scalars(select(FormAnswer.value)).all() == ["the clothes"]
 
 
-def test_nothing_stays_of_who_is_wrong_twice_and_the_place_is_open_again(
+def test_two_wrong_attempts_leave_no_data_and_free_the_place(
     reader: Participant,
 ) -> None:
     with pytest.raises(UnacceptableError):

@@ -16,7 +16,7 @@ from studyapp.session.versions import open_study
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
-def test_nobody_new_comes_in_and_nobody_there_is_disturbed(
+def test_a_closed_intake_refuses_newcomers_and_disturbs_nobody(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     there = Participant(opened, served, clock).enrol("there").begin()
@@ -39,7 +39,7 @@ def test_nobody_new_comes_in_and_nobody_there_is_disturbed(
     ]
 
 
-def test_a_full_study_that_is_extended_takes_as_many_more(
+def test_extending_a_full_study_admits_that_many_more(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     newcomer = Participant(opened, served, clock)

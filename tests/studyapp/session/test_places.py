@@ -29,7 +29,7 @@ def finish(participant: Participant) -> None:
         answer_well(participant, shown.token)
 
 
-def test_a_report_of_what_was_played_gets_a_lost_place_back_and_is_stored(
+def test_a_watch_report_restores_a_lost_place(
     participant: Participant,
 ) -> None:
     token = participant.trial().videos[0].token
@@ -63,7 +63,7 @@ def test_a_participant_who_is_answering_keeps_the_place(
     assert silent.look().state == "lapsed"
 
 
-def test_a_place_that_is_no_longer_wanted_is_not_given_back_to_who_returns(
+def test_a_removed_place_is_not_given_back_to_returners(
     database: Database, clock: SetClock
 ) -> None:
     for participant in arrive(database, clock, 1, 3):

@@ -17,7 +17,7 @@ from studyapp.session.refusal import (
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
-def test_no_more_than_so_many_refusals_of_one_are_noted_and_none_of_a_full_study(
+def test_refusals_are_logged_up_to_a_limit_and_never_for_a_full_study(
     participant: Participant, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(refusal, "MAX_LOGGED", 3)
@@ -37,7 +37,7 @@ def test_no_more_than_so_many_refusals_of_one_are_noted_and_none_of_a_full_study
         ]
 
 
-def test_a_refusal_that_cannot_be_noted_is_still_only_a_refusal(
+def test_a_refusal_that_cannot_be_logged_is_still_a_refusal(
     clock: SetClock, caplog: pytest.LogCaptureFixture
 ) -> None:
     without_tables = Database(create_engine("sqlite://", hide_parameters=True))

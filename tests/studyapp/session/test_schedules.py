@@ -239,7 +239,7 @@ class Schedule(RuleBasedStateMachine):
 
 
 @pytest.mark.slow
-def test_places_and_answers_come_to_what_was_done(database: Database) -> None:
+def test_places_and_answers_match_any_sequence_of_actions(database: Database) -> None:
     class ScheduleHere(Schedule):
         def __init__(self) -> None:
             super().__init__(database)

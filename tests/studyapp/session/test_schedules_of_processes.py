@@ -109,7 +109,7 @@ def processes() -> Iterator[ProcessPoolExecutor]:
 
 
 @pytest.mark.slow
-def test_no_place_is_given_twice_and_no_answer_lost_by_several_processes(
+def test_several_processes_never_share_a_place_or_lose_an_answer(
     processes: ProcessPoolExecutor, database: Database, database_url: str
 ) -> None:
     served, clock = three_arms(PLACES), SetClock()

@@ -42,7 +42,7 @@ def mishear(participant: Participant) -> bool:
     return hear(participant, wrong)
 
 
-def test_the_digits_stay_the_same_and_other_ones_are_counted_and_exclude_nobody(
+def test_wrong_digits_are_counted_and_exclude_nobody(
     listener: Participant,
 ) -> None:
     assert listener.look().sound_tries == 0
@@ -64,15 +64,13 @@ def test_the_digits_stay_the_same_and_other_ones_are_counted_and_exclude_nobody(
 
 
 @pytest.mark.parametrize("between", ["", ", ", "-"])
-def test_digits_may_be_typed_with_anything_between_them_and_in_any_width(
-    listener: Participant, between: str
-) -> None:
+def test_digits_may_have_separators_and_any_width(listener: Participant, between: str) -> None:
     wide = [chr(ord("０") + int(digit)) for digit in digits(listener)]
 
     assert hear(listener, between.join(wide))
 
 
-def test_leaving_is_open_after_three_tries_and_gives_the_place_back(listener: Participant) -> None:
+def test_leaving_is_offered_after_three_attempts_and_frees_the_place(listener: Participant) -> None:
     for _ in range(3):
         listener.do(leave_sound_check)
         assert listener.look().state == "instructed"
@@ -129,7 +127,7 @@ def test_a_participant_who_withdraws_at_the_sound_check_cannot_start_again(
     assert listener.enrol().token == left
 
 
-def test_questions_wait_for_the_sound_check(open_changed: Open) -> None:
+def test_questions_come_after_the_sound_check(open_changed: Open) -> None:
     listener = open_changed(SOUND_CHECK, added=FORM)
     listener.arrive(Arrival(visit="visit", form=ADULT))
     assert listener.look().form is None

@@ -46,7 +46,7 @@ def audit(database: Database) -> list[tuple[str, str]]:
         return [(line.event, line.detail) for line in session.scalars(select(AuditLine))]
 
 
-def test_a_design_that_nobody_has_seen_may_change_and_its_old_server_lets_nobody_in(
+def test_an_unused_design_may_change_and_its_old_server_admits_nobody(
     database: Database, served: ServedStudy, change: Change, clock: SetClock
 ) -> None:
     # Several servers may open the study at once.
@@ -65,7 +65,7 @@ def test_a_design_that_nobody_has_seen_may_change_and_its_old_server_lets_nobody
         Participant(database, served, clock).enrol("late")
 
 
-def test_a_changed_design_is_refused_once_somebody_has_come(
+def test_a_changed_design_is_refused_once_somebody_has_enrolled(
     participant: Participant, tiny_study: Path, change: Change
 ) -> None:
     other_words = change("rhythm of the speech", "beat of the speech")
@@ -77,7 +77,7 @@ def test_a_changed_design_is_refused_once_somebody_has_come(
     assert len(versions(participant.database)) == 1
 
 
-def test_a_new_version_keeps_earlier_answers_apart(
+def test_a_new_version_keeps_earlier_answers_separate(
     participant: Participant, tiny_study: Path
 ) -> None:
     participant.take_all()
@@ -115,7 +115,7 @@ def test_participants_stopped_by_a_new_version_continue_when_it_is_undone(
     assert needs_new_version(participant.database, replaced.design)
 
 
-def test_going_back_is_asked_about_once_somebody_has_come_to_the_new_version(
+def test_going_back_needs_confirmation_once_the_new_version_was_used(
     participant: Participant, change: Change
 ) -> None:
     database = participant.database
@@ -131,7 +131,7 @@ def test_going_back_is_asked_about_once_somebody_has_come_to_the_new_version(
     assert [version.in_force for version in versions(database)] == [True, False]
 
 
-def test_an_added_condition_leaves_the_other_comparisons_as_they_are(
+def test_an_added_condition_leaves_other_comparisons_unchanged(
     participant: Participant, tiny_study: Path
 ) -> None:
     participant.take_trial()
@@ -145,7 +145,9 @@ def test_an_added_condition_leaves_the_other_comparisons_as_they_are(
     assert sorted(arms) == ["rule_based-mismatched"] * 2 + ["rule_based-static"] * 2
 
 
-def test_operation_may_change_and_leaves_a_line(participant: Participant, change: Change) -> None:
+def test_operational_settings_may_change_and_are_logged(
+    participant: Participant, change: Change
+) -> None:
     change("participants_per_comparison = 4", "participants_per_comparison = 6")
     change('contact = "gestures@example.org"', 'contact = "lab@example.org"')
     later = participant.in_study(change("minutes = 10", "minutes = 12"))
@@ -171,7 +173,7 @@ def stated_rules(database: Database) -> list[str]:
     return [rule.shorthand() for rule in stated.settled_exclusions]
 
 
-def test_rules_that_stand_when_the_first_participant_comes_are_those_that_were_stated(
+def test_stated_rules_are_those_at_the_first_participants_arrival(
     opened: Database, served: ServedStudy, change: Change, clock: SetClock
 ) -> None:
     before = served.study
@@ -189,7 +191,7 @@ def test_rules_that_stand_when_the_first_participant_comes_are_those_that_were_s
     assert len(versions(opened)) == 1
 
 
-def test_nothing_is_known_of_a_version_that_cannot_be_read(participant: Participant) -> None:
+def test_an_unreadable_version_states_no_rules(participant: Participant) -> None:
     with participant.database.writing() as session:
         session.execute(update(StudyVersion).values(definition="protocol = 'of earlier times'"))
     assert read_once(participant.database, stated_study, 1) is None

@@ -21,14 +21,14 @@ def adaptive(participant: Participant) -> ServedStudy:
     return served
 
 
-def test_no_difference_is_half_a_vote_for_both(participant: Participant) -> None:
+def test_no_difference_counts_as_half_a_vote_each(participant: Participant) -> None:
     while participant.look().trial is not None:
         participant.take_trial({"rhythm": "0", "emotion": "2"})
 
     assert set(tally(participant, adaptive(participant)).values()) == {2.0}
 
 
-def test_answers_to_the_first_question_count_of_everybody_who_is_analysed_in_this_design(
+def test_votes_are_first_answers_of_analysed_participants_in_this_design(
     participant: Participant,
 ) -> None:
     leaver = participant.another().enrol("another").begin()

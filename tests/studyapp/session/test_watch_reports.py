@@ -32,7 +32,7 @@ INTERVALS = st.lists(st.tuples(POINTS, POINTS).map(lambda pair: (min(pair), max(
 
 
 @given(INTERVALS)
-def test_merging_covers_exactly_what_the_intervals_cover(intervals: list[tuple[int, int]]) -> None:
+def test_merged_intervals_cover_exactly_their_union(intervals: list[tuple[int, int]]) -> None:
     covered = {second for start, end in intervals for second in range(start, end)}
 
     union = merge_intervals(intervals)
@@ -43,9 +43,7 @@ def test_merging_covers_exactly_what_the_intervals_cover(intervals: list[tuple[i
 
 
 @pytest.mark.parametrize(("soundless", "watched"), [(True, 2.0), (False, 0.0)])
-def test_silence_counts_only_where_there_is_nothing_to_hear(
-    soundless: bool, watched: float
-) -> None:
+def test_muted_playback_counts_only_for_silent_videos(soundless: bool, watched: float) -> None:
     report = Report(batch=0, intervals=((0.0, 2.0),), silent_seconds=2.0)
 
     record = add_report(NOTHING_PLAYED, report, soundless=soundless)
@@ -105,7 +103,7 @@ def test_playing_a_little_faster_or_slower_within_the_video_counts(
         Playback(stalled_seconds=50.0),
     ],
 )
-def test_more_than_has_passed_is_refused_and_not_stored_however_small_the_reports(
+def test_reports_cannot_exceed_the_elapsed_time(
     participant: Participant, playback: Playback
 ) -> None:
     participant.look()
@@ -117,7 +115,7 @@ def test_more_than_has_passed_is_refused_and_not_stored_however_small_the_report
     assert participant.trial().videos[0].watched.intervals == ((0.0, 1.0),)
 
 
-def test_stalls_and_pictures_are_added_up_as_they_were_measured(watcher: Participant) -> None:
+def test_stalls_and_frames_are_summed_as_measured(watcher: Participant) -> None:
     watcher.watch((0.0, 1.0), playback=Playback(stalls=2, stalled_seconds=7.5, frames=50))
     watcher.watch((1.0, 2.0), batch=1)
     measured = Playback(stalls=1, stalled_seconds=0.5, frames=20, dropped_frames=3)
@@ -128,7 +126,7 @@ def test_stalls_and_pictures_are_added_up_as_they_were_measured(watcher: Partici
     assert (record.frames, record.dropped_frames) == (70, 3)
 
 
-def test_honest_reports_and_answers_are_taken_after_the_clock_went_back_an_hour(
+def test_reports_and_answers_are_accepted_after_the_clock_was_set_back(
     participant: Participant,
 ) -> None:
     trial = participant.trial()
@@ -148,7 +146,7 @@ def test_honest_reports_and_answers_are_taken_after_the_clock_went_back_an_hour(
         participant.watch((0.0, 2.0), playback=Playback(hidden_seconds=5.0))
 
 
-def test_a_number_is_used_once_and_the_answer_shows_whether_the_report_is_stored(
+def test_a_report_number_counts_once_and_is_acknowledged_if_stored(
     watcher: Participant,
 ) -> None:
     watcher.watch((0.0, 1.0))
@@ -166,7 +164,7 @@ def test_a_number_is_used_once_and_the_answer_shows_whether_the_report_is_stored
     assert record_of(watcher).played_seconds == REMEMBERED_REPORTS + 1
 
 
-def test_a_video_in_too_many_parts_has_to_be_played_from_its_start(watcher: Participant) -> None:
+def test_a_video_watched_in_too_many_parts_must_be_replayed(watcher: Participant) -> None:
     spans = [(start / 200, start / 200 + 0.001) for start in range(MAX_INTERVALS + 1)]
     watcher.watch(*spans[:-1])
 
@@ -176,7 +174,7 @@ def test_a_video_in_too_many_parts_has_to_be_played_from_its_start(watcher: Part
     assert watcher.watch((0.0, 2.0), batch=1) == 0
 
 
-def test_nothing_is_stored_of_a_trial_that_is_not_shown_or_of_somebody_who_withdrew(
+def test_reports_of_hidden_trials_or_after_withdrawal_are_not_stored(
     watcher: Participant,
 ) -> None:
     shown = watcher.trial()

@@ -53,7 +53,7 @@ def counts(database: Database) -> list[int]:
         return [session.scalars(select(func.count(table.id))).one() for table in ABOUT_THEM]
 
 
-def test_where_deletion_was_promised_nothing_they_did_is_left(begun: Participant) -> None:
+def test_promised_deletion_leaves_no_data(begun: Participant) -> None:
     database = begun.database
     before = counts(database)
     other = take_part(begun.another(), Arrival(visit="other", form=ADULT))
@@ -71,7 +71,7 @@ def test_where_deletion_was_promised_nothing_they_did_is_left(begun: Participant
 
 
 @pytest.mark.parametrize("begun", ["kept"], indirect=True)
-def test_where_keeping_was_promised_all_is_kept_and_nothing_analysed(begun: Participant) -> None:
+def test_kept_answers_are_stored_but_not_analysed(begun: Participant) -> None:
     database = begun.database
     before = counts(database)
     assert len(read_once(database, responses_table)) == 2

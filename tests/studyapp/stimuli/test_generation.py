@@ -64,7 +64,7 @@ def test_every_generated_condition_gets_a_placed_clip_once(
     assert generated_files(study) == before
 
 
-def test_an_interrupted_run_continues(study: StudyFolder) -> None:
+def test_an_interrupted_run_resumes(study: StudyFolder) -> None:
     def interrupt(done: int, total: int, detail: str = "") -> None:
         if done == 4:
             raise KeyboardInterrupt
@@ -75,7 +75,7 @@ def test_an_interrupted_run_continues(study: StudyFolder) -> None:
     assert (count.made, count.kept) == (5, 4)
 
 
-def test_the_same_seed_gives_the_same_files_and_another_one_others(study: StudyFolder) -> None:
+def test_files_depend_on_the_seed(study: StudyFolder) -> None:
     generate(study)
     before = generated_files(study)
     set_seed(study, 2)
@@ -87,7 +87,7 @@ def test_the_same_seed_gives_the_same_files_and_another_one_others(study: StudyF
     assert generated_files(study) == before
 
 
-def test_changed_source_motion_is_followed(study: StudyFolder) -> None:
+def test_changed_source_motion_regenerates_clips(study: StudyFolder) -> None:
     generate(study)
     ground_truth = study.clip("ground_truth", "take_01")
     ground_truth.write_bytes(study.clip("ground_truth", "take_02").read_bytes())
@@ -120,7 +120,7 @@ def reach_past_the_recording(study: StudyFolder) -> None:
         (reach_past_the_recording, r"take\.wav, segment late: an excerpt from 4 s to 60 s"),
     ],
 )
-def test_a_failed_generation_names_its_cause_and_overwrites_nothing(
+def test_a_failed_generation_reports_its_cause_and_overwrites_nothing(
     study: StudyFolder, spoil: Callable[[StudyFolder], None], error: str
 ) -> None:
     spoil(study)
@@ -146,7 +146,7 @@ def networked(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
     return folder
 
 
-def test_a_network_shows_its_progress_remarks_what_it_lacks_and_moves_with_the_study(
+def test_a_network_reports_progress_and_stand_ins_and_survives_moving_the_study(
     networked: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 1.0)

@@ -95,7 +95,7 @@ def set_condition(folder: StudyFolder, **keys: Any) -> None:
         document["catch"]["trials"] = 0
 
 
-def test_clips_are_generated_again_when_any_setting_changes(
+def test_changing_any_setting_regenerates_clips(
     folder: StudyFolder, take: Callable[..., Take], weights: Path
 ) -> None:
     import_take(folder, take(speech=2.0, motion=2.0))
@@ -138,7 +138,9 @@ def test_check_names_wrong_settings_of_a_condition(
     assert f"study.toml: conditions.ours.{error} (line " in told
 
 
-def test_the_command_line_has_its_options(speech: Path, weights: Path, tmp_path: Path) -> None:
+def test_the_generators_options_are_on_the_command_line(
+    speech: Path, weights: Path, tmp_path: Path
+) -> None:
     options = ("--checkpoint", weights, "--angle", 0.3, "--pace", "brisk", "--turns", 3)
     heard = ("--speech", speech, "--melody", speech, "--emotion", "laughter.wav")
     run("generate", "--generator", "sway", *heard, *options, "--out", tmp_path / "out")
@@ -164,7 +166,7 @@ def test_the_command_line_names_options_that_do_not_fit(
     assert error in said
 
 
-def test_a_condition_names_all_files_of_its_network(
+def test_a_condition_lists_all_files_of_its_network(
     tmp_path: Path, weights: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     entry = Entry(home=f"{__name__}:Sway", settings=f"{__name__}:PairSettings")

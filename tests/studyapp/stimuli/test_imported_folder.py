@@ -60,7 +60,7 @@ def test_everything_is_imported_by_segment_and_condition(folder: StudyFolder, so
     run("import", source, folder.root, *FACTS)
 
 
-def test_nothing_is_stored_that_the_study_file_cannot_hold(
+def test_names_that_the_study_file_cannot_hold_are_refused(
     folder: StudyFolder, source: Path
 ) -> None:
     redefine(folder.root, ('layout = "players"\n', ""))
@@ -83,7 +83,7 @@ def test_a_table_states_the_segments(folder: StudyFolder, tmp_path: Path) -> Non
     assert list(folder.segments()) == segments
 
 
-def test_refused_items_stay_and_do_not_stop_others(folder: StudyFolder, source: Path) -> None:
+def test_refused_items_stay_without_stopping_others(folder: StudyFolder, source: Path) -> None:
     (source / "ours" / "nobody.npz").write_bytes((source / "ours" / "take.npz").read_bytes())
     (source / "ours" / "take.npz").write_bytes(b"PK no archive")
     (source / "notes.docx").write_bytes(b"PK")
@@ -127,7 +127,7 @@ def test_an_invalid_video_or_one_without_segment_is_refused(
     assert "filmed" not in folder.study().conditions
 
 
-def test_sound_alone_and_other_formats_are_no_video(
+def test_audio_files_and_other_formats_are_not_accepted_as_video(
     folder: StudyFolder, source: Path, tmp_path: Path
 ) -> None:
     run("import", source, folder.root, *FACTS)
@@ -157,7 +157,7 @@ def test_existing_videos_and_motion_are_never_replaced(folder: StudyFolder, sour
     assert "condition 'filmed' has finished videos instead of motion" in output
 
 
-def test_missing_facts_of_speech_and_motion_are_named(
+def test_missing_information_about_speech_and_motion_is_reported(
     folder: StudyFolder, source: Path, tmp_path: Path
 ) -> None:
     (source / "ours" / "take.npz").rename(source / "take.npz")

@@ -36,7 +36,7 @@ def names_of(study: Path) -> set[str]:
     return {name for video in videos_of(study).values() for name in video.names}
 
 
-def test_every_video_is_stored_as_often_as_anybody_sees_it(
+def test_every_video_is_stored_as_often_as_a_participant_sees_it(
     tiny_study: Path, s3_store: Store
 ) -> None:
     done = publish(StudyFolder(tiny_study), place_in(s3_store), silent)
@@ -72,7 +72,7 @@ def test_neither_names_nor_storage_order_reveal_anything(tiny_study: Path, s3_st
     assert by_age not in (by_record, sorted(by_record))
 
 
-def test_an_interrupted_run_goes_on_and_a_second_one_does_nothing(
+def test_an_interrupted_run_resumes_and_a_second_run_does_nothing(
     tiny_study: Path, s3_store: Store
 ) -> None:
     folder = StudyFolder(tiny_study)
@@ -88,9 +88,7 @@ def test_an_interrupted_run_goes_on_and_a_second_one_does_nothing(
     assert before.items() <= s3_store.objects.items()
 
 
-def test_a_video_that_is_made_anew_has_all_of_them_stored_anew(
-    tiny_study: Path, s3_store: Store
-) -> None:
+def test_rendering_one_video_again_republishes_all(tiny_study: Path, s3_store: Store) -> None:
     """Stored alone, its age would tell its condition."""
     folder = StudyFolder(tiny_study)
     publish(folder, place_in(s3_store), silent)

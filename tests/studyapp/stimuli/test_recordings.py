@@ -103,7 +103,7 @@ def test_refused_motion_changes_nothing(
     assert files_in(folder) == before
 
 
-def test_motion_is_placed_the_same_when_cut_before_the_import(
+def test_cutting_before_import_does_not_change_placement(
     folder: StudyFolder, take: MakeTake, tmp_path: Path
 ) -> None:
     """Position and orientation would reveal how a condition was imported."""
@@ -122,7 +122,7 @@ def test_motion_is_placed_the_same_when_cut_before_the_import(
     np.testing.assert_allclose(here.trans, before.trans, atol=1e-5)
 
 
-def test_the_face_in_a_companion_file_is_imported_and_other_json_left_out(
+def test_a_face_in_a_companion_file_is_imported_and_other_json_is_ignored(
     folder: StudyFolder, take: MakeTake
 ) -> None:
     recording = take()
@@ -166,7 +166,7 @@ def write_companion(take: Take, ending: str, text: str) -> Path:
         (2.0, ".csv", "word,start,end\nlate,50,51\n", [""] * 3, "transcript is of other speech"),
     ],
 )
-def test_each_segment_gets_its_own_words_unless_they_are_of_other_speech(
+def test_each_segment_gets_its_own_words_unless_they_belong_to_other_speech(
     folder: StudyFolder,
     take: MakeTake,
     segment: float | None,
@@ -183,7 +183,7 @@ def test_each_segment_gets_its_own_words_unless_they_are_of_other_speech(
     assert any(note in each and f"motion{ending}" in each for each in notes)
 
 
-def test_known_transcripts_stay(folder: StudyFolder, take: MakeTake) -> None:
+def test_existing_transcripts_are_kept(folder: StudyFolder, take: MakeTake) -> None:
     first = take(segment=None)
     (segment,), _ = import_take(folder, first)
     write_segments(folder.speech, [replace(segment, transcript="Known.")])
@@ -191,7 +191,9 @@ def test_known_transcripts_stay(folder: StudyFolder, take: MakeTake) -> None:
     assert [segment.transcript for segment in folder.segments()] == ["Known."]
 
 
-def test_semantic_scores_are_imported_and_passed_on(folder: StudyFolder, take: MakeTake) -> None:
+def test_semantic_scores_are_imported_and_used_by_metrics(
+    folder: StudyFolder, take: MakeTake
+) -> None:
     cut = take()
     write_companion(cut, ".txt", "beat\t1.500\t2.500\t1.000\t0.700\t\n")
     import_take(folder, cut)

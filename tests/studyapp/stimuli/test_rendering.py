@@ -119,7 +119,7 @@ def test_names_and_sizes_of_pairs_reveal_nothing(rendered: StudyFolder) -> None:
             assert not any(name.encode() in file.read_bytes() for name in names)
 
 
-def test_what_is_frozen_is_still_in_every_video(study: StudyFolder) -> None:
+def test_frozen_channels_are_still_in_every_video(study: StudyFolder) -> None:
     path = study.clip("mismatched", "take_01")
     clip = read_clip(path)
     ahead = np.linspace(0, 1, len(clip), dtype=np.float32)[:, None] * np.ones(3, np.float32)
@@ -172,7 +172,7 @@ def test_a_new_look_changes_every_video(key: str, value: str, study: StudyFolder
         assert not {video.key for video in old} & {video.key for video in new}
 
 
-def test_one_run_at_a_time_renders_a_study_and_an_interrupted_one_continues(
+def test_only_one_run_renders_a_study_and_an_interrupted_one_resumes(
     study: StudyFolder,
 ) -> None:
     def interrupt(progress: RenderProgress) -> None:
@@ -218,7 +218,7 @@ def frames_of(folder: StudyFolder) -> list[Path]:
     return list((folder.videos / ".frames").glob("*.mkv"))
 
 
-def test_without_room_for_frames_the_same_pairs_are_made_and_no_frames_stay(
+def test_without_space_for_frames_the_same_pairs_are_made(
     study: StudyFolder, first_run: FirstRun, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("studyapp.stimuli.rendering.frames_limit", lambda _folder, _kept: 0)
@@ -256,7 +256,7 @@ def test_a_small_disk_is_refused_before_anything_is_rendered(
     assert list(study.videos.iterdir()) == []
 
 
-def test_unshown_faces_and_silent_speech_are_noted(
+def test_hidden_faces_and_silent_speech_are_noted(
     study: StudyFolder,
 ) -> None:
     with edited(study.definition) as document:

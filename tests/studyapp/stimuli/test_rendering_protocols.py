@@ -31,7 +31,9 @@ FROZEN = ("face", "lower_body", "root")
 
 
 @pytest.mark.parametrize("template", PROTOCOLS)
-def test_a_template_runs_as_it_is(tmp_path: Path, take: Callable[..., Take], template: str) -> None:
+def test_every_template_runs_unchanged(
+    tmp_path: Path, take: Callable[..., Take], template: str
+) -> None:
     folder = StudyFolder(tmp_path / "study")
     new_study(folder.definition, template=template, name="study")
     with edited(folder.definition) as document:
@@ -71,7 +73,7 @@ def encoded_picture(video: Path) -> bytes:
         return b"".join(bytes(packet) for packet in container.demux(video=0))
 
 
-def test_a_finished_video_that_is_missing_says_where_it_belongs(own_study: OwnStudy) -> None:
+def test_a_missing_finished_video_is_reported_with_its_path(own_study: OwnStudy) -> None:
     folder = own_study("mismatch")
     (gone,) = list((folder.videos / "ours").glob("one@*.mp4"))
     gone.unlink()

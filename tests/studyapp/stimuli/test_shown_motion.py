@@ -10,7 +10,7 @@ from tests.support.studies.edited_study import edited
 from tests.support.studies.takes import write_motion, write_speech
 
 
-def test_abilities_are_those_of_the_body_that_is_built(folder: StudyFolder) -> None:
+def test_stated_abilities_match_the_body(folder: StudyFolder) -> None:
     np.save(folder.root / "face.npy", np.ones((100, 52)))
     with edited(folder.definition) as document:
         document["video"]["expression_matrix"] = "face.npy"
@@ -19,7 +19,7 @@ def test_abilities_are_those_of_the_body_that_is_built(folder: StudyFolder) -> N
     assert shown_abilities(folder, study) == shown_body(folder, study).abilities
 
 
-def test_another_segments_speech_is_heard_no_longer_than_the_motion(folder: StudyFolder) -> None:
+def test_other_speech_is_cut_to_the_motions_length(folder: StudyFolder) -> None:
     folder.speech.mkdir()
     write_speech(folder.speech / "take.wav", 5.0)
     short, long, gone = (

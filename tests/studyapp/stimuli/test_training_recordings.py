@@ -24,7 +24,7 @@ def folder_of_motion(motion_file: Callable[..., Path], tmp_path: Path) -> Path:
     return folder
 
 
-def test_a_studys_recordings_have_their_take_emotion_and_frozen_channels(
+def test_recordings_of_a_study_have_take_emotion_and_frozen_channels(
     folder: StudyFolder, take: Callable[..., Take]
 ) -> None:
     import_take(folder, take())

@@ -99,7 +99,7 @@ def test_a_changed_original_is_found_and_copied_again(study: Callable[..., Study
     assert errors(folder) == []
 
 
-def test_copies_are_kept_and_those_of_a_newer_release_do_not_change_the_design(
+def test_copies_are_reused_and_a_newer_release_does_not_change_the_design(
     study: Callable[..., StudyFolder], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = study("mismatch")
@@ -150,7 +150,7 @@ def test_unused_copies_are_removed(study: Callable[..., StudyFolder]) -> None:
         (Told(frames=80), "videos/ours/one.mp4 lasts 2.67 s, its segment 2.00 s"),
     ],
 )
-def test_differences_that_copies_keep_are_errors(
+def test_differences_that_copying_cannot_remove_are_errors(
     study: Callable[..., StudyFolder], ours: Told, words: str
 ) -> None:
     # Without speech, a segment is as long as the first condition's video of it.
@@ -172,7 +172,7 @@ def test_differences_that_copies_keep_are_errors(
         (Told(sound=LONGER), "how long the sound lasts"),
     ],
 )
-def test_differences_that_only_tools_see_are_warned_of(
+def test_differences_visible_only_to_tools_give_warnings(
     study: Callable[..., StudyFolder], ours: Told, words: str
 ) -> None:
     folder = study(ours=ours)

@@ -67,7 +67,7 @@ def quietly(done: int, total: int) -> None:
 
 
 @pytest.mark.usefixtures("detection")
-def test_a_video_becomes_takes_that_training_reads(video: Path, tmp_path: Path) -> None:
+def test_a_video_becomes_takes_for_training(video: Path, tmp_path: Path) -> None:
     said = run("import", "--from-video", video, "--speaker", "anna", tmp_path / "takes")
     assert "note: left out 3.0 to 4.0 s: nobody was found" in said
     assert f"2 takes of 7.0 s in {tmp_path / 'takes'}. Next: 'motionjury train'." in said
@@ -109,7 +109,7 @@ def test_another_video_is_added_and_the_same_one_refused(video: Path, tmp_path: 
         (lambda path, video: path.write_bytes(video.read_bytes()), "no face was found in 8"),
     ],
 )
-def test_an_unusable_video_is_refused_and_nothing_is_written(
+def test_an_unusable_video_is_refused_without_writing_files(
     write: Callable[[Path, Path], object],
     sentence: str,
     video: Path,
@@ -126,7 +126,7 @@ def test_an_unusable_video_is_refused_and_nothing_is_written(
 
 
 @pytest.mark.usefixtures("detection")
-def test_takes_need_a_folder_of_their_own_and_no_other_options(
+def test_takes_need_a_separate_folder_and_no_other_options(
     video: Path, folder: StudyFolder
 ) -> None:
     command = ("import", "--from-video", video, folder.root)
@@ -135,7 +135,7 @@ def test_takes_need_a_folder_of_their_own_and_no_other_options(
 
 
 @pytest.mark.slow
-def test_the_detector_finds_an_avatar_of_ours(tmp_path: Path) -> None:
+def test_the_detector_finds_our_avatar(tmp_path: Path) -> None:
     pytest.importorskip("mediapipe")
     clip = random_clip(90, 30)
     poses = np.zeros((90, 55, 3), np.float32)

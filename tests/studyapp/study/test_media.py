@@ -48,7 +48,7 @@ def allow_gaps(folder: StudyFolder) -> None:
 
 
 @pytest.mark.parametrize("has_speech", [False, True])
-def test_a_segment_that_one_condition_lacks_vanishes_only_where_the_study_allows_it(
+def test_an_incomplete_segment_is_dropped_only_if_the_study_allows_it(
     finished: StudyFolder, has_speech: bool
 ) -> None:
     if has_speech:
@@ -62,7 +62,7 @@ def test_a_segment_that_one_condition_lacks_vanishes_only_where_the_study_allows
     assert segment_names(finished) == ["one", "three"]
 
 
-def test_conditions_that_share_no_name_lack_each_video_that_another_one_has(
+def test_every_video_missing_from_a_condition_is_listed(
     finished: StudyFolder,
 ) -> None:
     for video in (finished.videos / "theirs").glob("*.mp4"):
@@ -74,7 +74,7 @@ def test_conditions_that_share_no_name_lack_each_video_that_another_one_has(
         segment_names(finished)
 
 
-def test_a_misspelt_video_makes_no_segment_of_its_own(finished: StudyFolder) -> None:
+def test_a_misspelt_video_does_not_make_a_new_segment(finished: StudyFolder) -> None:
     video = finished.videos / "theirs" / "three.mp4"
     video.rename(video.with_name("Three.mp4"))
     assert segment_names(finished) == ["one", "three", "two"]
@@ -87,7 +87,7 @@ def test_a_misspelt_video_makes_no_segment_of_its_own(finished: StudyFolder) -> 
         (lambda video: video.write_bytes(b"no video"), "this is not a playable video"),
     ],
 )
-def test_a_video_that_is_no_segments_is_named(
+def test_a_video_without_a_segment_is_reported(
     finished: StudyFolder, spoil: Callable[[Path], object], said: str
 ) -> None:
     spoil(finished.videos / "ours" / "one.mp4")
@@ -103,7 +103,7 @@ PAIR = PairVideo(segment="s", left="a", right="b", file="videos/x.mp4", duration
     ("content", "remedy"),
     [(None, "Run 'motionjury render'"), ("{", "Delete it"), ('{"pairs": [{}]}', "Delete it")],
 )
-def test_a_missing_or_damaged_record_is_named_with_its_remedy(
+def test_a_missing_or_damaged_stimuli_file_is_reported_with_a_remedy(
     tmp_path: Path, content: str | None, remedy: str
 ) -> None:
     path = tmp_path / "stimuli.json"
@@ -117,9 +117,7 @@ def test_a_missing_or_damaged_record_is_named_with_its_remedy(
     "file",
     ["../secret.mp4", "videos/../../secret.mp4", "/etc/hostname", "videos/link.mp4", "a\0.mp4"],
 )
-def test_a_video_outside_the_study_is_refused_however_it_is_named(
-    tmp_path: Path, file: str
-) -> None:
+def test_a_video_outside_the_study_is_refused_under_any_path(tmp_path: Path, file: str) -> None:
     study = tmp_path / "study"
     (study / "videos").mkdir(parents=True)
     (tmp_path / "secret.mp4").touch()
@@ -132,7 +130,7 @@ def test_a_video_outside_the_study_is_refused_however_it_is_named(
         read_stimuli(study / "stimuli.json")
 
 
-def test_the_videos_may_lie_on_another_disk(tmp_path: Path) -> None:
+def test_videos_may_be_on_another_disk(tmp_path: Path) -> None:
     study = tmp_path / "study"
     study.mkdir()
     (tmp_path / "disk").mkdir()

@@ -89,7 +89,7 @@ def test_the_chosen_settings_are_written_into_the_file(tmp_path: Path) -> None:
         ("full_body", "Which face is more alive?", "full_body"),
     ],
 )
-def test_the_face_is_framed_where_all_questions_are_about_it_and_nothing_else_is_wanted(
+def test_the_face_is_framed_if_all_questions_are_about_it(
     tmp_path: Path, framing: Framing | None, second: str, expected: str
 ) -> None:
     wording = {"fit": "Which lips fit better?", "realism": second}
@@ -128,7 +128,7 @@ def test_adding_a_condition_keeps_the_comments(tmp_path: Path) -> None:
     assert "ground_truth" in read_study(path).conditions
 
 
-def test_all_three_systems_stand_in_one_study_beside_what_they_are_compared_with(
+def test_one_study_can_compare_all_three_systems(
     tmp_path: Path,
 ) -> None:
     path = tmp_path / "study.toml"
@@ -151,7 +151,7 @@ def test_renamed_conditions_keep_the_templates_settings(tmp_path: Path) -> None:
     assert list(study.rehearsal.strength) == ["amuse"]
 
 
-def test_a_ranking_shows_the_reference_apart_where_the_template_says_so(tmp_path: Path) -> None:
+def test_a_ranking_shows_the_reference_separately_if_its_template_says_so(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     study = new_study(path, template="ranking", name="s", reference="recorded")
     assert isinstance(study, RankingStudy)

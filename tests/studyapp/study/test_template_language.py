@@ -39,7 +39,7 @@ def read_by_participants(text: str) -> dict[str, str]:
 
 @pytest.mark.parametrize("language", ["de", "ja"])
 @pytest.mark.parametrize("template", TEMPLATES)
-def test_a_template_says_everything_in_its_language_and_changes_nothing_else(
+def test_a_translated_template_differs_only_in_its_language(
     tmp_path: Path, template: str, language: str
 ) -> None:
     english, source = made(tmp_path / "en.toml", template, "en")
@@ -57,7 +57,7 @@ def test_a_template_says_everything_in_its_language_and_changes_nothing_else(
     assert study.model_dump(exclude=said) == english.model_dump(exclude=said)
 
 
-def test_a_title_that_is_given_stays(tmp_path: Path) -> None:
+def test_a_given_title_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
 
     assert new_study(path, name="s", language="ja", title="Mine").title == "Mine"

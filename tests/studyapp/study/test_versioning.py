@@ -43,7 +43,7 @@ STATIC = {
         ({"alarms": {"stalled_hours": 3}}, []),
     ],
 )
-def test_settings_that_participants_do_not_see_may_change_and_are_logged(
+def test_settings_invisible_to_participants_may_change_and_are_logged(
     changes: dict[str, Any], noted: list[str]
 ) -> None:
     before, after = make_study(), make_study(**changes)
@@ -53,7 +53,7 @@ def test_settings_that_participants_do_not_see_may_change_and_are_logged(
     assert list(operation_changes(operation_part(before), operation_part(after))) == noted
 
 
-def test_a_key_that_only_one_release_knows_is_no_change() -> None:
+def test_a_key_known_to_only_one_release_is_not_a_change() -> None:
     present = operation_part(make_study())
     earlier = {key: value for key, value in present.items() if key != "exclusions"}
 

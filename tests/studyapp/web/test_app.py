@@ -47,7 +47,9 @@ def test_a_study_that_cannot_be_served_says_why_and_leaves_no_database(
     assert not (tiny_study / "responses.db").exists()
 
 
-def test_every_answer_is_protected_and_no_page_is_kept(app: Flask, clock: SetClock) -> None:
+def test_every_response_has_security_headers_and_no_page_is_cached(
+    app: Flask, clock: SetClock
+) -> None:
     visitor = Visitor(app, clock).enrol().begin()
     pages = ("/", "/nowhere", "/take/nobody", visitor.address, "/research/log-in")
     for address in (*pages, "/static/style.css"):
@@ -65,14 +67,16 @@ def test_every_answer_is_protected_and_no_page_is_kept(app: Flask, clock: SetClo
 @pytest.mark.parametrize(
     "template", sorted((WEB / "templates").rglob("*.html")), ids=lambda p: p.name
 )
-def test_pages_hold_no_inline_script_or_style_and_ask_nobody_else(template: Path) -> None:
+def test_pages_have_no_inline_script_or_style_and_load_nothing_from_other_hosts(
+    template: Path,
+) -> None:
     text = template.read_text("utf-8")
 
     assert not re.search(r"<style|\sstyle=|\son[a-z]+=|javascript:|https?://", text)
     assert all("src=" in tag for tag in re.findall(r"<script[^>]*>", text))
 
 
-def test_a_windows_name_does_not_hold_the_address(app: Flask, clock: SetClock) -> None:
+def test_the_window_name_does_not_contain_the_address(app: Flask, clock: SetClock) -> None:
     visitor = Visitor(app, clock).enrol()
     token = visitor.address.rsplit("/", 1)[1]
 
@@ -89,7 +93,7 @@ def test_a_request_that_is_too_large_is_refused(app: Flask) -> None:
     assert "too much" in answer.text
 
 
-def test_only_a_failure_of_ours_is_called_ours_and_logged_without_the_address(
+def test_only_server_errors_are_logged_as_such_and_without_the_address(
     app: Flask, caplog: pytest.LogCaptureFixture
 ) -> None:
     @app.get("/fails/<int:status>/<token>")
@@ -108,7 +112,7 @@ def test_only_a_failure_of_ours_is_called_ours_and_logged_without_the_address(
     assert "s3cret" not in caplog.text
 
 
-def test_while_the_database_is_away_pages_ask_for_patience(
+def test_while_the_database_is_down_pages_ask_to_try_again(
     app: Flask, caplog: pytest.LogCaptureFixture
 ) -> None:
     gone = OperationalError("SELECT token", {"token": "secret"}, Exception("gone\nmore"), True)
@@ -125,7 +129,7 @@ def test_while_the_database_is_away_pages_ask_for_patience(
     assert not re.search("secret|Traceback", caplog.text)
 
 
-def test_a_page_can_report_in_four_windows_for_an_hour_and_nobody_waits_for_others() -> None:
+def test_four_windows_may_report_for_an_hour_and_a_flood_delays_only_itself() -> None:
     pace = Pace()
     every_two_seconds_and_at_each_end = 0.5 + 0.2
     reports = int(3600 * 4 * every_two_seconds_and_at_each_end)
@@ -170,7 +174,7 @@ def full_disk() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def test_where_nothing_can_be_written_it_is_not_well(
+def test_health_fails_if_the_database_cannot_be_written(
     app: Flask, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     client = app.test_client()
@@ -188,7 +192,7 @@ def test_where_nothing_can_be_written_it_is_not_well(
     assert "Set-Cookie" not in well.headers
 
 
-def test_where_the_database_does_not_answer_it_is_not_well_and_says_so_all_the_same(
+def test_health_answers_even_if_the_database_does_not(
     app: Flask, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     thawed, databases = threading.Event(), list[Database]()

@@ -69,7 +69,7 @@ def test_no_page_or_header_reveals_a_condition_segment_or_kind(
 
 
 @pytest.mark.parametrize("script", sorted(STATIC.iterdir()), ids=lambda path: path.name)
-def test_scripts_and_style_know_nothing_of_conditions(script: Path) -> None:
+def test_scripts_and_styles_do_not_mention_conditions(script: Path) -> None:
     assert re.findall(CONDITIONS, script.read_text("utf-8")) == []
 
 
@@ -80,7 +80,7 @@ FIGURES = (
 """Files that name the conditions, in the study folder."""
 
 
-def test_no_address_leads_to_a_figure_or_contact_sheet(app: Flask, tiny_study: Path) -> None:
+def test_figures_and_contact_sheets_are_not_served(app: Flask, tiny_study: Path) -> None:
     for file in FIGURES:
         path = tiny_study / file
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -135,7 +135,7 @@ ASKED: list[tuple[str, dict[str, str]]] = [
 
 
 @pytest.mark.parametrize(("happens", "index"), OVER)
-def test_a_token_whose_time_is_not_now_is_like_none_at_all(
+def test_a_token_outside_its_trial_is_answered_like_an_unknown_one(
     app: Flask, clock: SetClock, happens: Callable[[Visitor], Any], index: int
 ) -> None:
     visitor = Visitor(app, clock).enrol()
@@ -176,7 +176,7 @@ def steps(request: Request) -> list[str]:
     return [name for name in ran if name != "Trial.settled" and not name.endswith("<genexpr>")]
 
 
-def test_the_same_is_done_for_every_kind_of_trial_and_every_condition(
+def test_every_kind_of_trial_and_condition_takes_the_same_steps(
     app: Flask, clock: SetClock
 ) -> None:
     visitor = Visitor(app, clock).enrol().begin()

@@ -57,7 +57,7 @@ def comes_again(visitor: Visitor, query: str) -> Visitor:
     return again.enrol(query)
 
 
-def test_finishing_leads_back_to_prolific_with_the_code(
+def test_finishing_returns_to_prolific_with_the_code(
     serve_with: ServeWith, clock: SetClock
 ) -> None:
     visitor = Visitor(serve_with(PROLIFIC), clock).enrol(BY_PROLIFIC)
@@ -89,7 +89,7 @@ def test_failed_attention_checks_are_counted_from_the_answers(
     assert "asked you to choose a particular answer" in page.text
 
 
-def test_another_study_in_the_address_makes_no_other_participant(
+def test_another_study_id_is_not_another_participant(
     serve_with: ServeWith, clock: SetClock
 ) -> None:
     first = Visitor(serve_with(PROLIFIC), clock).enrol(BY_PROLIFIC)
@@ -122,7 +122,7 @@ def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
     assert (cookie.http_only, cookie.same_site) == (True, "Lax")
 
 
-def test_where_links_are_signed_no_other_name_counts(
+def test_with_signed_links_unsigned_names_are_ignored(
     serve_with: ServeWith, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fake_signed_names(signed: str, host: str) -> dict[str, str] | None:
@@ -163,7 +163,7 @@ OTHER_SITES = (
     ],
     ids=["prolific", "invitations", "other sites", "mturk"],
 )
-def test_nobody_is_let_in_whom_the_channel_does_not_name(
+def test_people_without_the_channels_name_are_refused(
     serve_with: ServeWith, channel: str, addresses: list[str]
 ) -> None:
     app = serve_with(channel)
@@ -178,14 +178,14 @@ def test_nobody_is_let_in_whom_the_channel_does_not_name(
 
 
 @pytest.mark.parametrize("name", ["x" * 201, "a%20b", "%E2%80%8B"])
-def test_a_name_that_no_recruiter_gives_is_refused(serve_with: ServeWith, name: str) -> None:
+def test_a_malformed_recruiter_name_is_refused(serve_with: ServeWith, name: str) -> None:
     answer = serve_with(PROLIFIC).test_client().get(f"/?PROLIFIC_PID={name}")
 
     assert answer.status_code == 422
     assert "participant name that cannot be used" in answer.text
 
 
-def test_a_preview_offers_no_start(serve_with: ServeWith) -> None:
+def test_a_recruiters_preview_cannot_be_started(serve_with: ServeWith) -> None:
     answer = serve_with(MTURK).test_client().get(f"/{PREVIEW}")
 
     assert answer.status_code == 200
@@ -245,7 +245,7 @@ def test_a_worker_comes_back_by_another_assignment_of_the_study(
     assert third.value("#leave [name=assignmentId]", "value") == "a2"
 
 
-def test_an_invitation_lets_one_in_and_looking_at_it_uses_nothing_up(
+def test_an_invitation_admits_one_person_and_viewing_it_does_not_use_it_up(
     serve_with: ServeWith, clock: SetClock
 ) -> None:
     app = serve_with(INVITATIONS + COMPREHENSION)

@@ -33,7 +33,7 @@ def contrast(one: str, other: str) -> float:
     return (lighter + 0.05) / (darker + 0.05)
 
 
-def test_both_looks_name_the_same_colours() -> None:
+def test_light_and_dark_define_the_same_colours() -> None:
     light, dark = looks()
 
     assert light.keys() == dark.keys()
@@ -63,14 +63,14 @@ def test_labels_and_marks_contrast_with_the_background(
 
 
 @pytest.mark.parametrize("style", STYLES, ids=lambda path: path.name)
-def test_every_colour_is_one_of_the_look(style: Path) -> None:
+def test_every_colour_is_defined_by_the_theme(style: Path) -> None:
     text = re.sub(r":root \{.*?\}", "", style.read_text("utf-8"), flags=re.DOTALL)
 
     assert re.findall(r"#[0-9a-fA-F]{3,8}\s*[;,)]", text) == []
     assert set(re.findall(r"var\(--([a-z-]+)", text)) - looks()[0].keys() <= {"columns", "shade"}
 
 
-def test_nothing_moves_for_who_wants_no_motion() -> None:
+def test_reduced_motion_is_respected() -> None:
     for style in STYLES:
         text = style.read_text("utf-8")
         calm = re.sub(

@@ -52,7 +52,7 @@ def test_eligibility_comes_before_consent_and_neither_stores_anything(asking: Fl
     assert list(stored_in(asking, select(FormAnswer.question))) == ["adult", "read"]
 
 
-def test_a_missing_answer_is_marked_at_its_question_and_given_answers_are_kept(
+def test_a_missing_answer_is_marked_and_the_others_are_kept(
     asking: Flask,
 ) -> None:
     client = asking.test_client()
@@ -92,7 +92,7 @@ def fill_places(app: Flask) -> None:
         (fill_places, "all the participants it needs"),
     ],
 )
-def test_newcomers_are_turned_away_before_any_question_and_who_has_begun_finds_the_way_back(
+def test_a_closed_study_refuses_newcomers_before_any_question_but_not_returners(
     asking: Flask, happens: Callable[[Flask], None], words: str
 ) -> None:
     client, newcomer = asking.test_client(), asking.test_client()
@@ -141,7 +141,7 @@ WINDOWS = "Mozilla/5.0 (Windows NT 10.0) Chrome/126.0"
         ('"computer", "tablet", "phone"', {"User-Agent": ANDROID}, False),
     ],
 )
-def test_a_device_is_guessed_from_what_it_calls_itself_until_the_script_has_measured(
+def test_a_device_is_guessed_from_the_user_agent_until_the_script_measures(
     serve: Serve, devices: str, headers: dict[str, str], is_sent_away: bool
 ) -> None:
     app = serve(*([("[page]\n", f"[page]\ndevices = [{devices}]\n")] if devices else []))
@@ -155,7 +155,7 @@ def test_a_device_is_guessed_from_what_it_calls_itself_until_the_script_has_meas
 
 
 @pytest.mark.parametrize(("rule", "words"), [("deleted", "deleted"), ("kept", "kept, but not")])
-def test_consent_and_withdrawal_say_the_same_of_the_answers(
+def test_consent_and_withdrawal_pages_agree_about_the_answers(
     serve: Serve, rule: str, words: str
 ) -> None:
     client = serve(("[page]\n", f'[page]\nwithdrawn = "{rule}"\n')).test_client()

@@ -54,7 +54,7 @@ def study_of(app: Flask) -> Study:
 
 
 @pytest.mark.parametrize("folder", NAMES, indirect=True)
-def test_no_page_of_a_study_says_anything_that_is_not_translated(visitor: Visitor) -> None:
+def test_every_text_of_the_study_pages_is_translated(visitor: Visitor) -> None:
     speak(visitor.app, bracketed())
     study = study_of(visitor.app)
 
@@ -63,7 +63,7 @@ def test_no_page_of_a_study_says_anything_that_is_not_translated(visitor: Visito
 
 
 @pytest.mark.parametrize("folder", ["players"], indirect=True)
-def test_neither_does_a_page_beside_the_way(visitor: Visitor, clock: SetClock) -> None:
+def test_every_text_of_the_side_pages_is_translated(visitor: Visitor, clock: SetClock) -> None:
     speak(visitor.app, bracketed())
     study = study_of(visitor.app)
     pages = visitor.every_page()
@@ -89,7 +89,7 @@ def test_neither_does_a_page_beside_the_way(visitor: Visitor, clock: SetClock) -
         assert left_in_english(PageReader(answer.text), study) == "", answer.status
 
 
-def test_untranslated_text_would_be_found(serve: Serve) -> None:
+def test_the_check_finds_untranslated_text(serve: Serve) -> None:
     study = study_of(serve())
     page = PageReader(f'<p title="⟦Help⟧ me">⟦say ⟦it⟧⟧ now, {study.title} A</p>')
 

@@ -55,7 +55,7 @@ def content(app: Flask, address: str) -> bytes:
     ("requested", "start", "stop"),
     [("0-", 0, None), ("10-19", 10, 20), ("-5", -5, None)],
 )
-def test_a_byte_range_is_exactly_what_was_asked_for(
+def test_a_byte_range_is_exact(
     app: Flask, address: str, requested: str, start: int, stop: int | None
 ) -> None:
     whole = content(app, address)
@@ -79,7 +79,7 @@ def test_a_byte_range_is_exactly_what_was_asked_for(
         ({"Range": "nonsense"}, 200),
     ],
 )
-def test_where_a_range_cannot_hold_all_or_nothing_is_sent(
+def test_an_unsatisfiable_range_gets_everything_or_an_error(
     app: Flask, address: str, headers: dict[str, str], status: int
 ) -> None:
     answer = app.test_client().get(address, headers=headers, buffered=True)
@@ -90,7 +90,7 @@ def test_where_a_range_cannot_hold_all_or_nothing_is_sent(
     assert (head.data, int(head.headers["Content-Length"])) == (b"", len(content(app, address)))
 
 
-def test_a_proxy_in_front_is_told_the_file_and_gets_no_bytes(
+def test_a_proxy_gets_the_files_path_instead_of_its_bytes(
     app: Flask, address: str, tiny_study: Path
 ) -> None:
     whole = content(app, address)
@@ -103,7 +103,7 @@ def test_a_proxy_in_front_is_told_the_file_and_gets_no_bytes(
     assert (tiny_study / inner.removeprefix("/study%20files/")).read_bytes() == whole
 
 
-def test_a_worker_says_nothing_of_the_request_that_failed() -> None:
+def test_a_worker_logs_nothing_of_a_failed_request() -> None:
     class Log:
         said = ""
 
@@ -126,7 +126,7 @@ def test_a_worker_says_nothing_of_the_request_that_failed() -> None:
     assert "secret" not in worker.log.said
 
 
-def test_nobody_is_shown_a_video_that_is_rendered_anew_while_it_is_served(
+def test_videos_replaced_while_serving_are_not_shown(
     app: Flask, address: str, clock: SetClock, tiny_study: Path
 ) -> None:
     before = read_stimuli(tiny_study / "stimuli.json")
@@ -236,7 +236,7 @@ def require_alike(answers: list[TestResponse]) -> None:
     assert "Set-Cookie" not in headers[0]
 
 
-def test_pages_may_load_from_the_store_and_from_nobody_else(
+def test_pages_may_load_media_only_from_the_store(
     from_store: Flask, app: Flask, clock: SetClock, store: Store
 ) -> None:
     policies = []

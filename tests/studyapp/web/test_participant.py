@@ -31,7 +31,7 @@ def visitor(app: Flask, clock: SetClock) -> Visitor:
     return Visitor(app, clock).enrol().begin()
 
 
-def test_a_trial_asks_of_its_emotion_and_preselects_nothing(app: Flask, visitor: Visitor) -> None:
+def test_a_trial_names_its_emotion_and_preselects_nothing(app: Flask, visitor: Visitor) -> None:
     page = visitor.page()
 
     (emotion,) = stored_in(app, select(Trial.emotion).where(Trial.position == 1))
@@ -66,7 +66,7 @@ INVALID_REPORTS: list[object] = [
 INVALID_JSON = [b"", b"\xff\xfe", b"[" * 30_000, b'{"batch": 9' + b"9" * 5000 + b"}", b'"\\ud800"']
 
 
-def test_a_report_of_watching_that_is_none_is_refused(visitor: Visitor) -> None:
+def test_a_malformed_watch_report_is_refused(visitor: Visitor) -> None:
     address = visitor.page().value("#pair", "data-watched-url")
     bodies = [json.dumps(report).encode() for report in INVALID_REPORTS] + INVALID_JSON
     assert len(bodies) < AT_ONCE
@@ -115,7 +115,7 @@ def test_instructions_follow_the_study_and_never_reveal_practice_trials(
         assert "ractice" not in page
 
 
-def test_instructions_call_nothing_made_by_a_computer_where_motion_is_recorded(
+def test_instructions_do_not_call_recorded_motion_computer_made(
     serve: Serve, clock: SetClock, tiny_study: Path
 ) -> None:
     stimuli = tiny_study / "stimuli.json"
@@ -200,11 +200,11 @@ def words(tag: Tag) -> str:
     return " ".join(tag.get_text().split())
 
 
-def test_every_emotion_has_words() -> None:
+def test_every_emotion_has_a_wording() -> None:
     assert [str(word) for word in EMOTION_WORDS.values()] == list(EMOTIONS) == list(EMOTION_WORDS)
 
 
-def test_players_are_labelled_in_order_and_under_each_stand_its_questions(arrive: Arrive) -> None:
+def test_players_are_labelled_in_order_each_with_its_questions(arrive: Arrive) -> None:
     page = arrive("rating").page()
 
     assert [video["data-label"] for video in page.soup.select("video")] == ["A", "B", "C"]
@@ -224,7 +224,7 @@ def test_players_are_labelled_in_order_and_under_each_stand_its_questions(arrive
     assert page.checked() == {}
 
 
-def test_each_part_is_announced_once_and_its_sound_too(arrive: Arrive) -> None:
+def test_each_part_and_its_sound_are_announced_once(arrive: Arrive) -> None:
     visitor = arrive("mismatch")
 
     seen = list(visitor.take_trials())
@@ -253,7 +253,7 @@ def test_attention_checks_look_like_every_page_and_say_what_to_answer(arrive: Ar
         assert sum("please answer this one" in text for text in legends) == (asked != "")
 
 
-def test_a_ranking_shows_its_reference_apart_and_asks_for_a_rank_of_each(arrive: Arrive) -> None:
+def test_a_ranking_shows_its_reference_separately_and_asks_for_every_rank(arrive: Arrive) -> None:
     page = arrive("ranking").page()
 
     assert [video["data-label"] for video in page.soup.select("video")] == ["Reference", "A", "B"]

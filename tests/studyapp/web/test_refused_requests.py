@@ -62,7 +62,7 @@ def test_refusals_are_logged_by_kind(app: Flask, visitor: Visitor, clock: SetClo
     ]
 
 
-def test_a_report_that_crosses_with_next_is_refused_unnoted_a_later_one_is_noted(
+def test_a_report_that_crosses_with_next_is_refused_without_logging(
     app: Flask, visitor: Visitor, clock: SetClock
 ) -> None:
     page = visitor.page()
@@ -79,7 +79,7 @@ def test_a_report_that_crosses_with_next_is_refused_unnoted_a_later_one_is_noted
 
 
 @BOTH
-def test_the_character_nul_is_refused_wherever_it_stands(
+def test_nul_characters_are_refused_everywhere(
     app: Flask, opened: Database, participant: Participant
 ) -> None:
     attach(app, replace(site_of(app), database=opened))

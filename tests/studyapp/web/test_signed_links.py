@@ -47,7 +47,7 @@ def signed(key: RSAPrivateKey, *, kid: str = "one", **changes: Any) -> str:
 
 
 @pytest.mark.parametrize("audience", [HOST, f"https://{HOST}", [f"https://{HOST}/one"]])
-def test_prolifics_signature_is_accepted_however_long_the_first_pages_are_read(
+def test_prolifics_signature_outlasts_reading_the_first_pages(
     private_key: RSAPrivateKey, fetched: list[int], audience: Any
 ) -> None:
     for expired in (-60, 0, 1800):
@@ -56,7 +56,7 @@ def test_prolifics_signature_is_accepted_however_long_the_first_pages_are_read(
     assert len(fetched) == 1
 
 
-def test_nothing_that_prolific_did_not_sign_for_this_purpose_is_believed(
+def test_invalid_prolific_signatures_are_refused(
     private_key: RSAPrivateKey, fetched: list[int]
 ) -> None:
     claims = {"aud": HOST, "exp": time.time() + 60, "prolific": NAMES}
@@ -77,7 +77,7 @@ def test_nothing_that_prolific_did_not_sign_for_this_purpose_is_believed(
         assert signed_names(token, HOST) is None, token
 
 
-def test_made_up_keys_do_not_make_the_server_ask_prolific_each_time(
+def test_unknown_keys_do_not_cause_a_request_each_time(
     private_key: RSAPrivateKey, fetched: list[int]
 ) -> None:
     for number in range(20):
@@ -85,7 +85,7 @@ def test_made_up_keys_do_not_make_the_server_ask_prolific_each_time(
     assert len(fetched) <= 2
 
 
-def test_where_the_keys_cannot_be_fetched_people_are_asked_to_come_again(
+def test_if_the_keys_are_unavailable_people_are_asked_to_try_again(
     private_key: RSAPrivateKey, fetched: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(_client: jwt.PyJWKClient) -> None:

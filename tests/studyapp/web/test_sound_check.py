@@ -30,7 +30,7 @@ def samples_of(sound: bytes) -> tuple[NDArray[np.float64], int]:
 
 
 @pytest.mark.parametrize("language", get_args(Language))
-def test_digits_differ_in_what_is_heard_alone(language: Language) -> None:
+def test_digits_differ_only_in_the_sound(language: Language) -> None:
     alone = [samples_of(spoken_digits(language, str(digit))) for digit in range(10)]
 
     assert len({len(samples) for samples, _ in alone}) == 1
@@ -54,9 +54,7 @@ def visitor(listening: Flask) -> Visitor:
     return Visitor(listening, SetClock()).enrol()
 
 
-def test_page_and_headers_are_the_same_whatever_the_digits(
-    listening: Flask, visitor: Visitor
-) -> None:
+def test_page_and_headers_do_not_depend_on_the_digits(listening: Flask, visitor: Visitor) -> None:
     source = visitor.page().value("audio", "src")
     # Some browsers play only what is sent in parts.
     whole = visitor.client.get(source).data

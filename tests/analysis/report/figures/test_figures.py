@@ -59,7 +59,7 @@ def test_marks_distinguish_descriptive_rows_and_totals() -> None:
     assert svg.desc.get_text() == "Emotion. anger: .40; all: .50."
 
 
-def test_a_narrow_screen_gets_the_same_panels_one_below_the_other() -> None:
+def test_narrow_screens_stack_the_same_panels() -> None:
     dots = [Dot(estimate=0.4, low=0.1, high=0.7, words=".40", hint=".40")]
 
     (picture,) = dot_pictures({"emotion": dots, "rhythm": dots}, [Row("ours")], SCALE, TEXT)
@@ -75,7 +75,7 @@ def test_a_narrow_screen_gets_the_same_panels_one_below_the_other() -> None:
     assert not ids[0] & ids[1]
 
 
-def test_panels_that_a_page_has_no_room_for_stand_on_further_sheets() -> None:
+def test_panels_that_do_not_fit_continue_on_further_sheets() -> None:
     dots = [Dot(estimate=0.4, hint=".40")] * 12
     questions = [f"question {number}" for number in range(5)]
 
@@ -94,7 +94,7 @@ def test_panels_that_a_page_has_no_room_for_stand_on_further_sheets() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("lines", [1, 2, 3])
-def test_words_never_need_more_room_than_there_is(name: str, lines: int) -> None:
+def test_text_fits_its_space(name: str, lines: int) -> None:
     fitting = fit_text(name, 1.1, size=8, lines=lines).split("\n")
     assert len(fitting) <= lines
     is_whole = "".join(fitting).replace(" ", "") == name.replace(" ", "")
@@ -116,21 +116,21 @@ def line_picture() -> Picture:
         return make_picture(drawing, drawing, text, "")
 
 
-def test_letters_of_every_script_are_drawn_without_a_warning_and_signs_are_no_markup() -> None:
+def test_every_script_is_drawn_and_special_characters_are_not_markup() -> None:
     svg = BeautifulSoup(line_picture().svg, "html.parser").svg
     assert svg is not None
     assert "条件 a < b & c" in [text.get_text() for text in svg("text")]
     assert "<i>1</i> < 2" in [hint.get_text() for hint in svg("title")]
 
 
-def test_words_and_lines_follow_the_colours_of_the_page() -> None:
+def test_text_and_lines_follow_the_pages_colours() -> None:
     svg = line_picture().svg
     assert PAGE_COLOURS[INK] in svg
     assert not any(re.search(rf"(?<!, ){colour}", svg) for colour in PAGE_COLOURS)
 
 
 @pytest.mark.parametrize("colour", [*DIVERGING, *SERIES, *place_colours(12), *scale_colours(21)])
-def test_words_on_a_coloured_part_can_be_read(colour: str) -> None:
+def test_text_on_coloured_bars_is_legible(colour: str) -> None:
     light, dark = sorted((_luminance(colour), _luminance(text_colour(colour))), reverse=True)
     assert (light + 0.05) / (dark + 0.05) >= 3
 

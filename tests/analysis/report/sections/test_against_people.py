@@ -45,7 +45,7 @@ def section(found: TableReport) -> Section | None:
     return against_people_section(found, subject_of(found, origin="rehearsal"))
 
 
-def test_correlations_stand_in_a_table_and_two_figures_and_again_in_the_same_bytes(
+def test_correlations_are_in_a_table_and_two_reproducible_figures(
     tmp_path: Path,
 ) -> None:
     found = report(tmp_path, "ranking", CONDITIONS)

@@ -37,7 +37,7 @@ def answered(tmp_path: Path) -> Answered:
     return read
 
 
-def test_a_preference_is_named_with_the_estimate_that_decides_and_what_it_rests_on(
+def test_a_preference_is_stated_with_the_deciding_estimate_and_its_sample(
     tmp_path: Path,
 ) -> None:
     table = pairwise_table(("ours", "other"), effects=(3.0, 0.0), participants=14, segments=8)
@@ -73,7 +73,7 @@ def test_undecided_comparisons_are_not_called_equal_unless_a_margin_was_stated(
     assert within.endswith("; equivalent within 0.2: twin and ours on emotion.")
 
 
-def test_where_everybody_agrees_the_sign_test_decides_and_the_answer_says_so_once(
+def test_if_everybody_agrees_the_sign_test_decides_and_is_mentioned_once(
     answered: Answered,
 ) -> None:
     table = pairwise_table(
@@ -136,7 +136,7 @@ def test_an_interval_that_does_not_decide_is_explained(tmp_path: Path) -> None:
     ) in certainty(seen, subject_of(report))
 
 
-def test_a_very_busy_participant_is_warned_of(answered: Answered) -> None:
+def test_a_dominant_participant_raises_a_warning(answered: Answered) -> None:
     table = pairwise_table(("ours", "other"), effects=(0.5, 0.0), participants=12, segments=12)
     busy = pd.concat([table[table["participant"] == "p00"]] * 9)
     table = pd.concat([table, busy.assign(trial=range(1000, 1000 + len(busy)))])
@@ -154,7 +154,7 @@ def test_a_very_busy_participant_is_warned_of(answered: Answered) -> None:
         ((4.0, 0.0, -4.0), "; 2 of the other 2 tests are also significant."),
     ],
 )
-def test_the_first_sentence_names_the_largest_and_counts_the_others(
+def test_the_first_sentence_names_the_largest_effect_and_counts_the_others(
     answered: Answered, effects: tuple[float, ...], end: str
 ) -> None:
     table = pairwise_table(("a", "b", "c"), effects=effects, participants=20, segments=8)
@@ -217,7 +217,7 @@ def test_excluded_participants_are_counted_in_the_answer_and_the_flow_with_their
 
 
 @pytest.mark.parametrize("protocol", TABLES)
-def test_empty_counts_are_written_in_words(protocol: str, tmp_path: Path) -> None:
+def test_zero_counts_are_written_in_words(protocol: str, tmp_path: Path) -> None:
     report = report_of(TABLES[protocol](participants=2).iloc[:0], protocol, tmp_path)
 
     assert answer(report, subject_of(report))[0].startswith("There are no answers")

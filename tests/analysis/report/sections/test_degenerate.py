@@ -38,9 +38,7 @@ CASES: dict[str, tuple[Callable[[pd.DataFrame, str], pd.DataFrame], str]] = {
 
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_where_there_is_nothing_to_draw_a_sentence_says_why(
-    protocol: str, case: str, analyse: Analyse
-) -> None:
+def test_a_sentence_replaces_an_empty_figure(protocol: str, case: str, analyse: Analyse) -> None:
     change, reason = CASES[case]
     table = TABLES[protocol](participants=3, segments=3)
     found = headline(analyse(protocol, change(table, protocol)))
@@ -67,9 +65,7 @@ def test_a_comparison_without_analysed_answers_says_so_among_the_others(analyse:
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_where_there_is_no_number_no_cell_and_no_note_says_nan(
-    protocol: str, analyse: Analyse, sections: Sections
-) -> None:
+def test_no_cell_or_note_says_nan(protocol: str, analyse: Analyse, sections: Sections) -> None:
     alone = headline(analyse(protocol, TABLES[protocol](participants=1, segments=3)))
     for section in (*alone, *(one for found in sections.values() for one in found)):
         said = [c.text for t in section.tables for row in t.rows for c in row]
@@ -81,7 +77,7 @@ def test_where_there_is_no_number_no_cell_and_no_note_says_nan(
             assert not table.groups or sum(span for _, span in table.groups) == len(table.header)
 
 
-def test_effects_are_taken_apart_by_emotion_and_few_segments_are_descriptive(
+def test_effects_are_split_by_emotion_and_few_segments_are_descriptive(
     analyse: Analyse,
 ) -> None:
     table = pairwise_table(("ours", "other"), effects=(1, 0), participants=4, segments=6)
@@ -105,7 +101,7 @@ def test_effects_are_taken_apart_by_emotion_and_few_segments_are_descriptive(
     assert any("no test" in note for note in untested.tables[0].notes)
 
 
-def test_effects_are_seen_from_the_reference(analyse: Analyse) -> None:
+def test_effects_are_oriented_to_the_reference(analyse: Analyse) -> None:
     table = pairwise_table(("ours", "other"), effects=(1, 0), participants=4, segments=4)
     results = analyse("pairwise", table).results
     (forward,), (turned,) = (effects(results, name) for name in ("ours", "other"))

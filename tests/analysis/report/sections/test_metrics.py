@@ -88,7 +88,7 @@ def test_a_papers_table_has_its_columns_and_ranks_no_recorded_or_broken_motion()
     assert column(table, "BA ↑") == ["0.900", "*0.800", "_0.700", "0.950"]
 
 
-def test_nearness_is_measured_to_recorded_motion() -> None:
+def test_nearness_is_measured_from_recorded_motion() -> None:
     (table,) = tables(
         scores("jerk (hands)", [100, 140, 90, 9000], better="near the reference", spread=11.0)
     )
@@ -98,7 +98,7 @@ def test_nearness_is_measured_to_recorded_motion() -> None:
     assert "standard deviation between clips" in table.notes[0]
 
 
-def test_generative_conditions_are_marked_in_diffshegs_blocks_where_it_is_stated() -> None:
+def test_stated_generative_conditions_are_marked_in_diffshegs_blocks() -> None:
     own = scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95])
     (table,) = tables(own, generative=GEN)
     assert table.header.count("Gen") == 2

@@ -36,7 +36,7 @@ def results(report: TableReport) -> PairwiseResults:
     return report.results
 
 
-def test_hints_and_the_text_alternative_have_every_number(
+def test_tooltips_and_the_text_alternative_have_every_number(
     reports: Reports, section: Section
 ) -> None:
     picture = named_picture(section, "preferences")
@@ -50,7 +50,7 @@ def test_hints_and_the_text_alternative_have_every_number(
         assert f"win share {wording.share(comparison.win_share.estimate)}" in told(picture)
 
 
-def test_bars_are_as_wide_as_their_share_and_centred_on_no_difference(
+def test_bars_are_proportional_and_centred_on_no_difference(
     reports: Reports, section: Section
 ) -> None:
     (group,) = pairwise_groups(results(reports["all pairs"]), None)
@@ -79,7 +79,7 @@ def test_emotion_comes_first_and_rows_are_sorted_by_its_win_share(
     assert [text for text in said if text in shares][: len(shares)] == shares
 
 
-def test_comparisons_are_seen_from_the_condition_that_all_have_in_common(
+def test_comparisons_are_oriented_to_their_common_condition(
     reports: Reports, sections: Sections
 ) -> None:
     found = results(reports["against one"])
@@ -104,7 +104,7 @@ def test_comparisons_are_seen_from_the_condition_that_all_have_in_common(
     assert of_all.first == "the first"
 
 
-def test_the_sums_of_table_a5_and_p_values_as_published_are_those_of_the_results(
+def test_table_a5_sums_and_published_p_values_match_the_results(
     reports: Reports, sections: Sections
 ) -> None:
     (section,) = sections["against one"]
@@ -127,7 +127,7 @@ def test_the_sums_of_table_a5_and_p_values_as_published_are_those_of_the_results
         assert [c.value for c in row[-2:]] == [published.binomial_p, published.wilcoxon_p]
 
 
-def test_where_bars_are_too_many_a_matrix_holds_both_sides_of_every_comparison(
+def test_many_comparisons_are_shown_as_a_matrix(
     reports: Reports, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(preferences, "MOST_BARS", 2)
@@ -145,7 +145,7 @@ def test_where_bars_are_too_many_a_matrix_holds_both_sides_of_every_comparison(
         )
 
 
-def test_own_speech_stands_on_the_left_of_every_condition(
+def test_own_speech_is_on_the_left_for_every_condition(
     reports: Reports, sections: Sections
 ) -> None:
     mismatch = reports["mismatch"].results

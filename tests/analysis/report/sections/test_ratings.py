@@ -41,7 +41,7 @@ def test_sets_are_kept_apart(sections: Sections) -> None:
     assert len(names) == len(set(names))
 
 
-def test_parts_of_a_bar_are_as_wide_as_scores_were_given_and_places_reached(
+def test_bar_segments_are_proportional_to_scores_and_ranks(
     results: RatingResults, ranking_results: RankingResults, sections: Sections
 ) -> None:
     picture = named_picture(sections["rating"][0], "ratings-set-1")
@@ -75,7 +75,7 @@ def test_the_best_mean_is_bold_and_the_second_best_underlined(
     assert not means["static"].second
 
 
-def test_contrasts_lead_with_paired_differences_corrected_by_holm(
+def test_contrasts_start_with_paired_differences_corrected_by_holm(
     results: RatingResults, sections: Sections
 ) -> None:
     rows = named_table(sections["rating"][0], "contrasts-set-1").rows
@@ -86,7 +86,7 @@ def test_contrasts_lead_with_paired_differences_corrected_by_holm(
     assert named_picture(sections["rating"][0], "contrasts-set-1")
 
 
-def test_scores_have_their_labels_in_the_legend_or_where_they_differ_in_the_caption(
+def test_score_labels_are_in_the_legend_or_if_they_differ_in_the_caption(
     results: RatingResults, sections: Sections
 ) -> None:
     legend = " ".join(words(named_picture(sections["rating"][0], "ratings-set-1")))
@@ -105,7 +105,7 @@ def ranking_results(reports: Mapping[str, TableReport]) -> RankingResults:
     return found
 
 
-def test_mean_ranks_first_places_and_worths_stand_in_one_section(
+def test_mean_ranks_first_places_and_worths_share_a_section(
     ranking_results: RankingResults, sections: Sections
 ) -> None:
     (ranking_section,) = sections["ranking"]

@@ -117,7 +117,7 @@ def test_dots(drawn: list[Figure], questions: int, count: int) -> None:
         assert dot.high < high
 
 
-def test_several_dots_of_a_row(drawn: list[Figure]) -> None:
+def test_several_dots_in_a_row(drawn: list[Figure]) -> None:
     dots = [Dot(estimate=0.2, low=-0.5, high=0.8), Dot(estimate=0.9), Dot()]
     dot_pictures(
         {"over conditions": [dots] * 20, "within conditions": [dots] * 20},

@@ -79,7 +79,7 @@ def test_every_protocol_has_its_method_its_diagnostics_and_its_limits(
     assert "One speaker says nothing about other speakers." in texts[2]
 
 
-def test_a_rehearsals_truth_is_held_against_estimates_of_either_direction(tmp_path: Path) -> None:
+def test_a_rehearsals_truth_is_compared_with_estimates_in_either_direction(tmp_path: Path) -> None:
     report = report_of(pairwise_table(("ours", "other"), effects=(1.0, 0.0)), "pairwise", tmp_path)
     share = report.results.comparisons[0].win_share  # type: ignore[union-attr]
     truth = tuple(
@@ -174,7 +174,7 @@ def stills(*conditions: str, **settings: Any) -> Section:
     return section
 
 
-def test_each_condition_is_a_row_of_stills_with_words_for_every_picture() -> None:
+def test_each_condition_is_a_row_of_stills_with_alternative_texts() -> None:
     section = stills("ours", "<b>theirs</b>")
     (strip,) = section.pictures
     assert strip.svg.count("<img ") == 4
@@ -185,7 +185,7 @@ def test_each_condition_is_a_row_of_stills_with_words_for_every_picture() -> Non
     assert "“Put them into <detention>.”" in section.paragraphs[0]
 
 
-def test_a_condition_without_stills_is_named_and_a_sentence_says_why_there_are_none() -> None:
+def test_a_condition_without_stills_is_named_with_a_reason() -> None:
     assert stills("ours").paragraphs[1] == "There is no readable video of this segment of theirs."
     assert stills(no_stills="There are no videos yet.").paragraphs == ("There are no videos yet.",)
     assert stills_section(subject_with_stills()) is None
@@ -220,7 +220,7 @@ def test_numbers_with_and_without_exclusions_stand_side_by_side(
 
 
 @pytest.mark.parametrize("reference", ["ours", "other"])
-def test_pairs_are_seen_from_the_reference_as_in_the_headline(
+def test_pairs_are_oriented_to_the_reference_as_in_the_headline(
     tmp_path: Path, reference: str
 ) -> None:
     table = pairwise_table(("ours", "other"), effects=(1.0, 0.0), participants=8)

@@ -32,7 +32,7 @@ def test_the_gradient_is_the_derivative() -> None:
     np.testing.assert_allclose(likelihood(answers, at).gradient, numeric, rtol=1e-5, atol=1e-5)
 
 
-def test_it_is_near_the_integral_over_a_random_effect() -> None:
+def test_the_approximation_is_near_the_exact_integral() -> None:
     codes = np.array([0, 1, 1, 0, 1, 1, 1, 0] * 5)
     layout = Layout((np.zeros(40, int),), (1,))
     made = Answers(codes, Thresholds(2), np.empty((40, 0)), layout, (np.ones(40),))
@@ -46,7 +46,7 @@ def test_it_is_near_the_integral_over_a_random_effect() -> None:
 
 
 @pytest.mark.parametrize("sizes", [(7,), (7, 4, 3)])
-def test_the_information_agrees_with_the_matrix_written_out(sizes: tuple[int, ...]) -> None:
+def test_the_information_agrees_with_the_full_matrix(sizes: tuple[int, ...]) -> None:
     chance = np.random.default_rng(3)
     groups = tuple(chance.integers(0, size, 60) for size in sizes)
     multipliers = [chance.normal(size=60) for _ in sizes]
@@ -70,7 +70,7 @@ def test_the_information_agrees_with_the_matrix_written_out(sizes: tuple[int, ..
 
 
 @pytest.mark.parametrize("far", [-30.0, 30.0])
-def test_far_intervals_keep_their_digits(far: float) -> None:
+def test_probabilities_of_extreme_intervals_stay_accurate(far: float) -> None:
     low, high = sorted((-abs(far), -abs(far) + np.sign(-far)))
 
     result = Interval(np.array([far]), np.array([far + 1]))

@@ -45,7 +45,7 @@ def test_it_agrees_with_ordinal_for_r() -> None:
 
 
 @pytest.mark.parametrize("size", [(8, 3), (22, 24)])
-def test_a_fit_without_errors_has_the_same_likelihood(size: tuple[int, int]) -> None:
+def test_skipping_standard_errors_keeps_the_likelihood(size: tuple[int, int]) -> None:
     made = made_answers(*size)
 
     whole = fitted(made)
@@ -56,7 +56,7 @@ def test_a_fit_without_errors_has_the_same_likelihood(size: tuple[int, int]) -> 
     assert np.isnan(quick.standard_errors["side"])
 
 
-def test_many_answers_begun_from_a_part_of_them_end_at_the_same_maximum(
+def test_starting_from_a_subsample_reaches_the_same_maximum(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     made = made_answers(60, 50)
@@ -126,7 +126,7 @@ def small_studies(draw: st.DrawFn) -> MadeAnswers:
 
 @settings(max_examples=12, deadline=None)
 @given(small_studies())
-def test_a_fit_converges_or_says_what_parts_the_answers_and_so_does_its_mirror_image(
+def test_a_fit_and_its_mirror_image_converge_or_report_separation(
     made: MadeAnswers,
 ) -> None:
     one, other = fitted(made), fitted(mirror_image(made))
@@ -139,7 +139,7 @@ def test_a_fit_converges_or_says_what_parts_the_answers_and_so_does_its_mirror_i
 
 
 @pytest.mark.parametrize(("participants", "items", "seed"), [(7, 5, 224), (4, 7, 120)])
-def test_a_climb_that_ends_too_early_or_with_a_deviation_of_zero_goes_on(
+def test_an_optimisation_that_stops_early_or_at_zero_deviation_is_continued(
     participants: int, items: int, seed: int
 ) -> None:
     """From the usual start, the first climb ends below the maximum, with items nearly alike."""

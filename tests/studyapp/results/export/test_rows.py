@@ -11,7 +11,7 @@ from tests.support.studies.exported import responses_table, study_sessions_table
 from tests.support.studies.taking_part_steps import Participant
 
 
-def test_in_a_catch_trial_the_other_is_the_flawed_condition(participant: Participant) -> None:
+def test_a_catch_trials_other_condition_is_the_flawed_one(participant: Participant) -> None:
     participant.take_all()
 
     table = read_once(participant.database, responses_table)
@@ -40,7 +40,7 @@ def test_the_participant_flow_counts_every_study_session(participant: Participan
 
 
 @BOTH
-def test_a_video_is_one_row_with_all_that_was_measured(participant: Participant) -> None:
+def test_a_video_is_one_row_with_all_measurements(participant: Participant) -> None:
     other = participant.another().enrol("other").begin()
     never_sent = other.trial().videos[0].token
     participant.look()
@@ -63,7 +63,7 @@ def test_a_video_is_one_row_with_all_that_was_measured(participant: Participant)
     assert (unsent["watched"], unsent["times_played"]) == (0.0, 1.0)
 
 
-def test_a_video_that_does_not_play_is_named(participant: Participant) -> None:
+def test_a_video_that_does_not_play_is_marked(participant: Participant) -> None:
     participant.leave_out()
     participant.look()
 
@@ -73,7 +73,7 @@ def test_a_video_that_does_not_play_is_named(participant: Participant) -> None:
     assert table["unplayable_at"].tolist() == [participant.clock.now(), pd.NaT]
 
 
-def test_refusals_are_exported_without_token(participant: Participant) -> None:
+def test_refusals_are_exported_without_tokens(participant: Participant) -> None:
     participant.take_trial()
     refusal = ConflictError("No.", "Try again.")
     log_refusal(participant.database, participant.token, "answers", refusal, participant.clock)

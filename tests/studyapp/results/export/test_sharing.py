@@ -53,7 +53,7 @@ def test_another_lab_repeats_the_results_byte_for_byte(answered: Answered, tmp_p
     assert json.loads(here)["participants"]["recruited"] == 2
 
 
-def test_nobody_can_be_found_by_what_is_passed_on(
+def test_a_shared_folder_identifies_nobody(
     passed_on: tuple[StudyFolder, Path], tmp_path: Path
 ) -> None:
     folder, out = passed_on
@@ -126,7 +126,7 @@ def test_only_the_number_of_withdrawn_participants_is_shared(
 
 
 @pytest.mark.parametrize("name", ["answers.csv", "stated.toml", "answers.json"])
-def test_files_that_were_changed_are_refused(
+def test_tampered_files_are_refused(
     passed_on: tuple[StudyFolder, Path], tmp_path: Path, name: str
 ) -> None:
     copy = StudyFolder(tmp_path)
@@ -153,7 +153,7 @@ def test_a_shared_folder_is_not_exported_again_and_holds_no_database(
         read_answers(both, "participants")
 
 
-def test_nothing_is_written_over_or_without_a_participant(
+def test_nothing_is_overwritten_or_shared_without_a_participant(
     answered: Answered, finished_study: Callable[[str], Path], tmp_path: Path
 ) -> None:
     folder, out = answered("pairwise"), tmp_path / "out"

@@ -50,7 +50,7 @@ def made(recruited_once: Callable[[str], Path], tmp_path_factory: pytest.TempPat
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_every_column_value_and_question_has_its_entry_in_the_codebook(
+def test_the_codebook_has_every_column_value_and_question(
     answered: Answered, protocol: str, tmp_path: Path
 ) -> None:
     out = tmp_path / "out" / "answers.csv"
@@ -101,7 +101,7 @@ def _covers(label: str, value: int) -> bool:
     return int(low) <= value <= int(high or low)
 
 
-def test_nobody_can_be_found_by_what_is_exported_but_in_a_file_for_its_owner(made: Made) -> None:
+def test_exports_contain_nothing_that_identifies_a_participant(made: Made) -> None:
     folder, done = made
     ids = done.files[0].with_name("recruiter_ids.csv")
 
@@ -136,7 +136,7 @@ def test_a_participant_has_one_pseudonym_in_all_tables_and_exports(
     assert folder.pseudonym_key.stat().st_mode & 0o777 == 0o600
 
 
-def test_each_answer_says_whether_it_is_analysed_and_by_which_rule_it_is_not(made: Made) -> None:
+def test_each_answer_states_whether_and_by_which_rule_it_is_excluded(made: Made) -> None:
     out = made[1].files[0].parent
     people = read(out, PARTICIPANTS)
     assert people["excluded"].tolist()[:2] == [False, True]
@@ -155,7 +155,7 @@ def test_each_answer_says_whether_it_is_analysed_and_by_which_rule_it_is_not(mad
     assert left_out["exclusion_reason"].tolist() == ["1 of 6 trials answered"]
 
 
-def test_answers_that_contradict_the_study_are_exported_all_the_same(
+def test_answers_that_contradict_the_study_are_exported_anyway(
     answered: Answered, tmp_path: Path
 ) -> None:
     folder = answered("pairwise")
@@ -183,7 +183,7 @@ def test_spreadsheet_formulas_are_exported_as_text(answered: Answered, tmp_path:
     assert FORMULA in typed["value"].tolist()
 
 
-def test_before_anybody_comes_there_are_tables_without_rows_and_no_key(
+def test_without_participants_tables_are_empty_and_no_key_is_made(
     finished_study: Callable[[str], Path], tmp_path: Path
 ) -> None:
     folder = StudyFolder(finished_study("rating"))

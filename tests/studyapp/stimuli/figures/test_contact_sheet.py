@@ -91,7 +91,7 @@ def motion_links(page: Path) -> dict[str, str]:
     }
 
 
-def test_pages_of_motion_are_written_again_when_it_changes(
+def test_motion_pages_are_rewritten_when_the_motion_changes(
     study: StudyFolder,
 ) -> None:
     motions = (("take-0", "rule_based"), ("take-0", "broken"), ("take-2", "broken"))

@@ -106,7 +106,7 @@ def test_conditions_can_have_other_labels_which_are_distinct(study: StudyFolder)
         (["grid", "--segment", SEGMENT, "--output", "grid.avi"], ".mp4"),
     ],
 )
-def test_unknown_names_and_formats_are_refused_with_alternatives(
+def test_unknown_names_and_formats_are_refused_with_the_known_ones(
     study: StudyFolder, arguments: list[str], error: str
 ) -> None:
     command, *options = arguments

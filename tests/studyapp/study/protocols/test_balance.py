@@ -113,7 +113,7 @@ def test_a_mismatch_study_shows_every_motion_equally_often(
 
 
 @given(st.sampled_from(sorted(KEYS)), st.integers(0, 60), SEEDS)
-def test_with_enough_speech_extra_trials_cannot_be_recognised(
+def test_with_enough_speech_extra_trials_are_indistinguishable(
     protocol: str, number: int, seed: int
 ) -> None:
     study = extras(protocol, seed=seed)
@@ -126,7 +126,7 @@ def test_with_enough_speech_extra_trials_cannot_be_recognised(
 
 
 @pytest.mark.parametrize("protocol", sorted(KEYS))
-def test_over_places_an_extra_trial_may_have_any_speech_and_any_position(protocol: str) -> None:
+def test_extra_trials_have_any_speech_and_position_across_places(protocol: str) -> None:
     study = extras(protocol)
     made = plans(study, 200)
     trials = [trial for plan in made for trial in plan]
@@ -145,7 +145,7 @@ def test_over_places_an_extra_trial_may_have_any_speech_and_any_position(protoco
 
 
 @pytest.mark.parametrize("protocol", sorted(KEYS))
-def test_no_condition_has_a_label_of_its_own(protocol: str) -> None:
+def test_labels_do_not_reveal_conditions(protocol: str) -> None:
     study = make(protocol, catch={**KEYS[protocol].get("catch", {}), "trials": 0})
     at: Counter[tuple[str, int, str, int]] = Counter()
     for trial in analysed(study, 150):

@@ -43,7 +43,7 @@ def designs(draw: st.DrawFn) -> tuple[Study, tuple[Segment, ...], tuple[PlannedT
 
 
 @given(designs())
-def test_parts_follow_each_other_with_extra_trials_apart_and_none_of_them_first(
+def test_extra_trials_are_spread_out_within_parts_and_never_first(
     design: Any,
 ) -> None:
     study, _, plan = design
@@ -66,7 +66,7 @@ def test_parts_follow_each_other_with_extra_trials_apart_and_none_of_them_first(
 
 
 @given(designs())
-def test_every_video_shown_is_among_those_that_are_prepared(design: Any) -> None:
+def test_every_shown_video_is_prepared(design: Any) -> None:
     study, segments, plan = design
     contents = list(study.contents(segments))
 
@@ -89,7 +89,7 @@ def test_kinds_of_trials_in_a_part_differ_only_in_content(design: Any) -> None:
 
 
 @given(designs())
-def test_every_question_has_a_field_of_its_own_and_a_choice(design: Any) -> None:
+def test_every_question_has_its_own_field_and_choices(design: Any) -> None:
     study, _, plan = design
 
     for trial in plan:
@@ -104,9 +104,7 @@ def test_every_question_has_a_field_of_its_own_and_a_choice(design: Any) -> None
 
 
 @given(designs(), st.randoms())
-def test_a_whole_order_is_an_acceptable_answer_and_fails_no_ordinary_trial(
-    design: Any, chance: Any
-) -> None:
+def test_a_complete_answer_is_valid_and_fails_no_ordinary_trial(design: Any, chance: Any) -> None:
     study, _, plan = design
 
     for trial in plan:
@@ -119,7 +117,7 @@ def test_a_whole_order_is_an_acceptable_answer_and_fails_no_ordinary_trial(
 
 
 @given(designs())
-def test_a_catch_trial_is_passed_by_who_sees_the_flaw_and_failed_by_who_does_not(
+def test_seeing_the_flaw_decides_a_catch_trial(
     design: Any,
 ) -> None:
     study, _, plan = design
@@ -134,7 +132,7 @@ def test_a_catch_trial_is_passed_by_who_sees_the_flaw_and_failed_by_who_does_not
 
 
 @given(designs())
-def test_an_attention_check_is_passed_by_who_does_as_it_says(design: Any) -> None:
+def test_following_the_instruction_passes_an_attention_check(design: Any) -> None:
     study, _, plan = design
 
     for trial in plan:
@@ -148,7 +146,7 @@ def test_an_attention_check_is_passed_by_who_does_as_it_says(design: Any) -> Non
 
 
 @pytest.mark.parametrize("protocol", sorted(KEYS))
-def test_operation_is_no_part_of_the_design_and_everything_else_is(protocol: str) -> None:
+def test_everything_but_operational_keys_is_part_of_the_design(protocol: str) -> None:
     def digest(**changes: Any) -> str:
         return design_digest(make(protocol, **changes), SEGMENTS, {})
 
@@ -170,7 +168,7 @@ def test_operation_is_no_part_of_the_design_and_everything_else_is(protocol: str
     assert len(set(changed)) == len(changed)
 
 
-def test_an_arm_is_the_same_whatever_other_comparisons_there_are() -> None:
+def test_an_arm_does_not_depend_on_other_comparisons() -> None:
     few: dict[str, dict[str, str]] = {name: {} for name in ("ours", "theirs")}
     before = make("pairwise", conditions=few, catch={"against": "ours"})
     after = make("pairwise", catch={"against": "ours"})
@@ -183,7 +181,7 @@ def test_an_arm_is_the_same_whatever_other_comparisons_there_are() -> None:
 
 
 @pytest.mark.parametrize(("alias", "protocol"), ALIASES.items())
-def test_a_papers_name_is_its_protocols(alias: str, protocol: str) -> None:
+def test_a_papers_name_selects_its_protocol(alias: str, protocol: str) -> None:
     named = make(protocol)
     keys = named.model_dump(exclude_unset=True) | {"protocol": alias}
 

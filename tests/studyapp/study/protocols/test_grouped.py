@@ -13,9 +13,7 @@ from tests.support.studies.made_study import make_segments
 
 
 @given(st.integers(0, 50), st.integers(1, 20))
-def test_a_group_is_one_speech_with_every_motion_of_its_set_and_none_comes_twice_without_need(
-    number: int, segments: int
-) -> None:
+def test_a_group_is_one_speech_with_every_motion_of_its_set(number: int, segments: int) -> None:
     study = make("rating")
 
     plan = study.plan(study.arms[0], number, make_segments(["anger"] * segments))
@@ -36,7 +34,7 @@ def test_a_group_is_one_speech_with_every_motion_of_its_set_and_none_comes_twice
         ({"scale": "slider"}, range(101), {0: 1, 19: 1, 20: 2, 79: 4, 80: 5, 100: 5}),
     ],
 )
-def test_scales_run_from_the_worst_to_the_best(
+def test_scales_run_from_worst_to_best(
     keys: dict[str, object], values: range, steps: dict[int, int]
 ) -> None:
     asked = RatingQuestion.model_validate(question("q", **keys))

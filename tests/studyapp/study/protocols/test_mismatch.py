@@ -13,9 +13,7 @@ SEGMENTS = make_segments(EMOTIONS)
 
 
 @given(st.integers(0, 40), st.integers(0, 2**32 - 1))
-def test_a_motion_fits_its_own_or_another_speech_and_looks_real_without_sound(
-    number: int, seed: int
-) -> None:
+def test_a_mismatch_study_asks_about_fit_and_about_realism(number: int, seed: int) -> None:
     study = make("mismatch", seed=seed)
 
     plan = study.plan(study.arms[0], number, SEGMENTS)
@@ -35,7 +33,7 @@ def test_a_motion_fits_its_own_or_another_speech_and_looks_real_without_sound(
         assert {shown.speech for shown in trial.stimuli} == {None}
 
 
-def test_each_motion_needs_two_videos_whoever_takes_part() -> None:
+def test_each_motion_needs_two_videos() -> None:
     study = make("mismatch", realism=0, questions=[question("fit")])
 
     contents = list(study.contents(SEGMENTS))
@@ -46,7 +44,7 @@ def test_each_motion_needs_two_videos_whoever_takes_part() -> None:
 
 
 @given(st.lists(st.sampled_from([2.0, 5.0, 9.0]), min_size=2, max_size=8))
-def test_another_speech_is_as_long_as_the_motion_where_there_is_one(seconds: list[float]) -> None:
+def test_other_speech_matches_the_motions_length_if_possible(seconds: list[float]) -> None:
     study = make("mismatch", realism=0, questions=[question("fit")])
     segments = lasting(*seconds)
     length = {segment.name: segment.duration for segment in segments}

@@ -38,7 +38,7 @@ def of_kind(plan: Plan, *kinds: str) -> list[PlannedTrial]:
 
 
 @given(designs())
-def test_no_segment_comes_again_before_all_others_and_emotions_share_the_trials_evenly(
+def test_segments_rotate_and_emotions_share_the_trials_evenly(
     design: Design,
 ) -> None:
     study, _, plan, available = design
@@ -57,7 +57,7 @@ def test_no_segment_comes_again_before_all_others_and_emotions_share_the_trials_
 
 
 @given(designs())
-def test_practice_comes_first_and_its_pairs_are_repeated_at_the_end_in_its_order(
+def test_practice_comes_first_and_is_repeated_in_order_at_the_end(
     design: Design,
 ) -> None:
     study, _, plan, available = design
@@ -76,7 +76,7 @@ def test_practice_comes_first_and_its_pairs_are_repeated_at_the_end_in_its_order
 
 
 @given(designs())
-def test_sides_are_balanced_among_the_analysed_the_practice_and_the_catch_trials(
+def test_sides_are_balanced_within_each_kind_of_trial(
     design: Design,
 ) -> None:
     study, arm, plan, _ = design
@@ -91,7 +91,7 @@ def test_sides_are_balanced_among_the_analysed_the_practice_and_the_catch_trials
         assert abs(2 * in_order - len(trials)) <= 1
 
 
-def test_adaptive_pairs_are_those_whose_answers_are_known_least() -> None:
+def test_adaptive_pairs_are_the_most_uncertain_ones() -> None:
     names, chance = ("a", "b", "c", "d"), np.random.default_rng(1)
     often = {("a", "b"): 20.0, ("b", "a"): 20.0}
     strengths = dict(zip(names, (3, 2, 1, 0), strict=True))

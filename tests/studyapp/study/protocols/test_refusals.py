@@ -43,7 +43,9 @@ def a_set(*conditions: str) -> dict[str, Any]:
         ("mismatch", {"realism": 0, "questions": [FIT], "catch": {"trials": 1}}, "realism"),
     ],
 )
-def test_misfits_are_named(protocol: str, changes: dict[str, Any], said: str) -> None:
+def test_inconsistent_studies_are_refused(
+    protocol: str, changes: dict[str, Any], said: str
+) -> None:
     with pytest.raises(InputError, match=re.escape(said)):
         make(protocol, **changes)
 

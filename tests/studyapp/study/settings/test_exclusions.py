@@ -63,7 +63,7 @@ def written(study: Study) -> list[str]:
         ([{"rule": "catch", "more_than": 0}], {"max_failed": 0}, {}, ["catch>0"]),
     ],
 )
-def test_stated_rules_hold_alone_and_by_default_the_unfinished_and_inattentive_are_left_out(
+def test_stated_rules_replace_the_default_ones(
     read: Read,
     rules: list[dict[str, Any]] | None,
     catch: dict[str, Any],
@@ -119,13 +119,13 @@ def test_rules_written_in_shorthand_are_read_back(text: str, meant: str) -> None
         ("time<3,share", "'share' in 'time<3,share' is not KEY=NUMBER"),
     ],
 )
-def test_a_word_that_is_no_rule_is_refused_with_the_right_one(text: str, said: str) -> None:
+def test_a_misspelt_rule_is_refused_with_a_suggestion(text: str, said: str) -> None:
     with pytest.raises(InputError, match=re.escape(said)):
         parse_exclusion(text, where="--exclude")
 
 
 @pytest.mark.parametrize("template", TEMPLATES)
-def test_the_rules_in_each_templates_comments_can_be_stated(tmp_path: Path, template: str) -> None:
+def test_rules_in_the_templates_comments_are_valid(tmp_path: Path, template: str) -> None:
     path = tmp_path / "study.toml"
     plain = new_study(path, template=template, name="study")
     text = path.read_text("utf-8")

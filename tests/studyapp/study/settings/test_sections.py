@@ -37,7 +37,7 @@ SCALE = asked(kind="scale", low=1, high=5, choices=["never", "always"])
         (asked(kind="text", required=False), ["", "words"], ["x" * 2001]),
     ],
 )
-def test_only_what_is_offered_can_be_answered(
+def test_only_offered_answers_are_accepted(
     question: FormQuestion, accepted: list[str], refused: list[str]
 ) -> None:
     assert [question.problem(answer) for answer in accepted] == [None] * len(accepted)
@@ -47,12 +47,12 @@ def test_only_what_is_offered_can_be_answered(
 @pytest.mark.parametrize(
     "question", [YES_NO, AGE, SCALE, asked(kind="text"), asked(choices=["a", "b"], eligible=["b"])]
 )
-def test_an_example_can_be_answered_and_lets_a_person_in(question: FormQuestion) -> None:
+def test_an_examples_answers_are_valid_and_admit_a_person(question: FormQuestion) -> None:
     assert question.problem(question.example) is None
     assert not question.eligible or question.example in question.eligible
 
 
-def test_a_scale_names_its_ends() -> None:
+def test_a_scale_labels_its_ends() -> None:
     assert [SCALE.label(step) for step in SCALE.offered] == [
         "1 – never", "2", "3", "4", "5 – always",
     ]  # fmt: skip
@@ -68,7 +68,7 @@ def test_a_scale_names_its_ends() -> None:
         ({"choices": ["yes", "no"], "eligible": ["perhaps"]}, "only name choices"),
     ],
 )
-def test_a_question_that_cannot_be_asked_is_refused(keys: dict[str, Any], said: str) -> None:
+def test_an_invalid_question_is_refused(keys: dict[str, Any], said: str) -> None:
     with pytest.raises(ValidationError, match=said):
         asked(**keys)
 
@@ -89,7 +89,7 @@ YES = {"name": "q", "text": "?", "choices": ["yes", "no"]}
         ({"comprehension": [YES | {"eligible": ["yes", "no"]}]}, "comprehension question 'q'"),
     ],
 )
-def test_a_form_that_cannot_be_filled_in_is_refused(form: dict[str, Any], said: str) -> None:
+def test_an_unanswerable_form_is_refused(form: dict[str, Any], said: str) -> None:
     with pytest.raises(ValidationError, match=said):
         Form.model_validate(form)
 
@@ -98,7 +98,7 @@ def test_a_form_that_cannot_be_filled_in_is_refused(form: dict[str, Any], said: 
     ("every", "presentations", "breaks"),
     [(10, 24, [10]), (10, 25, [10, 20]), (1, 4, [1, 2]), (0, 100, [])],
 )
-def test_breaks_come_after_so_many_trials_but_not_shortly_before_the_end(
+def test_breaks_come_at_intervals_but_not_shortly_before_the_end(
     every: int, presentations: int, breaks: list[int]
 ) -> None:
     page = Page(consent="You agree.", break_every=every)
@@ -131,13 +131,13 @@ CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attent
         ({"pay": {"hourly_minimum": "12.00"}}, "recruitment.pay: an amount needs a currency"),
     ],
 )
-def test_codes_and_pay_that_cannot_be_right_are_refused(keys: dict[str, Any], said: str) -> None:
+def test_invalid_codes_and_pay_are_refused(keys: dict[str, Any], said: str) -> None:
     with pytest.raises(ValidationError) as refused:
         make_study(recruitment=keys)
     assert said in str(refused.value)
 
 
-def test_one_failed_check_costs_pay_in_short_studies() -> None:
+def test_one_failed_check_may_refuse_pay_only_in_short_studies() -> None:
     page = {"consent": "You agree.", "minutes": 4}
     short = make_study(page=page, recruitment={"unpaid_failed_checks": 1})
     assert short.recruitment.outcome(1) == "failed_attention"
@@ -153,7 +153,7 @@ def test_a_guessable_code_is_reported_and_recruiters_codes_are_not() -> None:
         assert code_weakness(code) is None, code
 
 
-def test_drawn_codes_are_fine_and_each_is_another() -> None:
+def test_generated_codes_are_strong_and_distinct() -> None:
     drawn = {draw_code() for _ in range(500)}
 
     assert len(drawn) == 500
@@ -162,7 +162,7 @@ def test_drawn_codes_are_fine_and_each_is_another() -> None:
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_every_template_writes_down_what_would_hold_without_it(protocol: str) -> None:
+def test_every_template_states_the_defaults(protocol: str) -> None:
     text = render_template(f"{protocol}.toml")
     assert parse_text(text, where="study.toml").rehearsal == Rehearsal()
     commented = text[text.index("# [rehearsal.strength]") : text.index("# What participants read")]
@@ -175,7 +175,7 @@ def test_every_template_writes_down_what_would_hold_without_it(protocol: str) ->
     assert study.rehearsal.strength
 
 
-def test_a_number_alone_is_that_of_every_question_that_is_not_named() -> None:
+def test_a_single_number_applies_to_every_unnamed_question() -> None:
     stated = {"rule_based": 1, "mismatched": {"emotion": 0.25, "*": -1}}
     strength = make_study(rehearsal={"strength": stated}).rehearsal.strength
     assert stated_strength(strength, "rule_based", "emotion") == 1

@@ -92,7 +92,7 @@ def test_a_wrong_key_is_named_with_its_file(
         ({"text": "How {condition}?"}, "may contain {emotion}"),
     ],
 )
-def test_a_question_that_cannot_be_asked_is_explained(
+def test_an_error_explains_an_invalid_question(
     study_file: Path, question: dict[str, str], said: str
 ) -> None:
     with edited(study_file) as document:
@@ -112,7 +112,7 @@ def test_a_question_that_cannot_be_asked_is_explained(
         (None, "motionjury init"),
     ],
 )
-def test_a_file_that_cannot_be_read_is_named_with_what_to_do(
+def test_an_unreadable_file_is_named_with_a_remedy(
     study_file: Path, content: bytes | None, said: str
 ) -> None:
     if content is None:
@@ -123,7 +123,7 @@ def test_a_file_that_cannot_be_read_is_named_with_what_to_do(
         read_study(study_file)
 
 
-def test_catch_trials_show_the_ground_truth_where_there_is_one_and_all_pairs_both_orders(
+def test_catch_trials_show_the_ground_truth_and_all_pairs_both_orders(
     study_file: Path,
 ) -> None:
     assert read_study(study_file).catch_against == "rule_based"
@@ -136,12 +136,12 @@ def test_catch_trials_show_the_ground_truth_where_there_is_one_and_all_pairs_bot
     assert len(study.pairs) == 6
 
 
-def test_sources_are_made_before_what_starts_from_them(study_file: Path) -> None:
+def test_sources_are_generated_before_their_dependents(study_file: Path) -> None:
     path = changed(study_file, reference="mismatched")
     assert list(read_study(path).generated()) == ["rule_based", "mismatched", "broken"]
 
 
-def test_looks_to_choose_from_are_those_the_renderer_has() -> None:
+def test_offered_looks_match_the_renderers() -> None:
     for key, known in (("avatar", AVATARS), ("framing", FRAMINGS), ("view", VIEWS)):
         assert get_args(Video.model_fields[key].annotation) == tuple(known)
 

@@ -84,12 +84,12 @@ def addresses(app: Flask) -> set[tuple[str, str]]:
     }
 
 
-def test_the_table_holds_every_page_there_is(app: Flask) -> None:
+def test_the_rights_table_has_every_page(app: Flask) -> None:
     assert addresses(app) == set(MAY)
 
 
 @pytest.mark.parametrize("role", ROLES)
-def test_everybody_gets_their_pages_and_no_others(
+def test_each_role_gets_its_pages_and_no_others(
     log_in: LogIn, browser: ResearchBrowser, role: str
 ) -> None:
     opened = browser if role == "nobody" else log_in(role)
@@ -105,7 +105,7 @@ def test_everybody_gets_their_pages_and_no_others(
         assert answer.status_code < 500, (method, rule)
 
 
-def test_a_page_that_the_table_forgets_is_shown_to_nobody(log_in: LogIn) -> None:
+def test_a_page_missing_from_the_table_is_shown_to_nobody(log_in: LogIn) -> None:
     log_in.app.blueprints["research"].name  # noqa: B018 - it is there
     log_in.app.add_url_rule("/research/forgotten", "research.forgotten", lambda: "forgotten")
     owner = log_in("owner")
@@ -116,9 +116,7 @@ def test_a_page_that_the_table_forgets_is_shown_to_nobody(log_in: LogIn) -> None
 POSTS = sorted(rule for method, rule in MAY if method == "POST" and "/preview/" not in rule)
 
 
-def test_no_form_is_taken_without_its_code_or_from_another_site(
-    log_in: LogIn, browser: ResearchBrowser
-) -> None:
+def test_forms_need_their_code_and_their_own_site(log_in: LogIn, browser: ResearchBrowser) -> None:
     owner = log_in("owner")
     anothers = log_in("viewer").code()
     for rule, code in product(POSTS, (None, "", "0" * 64, "ä", anothers)):
@@ -150,7 +148,7 @@ def test_no_form_is_taken_without_its_code_or_from_another_site(
 SCRIPT = "<script>alert(1)</script>\"'><img src=x onerror=alert(1)>"
 
 
-def test_a_script_that_somebody_stored_is_shown_as_text(log_in: LogIn) -> None:
+def test_a_stored_script_is_escaped(log_in: LogIn) -> None:
     owner = log_in("owner")
     token = invite(log_in.stored, log_in.clock, role="viewer", by="Ada")
     join(log_in.stored, log_in.clock, token, name=SCRIPT, password=PASSWORD)
@@ -221,7 +219,7 @@ ODD = [
 ]
 
 
-def test_odd_addresses_give_no_file_and_no_failure(log_in: LogIn) -> None:
+def test_malformed_addresses_cause_neither_a_file_nor_a_failure(log_in: LogIn) -> None:
     owner = log_in("owner")
     for address in ODD:
         answer = owner.client.get(address)
@@ -233,7 +231,7 @@ def test_odd_addresses_give_no_file_and_no_failure(log_in: LogIn) -> None:
         assert "from flask" not in answer.text
 
 
-def test_a_name_that_no_database_can_store_is_only_wrong(browser: ResearchBrowser) -> None:
+def test_a_name_that_cannot_be_stored_is_refused_like_a_wrong_one(browser: ResearchBrowser) -> None:
     for name in ("a\ud800", "x" * 5000, "' OR 1=1 --"):
         sent = name.encode("utf-8", "surrogatepass")
         answer = browser.client.post(

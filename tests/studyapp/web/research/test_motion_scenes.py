@@ -41,7 +41,7 @@ def scene(browser: ResearchBrowser, page: str) -> dict[str, Any]:
     return packed
 
 
-def test_a_trial_of_a_participant_is_turned_around_without_its_conditions(
+def test_a_participants_trial_is_shown_in_3d_without_its_conditions(
     viewer: ResearchBrowser,
 ) -> None:
     packed = scene(viewer, SESSION)
@@ -51,7 +51,7 @@ def test_a_trial_of_a_participant_is_turned_around_without_its_conditions(
     assert [name for name in CONDITIONS if name in page_and_scene] == []
 
 
-def test_a_previewed_trial_names_its_conditions_and_says_which_motion_is_missing(
+def test_a_previewed_trial_names_its_conditions_and_missing_motion(
     viewer: ResearchBrowser, tiny_study: Path
 ) -> None:
     def remove(condition: str) -> None:
@@ -73,7 +73,7 @@ def test_a_previewed_trial_names_its_conditions_and_says_which_motion_is_missing
     }
 
 
-def test_there_is_nothing_beside_trials_and_the_viewers_own_files_which_browsers_keep(
+def test_only_trials_and_cacheable_viewer_files_are_served(
     viewer: ResearchBrowser,
 ) -> None:
     for address in (
@@ -96,7 +96,7 @@ def content(condition: str, speech: str | None = "s") -> Content:
     return (Stimulus(condition=condition, segment="s", speech=speech),)
 
 
-def test_clips_with_the_same_speech_play_side_by_side_as_far_as_they_fit() -> None:
+def test_clips_with_the_same_speech_play_side_by_side_if_they_fit() -> None:
     def clips(players: dict[int, Content]) -> list[tuple[str | None, str]]:
         scenes = scenes_of_trial(players, lambda letter, _: letter[0])
         return [(scene.speech, "".join(scene.labels)) for scene in scenes]

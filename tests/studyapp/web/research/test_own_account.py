@@ -25,7 +25,7 @@ NAME = COOKIE.name("tiny")
 COMMON = {"password": "password1234", "again": "password1234"}
 
 
-def test_the_first_owner_comes_in_by_the_printed_link_alone(
+def test_the_first_owner_needs_the_printed_link(
     app: Flask, stored: Database, clock: SetClock, browser: ResearchBrowser
 ) -> None:
     address = f"/research/join/{first_owner_link(stored, clock)}"
@@ -48,7 +48,7 @@ def with_cookie(app: Flask, token: str) -> ResearchBrowser:
     return browser
 
 
-def test_logging_in_draws_a_new_cookie_and_logging_out_makes_it_worthless(log_in: LogIn) -> None:
+def test_logging_in_sets_a_new_cookie_and_logging_out_revokes_it(log_in: LogIn) -> None:
     log_in("owner")
     planted = "p" * 43
     browser = with_cookie(log_in.app, planted)
@@ -77,9 +77,7 @@ NOT_OURS = (
 )
 
 
-def test_after_logging_in_one_is_led_to_pages_of_ours_alone(
-    browser: ResearchBrowser, log_in: LogIn
-) -> None:
+def test_login_redirects_only_to_our_pages(browser: ResearchBrowser, log_in: LogIn) -> None:
     log_in("owner")
 
     for page in (*OWN, *NOT_OURS):
@@ -90,7 +88,7 @@ def test_after_logging_in_one_is_led_to_pages_of_ours_alone(
         browser.post("/research/log-out")
 
 
-def test_refused_logins_get_one_message_until_there_are_too_many(
+def test_refused_logins_get_the_same_message_until_there_are_too_many(
     browser: ResearchBrowser, log_in: LogIn
 ) -> None:
     log_in("owner")
@@ -107,7 +105,7 @@ def test_refused_logins_get_one_message_until_there_are_too_many(
     assert "15 minutes" in refused.text
 
 
-def test_attempts_behind_a_proxy_are_counted_by_who_asks_it(
+def test_attempts_behind_a_proxy_are_counted_per_client(
     app: Flask, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def address(peer: str, forwarded: str = "") -> str:
@@ -132,7 +130,7 @@ def invited(owner: ResearchBrowser) -> str:
     return page.value("a[href*='/research/join/']", "href")
 
 
-def test_nothing_secret_is_logged(
+def test_no_secret_is_logged(
     browser: ResearchBrowser,
     log_in: LogIn,
     monkeypatch: pytest.MonkeyPatch,
@@ -155,7 +153,7 @@ def test_nothing_secret_is_logged(
         assert secret not in caplog.text
 
 
-def test_a_changed_password_is_asked_for_from_then_on(log_in: LogIn) -> None:
+def test_a_changed_password_takes_effect(log_in: LogIn) -> None:
     viewer, elsewhere = log_in("viewer"), log_in("viewer")
     new = "seven quiet bicycles"
     fields = {"old": PASSWORD, "password": new, "again": new}
@@ -171,7 +169,7 @@ def test_a_changed_password_is_asked_for_from_then_on(log_in: LogIn) -> None:
 
 
 @pytest.mark.parametrize("origin", ["https://study.example.org", ""])
-def test_the_host_named_in_a_request_appears_in_no_link(log_in: LogIn, origin: str) -> None:
+def test_a_requests_host_header_appears_in_no_link(log_in: LogIn, origin: str) -> None:
     owner = log_in("owner")
     attach(log_in.app, replace(site_of(log_in.app), origin=origin))
     owner.client.environ_base["HTTP_HOST"] = "evil.example.com"
@@ -182,7 +180,7 @@ def test_the_host_named_in_a_request_appears_in_no_link(log_in: LogIn, origin: s
 ADDRESS = "/research/account/second-factor"
 
 
-def test_a_researcher_turns_it_on_by_a_picture_and_logs_in_with_a_code(log_in: LogIn) -> None:
+def test_a_researcher_turns_on_the_second_factor_and_logs_in_with_a_code(log_in: LogIn) -> None:
     browser = log_in("owner")
     page = browser.get(ADDRESS)
     secret = page.value("[name=secret]", "value")

@@ -60,7 +60,7 @@ def trial_part(page: PageReader) -> str:
     return str(main)
 
 
-def test_the_page_is_the_one_that_a_participant_gets(serve: Serve, clock: SetClock) -> None:
+def test_a_preview_equals_the_participants_page(serve: Serve, clock: SetClock) -> None:
     app = serve(("[conditions.mismatched]", '[conditions.mismatched]\nlabel = "Ours (full)"'))
     browser, _ = open_as_owner(app)
     # The list alone names conditions.
@@ -77,7 +77,7 @@ def test_the_page_is_the_one_that_a_participant_gets(serve: Serve, clock: SetClo
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_every_trial_of_every_protocol_can_be_walked_through(
+def test_every_trial_of_every_protocol_can_be_previewed(
     serve: Serve, finished_study: Callable[[str], Path], tmp_path: Path, protocol: str
 ) -> None:
     url = sqlite_url(tmp_path / "walked.db")
@@ -128,7 +128,7 @@ def test_missing_trials_cannot_be_previewed(app: Flask) -> None:
     assert nonsense.get_json()["next_batch"] == 1
 
 
-def test_a_researcher_tries_the_whole_study_marked_on_every_page_and_takes_no_place(
+def test_a_test_participation_is_marked_on_every_page_and_takes_no_place(
     log_in: LogIn, serve: Serve, tiny_study: Path
 ) -> None:
     anybody = log_in.app.test_client()

@@ -28,7 +28,7 @@ from tests.support.studies.taking_part_steps import Participant, taking_part
 LIST = "/research/study-sessions"
 
 
-def test_counts_link_to_their_sessions_and_name_nobody(
+def test_counts_link_to_their_sessions_without_names(
     people: list[Participant], log_in: LogIn
 ) -> None:
     viewer = log_in("viewer")
@@ -53,7 +53,7 @@ def test_counts_link_to_their_sessions_and_name_nobody(
     assert len(str(curve.select("polyline")[1]["points"]).split()) > 2
 
 
-def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(
+def test_study_sessions_are_sorted_by_column_heading(
     people: list[Participant], log_in: LogIn
 ) -> None:
     viewer = log_in("viewer")
@@ -74,7 +74,7 @@ def test_study_sessions_are_sorted_by_what_the_head_of_a_column_says(
     assert viewer.client.get(f"{LIST}?order=token").status_code == 404
 
 
-def test_owners_alone_find_and_sort_participants_by_what_a_recruiter_calls_them(
+def test_only_owners_search_and_sort_by_recruiters_names(
     people: list[Participant], log_in: LogIn
 ) -> None:
     with log_in.stored.writing() as session:
@@ -104,7 +104,7 @@ def test_events_link_to_their_video(people: list[Participant], log_in: LogIn) ->
     assert viewer.client.get(f"{LIST}/1/1/9.mp4").status_code == 404
 
 
-def test_a_rehearsal_is_shown_apart_and_is_not_changed(
+def test_a_rehearsal_is_shown_separately_and_read_only(
     people: list[Participant], log_in: LogIn, tiny_study: Path, empty_sqlite: Path
 ) -> None:
     viewer, path = log_in("viewer"), tiny_study / "rehearsal.db"
@@ -127,7 +127,7 @@ def test_a_rehearsal_is_shown_apart_and_is_not_changed(
     assert path.read_bytes() == before
 
 
-def test_no_page_says_what_was_answered(people: list[Participant], log_in: LogIn) -> None:
+def test_no_page_reveals_answers(people: list[Participant], log_in: LogIn) -> None:
     owner = log_in("owner")
     for address in ("/research/", LIST, f"{LIST}/1"):
         text = owner.get(address).words("main").lower()
@@ -186,7 +186,7 @@ def decide(browser: ResearchBrowser, decision: str, reason: str, address: str = 
     return browser.post(f"{address}/exclusion", decision=decision, reason=reason).status_code
 
 
-def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_later(
+def test_exclusions_and_reinstatements_are_recorded(
     people: list[Participant], log_in: LogIn
 ) -> None:
     analyst, owner, viewer = log_in("analyst"), log_in("owner"), log_in("viewer")
@@ -222,7 +222,7 @@ def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_l
     assert "participant reinstated: study session 1 it was another one" in log
 
 
-def test_participants_go_by_the_pseudonyms_of_the_export_except_for_viewers(
+def test_participants_have_the_exports_pseudonyms_except_for_viewers(
     people: list[Participant], log_in: LogIn, drawn_key: PseudonymKey
 ) -> None:
     site = site_of(log_in.app)

@@ -72,9 +72,7 @@ def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
     assert events == ["results looked at", "results looked at", "results unblinded"]
 
 
-def test_at_the_end_results_are_final_and_nobody_is_asked_why(
-    log_in: LogIn, figures: FiguresAtHand
-) -> None:
+def test_at_the_end_results_need_no_reason(log_in: LogIn, figures: FiguresAtHand) -> None:
     last = let_finish(log_in, "one", "two", "three").another().enrol("four").begin()
     analyst = log_in("analyst")
     analyst.post("/research/newcomers/state", state="closed", reason="enough")
@@ -120,6 +118,6 @@ def test_without_answers_nothing_is_computed_and_no_look_is_logged(
         (None, "win_share", "–"),
     ],
 )
-def test_numbers_are_written_as_in_the_report(value: float | None, measure: str, text: str) -> None:
+def test_numbers_match_the_report(value: float | None, measure: str, text: str) -> None:
     assert figure(value, measure) == text
     assert interval(value, value, measure) == ("–" if value is None else f"[{text}, {text}]")
