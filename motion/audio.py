@@ -182,7 +182,7 @@ def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
         )
     notes = _ending_notes(path, format_names)
     peak = float(np.abs(samples).max())
-    if peak > 1:
+    if 1 < peak < math.inf:
         samples = samples / np.float32(peak)
         notes += (f"{path.name} peaks at {peak:.2f} of full scale; scaled down to 1",)
     with found_at(path):
@@ -211,7 +211,8 @@ def _decode(
     """Return the channel-averaged samples of the first audio stream, and their rate."""
     stream = container.streams.audio[0]
     rate = sample_rate or stream.rate
-    resampler = AudioResampler(format="fltp", rate=rate)
+    # Interleaved, since PyAV crashes on planes of eight and more channels.
+    resampler = AudioResampler(format="flt", rate=rate)
     chunks: list[NDArray[np.float32]] = []
     seconds = 0.0
     for frame in container.decode(stream):
@@ -230,7 +231,8 @@ def _decode(
 
 def _mono(frame: AudioFrame) -> NDArray[np.float32]:
     # FFmpeg's own mixdown of float audio adds the channels up, which overflows full scale.
-    return cast("NDArray[np.float32]", frame.to_ndarray().mean(axis=0, dtype=np.float32))
+    channels = frame.to_ndarray().reshape(-1, frame.layout.nb_channels)
+    return cast("NDArray[np.float32]", channels.mean(axis=1, dtype=np.float32))
 
 
 def _ending_notes(path: Path, format_names: tuple[str, ...]) -> tuple[str, ...]:

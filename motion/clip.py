@@ -136,7 +136,7 @@ class MotionClip:
                 f"{name} has shape {given.shape}, expected {shape}",
                 remedy="Check that all arrays of the clip have the same number of frames",
             )
-        usable = np.abs(given) <= LARGEST_VALUE
+        usable = np.abs(given) <= np.float64(LARGEST_VALUE)
         if not usable.all():
             index = tuple(map(int, np.argwhere(~usable)[0]))
             if np.isfinite(given[index]):

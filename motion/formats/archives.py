@@ -9,12 +9,16 @@ import zipfile
 import zlib
 from collections.abc import Collection
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import InputError
+
+_DAMAGE: Final = (EOFError, OSError, ValueError, OverflowError, MemoryError, TokenError)
+"""What NumPy raises on damaged files."""
 
 LARGEST: Final = 2**30
 """Bytes of all arrays unpacked, about an hour of motion at 120 fps."""
@@ -30,7 +34,7 @@ def load_array(path: Path) -> NDArray[Any]:
     """
     try:
         return np.asarray(np.load(path, allow_pickle=False))
-    except (OSError, EOFError, ValueError, OverflowError, MemoryError) as error:
+    except _DAMAGE as error:
         raise InputError(
             "the file cannot be read as a plain array", remedy="Save it with numpy.save"
         ) from error
@@ -67,11 +71,13 @@ def load_arrays(path: Path, keys: Collection[str]) -> dict[str, NDArray[Any]]:
             for key in present:
                 try:
                     arrays[key] = np.asarray(archive[key])
-                except (ValueError, OverflowError) as error:
+                except ValueError as error:
+                    if "allow_pickle" not in str(error):
+                        raise
                     raise InputError(
                         f"array {key!r} cannot be read without running code from the file",
                         remedy="Save it as plain numbers or text instead of Python objects",
                     ) from error
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, MemoryError) as error:
+    except (zipfile.BadZipFile, zlib.error, *_DAMAGE) as error:
         raise InputError("the archive is damaged", remedy="Copy or export it again") from error
     return arrays

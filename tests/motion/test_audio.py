@@ -79,9 +79,10 @@ def test_resampling_is_optional_and_keeps_the_duration(
     assert (unchanged.sample_rate, len(unchanged.samples)) == (rate, count)
 
 
-def test_channels_are_averaged(tmp_path: Path) -> None:
-    stereo = np.stack([np.full(16000, 0.8), np.full(16000, 0.2)], axis=1)
-    soundfile.write(tmp_path / "a.wav", stereo, 16000, subtype="FLOAT")
+@pytest.mark.parametrize("count", [2, 8, 12])
+def test_channels_are_averaged(tmp_path: Path, count: int) -> None:
+    channels = np.tile(np.linspace(0.2, 0.8, count), (16000, 1))
+    soundfile.write(tmp_path / "a.wav", channels, 16000, subtype="FLOAT")
     np.testing.assert_allclose(read_audio(tmp_path / "a.wav").samples, 0.5, atol=1e-6)
 
 
@@ -101,7 +102,7 @@ def half_of_a_sound(path: Path) -> None:
 
 
 def sound_with_a_gap(path: Path) -> None:
-    soundfile.write(path, np.append(tone(), np.nan), 16000, subtype="FLOAT")
+    soundfile.write(path, np.append(tone(), np.inf), 16000, subtype="FLOAT")
 
 
 @pytest.mark.parametrize(

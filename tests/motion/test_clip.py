@@ -23,8 +23,9 @@ STILL: dict[str, Any] = {
 }
 
 
-def test_a_clip_keeps_read_only_float32_copies() -> None:
-    poses = np.zeros((4, 55, 3))
+@pytest.mark.parametrize("kind", [np.float16, np.float32, np.float64, np.int64])
+def test_a_clip_keeps_read_only_float32_copies(kind: type[np.number[Any]]) -> None:
+    poses = np.zeros((4, 55, 3), kind)
     original = MotionClip(**STILL | {"poses": poses})
     poses[0] = 1
     assert original.poses.dtype == np.float32

@@ -168,6 +168,11 @@ def test_truncated_and_damaged_archives_are_refused_by_name(tmp_path: Path) -> N
     path.write_bytes(content[:60] + bytes(440) + content[500:])
     with pytest.raises(InputError, match=r"a\.npz: the archive is damaged"):
         read_clip(path)
+    header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (4,".ljust(117) + b"\n"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("poses.npy", b"\x93NUMPY\x01\x00v\x00" + header)
+    with pytest.raises(InputError, match=r"a\.npz: the archive is damaged"):
+        read_clip(path)
 
 
 def archive_of(path: Path, shape: tuple[int, int], content: int) -> Path:
