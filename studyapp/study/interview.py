@@ -12,7 +12,8 @@ from typing import Final
 from generators.registry import generator_names, needs_model
 from motion.errors import InputError
 from studyapp.study.settings.presentation import reaches_somebody
-from studyapp.study.settings.recruitment import MONEY, Pay
+from studyapp.study.settings.recruitment import Pay
+from studyapp.study.settings.sections import MONEY
 from studyapp.study.study_options import StudyOptions, source_notation
 
 MAX_MINUTES: Final = 240

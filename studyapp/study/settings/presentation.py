@@ -9,7 +9,7 @@ from typing import Final, Literal, TypeAlias
 from pydantic import Field
 
 from motion.errors import listed
-from studyapp.study.settings.sections import Section
+from studyapp.study.settings.sections import COLOUR, Section
 
 Device = Literal["computer", "tablet", "phone"]
 
@@ -94,7 +94,7 @@ class Video(Section):
 
     framing: Framing = "upper_body"
     view: Literal["front", "three_quarter"] = "front"
-    background: str = Field("#ececee", pattern="^#[0-9a-fA-F]{6}$")
+    background: str = Field("#ececee", pattern=COLOUR)
     size: int = Field(720, ge=64, le=1440, multiple_of=2)
     frame_rate: int = Field(30, ge=10, le=60)
     avatar: Literal["alex", "maya", "jonas", "amara", "henry", "grey", "mannequin", "skeleton"] = (

@@ -50,7 +50,7 @@ def read_study(path: Path) -> Study:
 def read_text(path: Path) -> str:
     """Return the text of a study file, or raise `InputError`."""
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError(
             "there is no such study file",
@@ -69,7 +69,7 @@ def parse_text(text: str, *, where: object) -> Study:
     """Validate the text of a study file; `InputError` names every wrong key."""
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(
             f"this is not valid TOML: {error}", where=where, remedy="Fix that line"
         ) from None

@@ -9,7 +9,7 @@ from typing import Final, Literal
 
 from pydantic import Field
 
-from studyapp.study.settings.sections import Section
+from studyapp.study.settings.sections import CODE, CURRENCY, DOLLARS, HOST, MONEY, Section
 
 PROLIFIC_PLACEHOLDERS: Final = (
     "?PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}"
@@ -68,13 +68,6 @@ def _has_run(code: str) -> bool:
     return any(len(set(part)) == 1 or any(part in row for row in sequences) for part in windows)
 
 
-MONEY: Final = r"^(\d{1,6}(\.\d{2})?)?$"
-"""An amount such as ``2.50``, or nothing."""
-
-CURRENCY: Final = r"^([A-Z]{3})?$"
-"""Three letters (ISO 4217), or nothing."""
-
-
 class Pay(Section):
     """The pay of a participant; the page's sentence about it is `Page.payment`.
 
@@ -123,7 +116,7 @@ LONG_STUDY_MINUTES: Final = 5
 MIN_FAILED_CHECKS: Final = 2
 """A study at least this long may refuse pay only after so many failed attention checks."""
 
-Code = Field("", max_length=32, pattern=r"^[A-Za-z0-9_-]*$")
+Code = Field("", max_length=32, pattern=CODE)
 
 
 class Prolific(Section):
@@ -160,7 +153,7 @@ class Prolific(Section):
     screened_out_reward: int = Field(0, ge=0)
     screened_out_places: int = Field(0, ge=0)
     project: str = Field("", max_length=100)
-    signed_for: str = Field("", max_length=253, pattern=r"^([a-z0-9-]+(\.[a-z0-9-]+)+)?$")
+    signed_for: str = Field("", max_length=253, pattern=HOST)
 
     def code(self, outcome: Outcome) -> str:
         """Return the code of `outcome`."""
@@ -187,7 +180,7 @@ class MTurk(Section):
         How long the HIT is offered, and when unreviewed assignments are paid automatically.
     """
 
-    reward: str = Field("", pattern=r"^(\d{1,4}\.\d{2})?$")
+    reward: str = Field("", pattern=DOLLARS)
     assignments: int | None = Field(None, ge=1)
     description: str = Field("", max_length=2000)
     keywords: str = Field("video, animation, opinion", max_length=1000)

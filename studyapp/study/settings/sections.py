@@ -10,7 +10,29 @@ from typing import Annotated, Final, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$")]
+NAME: Final = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$"
+COLOUR: Final = "^#[0-9a-fA-F]{6}$"
+MAIL_ADDRESS: Final = r"^[^@\s,]+@[^@\s,]+$"
+MONEY: Final = r"^(\d{1,6}(\.\d{2})?)?$"
+CURRENCY: Final = r"^([A-Z]{3})?$"
+DOLLARS: Final = r"^(\d{1,4}\.\d{2})?$"
+CODE: Final = r"^[A-Za-z0-9_-]*$"
+HOST: Final = r"^([a-z0-9-]+(\.[a-z0-9-]+)+)?$"
+
+PATTERNS: Final = {
+    NAME: "may contain only letters, digits, '_', '-' and '.', and must start with a letter or "
+    "digit",
+    COLOUR: 'must be a colour such as "#ececee"',
+    MAIL_ADDRESS: 'must be an e-mail address such as "ada@example.org"',
+    MONEY: 'must be an amount such as "2.50"',
+    CURRENCY: 'must be the three letters of a currency such as "EUR"',
+    DOLLARS: 'must be an amount with cents such as "2.50"',
+    CODE: "may contain only letters, digits, '_' and '-'",
+    HOST: 'must be the name of a host such as "study.example.org"',
+}
+"""The patterns of texts, with our words for them."""
+
+Name = Annotated[str, Field(pattern=NAME)]
 
 
 class Section(BaseModel):
@@ -22,16 +44,19 @@ class Section(BaseModel):
 MESSAGES: Final = {
     "extra_forbidden": "unknown key",
     "missing": "is missing",
-    "string_pattern_mismatch": "may contain only letters, digits, '_', '-' and '.', and must start "
-    "with a letter or digit",
     "string_type": "must be text in quotes",
     "int_type": "must be a whole number",
     "bool_type": "must be true or false",
     "float_type": "must be a number",
+    "tuple_type": "must be a list in square brackets",
+    "too_short": "needs at least {min_length}, not {actual_length}",
     "union_tag_not_found": "'rule' is missing",
+    "union_tag_invalid": "unknown rule {tag!r} (use one of {expected_tags})",
+    "dict_type": "must be a table of keys and values",
+    "model_type": "must be a table of keys and values",
     "model_attributes_type": "must be a table of keys and values",
 }
-"""Our words for some of pydantic's errors; its own serve for the others."""
+"""Our words for some of pydantic's errors, with its values; its own serve for the others."""
 
 
 def explain_errors(
@@ -50,10 +75,12 @@ def explain_errors(
             # Too few entries remain because others are wrong, which is reported anyway.
             continue
         key = ".".join(str(part) for part in location if part != "[key]")
-        message = MESSAGES.get(kind, each["msg"].removeprefix("Value error, "))
-        if kind == "union_tag_invalid":
-            tag, known = each["ctx"]["tag"], each["ctx"]["expected_tags"]
-            message = f"unknown rule {tag!r} (use one of {known})"
+        context = each.get("ctx", {})
+        if kind in MESSAGES:
+            message = MESSAGES[kind].format(**context)
+        else:
+            own_words = each["msg"].removeprefix("Value error, ")
+            message = PATTERNS.get(context.get("pattern", ""), own_words)
         line = _line_of(location, lines)
         if kind == "extra_forbidden":
             message += f" in line {line}" if line else ""

@@ -46,7 +46,7 @@ from studyapp.study.settings.presentation import Message, Page, Video, Watching
 from studyapp.study.settings.questions import Form, Question, question_problems
 from studyapp.study.settings.recruitment import Recruitment
 from studyapp.study.settings.rehearsal import Rehearsal
-from studyapp.study.settings.sections import Name, Section
+from studyapp.study.settings.sections import MAIL_ADDRESS, Name, Section
 
 GROUND_TRUTH: Final = "ground_truth"
 
@@ -74,7 +74,7 @@ def _as_tuple(value: object) -> object:
     return (value,) if isinstance(value, Mapping) else value
 
 
-MailAddress = Annotated[str, Field(pattern=r"^[^@\s,]+@[^@\s,]+$", max_length=200)]
+MailAddress = Annotated[str, Field(pattern=MAIL_ADDRESS, max_length=200)]
 
 
 class Alarms(Section):

@@ -65,6 +65,10 @@ def changed(path: Path, **changes: Any) -> Path:
         ({"rehearsal__strength": {"rule_based": "high"}}, "must be a number, or a table"),
         ({"rehearsal__own_speech": {"rule_based": 99}}, "rehearsal.own_speech.rule_based"),
         ({"format": 2}, "format"),
+        ({"freeze": "face"}, "freeze: must be a list in square brackets"),
+        ({"video__background": "red"}, "video.background: must be a colour such as"),
+        ({"recruitment__pay__amount": "2.5"}, "recruitment.pay.amount: must be an amount such as"),
+        ({"conditions__other": 3}, "conditions.other: must be a table"),
         (
             {
                 "conditions__other__generator": "mismatched",
@@ -104,11 +108,18 @@ def test_an_error_explains_an_invalid_question(
     assert "at least 1" not in str(caught.value)
 
 
+def test_a_byte_order_mark_is_read_over(study_file: Path) -> None:
+    study = read_study(study_file)
+    study_file.write_bytes(b"\xef\xbb\xbf" + study_file.read_bytes())
+    assert read_study(study_file) == study
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [
         (b'name = "a"\ntitle = \n', "line 2"),
         (b"\xff\xfe\x00", "UTF-8"),
+        (b"a = " + 9999 * b"[", "not valid TOML"),
         (None, "motionjury init"),
     ],
 )
