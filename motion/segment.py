@@ -194,17 +194,16 @@ def _rows(table: Path) -> list[tuple[int, Mapping[str, str]]]:
         raise InputError(
             "the table is not UTF-8 text", where=table, remedy="Save it as CSV in UTF-8"
         ) from error
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
-        return _parse(text, table)
+        header = [cell.strip() for cell in next(reader, [])]
+        lines = [(reader.line_num, cells) for cells in reader]
     except csv.Error as error:
         raise InputError(
-            f"the table is not CSV: {error}", where=table, remedy="Save it as CSV in UTF-8"
+            f"the table is not CSV: {error}",
+            where=f"{table}, line {reader.line_num}",
+            remedy="Close every double quote, double those within a text, and save as CSV in UTF-8",
         ) from error
-
-
-def _parse(text: str, table: Path) -> list[tuple[int, Mapping[str, str]]]:
-    reader = csv.reader(io.StringIO(text, newline=""))
-    header = [cell.strip() for cell in next(reader, [])]
     if sorted(header) != sorted(COLUMNS):
         raise InputError(
             f"the columns are {','.join(header)!r}",
@@ -212,16 +211,16 @@ def _parse(text: str, table: Path) -> list[tuple[int, Mapping[str, str]]]:
             remedy=f"Give exactly the columns {','.join(COLUMNS)}, separated by commas",
         )
     rows: list[tuple[int, Mapping[str, str]]] = []
-    for cells in reader:
+    for line, cells in lines:
         if not any(cell.strip() for cell in cells):
             continue
         if len(cells) != len(header):
             raise InputError(
                 f"the row has {len(cells)} cells for {len(header)} columns",
-                where=f"{table}, line {reader.line_num}",
+                where=f"{table}, line {line}",
                 remedy="Put a transcript that holds commas in double quotes",
             )
-        rows.append((reader.line_num, dict(zip(header, cells, strict=True))))
+        rows.append((line, dict(zip(header, cells, strict=True))))
     return rows
 
 

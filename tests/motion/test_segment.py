@@ -127,9 +127,10 @@ def test_an_error_names_the_file_and_line_of_a_bad_row(
         (HEADER.replace("wav", "sound"), f"exactly the columns {HEADER.strip()}"),
         (HEADER, "holds no segment"),
         (f'{HEADER}s1,a.wav,0,5,x,neutral,"{"x" * 200_000}"\n', "the table is not CSV"),
+        (f'{HEADER}s1,a.wav,0,5,x,fear,"Hi\ns2,a.wav,0,5,x,fear,"Hi"\n', "line 3: .* not CSV"),
         (f"{HEADER}s1,a.wav,0,5,jörg,neutral,", "not UTF-8"),
     ],
-    ids=["missing", "blank", "semicolons", "column", "no row", "endless cell", "encoding"],
+    ids=["missing", "blank", "semicolons", "column", "no row", "long", "open quote", "encoding"],
 )
 def test_an_unreadable_table_is_refused(speech: Path, content: str | None, complaint: str) -> None:
     if content is not None:
