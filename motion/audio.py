@@ -32,7 +32,7 @@ WHOLE_FORMATS: Final = MappingProxyType(
         "w64,wav,webm"
     }
 )
-"""Options with which FFmpeg opens no playlist: that would have it read other files."""
+"""Options that keep FFmpeg from opening playlists, which would make it read other files."""
 
 _RIFF_TOLERANCE: Final = 4096
 _RIFF_SIZES_OF_STREAMS: Final = frozenset({0, 0xFFFFFFFF})
@@ -140,7 +140,7 @@ def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
     path : Path
         An audio or video file.
     sample_rate : int or None
-        Samples per second wanted; None keeps the file's own.
+        Samples per second of the result; None keeps the file's own.
 
     Returns
     -------

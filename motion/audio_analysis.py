@@ -57,7 +57,7 @@ def load_librosa() -> ModuleType:
 
 
 def _one_call_at_a_time(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return `function`, run while no other process of this user runs such a one."""
+    """Return `function` under a lock that all processes of this user share."""
     from numba.core.compiler_lock import global_compiler_lock
 
     @wraps(function)

@@ -1,7 +1,7 @@
 """Moving hands out of trunk and thighs, which they enter if a body has other proportions.
 
-A hand that rests beside a slim source's leg, or on its hip, lies within the leg or the hip of a
-body that is built otherwise. The arm is turned about the shoulder until the hand is outside.
+A hand that rests beside a slim person's leg, or on the hip, may lie inside the leg or the hip of
+another body. The arm is turned about the shoulder until the hand is outside.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ _HAND: Final = {"wrist": 0.03, "middle1": 0.025, "middle3": 0.015, "index3": 0.0
 """Distance of the skin from each joint of the hand, in metres."""
 
 _OUTWARD: Final = 0.05
-"""Metres that a hand counts as further out than it is, so that it leaves a leg on its own side."""
+"""Metres added to a hand's lateral position, so that it leaves a leg on its own side."""
 
 _ROUNDS: Final = 3
 _SMOOTHED_OVER: Final = 0.15
-"""Seconds over which the size of an arm's turn is averaged on each side; it fades over twice as
-many."""
+"""Seconds on each side over which the size of an arm's turn is averaged; it fades over twice
+that."""
 
 _SMALLEST_NOTED_TURN: Final = np.radians(1.0)
 
@@ -42,9 +42,9 @@ _SMALLEST_NOTED_TURN: Final = np.radians(1.0)
 def clear_of_body(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
     """Return `clip` with its hands outside the default body, and a note where that changed it.
 
-    Only the shoulders' rotations differ; elbow, wrist and fingers keep their bend. An arm
-    stays as it is where its hand is outside and has been, and will be, for half a second. A clip
-    in which no arm would turn by a degree is returned as it is.
+    Only the shoulders' rotations differ; elbow, wrist and fingers keep their bend. An arm does not
+    change while its hand is outside and half a second before and after. A clip in which no arm
+    would turn by a degree is returned unchanged.
     """
     recorded = clip
     for side, sign in (("left", 1.0), ("right", -1.0)):
@@ -67,7 +67,7 @@ def clear_of_body(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
 
 
 def _arm_rotation_angles(before: MotionClip, after: MotionClip) -> FloatArray:
-    """Return by how much the arm that differs more was turned in each frame, in radians."""
+    """Return the larger of both arms' turns in each frame, in radians."""
     turns = []
     for side in ("left", "right"):
         joint = joint_index(f"{side}_shoulder")
@@ -77,7 +77,7 @@ def _arm_rotation_angles(before: MotionClip, after: MotionClip) -> FloatArray:
 
 
 def _outward_turns(clip: MotionClip, side: str, sign: float) -> FloatArray:
-    """Return the turn in the world, axis-angle, that takes each frame's hand out, shape (T, 3)."""
+    """Return the axis-angle turn in the world that moves each frame's hand out, shape (T, 3)."""
     positions, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     outward = sign * rotations[:, 0, :, 0]
     shoulder = positions[:, joint_index(f"{side}_shoulder")]
@@ -121,7 +121,7 @@ def _nearest_point(point: FloatArray, start: FloatArray, end: FloatArray) -> Flo
 
 
 def _smooth(turns: FloatArray, radius: int) -> FloatArray:
-    """Return turns that change smoothly and, unless directions cancel, are as large as the given.
+    """Return smooth turns that, unless directions cancel, are at least as large as the given ones.
 
     The largest size within reach, averaged within reach, is at least the size itself. Directions
     are averaged over twice the reach, which is as far as that spreads.

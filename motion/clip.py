@@ -188,13 +188,13 @@ _JOINTS_OF_CHANNEL: Final = MappingProxyType(
 CHANNELS: Final = tuple(_JOINTS_OF_CHANNEL)
 
 _TURNS: Final = 0.02
-"""Radians that a joint turns at least where it can be seen to move."""
+"""Smallest visible turn of a joint, in radians."""
 
 _SHIFTS: Final = 0.005
-"""Metres, of the root."""
+"""Smallest visible movement of the root, in metres."""
 
 _FACIAL: Final = 0.05
-"""Of a facial action's weight or an expression's coefficient."""
+"""Smallest visible change of a facial action's weight or an expression's coefficient."""
 
 
 def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
@@ -237,7 +237,7 @@ def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
 
 
 def moving_channels(clip: MotionClip) -> frozenset[str]:
-    """Return the channels of `clip` that can be seen to move."""
+    """Return the channels of `clip` that move visibly."""
     changes = {
         name: [np.ptp(clip.poses[:, [joint_index(joint) for joint in joints]], axis=0) > _TURNS]
         for name, joints in _JOINTS_OF_CHANNEL.items()

@@ -9,9 +9,8 @@ from contextlib import contextmanager
 class InputError(Exception):
     """An input that a person supplied cannot be used.
 
-    Every message answers three questions, so that whoever reads it can go on: what is wrong,
-    where it was found, and what to do about it. The command line prints the message without a
-    traceback and exits non-zero.
+    Every message answers three questions: what is wrong, where, and what to do about it. The
+    command line prints the message without a traceback and exits non-zero.
 
     Parameters
     ----------
@@ -41,7 +40,7 @@ def found_at(where: object) -> Iterator[None]:
 
 
 def _without_full_stop(words: str) -> str:
-    # Words of other libraries' errors, and of other messages, bring stops of their own.
+    # Texts of other libraries' errors, and of other messages, may end in a full stop.
     return words.rstrip(". \n")
 
 

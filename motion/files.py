@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _FORMULA_STARTS: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "'")
-"""A spreadsheet takes a cell for a formula by its first character. An apostrophe is among them so
-that the ones written by `harmless_cell` can be told from those that were there."""
+"""First characters of spreadsheet formulas, and the apostrophe, so that cells of `harmless_cell`
+differ from original ones."""
 
 _NUMBER: Final = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 
@@ -34,7 +34,7 @@ def replacing(path: Path, *, private: bool = False) -> Iterator[Path]:
     path : Path
         The file to be written; missing folders are made.
     private : bool
-        Whether its owner alone may read it; else everybody who may read new files.
+        Whether only its owner may read it; otherwise it has the permissions of any new file.
 
     Yields
     ------
@@ -71,7 +71,7 @@ def sha256_of(path: Path) -> str:
 def harmless_cell(text: str) -> str:
     """Return `text` with an apostrophe before it where a spreadsheet might run it as a formula.
 
-    Spreadsheets take the apostrophe for 'this is text' and do not show it. Plain numbers such as
+    Spreadsheets read the apostrophe as 'this is text' and do not show it. Plain numbers such as
     ``-2`` are no formulas and stay as they are.
     """
     # Spaces before a formula do not keep every spreadsheet from running it.
@@ -113,7 +113,7 @@ def _holds_text(column: pd.Series[Any]) -> bool:
 
 
 def digest(*parts: object) -> str:
-    """Return a short digest of `parts`: the contents of paths, the text form of all else."""
+    """Return a short digest of `parts`: the contents of paths, the text form of other values."""
     state = hashlib.sha256()
     for part in parts:
         content = part.read_bytes() if isinstance(part, Path) else repr(part).encode()

@@ -48,15 +48,15 @@ def stand_on_ground(clip: MotionClip, rest_joints: NDArray[np.floating]) -> Moti
     clip : MotionClip
         The motion. If its height changes at all, it is returned unchanged.
     rest_joints : ndarray, shape (55, 3)
-        Joints of the unposed body that it is put on, in metres.
+        Joints of the unposed body in the clip's shape, in metres.
 
     Returns
     -------
     MotionClip
         Only `trans` differs, and only in height. No sole is further below the ground than
         `SINKS_AT_MOST`; the height changes smoothly, so that soles may be a little above it while
-        the legs move fast. Sliding of the feet along the ground is left: without translation
-        nobody knows where the body went.
+        the legs move fast. Sliding of the feet along the ground is left: without translation the
+        body's path is unknown.
     """
     if np.ptp(clip.trans[:, 1]) > _STILL:
         return clip
@@ -69,7 +69,7 @@ def stand_on_ground(clip: MotionClip, rest_joints: NDArray[np.floating]) -> Moti
 def ground_height(rest_joints: NDArray[np.floating]) -> float:
     """Return the height of the soles' joints of the unposed body, in metres.
 
-    The soles themselves lie lower by what is between the joints and the floor.
+    The soles are lower by the distance between the joints and the floor.
     """
     return float(min(rest_joints[joint_index(f"{side}_foot"), 1] for side in _SIDES))
 
@@ -98,13 +98,13 @@ def hann_average(values: FloatArray, radius: int) -> FloatArray:
 
 
 def _smooth(lift: FloatArray, radius: int) -> FloatArray:
-    """Return `lift` averaged with what is within `radius` frames, and hardly anywhere below it."""
+    """Return `lift` averaged over `radius` frames on each side, and hardly anywhere below it."""
     smooth = hann_average(lift, radius)
     return np.maximum(smooth, lift - SINKS_AT_MOST)
 
 
 def place(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
-    """Return `clip` placed in the study's world, and notes about what was turned.
+    """Return `clip` placed in the study's world, and notes about its rotation.
 
     The axis nearest to the pelvis' mean direction up becomes +y, the mean direction the pelvis
     faces becomes +z, the mean position comes to lie over the origin, and the lower foot, for half

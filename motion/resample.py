@@ -28,7 +28,7 @@ def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
     clip : MotionClip
         The motion.
     frame_rate : float
-        Frames per second wanted, from 1 to 1000.
+        Frames per second of the result, from 1 to 1000.
 
     Returns
     -------

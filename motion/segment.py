@@ -51,9 +51,9 @@ class Segment:
     wav : str
         File name of the speech, relative to the study's ``speech`` folder.
     start, end : float
-        Where the excerpt lies in `wav`, in seconds, ``0 <= start < end``.
+        Position of the excerpt in `wav` in seconds, ``0 <= start < end``.
     speaker : str
-        Who speaks.
+        Name of the speaker.
     emotion : str
         One of `EMOTIONS`.
     transcript : str
@@ -106,7 +106,7 @@ def excerpt_bounds(start: float, end: float, *, rate: float, length: int) -> tup
     rate : float
         Items (samples, frames) per second.
     length : int
-        Items there are. An excerpt may ask for up to `CUT_TOLERANCE` seconds more.
+        Number of items. An excerpt may ask for up to `CUT_TOLERANCE` seconds more.
 
     Returns
     -------

@@ -1,7 +1,7 @@
 """Speech without a recording: sentences spoken by espeak-ng, with a prosody for each emotion.
 
-It stands in for recordings where there are none, as in a demonstration: it is audibly
-synthetic, and nobody should take it for acted emotion.
+It stands in for recordings where there are none, as in a demonstration: it is audibly synthetic,
+and not acted emotion.
 """
 
 from __future__ import annotations

@@ -151,7 +151,7 @@ class VideoWriter:
         self._mux_sound(until=self._count / self._rate)
 
     def _mux_sound(self, until: Fraction | None) -> None:
-        """Write the sound that is heard before `until` seconds; all that is left for None."""
+        """Write the sound up to `until` seconds, or the rest for None."""
         while self._sound_packets:
             packet = self._sound_packets[0]
             if until is not None and packet.pts * packet.time_base > until:

@@ -37,8 +37,8 @@ _PLATFORM_BUFFER_SIZE: Final = 16  # of the buffer a context comes with, which n
 class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
     """pyrender's renderer with our shaders, drawing opaque meshes into a kept framebuffer.
 
-    pyrender's own forward pass multisamples, blends, hands camera and lights over anew for each
-    frame, and flushes, which on OSMesa copies the whole picture once more.
+    pyrender's own forward pass multisamples, blends, sets camera and lights again for each frame,
+    and flushes, which on OSMesa copies the whole picture once more.
     """
 
     def __init__(self, size: int) -> None:
@@ -53,7 +53,7 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
     def _forward_pass(self, scene: Any, flags: int, seg_node_map: Any = None) -> None:
         """Draw the meshes of `scene`, upside down: the first row read back is then the top one."""
         gl = self._gl
-        # The picture lies shifted, so that the box is what the framebuffer holds of it.
+        # The picture is shifted so that the framebuffer holds the box.
         gl.glViewport(-self.box.left, -self.box.top, self.viewport_width, self.viewport_height)
         gl.glEnable(gl.GL_DEPTH_TEST)
         gl.glEnable(gl.GL_CULL_FACE)
@@ -150,7 +150,7 @@ class FrameRenderer:
     size : int
         Pixels along each side of the finished frame.
     background : tuple of int
-        Its colour where nothing is drawn.
+        Its background colour.
     """
 
     def __init__(

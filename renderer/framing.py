@@ -26,7 +26,7 @@ _MARGIN: Final = 0.04
 """Share of the picture's half that stays empty on each side."""
 
 _STEP: Final = 0.02
-"""Metres in which cameras differ: a clip made anew then rarely means that all are drawn anew."""
+"""Metres in which cameras differ: so replacing a clip rarely means redrawing all."""
 
 _POSITION_PERCENTILE: Final = 99.5
 """Percentile of a clip's positions that must be in the picture; a stray frame does not set it."""
@@ -60,7 +60,7 @@ class Camera:
     Attributes
     ----------
     eye, target : tuple of float
-        Where it is and what it looks at, in metres.
+        Its position and target, in metres.
     field_of_view : float
         Angle that the picture's height, and its width, covers, in degrees.
     """
@@ -79,7 +79,7 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
         Every clip that the study shows, as it is shown (frozen channels frozen). Leave the catch
         motion out: it may throw its arms anywhere.
     body : BodyModel
-        The body that they are put on.
+        The body that shows them.
     look : Look
         Its framing sets what must be in the picture: all (``full_body``), what is above the
         hips, and the hands wherever they are (``upper_body``), head and neck (``face``), or hands

@@ -1,7 +1,7 @@
 """The look of a study's stimuli: size, frame rate, camera, background, avatar, light.
 
-Avatars' files are made by `tools.avatars`. Versions are raised with every change that can be seen
-or heard, and whatever was made with another version is made anew; tests hold what each gives.
+Avatars' files are made by `tools.avatars`. Versions are raised with every visible or audible
+change, and files of other versions are made again; tests compare the output of each.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ Colour = tuple[int, int, int]
 """sRGB, each in 0-255."""
 
 BACKGROUND: Final[Colour] = (0xEC, 0xEC, 0xEE)
-"""The plain background where a study chooses no other; participants' pages have the same."""
+"""The default background; participants' pages have the same."""
 
 FRAMINGS: Final = ("upper_body", "full_body", "face", "hands")
 
 VIEWS: Final[Mapping[str, float]] = MappingProxyType({"front": 0.0, "three_quarter": 35.0})
-"""Degrees by which the camera is to the speaker's left."""
+"""Angle of the camera to the speaker's left, in degrees."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +91,7 @@ _AVATARS: Final = (
 )
 
 AVATARS: Final[Mapping[str, Avatar]] = MappingProxyType({each.name: each for each in _AVATARS})
-"""All avatars by name; the first is the one shown where none is chosen."""
+"""All avatars by name; the first is the default."""
 
 FIRST_AVATAR: Final = _AVATARS[0].name
 

@@ -40,7 +40,7 @@ def at_common_loudness(audio: Audio) -> Audio:
     -------
     Audio
         At `TARGET`, or as near below it as `PEAK_CEILING` allows. Sound without a measurable
-        loudness keeps its level. Its notes say where the target is missed, and why.
+        loudness keeps its level. Its notes say whether the target is missed, and why.
     """
     loudness = integrated_loudness(audio)
     if loudness is None:

@@ -62,10 +62,10 @@ def copy_video(source: Path, target: Path, *, lasts: Fraction, sound: bool) -> N
     target : Path
         Where to write; appears whole, or not at all.
     lasts : Fraction
-        Seconds that the copy lasts, at least those of `source` and rounded up to milliseconds;
-        its last picture is held so long.
+        Seconds that the copy lasts, at least those of `source` and rounded up to milliseconds; its
+        last picture is held until then.
     sound : bool
-        Whether it is heard.
+        Whether it has sound.
 
     Raises
     ------
@@ -145,7 +145,7 @@ def write_dubbed(
         The excerpt of `speech` in seconds.
     seconds : float
         How long the sound lasts: silence follows a shorter excerpt, so that the length of a file
-        does not tell whose speech it has.
+        does not reveal its speech.
     video : Path
         Where to write; appears whole, or not at all.
 

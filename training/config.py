@@ -17,7 +17,7 @@ Optimizer = Literal["adam", "adamw"]
 Precision = Literal["float32", "bfloat16", "float16"]
 
 CHANGEABLE_SETTINGS: Final = ("steps", "checkpoint_every")
-"""Settings that may change when a run goes on: the steps already made stay what they are."""
+"""Settings that may change when a run is resumed; they do not affect steps already made."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,7 @@ DEVICES: Final = ("cpu", "cuda")
 
 
 def check_device(device: str) -> None:
-    """Raise `InputError` where `device` is neither ``cpu`` nor a ``cuda`` that is there."""
+    """Raise `InputError` unless `device` is ``cpu`` or an available ``cuda`` device."""
     if device not in DEVICES:
         raise InputError(f"unknown device {device!r}", remedy=f"Use {' or '.join(DEVICES)}")
     if device == "cuda" and not torch.cuda.is_available():
@@ -34,7 +34,7 @@ _THREADS_LOCK: Final = Lock()
 
 @contextmanager
 def torch_threads(number: int) -> Iterator[None]:
-    """Give torch so many threads for a while; rounding may differ with their number."""
+    """Set torch's number of threads for a while; rounding may differ with their number."""
     previous = torch.get_num_threads()
     torch.set_num_threads(number)
     try:
@@ -47,8 +47,8 @@ def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tu
     """Return the results of both, `second` on this thread and `first` on another one.
 
     Each has half of torch's threads meanwhile. Where torch has one thread, `first` runs before
-    `second`, so `second` may wait for what `first` tells but not the other way round. The number
-    of threads belongs to the whole process, so calls that share several of them take turns.
+    `second`, so `second` may wait for `first` but not the other way round. The number of threads
+    belongs to the whole process, so calls that share several of them take turns.
     """
     with _THREADS_LOCK:
         threads = torch.get_num_threads()

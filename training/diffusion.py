@@ -53,7 +53,7 @@ class Diffusion:
         return alpha_bar.sqrt() * x0 + (1 - alpha_bar).sqrt() * eps
 
     def x0_hat(self, x_t: Tensor, eps: Tensor, t: Tensor) -> Tensor:
-        """Return the clean motion of which `x_t` is left where `eps` is its noise."""
+        """Return the clean motion in `x_t`, given its noise `eps`."""
         alpha_bar = self.alpha_bar_at(t, x_t)
         return (x_t - (1 - alpha_bar).sqrt() * eps) / alpha_bar.sqrt()
 

@@ -45,7 +45,7 @@ from training.speech_features.word_vectors import WordVectors, word_rows
 FloatArray = NDArray[np.float32]
 
 VERSION: Final = "1"
-"""Raised whenever a feature of the same take comes out otherwise."""
+"""Raised whenever a feature of the same take changes."""
 
 _SHOW_BODY: Final = 3 * len(SHOW_JOINTS)
 
@@ -150,7 +150,7 @@ def hubert_features(frame_rate: float, hubert: Hubert) -> Feature:
 def semantic_scores(frame_rate: float) -> Feature:
     """Return the semantic relevance of the gesture in each frame, one channel, from 0.
 
-    Takes without annotation have 0 throughout, as where there is no gesture.
+    Takes without annotation have 0 throughout, like frames without a gesture.
     """
 
     def compute(take: Take) -> FloatArray:
@@ -199,7 +199,7 @@ def bone_features(
     frame_rate : float
         Frames per second of all of them.
     faces : bool
-        Whether faces are learned; else landmarks are still.
+        Whether faces are learned; otherwise landmarks are still.
 
     Raises
     ------

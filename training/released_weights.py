@@ -53,7 +53,7 @@ def tensors_in(content: object, file: Path) -> dict[str, Tensor]:
     Raises
     ------
     InputError
-        If it is no mapping, or holds anything but tensors.
+        If it is not a mapping of tensors.
     """
     if not isinstance(content, Mapping) or not all(isinstance(v, Tensor) for v in content.values()):
         raise not_weights_error(file, "it holds more than named tensors")
@@ -67,7 +67,7 @@ class ReleasedNames:
     Attributes
     ----------
     renamed : sequence of pair of str
-        Patterns and what stands for them, applied in order.
+        Patterns and their replacements, applied in order.
     unused : str
         A pattern of those that are left out.
     """
@@ -106,12 +106,12 @@ def not_weights_error(file: Path, reason: str) -> InputError:
 def fill(
     network: Network, weights: Mapping[str, Tensor], file: Path, description: str, remedy: str
 ) -> Network:
-    """Give a network of the meta device the weights of a file; return it, ready to run.
+    """Load the weights of a file into a network on the meta device; return it, ready to run.
 
     Parameters
     ----------
     network : Module
-        Made on the meta device, so that its weights take no memory of their own.
+        Made on the meta device, so that its weights take no extra memory.
     weights : mapping of str to Tensor
         By the network's own names.
     file : Path
@@ -238,5 +238,5 @@ class SavedNetworks:
         return network
 
     def error(self, problem: str, where: Path) -> InputError:
-        """Return the error for a folder that does not hold what is wanted."""
+        """Return the error for a folder without the expected files."""
         return InputError(problem, where=where, remedy=self.remedy)

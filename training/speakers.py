@@ -24,7 +24,7 @@ class Speakers:
     names : tuple of str
         In the order of their numbers, which begin with 1.
     width : int
-        Length of the one-hot vector; the places behind the last speaker were never told.
+        Length of the one-hot vector; the entries after the last speaker are unused.
     """
 
     names: tuple[str, ...]
@@ -35,7 +35,7 @@ class Speakers:
             raise ValueError(f"{len(self.names)} speakers for a vector of {self.width}")
 
     def number(self, speaker: int | str) -> int:
-        """Return the number of a speaker who is given by name, or else by number.
+        """Return the number of a speaker who is given by name or number.
 
         Raises
         ------
@@ -56,7 +56,7 @@ class Speakers:
         """Return the network's speaker for one that may be unknown to it.
 
         Known ones are themselves. All others are one of the known, which one the name decides: a
-        network is never told of two speakers at once, so a mixture would be none it learned.
+        network is never trained on two speakers at once, so it does not know mixtures.
         """
         if name in self.names:
             return self.names.index(name) + 1
@@ -68,7 +68,7 @@ class Speakers:
         Raises
         ------
         InputError
-            If the network, which lies in `checkpoint`, never heard of who is wanted.
+            If the network in `checkpoint` does not know the speaker.
         """
         if requested is None:
             return 1 if speaker is None else self.number_or_substitute(speaker)

@@ -115,7 +115,7 @@ class NetworkKind:
 
     @contextmanager
     def reading(self, path: Path) -> Iterator[WeightsFile]:
-        """Give what such a file holds, and say so where it lacks something that is looked for.
+        """Open such a file, and raise `InputError` if it lacks something that is read.
 
         Raises
         ------

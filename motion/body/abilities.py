@@ -1,8 +1,8 @@
 """Which parts of a clip's face and shape a body can show, and notes on what it cannot.
 
-SMPL-X's expression coefficients and ARKit's facial actions are different spaces. How one tells the
-other depends on whose faces were measured, so no matrix between them comes with the program;
-researchers bring theirs.
+SMPL-X's expression coefficients and ARKit's facial actions are different spaces. The conversion
+between them depends on whose faces were measured, so the program has no matrix for it; researchers
+bring their own.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def unsupported(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
 
 
 def _expression_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
-    """Say where the face stays still although the clip moves it.
+    """Return a note if the face stays still although the clip moves it.
 
     ARKit weights and SMPL-X's expression coefficients are different spaces; a body has slots for
     one of them, and neither is guessed from the other.
@@ -81,7 +81,7 @@ def _expression_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
 
 
 def _shape_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
-    """Say where the body has another shape than the clip gives."""
+    """Return a note if the body's shape differs from the clip's."""
     known = body.shapes
     if not np.any(clip.betas[known:]):
         return ()

@@ -1,4 +1,4 @@
-"""The ``.npz`` file of a body, in which nothing is run, and the mean hands that it may hold."""
+"""The ``.npz`` file of a body, read without running anything in it, and its mean hands."""
 
 from __future__ import annotations
 

@@ -2,8 +2,8 @@
 
 A landmark belongs to one facial action or expression component, as those of
 Speech2UnifiedExpressions (Bhattacharya et al. 2024, section 3.3.2) are based on action units. All
-clips are put on the body's mean shape and looked at from the head, so that landmarks of different
-speakers compare.
+clips use the body's mean shape and the head's frame of reference, so that landmarks of different
+speakers are comparable.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _MIN_DISTANCE: Final = 0.006
 """Metres between two landmarks of the neutral face."""
 
 _MIN_SHIFT: Final = 1e-3
-"""Metres by which a component moves its landmark at least."""
+"""Smallest movement of a landmark by its component, in metres."""
 
 _SKIN: Final = ("skin", "lips")
 """Materials that landmarks lie on, if the body names the materials of its vertices."""
@@ -57,8 +57,8 @@ class FaceLandmarks:
     def of(cls, body: BodyModel) -> FaceLandmarks:
         """Choose landmarks on the face of `body`.
 
-        For each component in turn: the vertex it moves most among those at least 6 mm from all
-        chosen before, where it moves one by 1 mm or more.
+        For each component in turn, takes the vertex it moves most among those at least 6 mm from
+        all chosen before, if it moves one by 1 mm or more.
 
         Raises
         ------
@@ -104,7 +104,7 @@ class FaceLandmarks:
         Parameters
         ----------
         clip : MotionClip
-            Its face and jaw count; where the head is does not.
+            Its face and jaw count; the position of the head does not.
 
         Returns
         -------
@@ -145,7 +145,7 @@ class FaceLandmarks:
         return np.asarray(rotated + np.swapaxes(moved_by[:, :, 3], 1, 2), np.float32)
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return the landmarks as arrays, of which `from_arrays` makes them again."""
+        """Return the landmarks as arrays, which `from_arrays` reads back."""
         body = self.body
         arrays: dict[str, NDArray[np.generic]] = {
             "template": body.template,
@@ -239,7 +239,7 @@ def _choose_landmarks(body: BodyModel) -> list[tuple[int, int]]:
 
 
 def _skin_mask(body: BodyModel) -> NDArray[np.bool_]:
-    """Tell of each vertex whether a landmark may lie on it."""
+    """Return for each vertex whether it may be a landmark."""
     if "material" not in body.surface:
         return np.ones(len(body.template), bool)
     names = [str(name) for name in body.surface["material_names"]]

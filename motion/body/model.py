@@ -105,7 +105,7 @@ class BodyModel:
     def face(self, clip: MotionClip) -> FloatArray | None:
         """Return the clip's face in this body's terms, shape (n, 52) or (n, 100); None without.
 
-        What the clip holds in the body's own terms comes first, then what the matrix makes of it.
+        The clip's face in the body's own parameters takes precedence over a converted one.
         """
         native, foreign = (clip.arkit, clip.expressions)[:: 1 if self.has_arkit_slots else -1]
         matrix = self.expression_matrix
@@ -116,7 +116,7 @@ class BodyModel:
     def expression_weights(self, clip: MotionClip) -> FloatArray | None:
         """Return the weight of each expression direction, shape (n, E); None where all are 0.
 
-        Of jawOpen it is what the jaw joint does not open already.
+        The weight of jawOpen is reduced by what the jaw joint already opens.
         """
         values = self.face(clip)
         if values is None or not np.any(values):
@@ -141,10 +141,9 @@ class BodyModel:
         Parameters
         ----------
         clip : MotionClip
-            The motion. Its betas are applied as far as the model has shape directions, its face
-            as `face` tells it; `motion.body.abilities` says what is left out. Where both the jaw
-            joint and ARKit's jawOpen open the mouth, they tell the same opening twice, and the
-            wider one counts.
+            The motion. Its betas are applied as far as the model has shape directions, its face as
+            by `face`; `motion.body.abilities` lists what is left out. If both the jaw joint and
+            ARKit's jawOpen open the mouth, the wider opening counts.
         frames : slice
             Which frames; all by default.
 
@@ -164,8 +163,7 @@ class BodyModel:
     def unposed(self, clip: MotionClip) -> FloatArray:
         """Return the vertices before skinning, shape (n, V, 3), in metres.
 
-        They are in T-pose, with the clip's shape and expression, and with what the pose adds to
-        the shape.
+        They are in T-pose, with the clip's shape and expression and the pose's corrections.
         """
         return self._unposed(clip, self.shaped(clip.betas))
 
@@ -294,7 +292,7 @@ def _twist_joints(arrays: Mapping[str, NDArray[Any]]) -> TwistJoints | None:
 
 
 def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
-    """Raise where the arrays do not fit together as SMPL-X's do."""
+    """Raise `InputError` unless the arrays have SMPL-X's shapes."""
     count = arrays["v_template"].shape[0] if arrays["v_template"].ndim else 0
     expected: dict[str, tuple[int | None, ...]] = {
         "v_template": (count, 3),
@@ -342,7 +340,7 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
 def _without_spare_vertices(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """Return the arrays without the vertices at the end that are there only for smplx.
 
-    It looks up landmarks at fixed places, beyond what the default bodies have.
+    It looks up landmarks at fixed indices that the default bodies do not have.
     """
     count = len(arrays["v_template"]) - int(arrays.get("spare_vertices", 0))
     shortened = {name: arrays[name][:count] for name in _PER_VERTEX if name in arrays}

@@ -196,7 +196,7 @@ class ForearmTwists:
     angles : ndarray, shape (2, 2)
         Of left and right, elbow and wrist, in radians from -pi to pi.
     turns : ndarray, shape (2, 2)
-        Whole turns that each has made besides.
+        Whole turns of each in addition.
     """
 
     angles: FloatArray
@@ -210,14 +210,14 @@ NO_TWISTS: Final = ForearmTwists(np.zeros((2, 2)), np.zeros((2, 2)))
 def share_forearm_twist(local: FloatArray, previous: ForearmTwists | None) -> ForearmTwists:
     """Let wrist and elbow take half each of how far the forearm is twisted; return the last twists.
 
-    Other skeletons often turn the palm at the elbow alone, which wrings the skin there. No bone
-    and no hand points elsewhere afterwards.
+    Other skeletons often turn the palm at the elbow alone, which wrings the skin there. The
+    directions of bones and hands do not change.
 
     Parameters
     ----------
     local : ndarray, shape (T, J, 3, 3)
         Rotation matrices of SMPL-X joints against their parents; those of elbows and wrists are
-        written over.
+        overwritten.
     previous : ForearmTwists or None
         The result for the previous frames; None for the first.
     """
@@ -235,7 +235,7 @@ def share_forearm_twist(local: FloatArray, previous: ForearmTwists | None) -> Fo
         turns = _turns(
             angles, None if previous is None else (previous.angles[index], previous.turns[index])
         )
-        # Past half a turn an angle starts again at the other end; half of it would jump.
+        # Past half a turn an angle wraps around; half of it would jump.
         twists = angles + 2 * np.pi * turns
         transferred = (twists[:, 0] - twists[:, 1]) / 2
         turn = Rotation.from_rotvec(transferred[:, None] * axis).as_matrix()

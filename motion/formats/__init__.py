@@ -58,15 +58,14 @@ def read_motion(
         TalkSHOW and Motion-X, whose fingers are relative to them. Without, relaxed hands take
         their place.
     as_recorded : bool
-        Whether hands of a BVH or of joint positions stay where they come to lie inside the body,
-        rather than being moved out by `motion.clearance`.
+        Whether hands of a BVH or of joint positions may stay inside the body, instead of being
+        moved out by `motion.clearance`.
 
     Returns
     -------
     MotionClip
         Standing on the floor at the origin, y up, facing +z; own files come as they are. Its
-        provenance holds ``source`` (the file's name), ``format``, and ``notes`` where there is
-        something a person should know.
+        provenance holds ``source`` (the file's name), ``format``, and ``notes`` for people, if any.
 
     Raises
     ------
@@ -137,7 +136,7 @@ def _with_absolute_fingers(
 
 
 def _with_relaxed_fingers(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
-    """Return a clip whose untold fingers are relaxed, not straight and spread, and a note."""
+    """Return a clip in which missing fingers are relaxed, not straight and spread, and a note."""
     largest_angles = np.abs(clip.poses[:, FINGERS]).max(axis=(0, 2)).reshape(-1, 3).max(axis=1)
     is_unset = largest_angles < _UNMOVED
     if not is_unset.any():

@@ -1,4 +1,4 @@
-"""Plain arrays of NumPy's files: nothing in them is unpickled, and what they unpack to is limited.
+"""Plain arrays of NumPy's files, without unpickling and with a limit on their unpacked size.
 
 A small archive may unpack to very much.
 """

@@ -175,7 +175,7 @@ def read_semantic_scores(path: Path) -> tuple[SemanticSpan, ...]:
     Parameters
     ----------
     path : Path
-        A text file as BEAT has it; columns behind the score are not looked at.
+        A text file as BEAT has it; columns after the score are ignored.
 
     Raises
     ------

@@ -42,8 +42,8 @@ class BvhFrameCountError(InputError):
     rows : int
         Frames that the file has.
     frame_rates : tuple of float
-        Possible true frame rates: the header's, and where the rows are
-        as many as every second, third, … of the promised frames, what fits them into its duration.
+        Possible true frame rates: the header's, and, if the rows are every second, third, … of the
+        promised frames, the rate that fits them into its duration.
     """
 
     def __init__(
@@ -128,8 +128,9 @@ def _header_value(
 def _rate_of(frame_time: str, where: str) -> float:
     """Return the frame rate of a frame time that is rounded to its digits.
 
-    It is a whole number where the digits tell that number from its neighbours, as 0.033 tells 30
-    from 29 and 31, or where it is usual. Else the frame time means what it says: 0.03 is 33.33.
+    It is a whole number if the digits distinguish that number from its neighbours, as 0.033
+    distinguishes 30 from 29 and 31, or if it is a common rate. Otherwise the frame time is taken
+    literally: 0.03 is 33.33.
     """
     try:
         seconds = Decimal(frame_time)

@@ -1,4 +1,4 @@
-"""The motion of a BVH file: its skeleton, where it puts each joint, and how it is written.
+"""The motion of a BVH file: its skeleton, its joint positions, and writing it.
 
 A motion clip is written with its joints and where they go, without face and skin.
 """
@@ -25,7 +25,7 @@ _STILL: Final = 1e-3
 """Change of a channel, in degrees or length units, below which it does not move."""
 
 _JUMP: Final = 180.0
-"""Degrees, summed over all joints, that a calibration pose is at least away from the motion."""
+"""Smallest distance of a calibration pose from the motion, in degrees summed over all joints."""
 
 _JUMPS_AS_LARGE: Final = 3.0
 """Ratio to the later changes from row to row that makes a first change a jump."""
@@ -187,7 +187,7 @@ def _changes(motion: BvhMotion) -> NDArray[np.float64]:
 
 
 def _without_leftover_joints(motion: BvhMotion) -> BvhMotion:
-    """Give joints that never move after row 0 their later values there too."""
+    """In row 0, give joints that never move later their later values."""
     values = motion.values.copy()
     settled = 0
     for index in range(len(motion.joints)):
@@ -211,8 +211,8 @@ def write_bvh(path: Path, motion: BvhMotion) -> None:
     """Write `motion` to `path`, in one step.
 
     Joints are written depth first, whatever their order in `motion`, and their columns with them.
-    Numbers have four decimals. A joint without children gets an end site where it lies itself, for
-    the many readers that expect one.
+    Numbers have four decimals. A joint without children gets an end site at its own position, since
+    many readers expect one.
 
     Parameters
     ----------

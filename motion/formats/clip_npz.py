@@ -73,15 +73,15 @@ def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
     ----------
     path : Path
         An own file, or one of AMASS, MoSh++, BEAT2, AMUSE (SMPL-X, poses (T, 165) or (T, 55, 3), or
-        in parts from ``root_orient`` on), SMPL+H ((T, 156) or (T, 52, 3)), SMPL ((T, 72) or
-        (T, 24, 3)) or Motion-X ((T, 322)). Joints that it does not tell stay at rest.
+        in parts from ``root_orient`` on), SMPL+H ((T, 156) or (T, 52, 3)), SMPL ((T, 72) or (T, 24,
+        3)) or Motion-X ((T, 322)). Joints that are not in it stay at rest.
     frame_rate : float, optional
         Frames per second; overrides the file's own.
 
     Returns
     -------
     MotionClip
-        Its provenance is that of the file; empty where the file has none.
+        Its provenance is the file's, or empty.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Maps from SMPL-X joints to those of other skeletons.
 
-A joint map gives, for each SMPL-X joint name, the name of the source joint whose turn in the
-world it follows. SMPL-X joints that a map leaves out stay as their parent is.
+A joint map gives, for each SMPL-X joint name, the name of the source joint whose world rotation it
+follows. SMPL-X joints that a map leaves out stay as their parent is.
 """
 
 from __future__ import annotations

@@ -31,13 +31,14 @@ _SIDES: Final = ("left", "right")
 _LIMBS: Final = (("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle"))
 _TRUNK: Final = ("pelvis", "spine1", "spine2", "spine3", "neck", "head")
 _LEVEL: Final = 30.0
-"""Degrees by which arms and trunk of a T-pose may be off."""
+"""Tolerance for arms and trunk of a T-pose, in degrees."""
 
 _UPRIGHT: Final = 60.0
 """Largest angle between trunk and legs of a standing rest pose, in degrees."""
 
 _BUILD: Final = 15.0
-"""Degrees by which a figure's trunk may be off the axes because of how its skeleton is built."""
+"""Largest angle between trunk and axes, in degrees, that is attributed to the construction of the
+skeleton."""
 
 
 def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
@@ -66,7 +67,7 @@ def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
 def retarget_piece(
     motion: BvhMotion, joint_map: JointMap, previous: ForearmTwists | None
 ) -> tuple[MotionClip, ForearmTwists]:
-    """Return a piece of a motion as `retarget` does, and what the next piece goes on from.
+    """Return a piece of a motion as `retarget` does, and the state for the next piece.
 
     The pieces of a motion one after the other are the motion as a whole, bit by bit.
 
@@ -145,8 +146,8 @@ def _trunk_corrections(
 ) -> Mapping[str, Rotation]:
     """Return the corrections with which trunk and head stand straight in the calibration pose.
 
-    Skeletons are built with straight necks that the joints' values then bend; the person who
-    stands in a T-pose says which values mean looking ahead.
+    Skeletons are built with straight necks that the joints' values then bend; a person in a T-pose
+    shows which values mean looking ahead.
     """
     if motion.calibration is None:
         return {}

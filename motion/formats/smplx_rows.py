@@ -35,7 +35,7 @@ _PARTS: Final = (
     ("right_hand_pose", 45),
     ("expression", 100),
 )
-"""SHOW's names of what a row holds, in the order of the columns, and how many there are."""
+"""SHOW's names for the parts of a row, in column order, and their widths."""
 
 MOTION_X_WIDTH: Final = 322
 
@@ -51,7 +51,7 @@ def read_show_npz(path: Path) -> MotionClip:
     path : Path
         With the arrays ``jaw_pose``, ``leye_pose``, ``reye_pose``, ``global_orient``,
         ``body_pose_axis``, ``left_hand_pose``, ``right_hand_pose`` and ``expression``, a row a
-        frame; axis-angle in radians. Others are not looked at.
+        frame; axis-angle in radians. Others are ignored.
 
     Raises
     ------

@@ -59,8 +59,8 @@ def read_transcript(path: Path, audio: Audio) -> tuple[Word, ...]:
     Raises
     ------
     InputError
-        If the file cannot be read, or is of other speech: its words end behind it, or are more
-        than anybody says in that time.
+        If the file cannot be read, or belongs to other speech: its words end after it, or are more
+        than anybody can say in that time.
     """
     try:
         words = _read(path, audio)
@@ -142,7 +142,7 @@ def words_of(text: str) -> tuple[str, ...]:
 def preferred_transcript(find: Callable[[str], Path | None]) -> Path | None:
     """Return the transcript that `find` has under the first of the endings, all in small letters.
 
-    A table of something else is none.
+    CSV files without words do not count.
     """
     for ending in TRANSCRIPT_ENDINGS:
         found = find(ending)

@@ -1,4 +1,4 @@
-"""A motion clip of where joints and landmarks are: what systems that work on positions give.
+"""A motion clip from positions of joints and landmarks, as position-based systems give them.
 
 The bones of the body take the directions of the joints. How landmarks of a face shift becomes the
 facial actions that shift them so.
@@ -27,7 +27,7 @@ from motion.skeleton import JOINT_NAMES, joint_index
 FloatArray = NDArray[np.float32]
 
 _LARGEST_SHIFT: Final = 0.2
-"""Metres beyond which no landmark of a face shifts."""
+"""Largest shift of a face's landmark, in metres."""
 
 EXACT: Final = 3e-4
 """Metres of misfit that count as much as a weight of 1, of landmarks without noise: only what no
@@ -134,8 +134,8 @@ def clip_from_points(
     joints : ndarray, shape (T, J, 3)
         Positions in metres, y up. Only directions count: the body keeps its own lengths.
     names : tuple of str
-        Their SMPL-X names, in any order: at least pelvis, neck and both shoulders. What is not
-        told stays at rest: relaxed hands, arms down, standing legs.
+        Their SMPL-X names, in any order: at least pelvis, neck and both shoulders. Missing parts
+        stay at rest: relaxed hands, arms down, standing legs.
     frame_rate : float
         Frames per second.
     body : BodyModel
@@ -195,7 +195,7 @@ def _checked(joints: FloatArray, names: tuple[str, ...]) -> dict[str, NDArray[np
 
 
 def _check_size(points: Mapping[str, NDArray[np.float64]], rest: NDArray[np.float64]) -> None:
-    """Raise where the figure is not as large as a person in metres."""
+    """Raise `InputError` unless the figure has the size of a person in metres."""
     ratios = []
     for start, end in given_bones(points):
         length = np.median(np.linalg.norm(points[end] - points[start], axis=1))

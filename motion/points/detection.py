@@ -1,4 +1,4 @@
-"""One person in a video: what MediaPipe finds of them, and which stretches of it are of use.
+"""One person in a video, as found by MediaPipe, and the usable stretches.
 
 MediaPipe's package holds its networks.
 """
@@ -23,19 +23,19 @@ from motion.errors import InputError
 FloatArray = NDArray[np.float64]
 
 _LONGEST_GAP: Final = 0.25
-"""Seconds that a person may be lost for; what lies between is filled in straight."""
+"""Longest gap in seconds that is filled by linear interpolation."""
 
 SHORTEST: Final = 2.0
 """Seconds below which a stretch is too short to learn from."""
 
 _CUT_SHIFT: Final = 1.0
-"""Widths of a face by which it moves from one frame to the next where the picture was cut."""
+"""Movement of a face from one frame to the next, in face widths, that means a cut."""
 
 _CHEEKS: Final = (234, 454)
 """Landmarks of MediaPipe's face mesh on either side of a face."""
 
 FASTEST: Final = 30.0
-"""Frames per second that are looked at, of a video that has more."""
+"""Highest number of frames per second that are analysed."""
 
 _POSE: Final = 33
 _FACE: Final = 478
@@ -69,7 +69,7 @@ class Detection:
         return len(self.pose)
 
     def stretch(self, start: int, end: int) -> Detection:
-        """Return the frames from `start` to before `end`, with gaps filled in straight."""
+        """Return the frames from `start` to before `end`, with gaps interpolated linearly."""
         return Detection(
             frame_rate=self.frame_rate,
             pose=_filled(self.pose[start:end]),
@@ -80,7 +80,7 @@ class Detection:
 
 @dataclass(frozen=True, kw_only=True)
 class Stretch:
-    """Frames of a video, and why they are left out; an empty reason where they are of use."""
+    """Frames of a video, and the reason for leaving them out; empty if they are usable."""
 
     start: int
     end: int
@@ -88,9 +88,9 @@ class Stretch:
 
 
 def stretches(detection: Detection) -> tuple[Stretch, ...]:
-    """Divide a video into stretches of one person in view, and those that are left out.
+    """Divide a video into usable stretches of one person and stretches that are left out.
 
-    A person who is lost for a quarter of a second is still there. A cut ends a stretch.
+    Gaps of up to a quarter of a second do not end a stretch. A cut ends a stretch.
     """
     body = np.isfinite(detection.pose[:, 0, 0])
     face = np.isfinite(detection.face[:, 0, 0])
@@ -111,7 +111,7 @@ def stretches(detection: Detection) -> tuple[Stretch, ...]:
 
 
 def _bridge(reasons: NDArray[np.str_], longest: int) -> None:
-    """Take away the reasons of short gaps that lie between frames of use."""
+    """Clear the reasons of short gaps between usable frames."""
     useful = np.flatnonzero(reasons == "")
     for before, after in pairwise(useful):
         if after - before - 1 <= longest:
@@ -119,7 +119,7 @@ def _bridge(reasons: NDArray[np.str_], longest: int) -> None:
 
 
 def _cuts(detection: Detection) -> list[int]:
-    """Return the frames in which a face is suddenly elsewhere."""
+    """Return the frames in which a face jumps."""
     frames_with_face = np.flatnonzero(np.isfinite(detection.face[:, 0, 0]))
     if len(frames_with_face) < 2:
         return []
@@ -165,7 +165,7 @@ def detect(video: Path, on_frame: Callable[[int, int], None]) -> Detection:
     rate = FASTEST
     missing = (np.full((_POSE, 3), np.nan), np.full(_POSE, np.nan), np.full((_FACE, 3), np.nan))
     with finder, warnings.catch_warnings():
-        # MediaPipe calls what protobuf will drop one day; its version is pinned.
+        # MediaPipe uses a deprecated function of protobuf, whose version is pinned.
         warnings.filterwarnings("ignore", message="SymbolDatabase.GetPrototype")
         for rate, place, total, picture in _frames(video):
             pose, visible, face = _detect_picture(finder, picture, missing)
@@ -199,7 +199,7 @@ def _finder() -> Any:
             "finding people in videos needs MediaPipe",
             remedy="Install it: pip install 'motionjury[video]'",
         ) from error
-    # The larger model of the pose would be fetched from elsewhere; this one is in the package.
+    # The larger pose model would be downloaded; this one is in the package.
     return Holistic(model_complexity=1, refine_face_landmarks=True)
 
 

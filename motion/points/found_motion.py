@@ -117,14 +117,14 @@ def _anchors(body: BodyModel) -> FloatArray:
 
 
 _ANCHOR_WEIGHT: Final = 5.0
-"""A second: what is detected is averaged around so many points in time and goes on smoothly between
-them, which takes the jitter out (Bhattacharya et al. 2024, section 4)."""
+"""A second: detections are averaged around this many points in time, with smooth motion between
+them, which removes jitter (Bhattacharya et al. 2024, section 4)."""
 
 _MISFIT: Final = 6e-3
-"""Metres by which a detected face misses its facial actions, see `facial_actions`."""
+"""Error of a detected face in metres, see `facial_actions`."""
 
 _MIN_VISIBILITY: Final = 0.5
-"""Visibility that a joint has on average at least to count."""
+"""Smallest mean visibility of a joint that counts."""
 
 _FEET: Final = ("heel", "foot_index", "ankle", "knee")
 _HANDS: Final = ("elbow", "wrist", "pinky", "index", "thumb")

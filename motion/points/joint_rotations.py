@@ -1,9 +1,9 @@
 """Joint rotations of a body from the joint positions of a person.
 
-Every bone that is told points where it was told to, with the body's own length. What positions
-cannot tell is chosen as people are built: upper arms and thighs are twisted so that elbows and
-knees bend the way they can, a turn of the head is shared by the neck, one of the shoulders by the
-spine, and legs that are not told stand.
+Every given bone gets its given direction and the body's own length. What positions do not determine
+is chosen anatomically: upper arms and thighs are twisted so that elbows and knees bend the way they
+can, a turn of the head is shared by the neck, one of the shoulders by the spine, and missing legs
+stand.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _SPINE: Final = ("pelvis", "spine1", "spine2", "spine3", "neck")
 _UNIT_AXES: Final = (np.array([1.0, 0, 0]), np.array([0, 1.0, 0]), np.array([0, 0, 1.0]))
 
 _PELVIS_STAYS: Final = np.radians(45)
-"""How far the shoulders turn before the hips, if these are not given, follow."""
+"""Turn of the shoulders from which hips follow if they are not given."""
 
 _STRAIGHT: Final = np.sin(np.radians(12))
 """Sine of an elbow's or knee's bend below which its plane hardly determines the twist."""
@@ -52,13 +52,14 @@ _PLANE_SMOOTHING: Final = 0.08
 """Seconds, a standard deviation, over which the plane of a bend is averaged."""
 
 _UPRIGHT: Final = 0.5
-"""How far a head whose roll is not told goes back from how its neck leans to how the chest does."""
+"""Share by which a head of unknown roll is straightened from its neck's lean towards the
+chest's."""
 
 _MIN_LENGTH: Final = 1e-6
 """Metres below which a bone has no direction."""
 
 _HANGING: Final = 78.0
-"""Degrees by which arms that are not given hang down from the rest pose."""
+"""Angle of missing arms below the rest pose, in degrees."""
 
 
 class _Figure:
@@ -230,7 +231,7 @@ def _turn_head(figure: _Figure) -> None:
             (figure.told(*eyes), figure.told("head", ahead)),
         )
     else:
-        # A head that leans aside is held more upright than its neck: half way back to the chest.
+        # A head that leans sideways is more upright than its neck: half way back to the chest.
         lean = (neck.inv() * figure.world["spine3"]).as_rotvec()
         figure.swing("head", "jaw", neck * Rotation.from_rotvec(_UPRIGHT * lean))
     axis = figure.resting("neck", "head")

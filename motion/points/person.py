@@ -1,7 +1,8 @@
 """Joints of another skeleton, or detected points, as joints of our body.
 
 Skeletons differ in build: where a neck sits between the shoulders, how far forward a head is. Their
-average is taken for our body's rest, so that nobody shrugs or looks down for a whole recording.
+average is identified with our body's rest pose, so that nobody shrugs or looks down for a whole
+recording.
 """
 
 from __future__ import annotations
@@ -156,7 +157,7 @@ def _part(name: str) -> str:
 
 
 def _place_head(points: dict[str, FloatArray], chest: Rotation) -> None:
-    """Place head, jaw and eyes as on our body, by what is known of the head's rotation."""
+    """Place head, jaw and eyes as on our body, using what is known of the head's rotation."""
     neck = points["neck"]
     if "nose" in points and all(ear in points for ear in _EARS):
         ears = points[_EARS[0]] - points[_EARS[1]]

@@ -22,9 +22,9 @@ TILE_SIZE: Final = 112
 _LUMA_WEIGHTS: Final = np.array([0.2126, 0.7152, 0.0722], np.float32)
 """Weights of RGB in a pixel's lightness."""
 _FIGURE_CONTRAST: Final = 10
-"""Of 255: what differs so much from the background belongs to the figure."""
+"""Of 255: pixels that differ by this much from the background belong to the figure."""
 _STILL_CHANGE: Final = 2.5
-"""Of 255: encoding alone changes no small pixel by more from frame to frame."""
+"""Of 255: encoding alone changes no pixel of the thumbnail by more between frames."""
 _STILL_SECONDS: Final = 1.0
 _JUMP_CHANGE: Final = 30.0
 _RESTLESS_CHANGE: Final = 20.0

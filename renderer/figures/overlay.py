@@ -47,8 +47,8 @@ def colours_for(count: int) -> tuple[str, ...]:
 def faded(moments: Sequence[CutOut]) -> CutOut:
     """Return one clip's figure at several moments in one picture, the oldest first and faintest.
 
-    Of two moments the nearer one covers the other, so that a hand before the body leaves its
-    trail; what hardly differs in depth is seen as it was last, so that faces stay sharp.
+    Of two moments the nearer one covers the other, so that a hand before the body leaves its trail;
+    at nearly equal depth the latest is on top, so that faces stay sharp.
     """
     count = len(moments)
     pictures, depths = _stacked(moments)
@@ -73,7 +73,7 @@ def blended(variations: Sequence[CutOut]) -> CutOut:
     """Blend the figures of several clips into one picture, giving none precedence.
 
     Each has its colour of `VARIATION_COLOURS` where it differs from the others. Where several
-    lie over each other the nearer ones count more, and what all share keeps its own colours.
+    overlap the nearer ones count more, and parts that all share keep their own colours.
 
     Raises
     ------

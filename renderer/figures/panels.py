@@ -142,7 +142,7 @@ def aspect_of(box: Box) -> float:
 
 
 _FACE_MARGIN: Final = 0.17
-"""Metres from between the eyes to the edge of the picture, where the head holds still."""
+"""Metres from between the eyes to the edge of the picture for a still head."""
 _BELOW_EYES: Final = 0.03
 
 
@@ -157,7 +157,7 @@ def align_faces(groups: Iterable[Sequence[MotionClip]], body: BodyModel) -> list
     groups : iterable of sequence of MotionClip
         At least one clip in each, such as the moments of one condition.
     body : BodyModel
-        The body that they are put on.
+        The body that shows them.
     """
     clips_of_group = [list(group) for group in groups]
     middles = [_range_of_faces(group, body).mean(axis=0) for group in clips_of_group]

@@ -45,7 +45,7 @@ def font(size: float) -> ImageFont.FreeTypeFont:
 
 
 def fitted(text: str, letters: ImageFont.FreeTypeFont, width: float) -> str:
-    """Return `text` in one line, cut with an ellipsis where it is wider than `width` pixels."""
+    """Return `text` in one line, cut with an ellipsis to `width` pixels."""
     text = _printable(text)
     if letters.getlength(text) <= width:
         return text
@@ -126,7 +126,7 @@ class Plate:
 
 
 def check_ending(path: Path) -> None:
-    """Raise `InputError` where a figure cannot be written as what `path` ends with."""
+    """Raise `InputError` if figures cannot be written in the format of `path`'s extension."""
     if path.suffix.lower() not in ENDINGS:
         raise InputError(
             f"figures are written as {' or '.join(ENDINGS)}",

@@ -42,7 +42,7 @@ class SheetCell:
     cell : Cell or None
         None if there is no readable video.
     remark : str
-        What is worth a look, or why there is no picture.
+        Points worth a look, or why there is no picture.
     video : str
         Address of the video from the HTML page; empty where there is none.
     """
@@ -71,7 +71,7 @@ class Sheet:
     cells : mapping of (segment, condition) to SheetCell
         By name.
     motion : mapping of str to str
-        Address, from the HTML page, of a page on which a segment's motion can be turned around.
+        Address, relative to the HTML page, of a page that shows a segment's motion in 3D.
     """
 
     title: str
@@ -145,7 +145,7 @@ def draw_cell(glance: Glance) -> Cell:
 
 
 def _presence(glance: Glance) -> Image.Image:
-    """Return a map of the figure's positions: darker where it was longer."""
+    """Return a map of the figure's positions: darker if longer."""
     strength = np.where(glance.presence > 0, 0.12 + 0.78 * glance.presence, 0)[..., None]
     colours = (1 - strength) * np.array(BACKGROUND) + strength * _PRESENCE_COLOUR
     return Image.fromarray(np.round(colours).astype(np.uint8))

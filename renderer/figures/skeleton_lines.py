@@ -21,7 +21,7 @@ SIDE_MARKS: Final = {"left": "●", "right": "■"}
 """The form of each side's joints."""
 
 Place = Literal["over", "beside"]
-"""On the body, or in a picture of its own on the right."""
+"""On the body, or in a separate picture on the right."""
 
 _MIDDLE_COLOUR: Final = (0x30, 0x30, 0x36)
 _HALO: Final = (0xFF, 0xFF, 0xFF)
@@ -133,7 +133,7 @@ def _draw_joint(
 
 
 def _draw_key(pen: ImageDraw.ImageDraw, size: int) -> None:
-    """Say in the lower left corner which side is which."""
+    """Label the sides in the lower left corner."""
     letters = font(_LETTER_SHARE * size)
     left = margin = 0.03 * size
     middle = size - margin - _LETTER_SHARE * size / 2

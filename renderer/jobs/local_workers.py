@@ -45,7 +45,7 @@ class _Task:
 
 @dataclass(eq=False)
 class _Worker:
-    """A process, the pipe to it, and what it is busy with."""
+    """A process, the pipe to it, and its current job."""
 
     process: SpawnProcess
     pipe: Connection
@@ -177,7 +177,7 @@ def work(pipe: Connection) -> None:
                 return
             try:
                 pipe.send(do_job(job, stages))
-            except ConnectionError:  # nobody waits for it any more
+            except ConnectionError:  # its result is no longer needed
                 return
 
 

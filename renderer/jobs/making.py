@@ -23,7 +23,7 @@ class JobOrder:
     """The jobs of one run, by their number in the order they were given.
 
     A pair whose clip is among the jobs waits for it, and so does a clip that gets another speech;
-    what was there before is not waited for.
+    existing clips are not waited for.
     """
 
     def __init__(self, jobs: Sequence[Job]) -> None:
@@ -44,7 +44,7 @@ class JobOrder:
         return heapq.heappop(self._ready) if self._ready else None
 
     def succeeded(self, number: int) -> None:
-        """Let the jobs that waited for this one alone be begun."""
+        """Release the jobs that waited only for this one."""
         for waiting in self._waiting_for.pop(number, []):
             self._awaited[waiting].discard(number)
             if not self._awaited[waiting]:

@@ -1,1 +1,1 @@
-"""Motion that one can turn around in a browser: compact tracks, and the pages that play them."""
+"""Motion in 3D in a browser: compact tracks, and the pages that play them."""

@@ -116,7 +116,7 @@ class MotionFigures:
     Parameters
     ----------
     look : Look
-        The avatar, the matrix that faces may need for it, and what the camera sees at first.
+        The avatar, the matrix that its face may need, and the initial view.
     avatar : str
         Where the avatar is found already; empty for one that is embedded.
     """
@@ -135,8 +135,7 @@ class MotionFigures:
         scene : Scene
             The scene.
         at_once : bool
-            Whether it is there when the page is opened, rather than on a click; of the page's
-            first figure.
+            Whether it loads with the page rather than on a click; of the page's first figure.
 
         Raises
         ------
@@ -195,7 +194,8 @@ def policy_hash(script: str) -> str:
 
 
 AVATAR_SCRIPT: Final = "avatar.js"
-"""Of pages that share it: makes the element that would else hold the avatar in each of them."""
+"""Of pages that share it: makes the element that would otherwise hold the avatar in each of
+them."""
 
 
 def write_shared_files(folder: Path, look: Look) -> None:

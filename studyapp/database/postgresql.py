@@ -155,7 +155,7 @@ SHARE: Final = select(
 
 
 def take_turn(connection: Connection, turn: Turn) -> None:
-    """Wait for `turn`, and have it alone until the transaction ends.
+    """Wait for `turn`, and hold it exclusively until the transaction ends.
 
     On SQLite a writing transaction is always alone.
     """

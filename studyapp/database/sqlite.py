@@ -60,7 +60,7 @@ def hold_writer_lock(engine: Engine) -> Iterator[None]:
 class LockWaiter:
     """Waits for the system's lock in its own thread, as the system has no timeout for locks.
 
-    The writers of this process get it in the order in which they came.
+    The writers of this process get it in order of arrival.
     """
 
     def __init__(self) -> None:
@@ -70,7 +70,7 @@ class LockWaiter:
         self.waiting: set[Future[None]] = set()
 
     def lock(self, line: int, seconds: float) -> bool:
-        """Lock the file `line`, or close it after so many seconds; tell whether it is locked."""
+        """Lock the file `line`, or close it after these seconds; return whether it is locked."""
         if not self.waiting and _try_lock(line):
             return True
         with self._starts:

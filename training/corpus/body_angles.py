@@ -1,8 +1,8 @@
 """Posture and body motion of the corpus' speakers: angles over time, and BEAT's joints.
 
-Every angle is a sum: what it is at rest, what speaker and emotion add, what the speech adds, and
-drift. Strokes of a hand are added up over time, each as `stroke_shape` says; they push the angles
-of the arm in a direction that is the speaker's own.
+Every angle is a sum: its rest value, contributions of speaker, emotion and speech, and drift.
+Strokes of a hand are added up over time, each as `stroke_shape` says; they push the angles of the
+arm in a direction that is the speaker's own.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def body_angles(
     emotion : str
         One of `motion.segment.EMOTIONS`.
     speaker : CorpusSpeaker
-        Who moves.
+        The speaker who moves.
     chance : Chance
         Random numbers, or expected values.
     times : ndarray, shape (T,)
@@ -109,7 +109,7 @@ def body_angles(
     nods = stroke_shape(elapsed, _NOD_ATTACK, _NOD_RELEASE) @ (
         strokes.sizes * stroke_chance.gains.max(1)
     )
-    # The head looks along where the other half of the body goes, a little.
+    # The head follows the other half of the body a little.
     twist = _TWIST_OF_STROKE * (right_left[:, 1] - right_left[:, 0])
     trunk = chance.drift(times, 3, _TRUNK_STREAM) * _TRUNK_DRIFT * restless
     trunk[:, 0] += _UPRIGHT + speaker.lean + manner.lean + _LEAN_WITH_LOUDNESS * loudness

@@ -90,7 +90,7 @@ class Chance:
         channels : int
             How many curves.
         stream : int
-            Sets the curves of one caller apart from another's.
+            Distinguishes the curves of different callers.
         """
         if self.seed is None:
             return np.zeros((len(times), channels))
@@ -111,4 +111,4 @@ class Chance:
 
 
 EXPECTED: Final = Chance(seed=None)
-"""No chance at all: everything is as it is on average."""
+"""No chance at all: everything has its mean value."""

@@ -29,7 +29,7 @@ _LOWERED: Final = 0.5
 _WANDERING: Final = 0.05
 _GAZE: Final = 0.14
 _BLINK: Final = 0.12
-"""Seconds that lids take to close, and to open again."""
+"""Seconds in which lids close, and open again."""
 
 _FACE_STREAM, _GAZE_STREAM = 4, 5
 

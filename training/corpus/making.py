@@ -1,4 +1,4 @@
-"""Making a corpus: every take in turn or several at once, and going on where it was left."""
+"""Making a corpus: every take in turn or several at once, resuming where an earlier run stopped."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The curves of a motion that the corpus' speech decides, and how well one motion follows another.
 
-They are found in any motion that is told as BEAT's is, so that what a network made can be held
-against what the process says.
+They can be computed from any motion in BEAT's format, so that a network's motion can be compared
+with the process.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class CurveCorrelation:
     correlation : float
         Pearson's, over frames; NaN where there is none.
     reason : str
-        Why there is none; empty otherwise.
+        Why there is none, or empty.
     """
 
     curve: str

@@ -36,7 +36,7 @@ SENTENCES: Final[Mapping[str, Mapping[str, Sequence[str]]]] = read_table("senten
 Split = Literal["train", "validation", "test"]
 
 RESERVED_SENTENCES: Final = 3
-"""Openings, and closings, of each emotion that only passages for testing are made of."""
+"""Openings, and closings, of each emotion that occur only in test passages."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +48,7 @@ class PlannedTake:
     name : str
         As BEAT names recordings.
     speaker : CorpusSpeaker
-        Who speaks.
+        The speaker.
     emotion : str
         One of `motion.segment.EMOTIONS`.
     text : str

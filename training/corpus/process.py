@@ -37,7 +37,7 @@ class Process:
     emotion : str
         One of `motion.segment.EMOTIONS`.
     speaker : CorpusSpeaker
-        Who speaks.
+        The speaker.
     """
 
     curves: SpeechCurves
@@ -124,7 +124,7 @@ def drive(speech: Audio, emotion: str, speaker: CorpusSpeaker, frame_rate: float
     emotion : str
         One of `motion.segment.EMOTIONS`.
     speaker : CorpusSpeaker
-        Who speaks; `training.corpus.speakers.speaker_of` gives those of a corpus.
+        The speaker; `training.corpus.speakers.speaker_of` gives those of a corpus.
     frame_rate : float
         Frames per second of the curves.
 

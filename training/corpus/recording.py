@@ -51,7 +51,7 @@ _LIMB_ENDS: Final = MappingProxyType(
         **{f"{side}ToeBase": (f"{side}ToeBaseEnd", (0.0, 0.0, 14.0)) for side in ("Right", "Left")},
     }
 )
-"""Joint to the end that it carries, and where that lies."""
+"""Joint to its end site, and the position of that."""
 
 
 _LEG: Final = ("UpLeg", "Leg", "Foot", "ToeBase")
@@ -93,7 +93,7 @@ FACE_RATE: Final = 60.0
 _BEFORE, _AFTER = 0.3, 0.2
 """Seconds of silence around the speech, beside the synthesiser's own."""
 _SPEECH_STREAM: Final = 7
-"""Sets the random numbers of how a take is spoken apart from those of its motion."""
+"""Distinguishes the random numbers of a take's speech from those of its motion."""
 _FULL_SCORE_SIZE: Final = 2.0
 """Size of a stroke that scores 1."""
 

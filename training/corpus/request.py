@@ -141,11 +141,11 @@ class CorpusRequest:
 DESCRIPTION: Final = "corpus.json"
 
 _SHARED: Final = "shared_passages"
-"""Said only where it is so."""
+"""Recorded only if true."""
 
 
 def claim_folder(folder: Path, request: CorpusRequest) -> None:
-    """Say in a folder which corpus it holds.
+    """Record in a folder which corpus it holds.
 
     Raises
     ------

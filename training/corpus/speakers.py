@@ -20,13 +20,13 @@ _NAMES: Final = (
     "ada", "ben", "cora", "dan", "eve", "finn", "gwen", "hugo",
     "ida", "jack", "kim", "leo", "mia", "noah", "olga", "pete",
 )  # fmt: skip
-"""As many as there are voices, so that a name comes back with its voice."""
+"""As many as there are voices, so that each name has its own voice."""
 
 _DIRICHLET: Final = (0.7, 0.7, 0.7)
 """Of the Dirichlet distribution that directions are drawn from: most speakers have a favourite."""
 
 _STREAM: Final = 1
-"""Sets the speakers' random numbers apart from the takes'."""
+"""Distinguishes the speakers' random numbers from the takes'."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,8 +165,8 @@ def spoken_prosody(emotion: str, number: int, random: np.random.Generator) -> Sp
     number : int
         The speaker's, from 1.
     random : numpy Generator
-        Of the take: no two takes are spoken quite alike (speed within 5%, loudness within 6%,
-        pitch within 4 of espeak-ng's steps).
+        Of the take: no two takes are spoken in quite the same way (speed within 5%, loudness within
+        6%, pitch within 4 of espeak-ng's steps).
     """
     usual = PROSODY_OF_EMOTION[emotion]
     lap = _PITCH_OF_LAPS[(number - 1) // len(VOICES) % len(_PITCH_OF_LAPS)]

@@ -68,7 +68,7 @@ def write_truth(path: Path, truth: Truth) -> None:
 
 
 def read_truth(path: Path) -> Truth:
-    """Read what is known of a take.
+    """Read the known truth of a take.
 
     Raises
     ------

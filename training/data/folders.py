@@ -158,8 +158,8 @@ def read_takes(
     kind : {'beat', 'beat2', 'show', 'ted'}, optional
         Its layout; by default recognised from the files.
     split_list : Path, optional
-        See `training.data.splitting.read_split_list`. By default the folder's own list, else the
-        rule of the data set, else a hash of each recording's name.
+        See `training.data.splitting.read_split_list`. By default the folder's own list, otherwise
+        the data set's rule, otherwise a hash of each recording's name.
 
     Returns
     -------

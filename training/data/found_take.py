@@ -125,7 +125,7 @@ _LONGEST_NAME: Final = 100
 
 @dataclass(frozen=True, kw_only=True)
 class FoundTake:
-    """A take whose split is not decided yet, with what may decide it.
+    """A take whose split is undecided, with the facts that may decide it.
 
     Attributes
     ----------

@@ -105,7 +105,7 @@ def without_ending(name: str) -> str:
 
 
 def _rows(path: Path) -> Iterator[tuple[str, str, str]]:
-    """Yield name, split and where in the list they stand."""
+    """Yield name, split and position in the list."""
     if path.is_dir():
         lists = [file for file in sorted(path.glob("*.txt")) if file.stem.lower() in SPLIT_WORDS]
         if not lists:
@@ -222,7 +222,7 @@ def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tu
 
 
 def by_rule(findings: Findings) -> tuple[tuple[Take, ...], tuple[str, ...]]:
-    """Return all takes with the data set's own split, or else one by hash.
+    """Return all takes with the data set's own split, or one by hash.
 
     A take without a split takes that of other takes of its recording. Recordings without any are
     sorted by the hash of their name: the first tenth is for testing and the next for validation, at

@@ -1,1 +1,1 @@
-"""Layers and losses that several networks are made of."""
+"""Layers and losses that several networks share."""

@@ -25,7 +25,7 @@ _COMPONENT_OF: Final = {
     "brow": 0, "eye": 0, "cheek": 1, "nose": 1, "mouth": 2, "jaw": 3, "tongue": 3,
 }  # fmt: skip
 """Eyes, nose, lips and lower jaw, by how the name of a landmark's facial action begins. The paper
-names no brows and cheeks; they go with what lies next to them."""
+names no brows and cheeks; they belong to their neighbours."""
 
 _CORNERS: Final = ("mouthSmile", "mouthFrown", "mouthDimple", "mouthStretch")
 """Actions of the corners of the lips, which express and are not the phoneme predictor's."""

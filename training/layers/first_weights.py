@@ -1,7 +1,7 @@
-"""Weights that layers set out from, so that they learn when something happens, and early.
+"""Initial weights with which layers learn early when something happens.
 
-Linear layers can set out from the principal components of what they are to see, and attention from
-looking at what is near in time, where positions are waves.
+Linear layers can start from the principal components of their input, and attention, with waves as
+positions, from its neighbours in time.
 """
 
 from __future__ import annotations

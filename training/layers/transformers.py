@@ -91,7 +91,7 @@ class PackedLinear(nn.Module):
 def pack(network: nn.Module) -> None:
     """Pack linear layers and attention of the models of `transformers` in a network.
 
-    Leaves alone what is not on the processor, or all where torch has no oneDNN.
+    Does nothing on a GPU or without oneDNN.
     """
     if not torch.backends.mkldnn.is_available():  # type: ignore[no-untyped-call]
         return

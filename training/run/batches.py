@@ -1,15 +1,15 @@
 """The batches of a training: which examples each step learns from, and their statistics.
 
-Examples, and with what chance, are a function of the seed and the step: nothing about either needs
-to be remembered to go on from any step.
+Examples and randomness are a function of the seed and the step, so nothing needs to be saved to
+resume from any step.
 
-A step may be computed in parts, by one process or several.
-A layer that normalises by the mean and variance of a batch has to see those of the whole step,
-whoever computes which part of it. So they are found first, by passing the parts forward until they
-no longer change: a layer's statistics follow from those of the layers before it. Then the losses
-are computed with the statistics held, as constants of which gradients are taken; and these
-gradients are passed back through the statistics, again until none is left. What comes out is the
-step in one part, up to rounding, at the price of a few passes more.
+A step may be computed in parts, by one process or several. A layer that normalises by the mean and
+variance of a batch needs those of the whole step, whoever computes which part of it. They are
+computed first, by passing the parts forward until they no longer change: a layer's statistics
+follow from those of the layers before it. Then the losses are computed with the statistics as
+constants of which gradients are taken; and these gradients are passed back through the statistics,
+again until none is left. The result is that of the step in one part, up to rounding, at the price
+of a few extra passes.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class StepStatistics:
             yield
 
     def pass_back(self) -> None:
-        """Add to the weights' gradients what the losses owe to the statistics."""
+        """Add the gradients that reach the weights through the statistics."""
         for _ in self._moments:
             owed_gradients = self._summed(
                 {
@@ -154,7 +154,7 @@ class StepStatistics:
 
     @contextmanager
     def _replaced(self, look: Callable[[_Use, _BatchNorm, Tensor], None]) -> Iterator[None]:
-        """Let the layers show `look` what they are given, and normalise by what is known."""
+        """Pass the layers' inputs to `look`, and normalise by the known statistics."""
         uses: dict[int, int] = {}
 
         def forward(number: int, values: Tensor) -> Tensor:
@@ -249,7 +249,7 @@ def step_parts(
     rows : ndarray, shape (n,), int64
         Examples of a step, at least as many as processes.
     accumulate : int
-        Parts that are wanted, at least 1.
+        Number of parts, at least 1.
     processes : int
         At least 1.
 
@@ -264,9 +264,9 @@ def step_parts(
 
 
 def part_seed(seed: int, step: int, part: int, update: int = 0) -> int:
-    """Return the seed of what is drawn while a part of a step is computed, from 0 to 2**63 - 1.
+    """Return the random seed of a part of a step, from 0 to 2**63 - 1.
 
-    Of several updates in a step each, numbered from 0, draws anew.
+    Each of several updates in a step, numbered from 0, has its own.
     """
     entropy = (seed, step, part, *((update,) if update else ()))
     state = np.random.SeedSequence(entropy).generate_state(1, np.uint64)
@@ -274,5 +274,5 @@ def part_seed(seed: int, step: int, part: int, update: int = 0) -> int:
 
 
 def evenly_spaced(count: int, limit: int) -> NDArray[np.int64]:
-    """Return at most so many of `count` examples, the first and the last among them."""
+    """Return at most this many of `count` examples, including the first and the last."""
     return np.unique(np.linspace(0, count - 1, min(count, limit)).round().astype(np.int64))

@@ -15,7 +15,7 @@ from training.weights_file import WeightsFile, read_weights, write_weights
 
 @dataclass(frozen=True, kw_only=True)
 class Best:
-    """The step that did best on held-out examples.
+    """The best step on held-out examples.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ def restore_checkpoint(
 def _check_same(
     saved: WeightsFile, path: Path, task: Task[Network], config: TrainingConfig
 ) -> None:
-    """Raise where the saved run is another one, or has made more steps than are wanted."""
+    """Raise `InputError` if the saved run is another one, or has made more steps than requested."""
     if not saved.facts.keys() >= {"step", "best", "learner", "training", "task", "data_sha256"}:
         raise InputError(
             "the file is not a saved state of a training run, or is of an older version",

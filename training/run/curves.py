@@ -25,8 +25,8 @@ _PALE, _DARK, _HELD_OUT = "#c9d6e4", "#31597f", "#b3541e"
 def draw_curves(lines: Sequence[LogLine], path: Path, *, kept_step: int | None = None) -> None:
     """Draw the log of a run to the PNG file `path`.
 
-    The loss is drawn large, the learning rate and everything else that was measured small below it.
-    A line marks the step whose weights are `kept_step`. Equal logs make equal bytes.
+    The loss is drawn large, with the learning rate and all other measures small below it. A line
+    marks the step whose weights are `kept_step`. Equal logs make equal bytes.
     """
     # Drawing takes a second to load, and a run draws only when it saves.
     from matplotlib.backends.backend_agg import FigureCanvasAgg

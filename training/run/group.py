@@ -33,7 +33,7 @@ class Group:
     Parameters
     ----------
     device : str
-        ``cpu`` or ``cuda``; on the latter each process gets a graphics processor of its own.
+        ``cpu`` or ``cuda``; on the latter each process gets its own GPU.
 
     Raises
     ------
@@ -107,7 +107,7 @@ class Group:
         return result
 
     def sum_gradients(self, weights: Iterable[nn.Parameter]) -> None:
-        """Give each weight the sum of the gradients that it has in all processes.
+        """Sum the gradients of each weight over all processes.
 
         One that has none in any process is left without.
         """
@@ -126,6 +126,6 @@ class Group:
             operation.wait()
 
     def hand_out(self, network: nn.Module) -> None:
-        """Give the leading process' weights to all."""
+        """Copy the leading process' weights to all."""
         if self.size > 1:
             broadcast(dict(network.state_dict()))

@@ -1,9 +1,9 @@
 """Starting the processes that train one network together on one machine, and stopping them.
 
-Each runs the command that was given, and learns from its environment which one it is, in the words
-of torchrun: ``WORLD_SIZE``, ``RANK``, ``LOCAL_RANK`` and the address where they meet. Started by
-torchrun or ``accelerate launch`` instead, on one machine or several, a command finds the same
-words. Asked to stop while weights change, a process finishes the step under way first.
+Each runs the given command, and learns from torchrun's environment variables which one it is:
+``WORLD_SIZE``, ``RANK``, ``LOCAL_RANK`` and the address where they meet. Started by torchrun or
+``accelerate launch`` instead, on one machine or several, a command finds the same words. Asked to
+stop while weights change, a process finishes the step under way first.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from typing import IO, Final
 
 _LOOK_EVERY: Final = 0.1
 _SETTLING: Final = 3.0
-"""Seconds in which the leader may fail by itself, once another has: it is heard already."""
+"""Seconds that the leader has to fail by itself once another process has failed: its output is
+shown already."""
 _GRACE: Final = 30.0
 """Seconds that the others have to end, once one has failed."""
 
@@ -42,15 +43,15 @@ def is_leader() -> bool:
 def run_in_processes(count: int, command: Sequence[str]) -> int:
     """Run `command` in `count` processes at once, and wait for them.
 
-    The first one leads, and alone is seen and heard; what another one complains of is shown where
-    it fails first. Ctrl-C reaches all of them; a request to end is passed on.
+    The first one leads, and only its output is shown; another one's errors are shown if it fails
+    first. Ctrl-C reaches all of them; a request to end is passed on.
 
     Parameters
     ----------
     count : int
         At least 1.
     command : sequence of str
-        The program and what it is given.
+        The program and its arguments.
 
     Returns
     -------
@@ -62,7 +63,7 @@ def run_in_processes(count: int, command: Sequence[str]) -> int:
         "LOCAL_WORLD_SIZE": str(count),
         "MASTER_ADDR": "127.0.0.1",
         "MASTER_PORT": str(_free_port()),
-        # Threads of one process would wait for those of another.
+        # Threads of several processes would compete for the same cores.
         "OMP_NUM_THREADS": str(max(1, (os.cpu_count() or 1) // count)),
     }
     with ExitStack() as stack:

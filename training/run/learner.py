@@ -1,4 +1,4 @@
-"""A network with all that changes it: the steps of a training, wherever they are computed.
+"""A network and its training steps, on any device and number of processes.
 
 The running mean of its weights generates better than those of any one step. It is exponential
 (Polyak & Juditsky 1992), as diffusion models use it. It starts as the weights after the first step,
@@ -179,7 +179,7 @@ class Learner(Generic[Network]):
     def _losses(
         self, network: Network, rows: NDArray[np.int64], p: Pass, place: tuple[int, int, int]
     ) -> Mapping[str, Tensor]:
-        """Return the losses of a part of a pass, with chance of its own by its place."""
+        """Return the losses of a part of a pass, seeded by its position."""
         reduced = self._config.precision != "float32"
         dtype = getattr(torch, self._config.precision) if reduced else None
         torch.manual_seed(part_seed(self._config.seed, *place))
@@ -190,7 +190,7 @@ class Learner(Generic[Network]):
             return self._task.losses(network, rows)
 
     def tensors(self) -> dict[str, Tensor]:
-        """Return all that the steps to come depend on, but `facts`."""
+        """Return everything that later steps depend on, except `facts`."""
         tensors = {f"network.{name}": value for name, value in self._network.state_dict().items()}
         for index, state in self._optimizer.state_dict()["state"].items():
             tensors |= {f"optimizer.{index}.{name}": value for name, value in state.items()}

@@ -34,7 +34,7 @@ class Trained(Generic[Network]):
     Attributes
     ----------
     network : Module
-        With the weights that did best on held-out examples, in evaluation mode.
+        With the best weights on held-out examples, in evaluation mode.
     best : Best
         The step of the best weights, and its measures.
     steps : int
@@ -55,7 +55,7 @@ class TrainingStopped(KeyboardInterrupt):
     Attributes
     ----------
     step, steps : int
-        Steps made, and wanted.
+        Steps made, and requested.
     """
 
     def __init__(self, step: int, steps: int) -> None:
@@ -67,7 +67,7 @@ class TrainingStopped(KeyboardInterrupt):
 def train(
     task: Task[Network], config: TrainingConfig, folder: RunFolder, *, show: Show | None = None
 ) -> Trained[Network]:
-    """Train a network, or go on training it where an earlier call stopped.
+    """Train a network, resuming where an earlier call stopped.
 
     However often a run is stopped and continued, weights, log and curves come out the same bytes
     on the processor of one machine with one number of threads; a graphics processor may differ in
@@ -180,7 +180,7 @@ class _Run(Generic[Network]):
         last_stage = max((update_pass.first for update_pass in self._config.passes), default=0)
         if (
             self._best is None
-            # Weights of an earlier stage lack what the last one teaches.
+            # Weights of an earlier stage lack the training of the last one.
             or self._best.step <= last_stage < self._step
             or measured[chosen_by] < self._best.measured[chosen_by]
         ):
@@ -233,7 +233,7 @@ class _Run(Generic[Network]):
                 )
 
     def _check_alike(self) -> None:
-        """Raise where this process sees another run or other data than the leading one."""
+        """Raise `InputError` if run or data differ from those of the leading process."""
         state = (self._step, self._task.data_sha256, self._config.facts())
         if self._group.any(state != self._group.from_leader(state)):
             raise InputError(
@@ -255,7 +255,7 @@ def _generators_restored(device: str) -> Iterator[None]:
 def _deterministic(device: str) -> Iterator[None]:
     """Let torch use only algorithms that give the same result each time.
 
-    A graphics processor has none for some layers, and is left as it is.
+    On a GPU some layers have no deterministic algorithm, so nothing is changed there.
     """
     previous = torch.get_deterministic_debug_mode()
     if device == "cpu":

@@ -15,8 +15,8 @@ from motion.errors import InputError
 class Pass:
     """An update of some weights by one loss.
 
-    Passes of a step are made one after the other: the second one sees what the first one changed.
-    Weights that belong to none of the passes of a stage are frozen in it.
+    Passes of a step are made one after the other: the second one uses the weights that the first
+    one changed. Weights that belong to none of the passes of a stage are frozen in it.
 
     Attributes
     ----------
@@ -30,9 +30,9 @@ class Pass:
     every : int
         It is made in each so-manieth step, the first one among them.
     first : int
-        The step from which on it is made, from 0.
+        The step at which it starts, from 0.
     end : int or None
-        The step from which on it is made no more.
+        The step at which it ends.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Pass:
     end: int | None = None
 
     def in_stage(self, step: int) -> bool:
-        """Tell whether a step, from 0, is of the pass' stage."""
+        """Return whether a step, counted from 0, belongs to the pass' stage."""
         return self.first <= step and (self.end is None or step < self.end)
 
     def is_due(self, step: int) -> bool:
@@ -59,7 +59,7 @@ class PassWeights:
     network : Module
         Weights that need no gradient from the beginning never learn.
     passes : sequence of Pass
-        With names of their own.
+        With distinct names.
     steps : int
         Of the whole training.
 
@@ -87,7 +87,7 @@ class PassWeights:
             )
 
     def prepare(self, network: nn.Module, step: int) -> None:
-        """Put a network into training mode, but what is frozen in the step's stage."""
+        """Put a network into training mode, except for parts frozen in the step's stage."""
         network.train()
         learning = set().union(*(self._by_pass[p.name] for p in self._passes if p.in_stage(step)))
         for prefix, module in network.named_modules():

@@ -1,9 +1,8 @@
 """Records of a run: its folder, its log, its time, and facts for files.
 
-The log grows by what is new, so that a long run saves as quickly as a short one. It is written
-before the state of the run is, and may tell of steps that a crash then lost: whoever goes on cuts
-them off. How long steps took stands in a file of its own: all else of a run comes out the same
-again.
+The log is only appended to, so that a long run saves as quickly as a short one. It is written
+before the state of the run, so a crash may leave it with lost steps, which are cut off on resuming.
+The durations of steps are in a separate file, because everything else of a run is reproducible.
 """
 
 from __future__ import annotations
@@ -32,12 +31,12 @@ class RunFolder:
 
     @property
     def checkpoint(self) -> Path:
-        """State from which the run goes on."""
+        """State from which the run resumes."""
         return self.root / "checkpoint.safetensors"
 
     @property
     def best(self) -> Path:
-        """Weights that did best on held-out examples."""
+        """The best weights on held-out examples."""
         return self.root / "best.safetensors"
 
     @property
@@ -69,12 +68,12 @@ class RunLog:
     path : Path
         One JSON object a line; need not exist for a run that begins.
     steps : int
-        Steps that were made; what the file tells of later ones is left out.
+        Steps that were made; later ones in the file are ignored.
 
     Raises
     ------
     InputError
-        If the file does not tell of all of them.
+        If the file lacks some of them.
     """
 
     def __init__(self, path: Path, *, steps: int) -> None:
@@ -118,7 +117,7 @@ class RunLog:
         self._unsaved.append(line)
 
     def save(self) -> None:
-        """Append what is new to the file, and see it onto the disk."""
+        """Append new lines to the file, and sync it to disk."""
         content = "".join(f"{json.dumps(line)}\n" for line in self._unsaved).encode()
         with self._path.open("r+b" if self._path.exists() else "xb") as file:
             # What a crash left behind the lines that count goes first.

@@ -47,7 +47,7 @@ class Task(Protocol[Network]):
         """Return the losses of a batch of examples: ``loss``, which is minimised, and its parts.
 
         Each is a mean over the examples, so that a batch may be computed in parts, by one process
-        or several. Chance comes from torch's generator alone: it is seeded anew for every part of
+        or several. Randomness comes only from torch's generator, which is seeded for every part of
         every step.
         """
         ...
@@ -55,11 +55,12 @@ class Task(Protocol[Network]):
     def validation(self, network: Network) -> Mapping[str, float]:
         """Return the measures of held-out examples; the first one selects the best weights.
 
-        Of the first, which any name may have, less is better: the weights of the step where it was
-        least are kept. It should be what the network is for, which the sum of all losses need not
-        be, and be measured on enough examples to tell steps apart.
-        The network is in evaluation mode, and no gradients are kept. torch's generator is seeded
-        alike each time, so that what is drawn here is the same noise at every step.
+        The weights of the step with the smallest first measure, under any name, are kept. It should
+        reflect the purpose of the network, which the sum of all losses need not do, and be measured
+        on enough examples to distinguish steps.
+
+        The network is in evaluation mode, and no gradients are kept. torch's generator has
+        the same seed each time, so that every step is measured with the same noise.
         """
         ...
 
@@ -127,7 +128,7 @@ class WindowTask:
         }
 
     def losses(self, network: Any, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
-        """Return the losses of a batch of a task in passes where all learns in one."""
+        """Return the losses of a batch of a task whose only pass trains everything."""
         return self.losses_of("", network, rows)
 
     def losses_of(self, name: str, network: Any, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:

@@ -1,9 +1,9 @@
 """BEAT's motion in DiffSHEG's representation: 47 joints' rotations and 51 facial weights a frame.
 
-Rotations are told on an idealised figure. Every speaker of BEAT has a skeleton of their own; they
-agree in their joints and in how the figure stands when nothing is turned: upright, arms level,
-palms down, facing +z, centimetres. Bones have round lengths, see ``beat_skeleton.toml``: only their
-directions matter, since motion is retargeted to another body anyway.
+Rotations refer to an idealised figure. Every speaker of BEAT has their own skeleton; all have the
+same joints and the same rest pose: upright, arms level, palms down, facing +z, centimetres. Bones
+have round lengths, see ``beat_skeleton.toml``: only their directions matter, since motion is
+retargeted to another body anyway.
 """
 
 from __future__ import annotations
@@ -159,7 +159,7 @@ def beat_clip_piece(
     previous: ForearmTwists | None,
     skeleton: tuple[BvhJoint, ...] = BEAT_SKELETON,
 ) -> tuple[MotionClip, ForearmTwists]:
-    """Return a piece of motion as `beat_clip` does, and what the next piece goes on from.
+    """Return a piece of motion as `beat_clip` does, and the state for the next piece.
 
     The pieces of a motion one after the other are the motion as a whole, bit by bit.
     """

@@ -2,8 +2,8 @@
 
 Bhattacharya et al. 2024, sections 3.1 and 3.2. A frame is nine unit vectors along the bones of ten
 joints of the upper body, then how far each landmark of the face is from where it is in the neutral
-face, in metres. Both are seen from the front: the body from where its hips face, the face from the
-head, which is held still.
+face, in metres. Both are seen from the front: the body relative to the direction of its hips, the
+face relative to the head.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
 """SMPL-X bodies in networks' representations.
 
-AMUSE tells a whole body: 55 joint rotations in 6D, and the translation (Zhou et al. 2019, "On the
-Continuity of Rotation Representations in Neural Networks"). Of each rotation matrix the first two
-rows are kept, as PyTorch3D does and AMUSE's release with it. Losses on the body's surface need
+AMUSE represents a whole body: 55 joint rotations in 6D, and the translation (Zhou et al. 2019, "On
+the Continuity of Rotation Representations in Neural Networks"). Of each rotation matrix the first
+two rows are kept, as PyTorch3D does and AMUSE's release with it. Losses on the body's surface need
 points that move with every joint and show every turn of it, not thousands of vertices: each joint
 carries itself and two points beside it, rigidly, with gradients.
 
-DiffSHEG tells SHOW's motion: 43 joints, the jaw and 100 expressions.
+DiffSHEG represents SHOW's motion: 43 joints, the jaw and 100 expressions.
 """
 
 from __future__ import annotations

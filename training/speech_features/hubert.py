@@ -1,14 +1,13 @@
 """HuBERT's features of speech: 1024 channels, 50 times a second.
 
-Hsu et al. 2021. Its weights are a gigabyte that belongs to nobody's installation: they are read
-from a folder that the researcher names, and nothing is ever fetched. Without them another network
-stands in; the motion then knows when somebody speaks, but not what, and says so.
+Hsu et al. 2021. Its weights are a gigabyte and are not part of the installation: they are read from
+a folder that the researcher names, and nothing is ever fetched. Without them another network stands
+in; the motion then follows when somebody speaks, but not what, and says so.
 
-HuBERT's features tell of the sounds before and after a moment what a motion can prepare for, its
-syllables and their stress among it. A network of its make with random weights tells little of
-them. The stand-in tells pitch bands of about a second, mixed by seeded weights, and beside them how
-loud it is, how fast it grows louder, and which moments are the loudest around: where syllables
-with stress lie.
+HuBERT's features describe the sounds around a moment, including syllables and their stress, for
+which a motion can prepare. A network of its architecture with random weights says little of them.
+The stand-in gives pitch bands of about a second, mixed by seeded weights, and also loudness, its
+rise, and local maxima of loudness, which mark stressed syllables.
 """
 
 from __future__ import annotations
@@ -109,7 +108,7 @@ class SoundContext(nn.Module):
 
 
 def _stress_features(loudness: Tensor) -> Tensor:
-    """Return loudness (n,), its rise, and where it is the greatest of its surroundings, (n, 5)."""
+    """Return loudness (n,), its rise, and its local maxima, (n, 5)."""
     # Rises and peaks are rare and small: scaled so that they vary about as much as loudness does.
     rise = 5 * functional.pad(loudness.diff(), (1, 0)).clamp(min=0)
     peaks = [
@@ -155,7 +154,7 @@ class Hubert:
     Attributes
     ----------
     network : callable
-        ``transformers.HubertModel``, or what stands in for it.
+        ``transformers.HubertModel`` or its stand-in.
     description : str
         Its description in provenance.
     stands_in : bool
@@ -190,8 +189,8 @@ class Hubert:
         Parameters
         ----------
         samples : ndarray, shape (N,)
-            At 16 kHz. Feature k looks at the 400 samples from 320 k on; what lies behind the last
-            whole stretch is not heard. Speech of less than 400 is continued by silence.
+            At 16 kHz. Feature k looks at the 400 samples from 320 k on; samples after the last
+            whole stretch are ignored. Speech of less than 400 is continued by silence.
         """
         samples = np.pad(samples, (0, max(0, WINDOW - len(samples))))
         # The released network learned from speech without offset and of unit variance.
@@ -227,7 +226,7 @@ def load_hubert(folder: Path) -> Hubert:
 
 
 def check_hubert(folder: Path) -> None:
-    """Say what is wrong with a folder of HuBERT; nothing is loaded."""
+    """Return the problem of a HuBERT folder; nothing is loaded."""
     width = _HUBERT_FOLDER.check(folder).get("hidden_size")
     if width != FEATURES:
         raise _HUBERT_FOLDER.error(

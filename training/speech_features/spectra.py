@@ -94,8 +94,7 @@ WINDOW: Final = 2048
 silence."""
 
 SUPPORT: Final = 0.06
-"""Seconds on either side of a frame outside of which no sound changes it: half a window, and what
-resampling looks at."""
+"""Seconds of sound on either side that affect a frame: half a window and the resampling filter."""
 
 
 def mel_bands(audio: Audio, frame_rate: float, frames: int | None = None) -> FloatArray:
@@ -111,7 +110,7 @@ def mel_bands(audio: Audio, frame_rate: float, frames: int | None = None) -> Flo
     frame_rate : float
         Frames per second of the motion, so that a frame lasts whole samples: 15 or 30.
     frames : int, optional
-        Rows wanted, by default as many as the speech lasts.
+        Number of rows, by default that of the speech.
 
     Returns
     -------
@@ -174,7 +173,7 @@ def mfcc(audio: Audio, frame_rate: float, frames: int | None = None) -> NDArray[
     frame_rate : float
         Frames per second of the motion; see `mel_bands`, with twice as many.
     frames : int, optional
-        By default as many as the speech lasts.
+        By default the number of the speech.
     """
     count = max(1, round(audio.duration * frame_rate)) if frames is None else frames
     bands = mel_bands(audio, ROWS_PER_FRAME * frame_rate, ROWS_PER_FRAME * count).astype(np.float64)

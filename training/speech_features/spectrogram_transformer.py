@@ -1,10 +1,10 @@
 """An audio spectrogram transformer (AST): its initial weights and the augmentation of its input.
 
 Its first weights are those of another AST, or of a DeiT for images, of which Gong et al. 2021
-(section 2.2) make an AST. Or it sets out from the principal components of the patches that it is to
-hear, each as large as the next, so that the height of a voice counts beside its loudness; and from
-waves that tell a patch's time and pitch, without which the mean over patches forgets both.
-Filterbanks that it learns from are masked, shifted and noisy.
+(section 2.2) make an AST. Or it starts from the principal components of its patches, scaled to
+equal size, so that pitch counts as well as loudness; and from waves that encode a patch's time and
+pitch, which the mean over patches would otherwise lose. Filterbanks that it learns from are masked,
+shifted and noisy.
 """
 
 from __future__ import annotations
@@ -114,14 +114,14 @@ def _adapt_image_weights(weights: dict[str, Tensor], config: ASTConfig) -> dict[
 
 @torch.no_grad()
 def initialise_from_speech(network: ASTModel, filterbanks: Tensor) -> None:
-    """Set the layers that a fresh network hears by; its positions tell patches' time and pitch.
+    """Initialise the input layers of a new network; its positions encode patches' time and pitch.
 
     Parameters
     ----------
     network : ASTModel
         Fresh.
     filterbanks : Tensor
-        (windows, frames, bands), what it is to hear.
+        (windows, frames, bands), examples of its input.
     """
     embeddings = network.embeddings
     first, positions = embeddings.patch_embeddings.projection, embeddings.position_embeddings
@@ -154,8 +154,8 @@ _SHIFT: Final = 10
 def augment(filterbanks: Tensor) -> tuple[Tensor, Tensor]:
     """Return input and target for filterbanks (n, frames, bands).
 
-    Both are masked alike, up to the shares of the paper; what is heard is also shifted along the
-    time by up to ten rows and noisy. Chance is torch's.
+    Both are masked alike, up to the shares of the paper; the input is also shifted in time by up to
+    ten rows, with noise. Chance is torch's.
     """
     count, frames, bands = filterbanks.shape
     rows = _random_run(count, frames, MASKED_ROWS)[:, :, None]

@@ -62,8 +62,8 @@ class StreamWindow:
     past : int
         Whole seconds before it, at least 1.
     ahead : float
-        Seconds after it, at least a tenth: by so much, and by what is heard at once, frames lag
-        behind the speech.
+        Seconds after it, at least a tenth: frames lag behind the speech by this and by the length
+        of a chunk.
     at_once : int
         Whole seconds, at least 1.
     """
@@ -144,7 +144,7 @@ def stream_frames(
     hubert: Hubert,
     window: StreamWindow,
 ) -> Iterator[SpeechFrames]:
-    """Yield the frames of speech as soon as what lies ahead of it is known.
+    """Yield the frames of speech as soon as its look-ahead is available.
 
     How the speech is cut into pieces changes nothing: all of it at once gives the same frames, bit
     by bit. Never more than the window and the pieces at hand are kept.
@@ -193,7 +193,7 @@ def stream_frames(
 def _frames_of_excerpt(
     excerpt: Audio, seconds_before: int, count: int, frame_rate: float, hubert: Hubert
 ) -> SpeechFrames:
-    """Return `count` frames that begin so many whole seconds into their context."""
+    """Return `count` frames that begin this many whole seconds into their context."""
     skipped = round(seconds_before * frame_rate)
     mel = mel_bands(excerpt, frame_rate, skipped + count)[skipped:]
     times = seconds_before + np.arange(count) / frame_rate

@@ -159,19 +159,19 @@ def slice_rows(rows: FloatArray | None, first: int, frames: int, width: int) -> 
 
 
 def load_word_vectors(path: Path | str | None) -> WordVectors:
-    """Return the vectors of a file, or a stand-in where none is named."""
+    """Return the vectors of a file, or a stand-in without one."""
     return StandIn() if path is None else read_word_vectors(Path(path))
 
 
 def matching_vectors(path: Path | None, description: str, width: int, network: Path) -> WordVectors:
-    """Return `load_word_vectors` a file, if they are those that a network learned words by.
+    """Return the word vectors of a file, if the network was trained with them.
 
     Parameters
     ----------
     path : Path or None
         Their file; None for a stand-in.
     description : str
-        The description of what the network learned from.
+        The description of the vectors in training.
     width : int
         Numbers of each of its words.
     network : Path

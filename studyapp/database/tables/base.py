@@ -21,7 +21,7 @@ CONSTRAINT_NAMES: Final = {
 
 
 class UtcMoment(TypeDecorator[datetime]):
-    """A moment in UTC; SQLite forgets time zones, so they are put back when reading."""
+    """A moment in UTC; SQLite does not store time zones, so they are restored when reading."""
 
     impl = DateTime(timezone=True)
     cache_ok = True

@@ -103,7 +103,7 @@ class PlannedTrial:
 
 
 AnswerKey = tuple[str, int | None]
-"""A question, and the number of the stimulus it is answered for: None for the whole trial."""
+"""A question and the number of its stimulus: None for the whole trial."""
 
 Answers = Mapping[AnswerKey, int]
 
