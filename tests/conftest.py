@@ -11,8 +11,8 @@ from hypothesis import HealthCheck, settings
 
 from tests.support.studies.tiny_study import write_tiny_study
 
-# Machines that run tests may be busy; how long one example takes says nothing about the code.
-# Where changes are judged, each run draws the same examples, so that it judges the change alone.
+# Machines that run tests may be busy; how long one example takes says nothing about the code. In
+# continuous integration each run draws the same examples, so that only the change matters.
 settings.register_profile(
     "patient",
     deadline=None,
@@ -23,9 +23,9 @@ settings.load_profile("patient")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Run a browser's failed test once more where changes are judged, and long files first.
+    """In continuous integration, rerun a failed browser test once; run long files first.
 
-    Short files fill the end where processes share files.
+    Short files at the end keep parallel processes evenly busy.
     """
     if "CI" in os.environ:
         for item in items:
@@ -56,7 +56,7 @@ def tiny_study_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def tiny_study(tiny_study_template: Path, tmp_path: Path) -> Path:
-    """Return a study folder of its own, ready to be served."""
+    """Return a fresh study folder, ready to be served."""
     folder = tmp_path / "study"
     shutil.copytree(tiny_study_template, folder)
     return folder

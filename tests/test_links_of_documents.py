@@ -19,13 +19,13 @@ OUTSIDE = ("http://", "https://", "mailto:")
 
 @cache
 def prose(document: Path) -> str:
-    """Return a document without what is only quoted in it."""
+    """Return a document without code."""
     return CODE.sub("", document.read_text(encoding="utf-8"))
 
 
 @cache
 def anchors(document: Path) -> frozenset[str]:
-    """Return what a link may name behind a #, as GitHub makes it of headings."""
+    """Return the anchors that GitHub makes of headings."""
     text = re.sub(r"^```.*?^```$", "", document.read_text(encoding="utf-8"), flags=re.M | re.S)
     headings = re.findall(r"^#{1,6} (.+)$", text, re.MULTILINE)
     plain = (re.sub(r"[^\w\- ]", "", heading.lower()) for heading in headings)

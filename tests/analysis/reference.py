@@ -1,4 +1,4 @@
-"""Data with expected results, where they are at hand."""
+"""Data with expected results, if available."""
 
 from __future__ import annotations
 
@@ -17,6 +17,6 @@ with_reference = pytest.mark.skipif(
 
 
 def reference_ratings() -> tuple[pd.DataFrame, dict[str, Any]]:
-    """Return ratings (participant, item, method, rating) and what R says of them."""
+    """Return ratings (participant, item, method, rating) and R's results."""
     expected = json.loads((REFERENCE / "ratings.json").read_text("utf-8"))
     return pd.read_csv(REFERENCE / "ratings.csv"), expected

@@ -1,4 +1,4 @@
-"""Seams show where windows of motion do not go over into each other, and nowhere else."""
+"""Seams are found where windows of motion do not join smoothly, and nowhere else."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ WINDOWS = Windows(frames=34, overlap=4, frame_rate=15)
 
 
 def wandering(frames: int = 600, seed: int = 0) -> np.ndarray:
-    """Return points whose accelerations are alike everywhere, (T, 5, 3)."""
+    """Return points with uniform accelerations, (T, 5, 3)."""
     steps = np.random.default_rng(seed).standard_normal((frames, 5, 3))
     return np.cumsum(np.cumsum(steps, axis=0), axis=0)
 

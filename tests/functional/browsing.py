@@ -19,7 +19,7 @@ from tests.functional.looking import LAPTOP
 
 CHROMIUM = Path("/usr/bin/chromium")
 PATIENCE_MS = 60_000
-"""How long a busy machine may take for what a page is to do: waiting ends as soon as it is done."""
+"""Longest wait for a page on a busy machine: waiting ends as soon as the page is done."""
 expect.set_options(timeout=PATIENCE_MS)
 
 ARGUMENTS = (
@@ -73,7 +73,7 @@ def serving(study: Path, *options: str) -> Iterator[str]:
 
 @contextmanager
 def launched(*arguments: str) -> Iterator[Browser]:
-    """Give a browser that nobody else uses, started with `arguments` besides the usual ones."""
+    """Give a separate browser, started with `arguments` in addition to the usual ones."""
     with sync_playwright() as playwright:
         chromium = playwright.chromium.launch(
             executable_path=CHROMIUM, args=[*ARGUMENTS, *arguments]
@@ -84,7 +84,7 @@ def launched(*arguments: str) -> Iterator[Browser]:
 
 @contextmanager
 def watched_page(browser: Browser, address: str, *, refused: int = 0) -> Iterator[Page]:
-    """Give an empty page that may ask nobody but the study, and must not complain.
+    """Give an empty page that may send requests only to the study, and must log no error.
 
     Parameters
     ----------
@@ -125,7 +125,8 @@ def press(page: Page, name: str) -> None:
 
 
 def wait_until(page: Page, condition: Callable[[], object]) -> None:
-    """Wait for what no locator can: the pages forbid scripts that Playwright would wait with."""
+    """Wait for conditions that no locator covers: the pages forbid scripts that Playwright would
+    wait with."""
     deadline = time.monotonic() + PATIENCE_MS / 1000
     while not condition():
         assert time.monotonic() < deadline

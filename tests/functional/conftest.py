@@ -1,4 +1,4 @@
-"""What a module of browser tests has, once it says in a fixture `study` what is served."""
+"""Fixtures of browser tests, for modules with a fixture `study`."""
 
 from __future__ import annotations
 

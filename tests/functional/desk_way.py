@@ -29,7 +29,7 @@ TRIALS: Final = 4
 
 
 UNDER_WAY: Final = re.compile(r"\d of \d|^Done")
-"""What the page of a job says once there is something to see."""
+"""Text on the page of a job once there is something to see."""
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def _begin(page: Page, title: str) -> None:
 
 
 def _end(page: Page) -> None:
-    """Wait until the job whose page this is has succeeded."""
+    """Wait until the job of this page has succeeded."""
     expect(page.get_by_role("status")).to_contain_text("Done")
 
 

@@ -171,7 +171,7 @@ class Window:
         self._wire.send("ElementSendKeys", {"id": self._find(selector), "text": text})
 
     def photograph(self, name: str) -> None:
-        """Save a screenshot, where screenshots are wanted."""
+        """Save a screenshot if screenshots are requested."""
         if "SCREENSHOTS" in os.environ:
             self._wire.send("ExecuteAsyncScript", {"script": PAINTED, "args": []})
             picture = self._wire.send("TakeScreenshot", {"full": False})
@@ -191,7 +191,7 @@ def missing(engine: str) -> list[str]:
 
 @contextmanager
 def window(engine: str, folder: Path) -> Iterator[Window]:
-    """Give a window of a new browser, whose profile lies in `folder`."""
+    """Give a window of a new browser with its profile in `folder`."""
     port = free_port()
     with ExitStack() as running:
         wire: Marionette | WebKitDriver

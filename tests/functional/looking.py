@@ -45,7 +45,7 @@ def resize(page: Page, size: ViewportSize) -> None:
 
 
 def expect_to_fit_a_phone(page: Page) -> None:
-    """Wait until the page is no wider than a telephone; then it is as wide as a laptop again."""
+    """Wait until the page is no wider than a telephone; then restore a laptop's width."""
     resize(page, SIZES["phone"])
     html = page.locator("html")
     expect(html).to_have_js_property("scrollWidth", SIZES["phone"]["width"])
@@ -53,7 +53,7 @@ def expect_to_fit_a_phone(page: Page) -> None:
 
 
 def photograph(page: Page, name: str, *, resized: bool = True) -> None:
-    """Take the page, where screenshots are wanted.
+    """Take a screenshot of the page if screenshots are requested.
 
     In every size, light and dark, and left light and as wide as a laptop; or once, as it is.
     """
@@ -87,7 +87,8 @@ def barriers(page: Page) -> list[str]:
 def examination(
     prefix: str, look: Callable[[Page], list[str]] = barriers
 ) -> Iterator[Callable[[Page, str], None]]:
-    """Give what photographs and examines a page under a name; no page may have a problem.
+    """Give a function that examines a page and takes its screenshot under a name; no page may have
+    a problem.
 
     Parameters
     ----------

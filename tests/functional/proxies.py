@@ -91,7 +91,7 @@ class Proxied:
 
 
 def program(proxy: Proxy) -> str | None:
-    """Return where `proxy` is, if openssl is there as well."""
+    """Return the path of `proxy`, if openssl is installed as well."""
     places = (os.environ["PATH"], UNPACKED / "bin", UNPACKED / "sbin")
     executable = shutil.which(proxy, path=os.pathsep.join(map(str, places)))
     return executable if shutil.which("openssl") else None
@@ -135,7 +135,7 @@ def _at(text: str, root: Path, secure: int, plain: int) -> str:
 
 @contextmanager
 def _study_server(deployment: Deployment, root: Path) -> Iterator[subprocess.Popen[bytes]]:
-    """Start what the unit starts, in the environment that it names."""
+    """Run the unit's command in the unit's environment."""
     unit = (root / f"etc/systemd/system/{deployment.unit}.service").read_text("utf-8")
     line = next(line for line in unit.splitlines() if line.startswith("ExecStart="))
     program, *arguments = shlex.split(line.removeprefix("ExecStart=").replace("%%", "%"))

@@ -1,4 +1,4 @@
-"""Studies in which every page that a participant can come to occurs, to be looked at."""
+"""Studies in which every page for participants occurs."""
 
 from __future__ import annotations
 
@@ -148,8 +148,7 @@ STUDIES: Final[Mapping[str, Keys]] = {
     },
     "mismatch": {"protocol": "mismatch", "fit": 1, "attention": None},
 }
-"""What each study file says otherwise than the table of finished studies; `composed` is the tiny
-study."""
+"""Changes of each study file to the table of finished studies; `composed` is the tiny study."""
 
 NAMES: Final = ("composed", *STUDIES)
 

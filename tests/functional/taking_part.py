@@ -68,7 +68,7 @@ def expect_trial(page: Page | Frame, number: int) -> None:
 def watch(page: Page | Frame) -> None:
     """Play one video after the other to its end, and see that no two ever play at once.
 
-    Where the machine was too busy to show a piece, the page says so, and it is played once more.
+    If the machine was too busy to show a part, the page says so, and the video is played again.
     """
     watched = page.locator("#watched")
     for _time in range(MOST_TIMES):
@@ -125,7 +125,7 @@ def fill(page: Page, database: Database) -> None:
 
 
 def study_session_of(page: Page, database: Database) -> StudySession:
-    """Return what is stored of the participant whose page this is, with trials and answers."""
+    """Return the stored data of this page's participant, with trials and answers."""
     token = page.url.partition("/take/")[2].partition("/")[0]
     trials = selectinload(StudySession.trials)
     stored = select(StudySession).where(StudySession.token == token)
@@ -135,7 +135,7 @@ def study_session_of(page: Page, database: Database) -> StudySession:
 
 
 def answers_of(page: Page, database: Database) -> list[tuple[int, str, int]]:
-    """Return the answers of the participant whose page this is: trial, question and value."""
+    """Return the answers of this page's participant: trial, question and value."""
     return sorted(
         (trial.position, response.question, response.value)
         for trial in study_session_of(page, database).trials
@@ -151,7 +151,7 @@ def expect_playing(page: Page, name: str) -> None:
 
 @contextmanager
 def playing_on(*videos: Locator) -> Iterator[None]:
-    """Let videos begin anew at their end: however busy the machine, only the page stops them."""
+    """Let videos loop: however busy the machine, only the page stops them."""
     for video in videos:
         video.evaluate("video => { video.loop = true; }")
     yield

@@ -1,4 +1,4 @@
-"""Whole study sessions of every protocol, in which nothing received tells what is hidden.
+"""In whole study sessions of every protocol, nothing received reveals what is hidden.
 
 An adversary keeps all that a browser receives, except the pictures and the sound themselves, and
 learns from half of the study sessions, with the truth given, to guess the other half. Leaks that
@@ -40,13 +40,13 @@ SESSIONS: Final = 24
 """Half of them are guessed: eight study sessions can exchange what is true of them in so many ways
 that a perfect guess is far less probable than `CHANCE` allows, even of one catch trial in six."""
 CHANCE: Final = 0.01
-"""How probable it may be that any guess is called better than chance where none is."""
+"""The largest probability of a false alarm."""
 GUESSES: Final = len(STUDIES) * 2 * 2
 """Of conditions and of kinds, each half of every study's sessions."""
 
 Trials = list[HeardTrial]
 Change = Callable[[Exchange, Trial, Content | None], Exchange]
-"""Changes what was received, given the trial and, of a video, what it shows."""
+"""Changes what was received, given the trial and, for a video, its content."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def seeded_tokens() -> Callable[[int], str]:
 
 
 def shape(trials: Trials) -> tuple[object, ...]:
-    """Return what anybody may know of a study session: its parts, and the speech heard twice."""
+    """Return the public facts of a study session: its parts, and the speech heard twice."""
     return tuple(
         (t.truth.part, len(t.truth.conditions), t.truth.repeats, t.truth.kind == "practice")
         for t in trials
@@ -131,7 +131,7 @@ def _sound(stimulus: TrialStimulus) -> str:
 
 
 def better_than_chance(study: HeardStudy, change: Change | None = None) -> Iterator[Guess]:
-    """Yield guesses better than chance of what was received, or would be had it been changed."""
+    """Yield guesses better than chance from what was received, optionally changed."""
     sessions = study.sessions
     if change is not None:
         sessions = [[_changed(trial, change) for trial in trials] for trials in sessions]
@@ -185,7 +185,7 @@ def _changed(trial: HeardTrial, change: Change) -> HeardTrial:
 
 
 Files = Callable[[StudyFolder, Path], Mapping[Content, bytes]]
-"""Gives other files in the place of those of a study, made in a folder."""
+"""Replaces the files of a study by others, made in a folder."""
 
 
 def without_padding(study: StudyFolder, _: Path) -> Mapping[Content, bytes]:

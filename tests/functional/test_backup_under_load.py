@@ -1,4 +1,4 @@
-"""A backup that is taken while participants answer holds all that was acknowledged before it."""
+"""A backup taken while participants answer has everything acknowledged before it."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Crowd:
     ledger : Ledger
         What they were told.
     addresses : list of str
-        Where each of them goes on.
+        The address where each of them continues.
     is_backed_up : Event
         What one of them waits for at the first trial.
     """

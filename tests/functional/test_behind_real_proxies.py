@@ -76,7 +76,7 @@ class Participant:
         return urljoin(self.address, str(self.page.one("video")["src"]))
 
     def go_on(self) -> None:
-        """Watch all of what is shown, for which nobody has to wait, and send the page's form."""
+        """Report all videos as watched without waiting, and send the page's form."""
         for video in self.page.soup.select("video"):
             source = urljoin(self.address, str(video["src"]))
             assert self.client.get(source, headers={"Range": "bytes=0-"}).status_code == 206
@@ -147,7 +147,7 @@ def test_researchers_cookies_are_limited_to_https_and_their_path(proxied: Proxie
     link = re.search(r"https://\S+/join/\S+", log)
     assert link is not None
     with proxied.client() as client:
-        # What a visitor says of themselves is not believed.
+        # Headers that visitors send themselves are ignored.
         lies = {"X-Forwarded-For": "6.6.6.6", "X-Forwarded-Proto": "http"}
         join = PageReader(client.get(link[0], headers=lies).text)
         code = join.value("main [name=form_code]", "value")

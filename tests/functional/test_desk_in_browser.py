@@ -1,4 +1,4 @@
-"""The desk in a real browser: a lab's first study, files brought in, and motion turned around.
+"""The desk in a real browser: a lab's first study, uploads, and motion in 3D.
 
 With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
 """
@@ -127,7 +127,7 @@ def test_an_interrupted_upload_resumes_and_its_motion_is_shown_in_3d(
 
 
 def _upload_long_recording(page: Page, recording: Path, examine: Examine) -> None:
-    """Upload a recording whose third piece is lost, again and again, until the page is left."""
+    """Upload a recording whose third chunk keeps getting lost, until the page is left."""
     assert recording.stat().st_size > 3 * LARGEST_PIECE
     pattern = f"**/uploads?*offset={2 * LARGEST_PIECE}"
 

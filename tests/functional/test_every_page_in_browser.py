@@ -1,7 +1,7 @@
 """Every page of every protocol: barriers, weight, one look for all, and whether a pair fits.
 
-A page's weight is what comes over the line, headers too, in a browser that has never been here;
-what is played on it is not counted.
+A page's weight is everything transferred, including headers, to a browser without a cache; videos
+and sound are not counted.
 
 With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
 """
@@ -110,7 +110,7 @@ def kind_of(page: Page) -> str:
 
 
 def leave_trial(page: Page, app: Flask) -> None:
-    """Settle the trial behind the page's back, since nobody has watched it."""
+    """Settle the trial directly in the database, since nobody has watched it."""
     token = page.url.rsplit("/", 1)[1]
     site = site_of(app)
     with site.database.writing() as session:
@@ -128,19 +128,19 @@ def expect_heading(page: Page, words: str) -> None:
 
 
 def made_of(page: Page) -> str:
-    """Return what the page consists of: pages of the same parts look alike."""
+    """Return the elements of the page: pages with the same elements look alike."""
     parts = "[...document.querySelectorAll('body *')].map(e => `${e.tagName}.${e.className}`)"
     return str(page.evaluate(f"[...new Set({parts})].sort().join(' ')"))
 
 
 @pytest.fixture(scope="module")
 def examined() -> set[str]:
-    """Return what the pages consist of that were examined, whichever study they belong to."""
+    """Return the elements of all examined pages of any study."""
     return set()
 
 
 def burdens(page: Page, kind: str, responses: list[Response]) -> list[str]:
-    """Return in what a page that has just come is heavier than it may be."""
+    """Return in which respects a page exceeds its weight limits."""
     page.wait_for_load_state("networkidle")
     loaded = [each for each in responses if each.request.resource_type != "media"]
     responses.clear()
@@ -201,7 +201,7 @@ def test_every_side_page_is_accessible_and_withdrawing_deletes(
         examination("beside", participants_barriers) as examine,
         shown(tmp_path / "players") as (address, app),
     ):
-        # The browser itself complains of what is refused here.
+        # The browser logs an error for each refusal here.
         page = browser.new_context(viewport=LAPTOP).new_page()
         database = site_of(app).database
         page.goto(address)

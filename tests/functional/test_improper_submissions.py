@@ -1,4 +1,4 @@
-"""Every protocol's server refuses what no page offers, and stores nothing of it."""
+"""Every protocol's server refuses what no page offers, and stores none of it."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Attacker(Participant):
     attacked: set[str] = field(default_factory=set)
 
     def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
-        """Answer the trial of `page`; before and after, try what is improper."""
+        """Answer the trial of `page`; before and after, try improper submissions."""
         self.trials.append((page, judgement))
         trial = self.eyes.look(page).trial
         if trial.part in self.attacked:
@@ -97,7 +97,7 @@ class Attacker(Participant):
         return following
 
     def attack_after_the_end(self, client: httpx.Client) -> None:
-        """Send in one's own name what comes too late."""
+        """Send late submissions under one's own token."""
         page, judgement = self.trials[-1]
         answers = page.target(page.answer_form)
         session = answers.rpartition("/")[0]
@@ -143,7 +143,7 @@ class Attacker(Participant):
         address: str,
         report: Mapping[str, object],
     ) -> None:
-        """Require the same of a report of what was played."""
+        """Require the same of a watch report."""
         self._require(status, attempt, lambda: client.post(address, json=report))
 
     def _require(self, status: int, attempt: str, post: Callable[[], httpx.Response]) -> None:
@@ -162,7 +162,7 @@ class Attacker(Participant):
     def _spoilt_answers(
         self, trial: SeenTrial, judgement: Judgement, good: FormData
     ) -> Iterator[tuple[int, str, FormData]]:
-        """Yield how it is answered, what is wrong, and `good` spoilt so."""
+        """Yield the expected status, the fault, and `good` with that fault."""
         first = judgement.asks[0]
         out_of_range = str(max(first.values) + 1)
         yield 422, "a value that is out of range", {**good, first.field: [out_of_range]}
@@ -220,7 +220,7 @@ class Attacker(Participant):
 
 
 def other_answers(judgement: Judgement) -> Judgement:
-    """Return answers that are as good as those of `judgement`, and not the same."""
+    """Return valid answers that differ from those of `judgement`."""
     up: dict[AnswerKey, int] = {}
     down: dict[AnswerKey, int] = {}
     for question in dict.fromkeys(ask.question for ask in judgement.asks):
@@ -234,7 +234,7 @@ def other_answers(judgement: Judgement) -> Judgement:
 
 
 def _wrong(question: FormQuestion) -> Iterator[tuple[int, str, str]]:
-    """Yield answers that cannot be accepted, or with which nobody can take part."""
+    """Yield answers that are invalid or screen the person out."""
     if question.required:
         yield 422, "no answer", ""
     match question.kind:
@@ -250,7 +250,7 @@ def _wrong(question: FormQuestion) -> Iterator[tuple[int, str, str]]:
 
 
 def _videos_that_may_not_play(page: Page) -> list[str]:
-    """Return the videos of which `page` lets it be said that they do not play."""
+    """Return the videos that can be reported on `page` as not playing."""
     soup = BeautifulSoup(page.html, "html.parser")
     form = soup.find("form", id="unplayable")
     assert isinstance(form, Tag)

@@ -87,12 +87,12 @@ def choose(page: Page, name: str, value: int) -> None:
 
 
 def expect_missing(page: Page, words: str | re.Pattern[str]) -> None:
-    """Wait until the page says so of what is still to be watched."""
+    """Wait until the page shows this text about what is still to be watched."""
     expect(page.locator("#watched")).to_have_text(words)
 
 
 def reports_of(page: Page) -> list[dict[str, Any]]:
-    """Return a list that fills with what the page reports."""
+    """Return a list that collects the page's watch reports."""
     reports: list[dict[str, Any]] = []
 
     def look_at(request: Request) -> None:
@@ -111,13 +111,13 @@ def watch_record(database: Database, video_token: str) -> WatchRecord | None:
 
 
 def played(database: Database, video_token: str) -> float:
-    """Return the seconds that all reports of a video tell of, each part as often as it is told."""
+    """Return the total seconds in all reports of a video, repeats included."""
     record = watch_record(database, video_token)
     return 0.0 if record is None else record.played_seconds
 
 
 def garble(route: Route) -> None:
-    """Let the server send what is asked for, and the browser get something else."""
+    """Let the server answer, but give the browser another response."""
     route.fetch()
     route.fulfill(status=200, content_type="video/mp4", body="no video")
 
@@ -281,8 +281,8 @@ def test_a_refresh_during_playback_keeps_what_was_played(page: Page, address: st
     player(page, "A").locator("video").evaluate(RELOADED_MEANWHILE)
     follow(play_button(page, "A"))
 
-    # Without what was played, A would be as unwatched as B, and no seconds would be told. While the
-    # page is asked for, the video may come to its end.
+    # Without the played part, A would be as unwatched as B, and no seconds would be shown. While
+    # the page is asked for, the video may come to its end.
     expect_missing(page, re.compile(r"^Still to watch: (A 1 s · )?B$"))
 
 

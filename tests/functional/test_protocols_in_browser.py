@@ -1,4 +1,4 @@
-"""Every protocol with players of its own, from consent to completion code, in a real browser."""
+"""Every protocol with separate players, from consent to completion code, in a real browser."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from tests.support.studies.finished_study import Keys, write_finished_study, wri
 pytestmark = IN_A_BROWSER
 
 Served = tuple[str, Database]
-"""Where a study is, and where its answers are."""
+"""Address of a study, and its database."""
 
 
 @pytest.fixture(scope="module")

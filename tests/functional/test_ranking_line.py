@@ -34,7 +34,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def motionjury(home: Path) -> Callable[..., str]:
-    """Return what runs a command where the researcher is."""
+    """Return a function that runs a command in the researcher's folder."""
 
     def within(*arguments: object) -> str:
         with contextlib.chdir(home):

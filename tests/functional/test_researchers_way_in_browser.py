@@ -42,7 +42,7 @@ MOTIONJURY = str(Path(sys.executable).with_name("motionjury"))
 PEOPLE = 10
 TRIALS, QUESTIONS = 2, 2
 REFRESHED_MS = 21_000
-"""After so long the overview has asked for itself anew."""
+"""After this time the overview has reloaded itself."""
 
 SLOW_SECONDS = 240
 """Longer than this nothing takes on the slowest machine."""
@@ -78,7 +78,7 @@ def study(tiny_study: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def export(study: Path) -> pd.DataFrame:
-    """Run `motionjury export`, and return the participants it tells of."""
+    """Run `motionjury export`, and return its participants."""
     done = subprocess.run(
         [MOTIONJURY, "export", str(study), "--out", str(study / "out" / "answers.csv")],
         capture_output=True,
@@ -121,7 +121,7 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
             codes = crowd.come([f"participant-{number}" for number in range(PEOPLE)])
             go_to(page, "Overview")
             assert all(crowd.at_first_trial.acquire(timeout=SLOW_SECONDS) for _ in codes)
-            # The page asks for itself anew; nobody reloads it.
+            # The page reloads itself.
             page.clock.fast_forward(REFRESHED_MS)
             expect(page.locator(".truth")).to_contain_text(f"{PEOPLE} active")
             expect(page.locator("#live time").last).not_to_contain_text("UTC")
@@ -157,7 +157,7 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
     assert people["participant"].to_dict()[3] == pseudonym
     by_hand = people[people["exclusion_rule"] == "researcher"]
     assert by_hand.index.tolist() == [3]
-    # The export that told the pseudonym was a look.
+    # The export that gave the pseudonym was a look.
     seen_before = "(decided after results had been looked at)"
     assert people.loc[3, "exclusion_reason"] == f"wrote that she fell asleep {seen_before}"
     assert not answers.loc[answers["study_session"] == 3, "analysed"].any()
@@ -195,7 +195,7 @@ def join_and_log_in(page: BrowserPage, address: str, link: str, look_at: LookAt)
 
 
 def prepare(page: BrowserPage, look_at: LookAt) -> None:
-    """Keep newcomers out, look at a trial as they will see it, and let them in."""
+    """Pause the intake, preview a trial, and resume."""
     go_to(page, "Recruitment")
     send(page, "Pause", "nobody before we have looked")
     expect(page.locator(".truth")).to_contain_text("No new participants are admitted")
@@ -268,7 +268,7 @@ def go_through_the_other_pages(page: BrowserPage, look_at: LookAt) -> None:
 
 @dataclass(frozen=True)
 class ArrivingCrowd:
-    """Attentive participants, each in a thread of their own.
+    """Attentive participants, each in their own thread.
 
     Attributes
     ----------
@@ -299,7 +299,7 @@ class _Arriving(Participant):
         return super().answer(replace(visit, thinks=0.0), page, judgement)
 
     def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
-        """Write the remark where one is asked for."""
+        """Write a remark if one is requested."""
         texts = {
             name: (self.remark,) if name.endswith("remarks") else values
             for name, values in answers.items()

@@ -50,7 +50,7 @@ def expect_heading(page: Page, words: str) -> None:
 
 
 def enter(page: Page, address: str, database: Database) -> None:
-    """Agree, and hear the digits of the sound check."""
+    """Consent, and enter the digits of the sound check."""
     page.goto(address)
     fill(page, database)
     press(page, "Next")

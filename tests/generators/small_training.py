@@ -1,4 +1,4 @@
-"""Trainings of small networks on takes whose features are given."""
+"""Trainings of small networks on takes with given features."""
 
 from __future__ import annotations
 

@@ -222,8 +222,8 @@ def test_listed_configs_and_ablations_match_the_existing_ones(
     assert ablations is None or choice.values == tuple(ablations)
 
 
-# What each version gives, by the name and the version of the generator. Where a change is wanted,
-# raise the generator's version and write its new numbers here.
+# The output of each version, by the name and the version of the generator. After an intended
+# change, raise the generator's version and write its new numbers here.
 GOLDEN = {
     ("rule_based", "3"): [-0.46638, 0.00504, -0.18658],
     ("mismatched", "1"): [-0.07236, -0.15761, -0.37666],

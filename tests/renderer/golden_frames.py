@@ -1,6 +1,5 @@
-"""Comparing a picture with the one kept beside the tests.
-
-Set ``MOTIONJURY_REGENERATE_GOLDEN=1`` to write the pictures anew after a wanted change.
+"""Comparing a picture with the one stored with the tests. Set ``MOTIONJURY_REGENERATE_GOLDEN=1`` to
+update the pictures after an intended change.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ LARGE_SHARE = 0.004
 
 
 def assert_like_golden(picture: NDArray[np.uint8], name: str, differences: Path) -> None:
-    """Fail, leaving the picture and the difference in `differences`, if it is not as kept."""
+    """Fail if the picture differs from the stored one, leaving both in `differences`."""
     kept = FOLDER / f"{name}.png"
     if os.environ.get("MOTIONJURY_REGENERATE_GOLDEN"):
         FOLDER.mkdir(exist_ok=True)

@@ -1,6 +1,6 @@
 """Videos that look or sound different must have another version, by which they are cached.
 
-Where a change is wanted, raise the version in `renderer.look` and write its new numbers here.
+After an intended change, raise the version in `renderer.look` and update the numbers here.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def videos(
 
 
 def moments(video: Path) -> NDArray[np.float64]:
-    """Return when each packet is shown or heard and for how long, in seconds."""
+    """Return the time and duration of each packet, in seconds."""
     with av.open(str(video)) as container:
         return np.array(
             [

@@ -45,7 +45,7 @@ BOTH_DATABASES = (
     "researchers/test_both_databases",
     "session",
 )
-"""Where all tests are repeated on both databases; elsewhere those with the mark `BOTH` are."""
+"""Where all tests are repeated on both databases; elsewhere only tests marked `BOTH`."""
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -78,7 +78,7 @@ def finished_study(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], 
 
 @pytest.fixture
 def own_study(finished_study: Callable[[str], Path], tmp_path: Path) -> OwnStudy:
-    """Return a function that gives a test a copy of its own of a protocol's finished study."""
+    """Return a function that gives a test its own copy of a protocol's finished study."""
 
     def copy(protocol: str) -> StudyFolder:
         return StudyFolder(Path(shutil.copytree(finished_study(protocol), tmp_path / protocol)))
@@ -194,7 +194,7 @@ def participant(opened: Database, served: ServedStudy, clock: SetClock) -> Parti
 
 @pytest.fixture
 def s3_store(monkeypatch: pytest.MonkeyPatch) -> Iterator[Store]:
-    """Return an empty S3-compatible store, whose keys are in the environment."""
+    """Return an empty S3-compatible store with its keys in the environment."""
     use_keys(monkeypatch)
     with s3_stand_in() as running_store:
         yield running_store

@@ -14,7 +14,7 @@ def test_only_study_time_is_sped_up() -> None:
     assert slow.seconds_since(moment) == pytest.approx(10, abs=1)
     assert fast.seconds_since(moment) == pytest.approx(1000, abs=100)
     assert abs(fast.now() - slow.now()) < timedelta(seconds=1)
-    # How long ago a moment to come was, nobody knows.
+    # The time since a future moment is unknown.
     assert slow.seconds_since(slow.now() + timedelta(hours=1)) is None
 
 

@@ -104,7 +104,7 @@ def test_a_worker_quits_even_while_dispatching_a_request() -> None:
 
 @pytest.fixture
 def slow_study(tmp_path: Path) -> tuple[Path, Path, str]:
-    """Return a fabricated study, where its server's output goes, and its database's address."""
+    """Return a fabricated study, its server's log file, and its database's address."""
     write_fabricated_study(tmp_path, StudyShape(places=4, trials=3, practice=0, catch=1))
     return tmp_path, tmp_path / "output", sqlite_url(tmp_path / "bench.db")
 

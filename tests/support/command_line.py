@@ -8,14 +8,14 @@ from studyapp.cli.main import group
 
 
 def run(*arguments: object, status: int = 0, typed: str = "") -> str:
-    """Run a command line, require its exit status, and return all that it prints."""
+    """Run a command line, require its exit status, and return its output."""
     done = _done(arguments, typed)
     assert done.exit_code == status, done.output
     return done.output
 
 
 def refused(*arguments: object) -> str:
-    """Run a command line that cannot be done, and return what it says."""
+    """Run a command line that must be refused, and return its message."""
     done = _done(arguments)
     assert done.exit_code in (1, 2), done.output
     return done.output

@@ -1,4 +1,4 @@
-"""Videos as other tools write them, with more in their files than is seen and heard."""
+"""Videos as other tools write them, with metadata."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _second_of_sound() -> Audio:
 
 @dataclass(frozen=True, kw_only=True)
 class Told:
-    """What a file tells.
+    """The metadata of a file.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Told:
     encoder : mapping of str to str
         Settings of the encoder of the picture.
     sound : Audio or None
-        What is heard; two seconds of a tone where nothing else is said.
+        The sound; by default two seconds of a tone.
     """
 
     name: str = ""

@@ -103,7 +103,7 @@ def _copied_from(content: bytes) -> Callable[[Path], None]:
         if not file.exists() and file.parent.is_dir():
             copy = file.with_name(f"{uuid4()}.db")
             copy.write_bytes(content)
-            # Whoever else has made the file meanwhile came first.
+            # Another process made the file first.
             with suppress(FileExistsError):
                 os.link(copy, file)
             copy.unlink()

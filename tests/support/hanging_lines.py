@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 
 ATTACKER = "127.0.0.2"
-"""Also an address of this machine, but another one than that of whoever takes part honestly."""
+"""Also an address of this machine, but not that of the honest participant."""
 
 EVERY_SECONDS = 0.5
 

@@ -1,4 +1,4 @@
-"""Researchers for tests, who joined by links as everybody does."""
+"""Researchers for tests, who joined by links."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Trainings of a few steps, beside other tests, whose curves nobody looks at."""
+"""Trainings of a few steps without drawing curves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every text for participants is translated, and says in every language what it says in English."""
+"""Every text for participants is translated into every language."""
 
 from __future__ import annotations
 

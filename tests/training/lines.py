@@ -46,7 +46,7 @@ CONFIG = TrainingConfig(
 
 
 class LineNetwork(nn.Module):
-    """Layers that all examples pass, one that the first example alone passes, and an idle one."""
+    """Layers that all examples pass, one that only the first example passes, and an idle one."""
 
     def __init__(self, dropout: float, *, normed: bool = False) -> None:
         super().__init__()

@@ -53,7 +53,7 @@ def takes_of_curves(
     curves: int = 1,
     skipped: tuple[InputError, ...] = (),
 ) -> PreparedTakes:
-    """Return a take of each of `speakers` whose features follow from smooth curves of chance.
+    """Return a take of each of `speakers` with features from smooth random curves.
 
     Every fourth is held out.
     """

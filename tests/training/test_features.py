@@ -38,7 +38,7 @@ WIDTHS = {
     "show": {"gesture": 129, "expression": 103, "mel": 128, "hubert": 1024},
 }
 
-# Features are kept for as long as their version is the same. Where a change is wanted, raise the
+# Features are kept for as long as their version is the same. After an intended change, raise the
 # version in the module and write its new numbers here.
 GOLDEN = {
     ("beat", "1"): {

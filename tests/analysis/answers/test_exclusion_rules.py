@@ -1,4 +1,5 @@
-"""Each rule removes whom it says, and says why; who cannot be judged stays and is counted."""
+"""Each rule removes the right participants with a reason; those who cannot be judged are kept and
+counted."""
 
 from __future__ import annotations
 

@@ -212,7 +212,7 @@ def test_rankings_of_one_segment_in_several_trials_are_kept_apart(tmp_path: Path
     )
     result = placements_of(read_table(table, "ranking", tmp_path).answers)
 
-    # Trials that number single rows of a ranking apart tell nothing.
+    # Trial numbers that differ within a ranking carry no information.
     assert result.given.tolist() == [[1, 2, 3], [3, 1, 2], [1, 2, 3]]
     assert result.averaged().given[0].tolist() == [2, 1.5, 2.5]
 

@@ -1,4 +1,4 @@
-"""Clips whose emotion is how fast and how wide the arms swing, and whose face moves along."""
+"""Clips whose emotion is the speed and width of the arms' swing, with a moving face."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ def source(tmp_path: Path) -> Path:
 def computed(
     folder: Path | None, source: Path, kind: Kind = JOINTS, settings: str = "30 fps"
 ) -> tuple[bool, KeptArrays]:
-    """Return whether an array had to be computed, and what it was kept by."""
+    """Return whether an array had to be computed, and its cache key."""
     kept, calls = KeptArrays(folder), []
 
     def compute() -> NDArray[np.float32]:

@@ -24,7 +24,7 @@ from tests.analysis.evaluators.published_weights import seeded_weights
 from tests.generators.conftest import syllables
 from tests.support.fingerprint import fingerprint
 
-# Where a change is wanted, raise the version in the module and write its new numbers here.
+# After an intended change, raise the version in the module and update the numbers here.
 JOINTS = {"1": [-0.7307, 0.09075]}
 ONSETS = {"1": [-3.59122]}
 FEATURES = {"1": {"gesture": [-0.016127], "body": [0.174932, -0.160979], "both": [0.005965]}}

@@ -50,7 +50,7 @@ NetworkFile = tuple[Path, dict[Path, MeanPose]]
 
 @pytest.fixture
 def network_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[NetworkFile]:
-    """Return the file of a stand-in network, and what it was shown."""
+    """Return the file of a stand-in network, and its inputs."""
     opened: dict[Path, MeanPose] = {}
 
     def opening(path: Path) -> MeanPose:

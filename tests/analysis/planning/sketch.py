@@ -20,10 +20,10 @@ class Sketch:
     conditions : int
         How many every trial shows.
     comparisons : int
-        How often the same is done: comparisons of two conditions, or motions that are heard with
-        their own and another's speech.
+        How often the same is done: comparisons of two conditions, or motions with their own and
+        another's speech.
     own_participants : bool
-        Whether each of them has participants of its own.
+        Whether each of them has its own participants.
     questions : int
         Asked of every trial.
     """
@@ -35,7 +35,7 @@ class Sketch:
     questions: int = 1
 
     def size(self, participants: int, items: int, *, excluded: float) -> Size:
-        """Return the study with so many participants and items.
+        """Return the study with this many participants and items.
 
         Parameters
         ----------

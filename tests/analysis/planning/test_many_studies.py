@@ -42,7 +42,8 @@ def test_many_studies_are_tested_as_each_of_them_would_be() -> None:
         ([0.01, 0.04, 0.2], None, [1, 0, 0]),
         ([0.03, 0.02, 0.04], None, [0, 0, 0]),
         ([math.nan, 0.001], None, [0, 1]),
-        # Beside four blocks of nothing a test must be five times as sure, beside sure ones hardly.
+        # Among four blocks without an effect a test needs five times the evidence, among certain
+        # ones hardly more.
         ([0.02], 0.9, [0]),
         ([0.009], 0.9, [1]),
         ([0.04], 1e-6, [1]),

@@ -21,7 +21,7 @@ QUICK = Effort(quick=400, exact=40)
 PAIRS = Sketch(kind="pairs", own_participants=True)
 RATINGS, RANKINGS = Sketch(kind="ratings", conditions=3), Sketch(kind="rankings", conditions=3)
 
-# Where a change is wanted, raise the version in the module and write its new numbers here.
+# After an intended change, raise the version in the module and update the numbers here.
 POWERS_OF_VERSION = {
     "2": {
         "pairs": [0.65625, 0.59, 0.71, 0.073482],
@@ -69,7 +69,7 @@ def test_the_win_share_decides_for_few_participants_and_the_mixed_model_for_many
     people, segments = pairs.trials.participants, pairs.trials.items
     tests = DecidingTests(pairs, ALIKE, 0.4)
     answers = simulate_answers(pairs, ALIKE, 0.4, 4, np.random.default_rng(1))
-    # Not every answer is given here, so that the fit begins elsewhere.
+    # Some answers do not occur here, so the fit starts elsewhere.
     answers[3] = np.clip(answers[3], -1, 1)
     on_right = np.asarray(pairs.trials.left) > np.asarray(pairs.trials.right)
 

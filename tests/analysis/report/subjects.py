@@ -10,7 +10,7 @@ from analysis.results.report import TableReport
 
 
 def subject_of(report: TableReport, **changes: Any) -> Subject:
-    """Return what a report of a finished study with participants would be about."""
+    """Return the subject of a report on a finished study with participants."""
     known: dict[str, Any] = {
         "title": "Which motion?",
         "origin": "participants",
@@ -25,5 +25,5 @@ def subject_of(report: TableReport, **changes: Any) -> Subject:
 
 
 def headline(report: TableReport, **changes: object) -> tuple[Section, ...]:
-    """Return what a report shows first, of a subject that `changes` say more about."""
+    """Return a report's first screen, for a subject with `changes`."""
     return headline_sections(report, subject_of(report, **changes))

@@ -34,7 +34,7 @@ def page(folder: Path) -> BeautifulSoup:
 
 
 def opened(path: Path) -> BeautifulSoup:
-    """Return a page of a report, whose elements are all closed."""
+    """Return a page of a report after checking that its elements are all closed."""
     text = path.read_text(encoding="utf-8")
     for tag in set(re.findall(r"</(\w+)>", text)):
         begun = re.findall(rf"<{tag}(?:\s[^<>]*)?(?<!/)>", text)

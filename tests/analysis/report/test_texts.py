@@ -1,4 +1,4 @@
-"""What templates hold is used, and what they do not know is an error."""
+"""Everything in the templates is used, and unknown names are errors."""
 
 from __future__ import annotations
 

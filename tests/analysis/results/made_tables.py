@@ -118,7 +118,7 @@ def mismatch_table(
     segments: int = 6,
     seed: int = 1,
 ) -> pd.DataFrame:
-    """Own speech is heard in the first condition, in the second it makes no difference."""
+    """Own speech is preferred in the first condition and makes no difference in the second."""
     chance = np.random.default_rng(seed)
     rows = []
     for person in range(participants):

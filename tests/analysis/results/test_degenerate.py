@@ -34,7 +34,7 @@ def _result(value: Any) -> dict[str, Any]:
 
 
 def nulls_without_reason(value: Any, where: str = "") -> Iterator[str]:
-    """Give the places of missing numbers whose result says nothing about them."""
+    """Yield the paths of missing numbers without a reason."""
     if isinstance(value, list):
         for number, one in enumerate(value):
             yield from nulls_without_reason(one, f"{where}[{number}]")

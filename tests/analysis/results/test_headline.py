@@ -1,4 +1,4 @@
-"""Headline numbers, so far and without exclusions, are those that a report gives."""
+"""Headline numbers, interim and without exclusions, equal those of a report."""
 
 from __future__ import annotations
 

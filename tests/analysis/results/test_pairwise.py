@@ -123,7 +123,7 @@ def test_practice_trials_and_excluded_participants_are_not_analysed_but_repeats_
     contrary = table["response"].where(table["kind"] != "practice", 6 - table["response"])
     assert results(tmp_path, table.assign(response=contrary)).comparisons == (one,)
     assert found.test_retest.of_set(None)["emotion"].n == 4 * 2
-    # Of one who is left out.
+    # Of an excluded participant.
     failed = pd.concat([table, catch_rows("p01", "lr", (3, 3))])
     [other] = results(tmp_path, failed).comparisons
     assert (other.recruited, other.attentive, other.n) == (4, 3, 3 * 5)

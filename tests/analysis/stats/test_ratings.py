@@ -87,7 +87,7 @@ def test_repeated_ratings_count_as_their_mean() -> None:
 
 
 def delta(seed: int) -> tuple[Estimate, np.ndarray, np.ndarray]:
-    """Return Cliff's delta of two conditions that are rated alike, and their ratings."""
+    """Return Cliff's delta of two equally rated conditions, and their ratings."""
     values, which, people, items = made(seed)
     two = which > 0
     result = cliffs_delta(values[two], which[two] == 1, people[two], items[two])

@@ -159,7 +159,7 @@ def test_standard_errors_agree_with_logistic_regression() -> None:
     assert result.strengths == pytest.approx(turn @ fitted.params)
     assert result.two_way is not None
     assert result.two_way.method == TWO_WAY
-    # Theirs is CR1, from which CR2 differs little where all have answered alike often.
+    # Theirs is CR1, which is close to CR2 if all have given the same number of answers.
     assert result.two_way.errors == pytest.approx(
         np.sqrt(np.diagonal(turn @ covariance @ turn.T)), rel=5e-3
     )
@@ -202,7 +202,7 @@ def p_values(strengths: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     ("strengths", "ranks"),
     [
         ([0.0, 2.0, -2.0], ((2, 2), (1, 1), (3, 3))),
-        # Told apart alone at .034, but not among three tests.
+        # Significant alone at .034, but not among three tests.
         ([0.0, 0.3, -2.0], ((1, 2), (1, 2), (3, 3))),
         ([np.nan] * 3, ((1, 3),) * 3),
     ],

@@ -1,4 +1,5 @@
-"""The measure of synchrony tells faces that move with their bodies from others, by timing alone."""
+"""The synchrony measure distinguishes faces that move with their bodies from others by timing
+alone."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def test_malformed_requests_neither_fail_nor_leave_anything_behind() -> None:
 
     assert outcome.problems == ()
     assert sum(outcome.answers.values()) == 400
-    # They came further than the front door.
+    # They got past the entrance.
     assert {403, 404, 405, 409, 413, 422} <= set(outcome.answers)
 
 

@@ -1,10 +1,10 @@
-"""Guessing what was hidden, and whether the guesses are better than chance.
+"""Guesses of hidden truths, and a test whether they are better than chance.
 
-Half of the study sessions are learnt from, with the truth given; the other half is guessed. Where
-nothing is told, what is true of one study session could as well be true of any other one of the
-same outward shape: the truths of the guessed half are exchanged among such study sessions, many
-times, and the guesses are compared with each. That test is exact, whatever the guesser does and
-however the design ties the trials of a study session to each other.
+Half of the study sessions are learnt from, with the truth given; the other half is guessed. If
+nothing leaks, what is true of one study session could as well be true of any other of the same
+outward shape: the truths of the guessed half are exchanged among such study sessions, many times,
+and the guesses are compared with each. That test is exact, whatever the guesser does and however
+the design ties the trials of a study session to each other.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ EXCHANGES: Final = 19_999
 """How often truths are exchanged; the smallest p is one in one more."""
 
 MOST_FACTS: Final = 60
-"""How many facts are guessed from: those that tell most of the truths that are learnt from."""
+"""How many facts are guessed from: those most informative about the training truths."""
 
 SAME: Final = 1e-9
 """Numbers no further apart are the same but for rounding."""
 
 LEAST: Final = 0.01
-"""The smallest chance that is given to what a guesser holds impossible."""
+"""The smallest probability given to what a guesser considers impossible."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Received:
     truth : sequence of str
         What is true of each item.
     shape : hashable
-        What may be known of the study session without being told anything hidden.
+        What may be known of the study session without any leak.
     """
 
     rows: Sequence[Facts]
@@ -64,11 +64,11 @@ class Guess:
     Attributes
     ----------
     p : float
-        Probability of guesses as good as these where nothing is told.
+        Probability of guesses as good as these if nothing leaks.
     right : float
         Share of items that were guessed right.
     told : tuple of str
-        The facts that tell most, as far as was learnt.
+        The most informative facts in training.
     """
 
     p: float
@@ -109,7 +109,7 @@ def guesses(sessions: Sequence[Received]) -> list[Guess]:
 
 
 def _unlike(rows: Sequence[Facts]) -> list[Facts]:
-    """Return `rows` without the facts that are the same in all of them, which tell nothing."""
+    """Return `rows` without the facts that are the same in all of them."""
     alike = set(rows[0].items())
     for row in rows:
         alike = alike & row.items()
@@ -124,7 +124,7 @@ def _guess_half(
     names: Sequence[str],
 ) -> Guess:
     truths = np.array([truth for session in learnt for truth in session.truth])
-    # What all study sessions have alike at one place says nothing of any of them.
+    # Facts that all study sessions share carry no information.
     usual = facts.mean(axis=0)
     known = (facts - usual).reshape(len(truths), -1)
     telling = _telling(known, truths)
@@ -143,7 +143,7 @@ def _guess_half(
 
 
 def _telling(known: NDArray[np.float64], truths: NDArray[Any]) -> NDArray[np.intp]:
-    """Return the columns of `known` that differ most between truths, most telling first.
+    """Return the columns of `known` that differ most between truths, most informative first.
 
     Most differs what varies between truths and hardly within one (an analysis of variance). Of
     columns that say the same, one is taken.
@@ -162,7 +162,7 @@ def _telling(known: NDArray[np.float64], truths: NDArray[Any]) -> NDArray[np.int
 def _p(
     logs: Sequence[NDArray[np.float64]], asked: Sequence[Received], classes: dict[str, int]
 ) -> float:
-    """Return how probable it is that exchanged truths fit the guesses as well as the real ones."""
+    """Return the probability that exchanged truths fit the guesses as well as the real ones."""
     chance = np.random.default_rng(0)
     alike: defaultdict[Hashable, list[int]] = defaultdict(list)
     for index, session in enumerate(asked):

@@ -46,7 +46,7 @@ class Exchange:
 
 @dataclass
 class HeardTrial:
-    """What was received for one trial, and what is true of it.
+    """What was received for one trial, and its truth.
 
     Attributes
     ----------

@@ -60,11 +60,11 @@ STUDIES: Final[Mapping[str, Keys]] = {
     "mismatch": RENDERED
     | {"protocol": "mismatch", "realism": 2, "catch": {"trials": 1, "against": "calm"}},
 }
-"""What each study file says otherwise than the table of finished studies."""
+"""Changes of each study file to the table of finished studies."""
 
 
 def instructs(name: str) -> bool:
-    """Tell whether pages of the study's attention checks say what they are."""
+    """Return whether the study's attention checks can be recognised on their pages."""
     return bool(STUDIES[name]["attention"])
 
 

@@ -13,14 +13,14 @@ from typing import Final
 from tests.functional.adversary.listening import Exchange, HeardTrial
 
 Facts = dict[str, float | str]
-"""Numbers by name, and texts that are only alike or not."""
+"""Numbers by name, and texts that are only compared for equality."""
 
 HOLDERS: Final = {"moov", "trak", "mdia", "minf", "stbl", "edts", "dinf", "udta"}
 """Boxes that hold nothing but boxes (ISO/IEC 14496-12)."""
 
 COUNTED: Final = {"stsz": 12, "stco": 8}
-"""Tables of how many bytes each encoded picture and each stretch of sound has, and where it lies.
-They follow from what is seen and heard; how many there are does not, and stands before them."""
+"""Tables with the size and position of each encoded picture and each piece of sound. They follow
+from what is seen and heard; their number does not, and precedes them."""
 
 SHORT: Final = 256
 """Bytes of a box whose content is also read as numbers."""
@@ -36,7 +36,7 @@ QUESTION: Final = re.compile(r"<legend>.*?</legend>", re.DOTALL)
 
 
 def trial_facts(trial: HeardTrial, *, questions: bool) -> Facts:
-    """Return what was received of a whole trial, its videos' under their labels.
+    """Return the facts of a whole trial, those of its videos under their labels.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def trial_facts(trial: HeardTrial, *, questions: bool) -> Facts:
 
 
 def page_facts(trial: HeardTrial, *, questions: bool) -> Facts:
-    """Return what was received of a trial beside its videos."""
+    """Return the facts of a trial except its videos."""
     facts: Facts = {}
     seen: Counter[str] = Counter()
     for exchange in trial.pages:
@@ -89,7 +89,7 @@ def stimulus_facts(trial: HeardTrial, *, questions: bool) -> dict[int, Facts]:
 
 
 def _own_facts(own: Facts, videos: list[Facts], number: int) -> Facts:
-    """Return what was received of the video `own`, one of `videos`."""
+    """Return the facts of the video `own`, one of `videos`."""
     facts = _named("own", own)
     facts["number"] = number
     for name, value in own.items():
@@ -160,7 +160,7 @@ def _token(token: str, others: list[str]) -> Facts:
 
 @lru_cache(maxsize=4096)
 def facts_of(video: bytes) -> Facts:
-    """Return what the boxes of `video` tell.
+    """Return the facts in the boxes of `video`.
 
     Left out is what follows from the encoded pictures and sound alone: these themselves, the
     bytes each of them has, and the padding that makes up for their sum.

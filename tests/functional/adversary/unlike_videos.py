@@ -86,12 +86,12 @@ def write_motion(path: Path, condition: str, segment: Segment) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Tool:
-    """Some other tool, by what it writes beside picture and sound.
+    """Another tool, by the metadata that it writes.
 
     Attributes
     ----------
     tags, handler : mapping of str to str
-        What it says of the file, and of each stream.
+        Its metadata of the file, and of each stream.
     options : mapping of str to str
         How it lays the file out.
     sound_bits : int

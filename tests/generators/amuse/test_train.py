@@ -32,7 +32,7 @@ FRAMES = 12
 
 @pytest.fixture(scope="module", name="takes")
 def _takes() -> PreparedTakes:
-    """Takes whose motion is one curve, which the speech latents hold."""
+    """Takes whose motion is one curve, which is in the speech latents."""
     mixing = np.random.default_rng(3).standard_normal((1, 333))
 
     def features_of(curve: np.ndarray) -> dict[str, np.ndarray]:
@@ -170,6 +170,6 @@ def test_each_window_gets_the_latents_of_its_speech(tmp_path: Path) -> None:
     assert (result[:30] == result[0]).all()
     same, other = (np.linalg.norm(result[0] - result[frame]) for frame in (30, 89))
     assert same < 0.2 * other
-    # The device "meta" holds no values: what was computed there cannot come back.
+    # The device "meta" holds no values: what was computed there cannot be read back.
     with pytest.raises(NotImplementedError, match="meta tensor"):
         speech_latents(network, "x", frames=30, stride=30, device="meta").compute(take)

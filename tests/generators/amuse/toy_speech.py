@@ -1,4 +1,4 @@
-"""Takes whose filterbanks show text, emotion and speaker in bands of their own."""
+"""Takes whose filterbanks encode text, emotion and speaker in separate bands."""
 
 from __future__ import annotations
 

@@ -165,7 +165,7 @@ def test_the_motion_equals_that_of_the_plain_network(
 
 
 def test_everything_runs_on_the_networks_device() -> None:
-    """Values on 'meta' are not computed, but may not meet values that are elsewhere."""
+    """Values on 'meta' are not computed, but may not be mixed with values on other devices."""
     denoiser = shaken(replace(SMALL, guidance=1.3, layers=1)).requires_grad_(False).to("meta")
     assert moved(WindowSampler(denoiser, PERSON, SAMPLING)).device.type == "meta"
 
@@ -192,7 +192,7 @@ def covariance() -> np.ndarray:
 
 
 def perfect_network(sampling: Sampling) -> Sampler:
-    """Return the perfect network for motion of a normal law, whose values are related over time.
+    """Return the perfect network for normally distributed motion that is correlated over time.
 
     Whatever shows at the borders of windows is then the sampling's own doing.
     """

@@ -29,7 +29,7 @@ SMALL = replace(smaller(PRESETS["tiny"]["beat"].network), dropout=0.0)
 
 @pytest.fixture(scope="module")
 def takes() -> PreparedTakes:
-    """Two curves decide all motion: how loud the speech is, and one that nothing tells."""
+    """Two curves decide all motion: the loudness of speech, and one that nothing predicts."""
     chance = np.random.default_rng(3)
     mixing = chance.standard_normal((2, BEAT.motion_width))
 

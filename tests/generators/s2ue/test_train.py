@@ -23,7 +23,7 @@ from training.speakers import Speakers
 
 @pytest.fixture(scope="module", name="takes")
 def _takes() -> PreparedTakes:
-    """Takes of two speakers whose motion is one curve, which the sound holds."""
+    """Takes of two speakers whose motion is one curve, which is in the sound."""
     chance = np.random.default_rng(3)
     mixing = np.concatenate(
         [0.1 * chance.normal(size=27), 1e-3 * chance.normal(size=3 * FACE.count)]

@@ -105,7 +105,7 @@ def test_posing_some_frames_equals_posing_all(body: BodyModel, part: slice) -> N
 
 
 def _with_twist(arrays: Arrays) -> Arrays:
-    """Return a body whose left forearm's skin goes along with half of the wrist's twist."""
+    """Return a body whose left forearm's skin follows half of the wrist's twist."""
     elbow, wrist = joint_index("left_elbow"), joint_index("left_wrist")
     weights = np.hstack([arrays["weights"], np.zeros((VERTICES, 1))])
     weights[:, [elbow, -1]] = weights[:, [-1, elbow]]

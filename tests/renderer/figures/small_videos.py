@@ -1,4 +1,4 @@
-"""Videos of a block that moves as it is told, for what looks at videos without drawing any."""
+"""Videos of a moving block, for code that reads videos without drawing any."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def write_block_video(
 ) -> Path:
     """Write a lossless video of a blue block whose left edge is at each of `places`.
 
-    None shows the background alone.
+    None shows only the background.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with VideoWriter(path, SIZE, SIZE, 30) as writer:

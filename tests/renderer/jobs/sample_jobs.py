@@ -69,7 +69,7 @@ def _writers_into(folder: Path) -> list[int]:
 
 @contextmanager
 def killing_writers(folder: Path, times: int) -> Iterator[list[int]]:
-    """Kill the process that writes into `folder`, so many times; give the killed ones."""
+    """Kill the process that writes into `folder`, this many times; give the killed ones."""
     over, killed = threading.Event(), list[int]()
 
     def kill() -> None:

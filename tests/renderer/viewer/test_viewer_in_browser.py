@@ -82,7 +82,7 @@ def picture(page: Page) -> NDArray[np.uint8]:
 
 
 def body_in(image: NDArray[np.uint8]) -> NDArray[np.bool_]:
-    """Return where a body is in the upper three quarters of a picture, above the ground."""
+    """Return the mask of a body in the upper three quarters of a picture, above the ground."""
     upper = image[: len(image) * 3 // 4].astype(int)
     return np.asarray(np.abs(upper - BACKGROUND).max(axis=2) > 40)
 

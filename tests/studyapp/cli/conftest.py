@@ -1,4 +1,4 @@
-"""A small synthetic corpus, made once for what trains on it and what makes it again."""
+"""A small synthetic corpus, made once for tests that train on it or make it again."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ REFUSED: dict[str, dict[str, str]] = {
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder of a study, speech and motion, in which no command may write."""
+    """Return a read-only folder with a study, speech and motion."""
     folder = tmp_path_factory.mktemp("place")
     new_study(folder / "study" / "study.toml", name="study")
     write_motion(folder / "motion" / "a.npz", 1.0)

@@ -70,7 +70,7 @@ def listing(manifest: bytes) -> list[tuple[tarfile.TarInfo | str, bytes]]:
 
 
 def forge(archive: Path, *members: tuple[tarfile.TarInfo | str, bytes]) -> Path:
-    """Write an archive of the parts given, whatever they are."""
+    """Write an archive of any given parts."""
     with tarfile.open(archive, "w") as tar:
         for head, content in members:
             info = tarfile.TarInfo(head) if isinstance(head, str) else head

@@ -71,7 +71,7 @@ def study(
 
 @pytest.fixture
 def new(tmp_path: Path) -> StudyFolder:
-    """Return where a study is restored to."""
+    """Return the folder to which a study is restored."""
     return StudyFolder(tmp_path / "new")
 
 

@@ -44,7 +44,7 @@ def folder(tiny_study: Path) -> Path:
 
 @pytest.fixture
 def person(folder: Path, database: Database, clock: SetClock) -> Participant:
-    """Return a recruited participant who has answered a trial and said something about them."""
+    """Return a recruited participant who has answered a trial and a form."""
     served = ServedStudy.read(folder)
     open_study(database, served, clock)
     return arrive(Participant(database, served, clock), PERSON)
@@ -106,7 +106,7 @@ def test_erasure_leaves_one_empty_row(person: Participant) -> None:
         assert name not in text
     with person.database.reading() as session:
         left = session.scalars(select(StudySession).order_by(StudySession.id)).all()[1]
-    # A column that is added later is emptied too, unless somebody decides otherwise.
+    # A column that is added later is emptied too, unless it is listed.
     assert left.conditions == []
     assert left.consented_at == left.withdrawn_at == person.clock.now()
     assert {
@@ -243,7 +243,7 @@ def test_erasure_leaves_no_bytes_in_the_database_files(
     assert all(name.encode() in files_of(database, request) for name in names)
 
     forget(database, PERSON, KEY, person.clock)
-    # A server of the study has the database open meanwhile, and goes on afterwards.
+    # A server of the study has the database open at the same time, and continues afterwards.
     serving = Database.open(database.engine.url.render_as_string(hide_password=False))
     kept.database = serving
     kept.look()
@@ -274,7 +274,7 @@ def test_a_long_reader_blocks_scrubbing(
 
 
 def impatient(database: Database) -> None:
-    """Let a connection wait for others no longer than a moment."""
+    """Limit the time that a connection waits for others."""
     connection = database.engine.raw_connection()
     connection.cursor().execute("PRAGMA busy_timeout = 50")
     connection.close()

@@ -28,7 +28,7 @@ from studyapp.custody.server_files import deployed_files, write_deployment
 from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 
 HOSTILE = PurePosixPath("/srv/50% {x};# of it/%n/my-study")
-"""A folder whose name means something in every kind of file."""
+"""A folder with special characters of every kind of file in its name."""
 
 
 def deployment(
@@ -134,7 +134,7 @@ def test_postgresql_setup_is_idempotent_and_utf_8(
         pytest.skip("psql is not installed")
     study = replace(deployment(), name="deployed-here")
     script = tmp_path / "database.sql"
-    # The role is another one here: that of the tests is there already, and owns all.
+    # The role is another one here: the tests' role exists already, and owns everything.
     text = text_of(study, "database.sql")
     script.write_text(re.sub(r"\bmotionjury\b", "deployed_role", text), "utf-8")
     address = postgresql.url.replace("+psycopg", "")

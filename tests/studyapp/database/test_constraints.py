@@ -1,4 +1,4 @@
-"""The promises that the database itself keeps, whatever the code above it does."""
+"""Constraints that the database itself enforces."""
 
 from __future__ import annotations
 

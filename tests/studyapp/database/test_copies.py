@@ -1,4 +1,4 @@
-"""A copy of a database holds all of it, and can be put back into either kind."""
+"""A copy of a database is complete, and can be restored to either kind."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from studyapp.session.served_study import ServedStudy
 from tests.support.studies.taking_part_steps import Participant
 
 SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
-"""For what is the same on both databases."""
+"""For tests that do not depend on the kind of database."""
 
 Rows = dict[str, list[tuple[object, ...]]]
 
@@ -42,7 +42,7 @@ def rows_of(database: Database) -> Rows:
 
 @pytest.fixture
 def answered(participant: Participant) -> Participant:
-    """Return a participant who has answered a trial, with all that can stand in a row."""
+    """Return a participant who has answered a trial, with every column filled."""
     participant.clock.advance(seconds=5.123456)
     participant.take_trial()
     participant.another().arrive(Arrival(recruiter_participant="Zoë 'quotes' \\ 音"))

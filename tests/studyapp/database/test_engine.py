@@ -375,6 +375,6 @@ def test_a_stuck_writer_blocks_others_only_for_a_limited_time(
             for _ in range(2):
                 with pytest.raises(InputError, match="db-line: another process has blocked"):
                     database.check_writable()
-        # Who gave up left nothing locked behind.
+        # Giving up released all locks.
         for _ in range(3):
             database.check_writable()

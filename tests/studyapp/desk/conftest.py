@@ -31,7 +31,7 @@ def hashing_costs_little(cheap_passwords: None) -> None:
 
 @pytest.fixture
 def lab(tmp_path: Path, tiny_study_template: Path, empty_sqlite: Path) -> Iterator[Lab]:
-    """Return a desk whose folder holds the study ``tiny``."""
+    """Return a desk whose folder contains the study ``tiny``."""
     folder = tmp_path / "lab"
     shutil.copytree(tiny_study_template, folder / "tiny")
     shutil.copyfile(empty_sqlite, folder / "tiny" / "responses.db")
@@ -66,7 +66,7 @@ def desk(lab: Lab) -> Flask:
 
 @pytest.fixture
 def researcher(lab: Lab, desk: Flask) -> Researcher:
-    """Return a function that has somebody join the desk and log in."""
+    """Return a function that lets somebody join the desk and log in."""
 
     def browser_of(name: str, role: Role = "owner") -> ResearchBrowser:
         token = first_owner_link(lab.database, lab.clock) if role == "owner" else None
@@ -89,7 +89,7 @@ def ada(researcher: Researcher) -> ResearchBrowser:
 
 @pytest.fixture
 def joined(tiny: LabStudy, lab: Lab, researcher: Researcher) -> Joined:
-    """Return a function that has somebody join the study in a role, and gives their browser."""
+    """Return a function that lets somebody join the study in a role, and returns their browser."""
 
     def browser_of(role: Role) -> ResearchBrowser:
         browser = researcher(f"Some {role}", "viewer")

@@ -32,7 +32,7 @@ def wait_for(jobs: Path, *states: State, kind: str = "try") -> JobStanding:
 
 
 def wait_until_under_way(jobs: Path, kind: str = "try") -> None:
-    """Wait until the job's command has said how far it is."""
+    """Wait until the job's command has reported progress."""
     deadline = time.monotonic() + PATIENCE
     while (found := job_standings(jobs)[kind]).progress is None:
         assert time.monotonic() < deadline, found

@@ -1,4 +1,4 @@
-"""Every page of the desk asks who comes, and every form where it comes from."""
+"""Every page of the desk needs a login, and every form its own origin."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Uploads go on where they stopped, stay in the inbox, and leave the disk some room."""
+"""Uploads resume, stay in the inbox, and leave free disk space."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_an_upload_resumes_even_after_a_crash(folder: StudyFolder) -> None:
     assert again.files() == [
         InboxFile(condition="ours", name="take.npz", received=5100, size=len(CONTENT))
     ]
-    # A file that was changed begins anew.
+    # A changed file starts again.
     for changed in ({"changed": 1_700_000_000_001}, {"size": 9999}):
         assert again.received(upload(condition="ours", name="take.npz", **changed)) == 0
     assert again.received(file) == 5100

@@ -1,4 +1,4 @@
-"""Who runs jobs at the desk, sees them, and downloads what comes of them."""
+"""Rights to run and see jobs at the desk, and to download their results."""
 
 from __future__ import annotations
 

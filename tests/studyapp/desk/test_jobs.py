@@ -1,4 +1,4 @@
-"""Jobs are commands that go on by themselves, and whose state is true whatever happens."""
+"""Jobs are independent commands, and their state is reported correctly whatever happens."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def test_a_killed_job_is_shown_as_interrupted_and_blocks_no_other(
     running = running_processes(tiny_study)
     (supervisor,) = {_parent(each) for each in running} - set(running)
     os.kill(supervisor, signal.SIGKILL)
-    # The command itself goes on, and the study is busy as long as it does.
+    # The command itself continues, and the study is busy until it ends.
     assert job_standings(jobs)["try"].state == "running"
     for each in processes_of(tiny_study):
         os.kill(each, signal.SIGKILL)

@@ -20,7 +20,7 @@ MAKE = "/research/make/study"
 
 
 def filled_in(page: PageReader) -> dict[str, str]:
-    """Return what a browser would send of the form as it comes, without rows of conditions."""
+    """Return what a browser would send of the unchanged form, without rows of conditions."""
     form = page.soup.select_one("form.questions")
     assert form is not None
     sent = {}

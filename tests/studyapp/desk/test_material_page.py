@@ -1,4 +1,4 @@
-"""The table of segments and conditions tells what is there, missing and bad, and plays it."""
+"""The table of segments and conditions shows present, missing and bad material, and plays it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MATERIAL = f"{TINY}material"
 
 @pytest.fixture
 def folder(lab: Lab) -> StudyFolder:
-    """Return the study, with one motion, one rendered clip, and nothing else of its conditions."""
+    """Return the study, with one motion and one rendered clip as its only material."""
     folder = StudyFolder(lab.folder / "tiny")
     write_motion(folder.clip("rule_based", "take-0"), 2.0)
     write_motion(folder.clip("mismatched", "take-1"), 2.0)
@@ -39,7 +39,7 @@ def folder(lab: Lab) -> StudyFolder:
 
 
 def cells(page: PageReader) -> dict[tuple[str, str], str]:
-    """Return what each cell of the table says."""
+    """Return the text of each cell of the table."""
     table = page.soup.select_one("table.material")
     assert table is not None
     _, _, *conditions = [each.text for each in table.select("thead th")]
@@ -71,7 +71,7 @@ def test_the_table_shows_present_missing_and_bad_material(
     assert "The archive is damaged. Do it." in page.text
     os.utime(folder.root / RECORD, (1, 1))
     assert cells(ada.get(MATERIAL))["take-1", "mismatched"] == "motion"
-    # What is wrong with a pair is told of both sides.
+    # A problem of a pair is shown for both sides.
     write_finding(folder, read_stimuli(folder.stimuli).pairs[0].file, "has no sound")
     table_cells = cells(ada.get(MATERIAL))
     assert table_cells["take-0", "rule based"] == table_cells["take-0", "mismatched"] == "bad"

@@ -1,4 +1,4 @@
-"""Who comes to which study by the desk: those who have shown that they belong to it."""
+"""The desk admits people to a study only after they have shown that they belong to it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Messages of commands read well at the desk, where there are no options."""
+"""Messages of commands are adapted to the desk, which has no options."""
 
 from __future__ import annotations
 

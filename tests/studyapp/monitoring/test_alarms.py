@@ -1,4 +1,4 @@
-"""Researchers are told once of what happens to their study."""
+"""Researchers are alerted once of each event in their study."""
 
 from __future__ import annotations
 

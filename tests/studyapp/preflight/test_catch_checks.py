@@ -1,4 +1,4 @@
-"""Flaws that nobody could see are found."""
+"""Invisible flaws of catch trials are found."""
 
 from __future__ import annotations
 

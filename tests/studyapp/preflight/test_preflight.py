@@ -28,7 +28,7 @@ from tests.support.studies.tiny_study import SECONDS
 
 @pytest.fixture(scope="module")
 def ready_once(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
-    """Return a study whose videos are there, and the motion of its reference."""
+    """Return a study with its videos, and the motion of its reference."""
     root = tmp_path_factory.mktemp("ready") / "study"
     folder = StudyFolder(Path(shutil.copytree(tiny_study_template, root)))
     for segment in folder.segments():
@@ -176,7 +176,7 @@ def test_design_notes_disappear_once_the_study_file_is_edited(
     assert clauses(original, "error") == []
     assert [count(original, "note", words) for words in notes] == [1] * 5
 
-    # Three of four segments are heard in pairs, which leaves one for a catch trial.
+    # Three of four segments are used by pairs, which leaves one for a catch trial.
     change(ready, {"trials": 3, "exclusions": [{"rule": "coverage", "below": 0.99}]})
     with edited(ready.definition) as document:
         document["conditions"]["ground_truth"] = {}

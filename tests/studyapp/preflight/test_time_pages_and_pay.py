@@ -1,4 +1,4 @@
-"""Duration and pay of a study, and what participants are told about them."""
+"""Duration and pay of a study, and their statements to participants."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ def test_catch_trials_with_similar_videos_are_found(own_study: OwnStudy) -> None
     for segment, spoilt in (("one", Told(rate=10)), ("two", Told(frames=24))):
         write_video(study.videos / "broken" / f"{segment}.mp4", spoilt)
         write_video(study.videos / "real" / f"{segment}.mp4", Told())
-    # A slower video differs, a shorter one is alike as far as it goes.
+    # A slower video differs, and a shorter one is compared up to its end.
     assert "hardly differ in 2 of 3 segments" in check_videos(study)["catch-hardly-differs"]
     for segment in ("one", "two", "three"):
         write_video(study.videos / "broken" / f"{segment}.mp4", Told(size=120))

@@ -40,7 +40,7 @@ MOST_BY_PAGE = 100
 
 @dataclass
 class StandIn:
-    """What the server holds, and what it was asked.
+    """The server's data, and its requests.
 
     Attributes
     ----------

@@ -114,7 +114,7 @@ def test_the_sandbox_is_used_unless_the_live_site_is_requested(
 
 @dataclass
 class Sandbox:
-    """Answers that Mechanical Turk gives in turn."""
+    """Mechanical Turk's responses in order."""
 
     folder: StudyFolder
     stub: Stubber

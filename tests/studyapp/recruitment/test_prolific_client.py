@@ -197,7 +197,7 @@ def test_prolifics_address_has_a_placeholder_for_the_participant() -> None:
     assert sent["device_compatibility"] == ["desktop", "tablet"]
     assert "is_external_study_url_secure" not in sent
     assert draft(signed_for="study.example.org")["is_external_study_url_secure"] is True
-    # Two studies of one name are told apart by their codes.
+    # Two studies of one name are distinguished by their codes.
     names = {sent["internal_name"], draft(completed="ZR5WQ8HXKM")["internal_name"]}
     assert len(names) == 2
     assert not any(PROLIFIC["completed"] in name for name in names)

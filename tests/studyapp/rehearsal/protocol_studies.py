@@ -1,4 +1,4 @@
-"""Small studies of all protocols that ask all there is to ask: whole ways for rehearsals."""
+"""Small studies of all protocols with every kind of question: whole ways for rehearsals."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ STUDIES: Mapping[str, Keys] = {
     },
     "mismatch": {"protocol": "mismatch"},
 }
-"""What each study file says otherwise than the table of finished studies."""
+"""Changes of each study file to the table of finished studies."""
 
 
 def definition(name: str) -> str:

@@ -61,7 +61,7 @@ def participant_of(folder: StudyFolder, database: Database, name: str = "p1") ->
 
 
 def require_stored_as_acknowledged(database: Database, ledger: Ledger, people: int = 1) -> None:
-    """Require that so many finished, and that all that was acknowledged is stored once."""
+    """Require that this many finished, and that every acknowledged answer is stored once."""
     told = ledger.read().answers
     with database.reading() as session:
         study_sessions = session.scalars(select(StudySession)).all()
@@ -77,7 +77,7 @@ def require_stored_as_acknowledged(database: Database, ledger: Ledger, people: i
 
 
 def seen_of(planned: PlannedTrial) -> SeenTrial:
-    """Return what a rater sees of a trial that is planned."""
+    """Return what a rater sees of a planned trial."""
     return SeenTrial(
         position=planned.position,
         kind=planned.kind,

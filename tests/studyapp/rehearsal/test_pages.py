@@ -1,4 +1,4 @@
-"""Pages are read as they were served; what a person could not use is named."""
+"""Pages are read as they were served; pages that a person could not use are reported."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ ANSWERS = {"rhythm": ("-1",), "realism:1": ("2",), "age": ("31",), "comment": ("
 
 
 def fill(answers: Mapping[str, tuple[str, ...]], html: str = TRIAL) -> dict[str, list[str]]:
-    """Fill in the form of a trial, whose videos could be played."""
+    """Fill in the form of a trial whose videos play."""
     page = Page("http://study.test/p/trial", html)
     assert page.completion_code is None
     assert [player.duration for player in page.players] == [5.2]

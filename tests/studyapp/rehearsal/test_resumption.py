@@ -54,7 +54,8 @@ def test_a_rehearsal_resumes_only_with_the_same_settings(
 
 
 def roster(folder: StudyFolder, count: int, *arrived: tuple[int, bool, int | None]) -> Roster:
-    """Return the roster when so many came: each with its number, whether done, and its place."""
+    """Return the roster after this many arrivals: each with its number, whether done, and its
+    place."""
     truth, _ = prepare(folder, seed=1)
     now = datetime.now(UTC)
     with opened(folder.rehearsal) as database:

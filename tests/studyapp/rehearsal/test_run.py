@@ -88,7 +88,7 @@ def wait_for(what: str, *, happens: Callable[[], object], seconds: float = 120) 
 
 @pytest.fixture(scope="module")
 def said(rendered: Path) -> list[tuple[object, ...]]:
-    """What the raters of seed 3 say who come to all places, and who follow one that leaves."""
+    """Answers of the raters of seed 3 in all places, including those who follow one who leaves."""
     folder = StudyFolder(rendered)
     study, segments = folder.study(), folder.segments()
     assert isinstance(study, PairwiseStudy)
@@ -116,7 +116,7 @@ def said(rendered: Path) -> list[tuple[object, ...]]:
 def test_participants_can_be_added_and_depend_on_the_seed_alone(
     folder: StudyFolder, said: list[tuple[object, ...]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Who leaves is replaced, and nobody's answers depend on who comes first."""
+    """Raters who leave are replaced, and answers do not depend on the order of arrival."""
     monkeypatch.setenv("DATABASE_URL", sqlite_url(folder.root / "elsewhere.db"))
     folder.responses.write_bytes(b"real answers")
     first = rehearse(folder, participants=1, seed=3, workers=1)
@@ -157,7 +157,7 @@ def interrupt(folder: StudyFolder) -> None:
 
 
 def kill_the_server(folder: StudyFolder) -> None:
-    """Kill all processes of the server once somebody more is done."""
+    """Kill all processes of the server once another person has finished."""
 
     def kill(done: int, _total: int) -> None:
         if done > known:
@@ -170,7 +170,7 @@ def kill_the_server(folder: StudyFolder) -> None:
 
 
 def kill(folder: StudyFolder, how: signal.Signals) -> None:
-    """Kill the program that rehearses once somebody has answered."""
+    """Kill the rehearsing program once somebody has answered."""
     program = (
         "import sys; from pathlib import Path; "
         "from studyapp.study.folder import StudyFolder; "

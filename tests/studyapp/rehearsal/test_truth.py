@@ -59,7 +59,7 @@ def made(protocol: str, **keys: object) -> Study:
 
 
 def score(trial: SeenTrial, key: AnswerKey, value: int) -> tuple[str, float]:
-    """Return what an answer is about, and what it counts for that."""
+    """Return the subject of an answer, and its value."""
     if key[1] is not None:
         return trial.conditions[key[1] - 1], float(value)
     first, second = trial.stimuli

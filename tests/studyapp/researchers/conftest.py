@@ -39,7 +39,7 @@ class Door:
         return log_in(self.database, self.clock, **given, address=address)
 
     def turns_away(self, name: str = "Ada", password: str = PASSWORD, *, code: str = "") -> str:
-        """Return what is said to who does not come in."""
+        """Return the message of a refusal."""
         with pytest.raises(WrongLoginError) as refused:
             self.enter(name, password, code=code)
         return str(refused.value)

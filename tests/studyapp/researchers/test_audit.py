@@ -1,4 +1,4 @@
-"""The log of looks, and what other labs are told of it."""
+"""The log of looks, and the part shared with other labs."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ def test_the_newest_decision_holds_and_none_is_lost(
     assert kept["excluded_because"].tolist() == ["fell asleep", "", "second"]
     assert kept["excluded_after_look"].tolist() == [False, False, False]
 
-    # Who is excluded after somebody has looked at results is told apart.
+    # Exclusions after a look at results are marked.
     clock.advance(seconds=1)
     with opened.writing() as session:
         state = StudyState(finished=0, planned=4, answers=0)

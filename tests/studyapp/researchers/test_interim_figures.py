@@ -144,7 +144,7 @@ def test_the_process_returns_documents_or_a_reason(
 ) -> None:
     answer_study(tiny_study, people=3, stop_after=2)
     monkeypatch.chdir(tiny_study)
-    # What lies where the server was started is not to be taken for a package.
+    # Files in the server's working directory must not be imported.
     (tiny_study / "analysis.py").write_text("raise SystemExit(5)", "utf-8")
     process = FigureProcess(tiny_study, sqlite_url(tiny_study / "responses.db"))
 

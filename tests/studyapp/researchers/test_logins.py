@@ -96,7 +96,7 @@ def test_too_many_attempts_block_even_the_right_password_for_a_while(door: Door)
     with pytest.raises(TooManyAttemptsError):
         door.enter()
     door.enter(address=ELSEWHERE)
-    # Nor does a clock that was set back lock anybody out for longer.
+    # A clock that was set back does not extend the lockout.
     door.clock.advance(hours=-1)
     door.enter()
     door.clock.advance(hours=1, seconds=1)

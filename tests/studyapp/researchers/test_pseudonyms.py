@@ -68,5 +68,5 @@ def test_a_person_who_came_twice_has_one_pseudonym_and_two_sessions() -> None:
 
 
 def test_the_pseudonym_is_the_documented_function() -> None:
-    # HMAC-SHA256 under 32 zero bytes of '["visit", "v"]', computed apart with openssl.
+    # HMAC-SHA256 under 32 zero bytes of '["visit", "v"]', computed with openssl.
     assert PseudonymKey(bytes(32)).pseudonym(person(visit="v")) == "pxajyqmjznczyflmy"

@@ -26,7 +26,7 @@ Answered = Callable[..., StudyFolder]
 
 @pytest.fixture(autouse=True)
 def at_home(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Keep to the database beside the study, and spare parts of fonts that nobody prints."""
+    """Use the database beside the study, and skip font subsets, which only printing needs."""
     monkeypatch.delenv("DATABASE_URL", raising=False)
     monkeypatch.setitem(style.STYLE, "pdf.fonttype", 3)
 

@@ -1,4 +1,4 @@
-"""Reports say which looks at results there were before, and are looks themselves."""
+"""Reports list earlier looks at results, and are looks themselves."""
 
 from __future__ import annotations
 

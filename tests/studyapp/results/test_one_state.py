@@ -76,7 +76,7 @@ def test_a_withdrawal_during_reading_is_seen_everywhere_or_nowhere(
 
 @contextmanager
 def leaving_at_first_sight(database: Database, token: str) -> Iterator[list[str]]:
-    """Let a participant withdraw right after anybody has first read of study sessions."""
+    """Let a participant withdraw right after study sessions were first read."""
     left: list[str] = []
 
     def leave(_connection: Any, _cursor: Any, statement: str, *_rest: Any) -> None:

@@ -29,7 +29,7 @@ def folder(
 
 @pytest.fixture(scope="module")
 def path(folder: StudyFolder) -> Path:
-    """Return the report alone, beside no other file."""
+    """Return the report in a folder without other files."""
     return Path(shutil.move(report(folder, with_motion=True), folder.root.parent))
 
 
@@ -69,7 +69,7 @@ def test_the_page_has_only_scripts_allowed_by_its_policy(page: BeautifulSoup) ->
 
 
 def test_pairs_with_missing_motion_are_named(answered: Answered) -> None:
-    # Of a mismatch study, the pairs are those of its second task.
+    # A mismatch study plays the pairs of its second task.
     folder = with_motion(answered("mismatch", people=3), "ours")
 
     section = opened(report(folder, with_motion=True)).select_one("#motion")

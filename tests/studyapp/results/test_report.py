@@ -30,7 +30,7 @@ def results_of(page: Path) -> dict[str, Any]:
 
 
 def without_scales(conditions: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return means and all else that no scale limits."""
+    """Return means and other numbers that no scale limits."""
     limited = ("low", "high", "counts", "at_least")
     return [{key: one[key] for key in one if key not in limited} for one in conditions]
 
@@ -53,7 +53,7 @@ def test_a_study_and_its_reports_table_give_the_same_results(
     of_study = results_of(page)
     rows = pd.read_csv(table)
     if "condition" in rows:
-        # A table names conditions in the order of its rows, a study in that of its file.
+        # A table's conditions are in the order of its rows, a study's in that of its file.
         rows = rows.sort_values(
             "condition", kind="stable", key=lambda names: names.map(ORDER.index)
         )

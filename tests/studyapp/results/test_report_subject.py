@@ -72,7 +72,7 @@ def test_without_videos_a_sentence_says_so(tiny_study: Path) -> None:
 
 
 def left_edge(picture: np.ndarray) -> int:
-    """Return where the dark block begins."""
+    """Return the position of the dark block."""
     return int(np.flatnonzero(picture[60, :, 0] < 120)[0])
 
 

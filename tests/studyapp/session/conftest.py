@@ -20,7 +20,7 @@ Open = Callable[..., Participant]
 def open_changed(tiny_study: Path, database: Database, clock: SetClock) -> Open:
     """Return a function that opens the tiny study, changed as `redefine` does.
 
-    It returns somebody who has not arrived yet.
+    It returns a participant who has not arrived yet.
     """
 
     def make(*changes: tuple[str, str], added: str = "") -> Participant:

@@ -1,4 +1,4 @@
-"""Server processes that do what they are told, at the same moment as each other."""
+"""Server processes that act on command, at the same moment."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Done:
 
 @dataclass(frozen=True, kw_only=True)
 class Round:
-    """What one process is to do on a study, while the others do the like."""
+    """The actions of one process on a study, while the others act too."""
 
     url: str
     moment: datetime
@@ -80,7 +80,7 @@ def crowd(size: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def do_at_once(processes: ProcessPoolExecutor, rounds: Sequence[Round]) -> list[Done]:
-    """Let each process do one of `rounds`, and return all that came of them."""
+    """Let each process do one of `rounds`, and return all results."""
     return [done for each in processes.map(do_round, rounds) for done in each]
 
 

@@ -1,4 +1,4 @@
-"""What is stored of study sessions, and a ledger of places that is kept by hand beside it."""
+"""Stored study sessions, and an independent ledger of places."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ class Person:
 
 @dataclass(kw_only=True)
 class Ledger:
-    """Who holds which place."""
+    """The holder of each place."""
 
     arms: Collection[str]
     places: int
@@ -127,7 +127,8 @@ class Ledger:
         return {name: sum(arm == name for arm, _ in held) for name in self.arms}
 
     def silent(self, now: datetime) -> set[PlaceKey]:
-        """Return the places of the unfinished who have done nothing for longer than the lease."""
+        """Return the places of unfinished participants who were inactive for longer than the
+        lease."""
         since = now - timedelta(minutes=LEASE_MINUTES)
         return {
             place
@@ -140,7 +141,7 @@ class Ledger:
         return self.holders.get(person.place) is person
 
     def come_back(self, person: Person) -> bool:
-        """Give who returns the place if it is free and wanted; tell whether they have it."""
+        """Give a returner the place if it is free and required; return whether they have it."""
         free = person.place not in self.holders
         if free and not person.over and self.counts()[person.place[0]] < self.places:
             self.holders[person.place] = person

@@ -74,7 +74,7 @@ def test_a_name_alone_has_to_wait_and_never_gets_the_code(
     returning = participant.another().arrive(replace(named, token=owner.token))
     assert returning.token == owner.token
 
-    # Whoever goes on after a long pause cannot withdraw in the owner's name.
+    # Somebody who continues after a long pause without proof cannot withdraw.
     other = replace(named, recruiter_participant="q")
     silent = participant.another().arrive(other)
     clock.advance(minutes=46)

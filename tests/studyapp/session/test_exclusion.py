@@ -1,4 +1,4 @@
-"""Whoever fails too much leaves the place to somebody else, where the study says so."""
+"""A participant who fails too many checks frees the place, if the study says so."""
 
 from __future__ import annotations
 

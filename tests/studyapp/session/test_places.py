@@ -1,4 +1,4 @@
-"""Places when people are at work, come back, and when other numbers of them are wanted."""
+"""Places of active and returning participants, and changes of their number."""
 
 from __future__ import annotations
 

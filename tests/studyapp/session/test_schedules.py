@@ -1,4 +1,4 @@
-"""Whatever participants do in whatever order, the places come to what the ledger says."""
+"""Places match the ledger after any sequence of participants' actions."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ WHO = st.integers(min_value=0, max_value=100)
 
 
 class Schedule(RuleBasedStateMachine):
-    """Arrivals, answers, pauses, returns, withdrawals, and changes of how many are wanted."""
+    """Arrivals, answers, pauses, returns, withdrawals, and changes of the number of places."""
 
     def __init__(self, database: Database) -> None:
         super().__init__()
@@ -51,7 +51,7 @@ class Schedule(RuleBasedStateMachine):
 
     @rule()
     def arrive(self) -> None:
-        """A newcomer gets a place in a least filled arm, and nobody who is silent counts."""
+        """A newcomer gets a place in a least filled arm, not counting inactive participants."""
         self.arrivals += 1
         name, ledger = f"person {self.arrivals}", self.ledger
         silent = ledger.silent(self.clock.now())
@@ -101,7 +101,7 @@ class Schedule(RuleBasedStateMachine):
         self.look(self.person(who))
 
     def look(self, person: Person) -> bool:
-        """Look at where `person` stands, and tell whether they may go on."""
+        """View the page of `person`, and return whether they may continue."""
         situation = self.browser(person).look()
         if person.withdrawn:
             assert situation.state == "withdrawn"
@@ -140,7 +140,7 @@ class Schedule(RuleBasedStateMachine):
     @precondition(lambda self: self.people)
     @rule(who=WHO)
     def answer_an_old_page(self, who: int) -> None:
-        """Who answers after a pause keeps the place if it is free, else nothing is stored."""
+        """An answer after a pause keeps the place if it is free; otherwise nothing is stored."""
         person = self.person(who)
         if person.over or person.shown <= len(person.answers):
             return

@@ -53,7 +53,7 @@ def rounds(deeds: Sequence[Deed]) -> st.SearchStrategy[Plan]:
 def fills(sessions: Sessions, *, since: datetime | None = None) -> list[int]:
     """Return how many places of each arm are held, the fewest first.
 
-    With `since`, the places of the unfinished who have done nothing since then are left out.
+    With `since`, places of unfinished participants who were inactive since then are left out.
     """
     counts = Counter(
         each.place[0]
@@ -65,7 +65,7 @@ def fills(sessions: Sessions, *, since: datetime | None = None) -> list[int]:
 
 
 def filled_up(counts: Sequence[int], newcomers: int) -> list[int]:
-    """Return what becomes of `counts` when each newcomer goes where there are fewest."""
+    """Return `counts` after each newcomer has gone where there are fewest."""
     filled = list(counts)
     for _ in range(newcomers):
         filled[filled.index(min(filled))] += 1
@@ -95,7 +95,7 @@ def check(before: Sessions, after: Sessions, done: list[Done]) -> None:
         if who is not None and deed.outcome == "answered":
             assert who.answers[deed.trial] == [deed.value]
         if who is not None and deed.outcome in ("answered", "going on"):
-            # They were there in this round: nobody took their place for silent.
+            # They were there in this round: their place did not count as inactive.
             assert who.place is not None or who.is_withdrawn
     if any(deed.outcome == "full" for deed in done):
         left = sum(deed.outcome == "withdrawn" for deed in done)

@@ -1,4 +1,4 @@
-"""The design of a study that people have taken part in stays as it is, or becomes a new version."""
+"""A design in which people have taken part stays unchanged or becomes a new version."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ def record_of(participant: Participant) -> WatchRecord:
 
 @pytest.fixture
 def watcher(participant: Participant) -> Participant:
-    """Return a participant who has had the first trial before them for a long time."""
+    """Return a participant who has had the first trial open for a long time."""
     participant.look()
     participant.clock.advance(seconds=1000)
     return participant

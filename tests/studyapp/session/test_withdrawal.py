@@ -41,7 +41,7 @@ def begun(open_changed: Open, request: pytest.FixtureRequest) -> Participant:
 
 
 def take_part(participant: Participant, arrival: Arrival) -> Participant:
-    """Let somebody answer a trial, and be refused once."""
+    """Let a participant answer a trial, and cause one refusal."""
     participant.arrive(arrival).begin().take_trial()
     refusal = ConflictError("No.", "Try again.")
     log_refusal(participant.database, participant.token, "answers", refusal, participant.clock)

@@ -23,7 +23,7 @@ FACTS = ("--speaker", "ada", "--emotion", "anger")
 
 @pytest.fixture
 def source(tmp_path: Path) -> Path:
-    """Return a folder of a take, speech alone, motion of both, and a video."""
+    """Return a folder with a take, speech alone, motion of both, and a video."""
     place = tmp_path / "source"
     for name in ("ground_truth", "ours", "filmed"):
         (place / name).mkdir(parents=True)
@@ -39,7 +39,7 @@ def source(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def folder(folder: StudyFolder) -> StudyFolder:
-    """Return a study in which finished videos may stand beside each other."""
+    """Return a study that compares finished videos."""
     text = folder.definition.read_text("utf-8")
     folder.definition.write_text(f'layout = "players"\n{text}', "utf-8")
     return folder

@@ -41,7 +41,7 @@ def test_every_video_is_stored_as_often_as_a_participant_sees_it(
 ) -> None:
     done = publish(StudyFolder(tiny_study), place_in(s3_store), silent)
 
-    # Sixteen videos; the practice trial's comes again at the end.
+    # Sixteen videos; the practice trial's video comes again at the end.
     assert done == Publication(stored=32, kept=0, unused=())
     assert names_of(tiny_study) == set(s3_store.objects)
     served = ServedStudy.read(tiny_study)
@@ -68,7 +68,7 @@ def test_neither_names_nor_storage_order_reveal_anything(tiny_study: Path, s3_st
     videos = videos_of(tiny_study).values()
     by_record = [video.names[which] for which in (0, 1) for video in videos]
     assert sorted(by_age) == sorted(by_record)
-    # By chance once in 10^35: 32 names have so many orders.
+    # By chance once in 10^35: the number of orders of 32 names.
     assert by_age not in (by_record, sorted(by_record))
 
 
@@ -89,7 +89,7 @@ def test_an_interrupted_run_resumes_and_a_second_run_does_nothing(
 
 
 def test_rendering_one_video_again_republishes_all(tiny_study: Path, s3_store: Store) -> None:
-    """Stored alone, its age would tell its condition."""
+    """If stored alone, its age would reveal its condition."""
     folder = StudyFolder(tiny_study)
     publish(folder, place_in(s3_store), silent)
     before = names_of(tiny_study)

@@ -1,4 +1,4 @@
-"""Finished videos of any tool reach participants alike in all but picture and sound."""
+"""Finished videos of any tool reach participants equal except in picture and sound."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def usual(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def study(tmp_path: Path, usual: Path) -> Callable[..., StudyFolder]:
-    """Return a function that makes a study in which one video of 'ours' is another one."""
+    """Return a function that makes a study with one video of 'ours' replaced."""
 
     def make(protocol: str = "rating", ours: Told | None = None) -> StudyFolder:
         write_finished_study(tmp_path, protocol, usual)

@@ -58,7 +58,7 @@ def test_each_template_follows_its_published_design(
 
 
 def restricted(value: Any, like: Any) -> Any:
-    """Return those keys of `value` that `like` has, however nested."""
+    """Return the keys of `value` that `like` has, at any depth."""
     if isinstance(like, dict):
         return {key: restricted(value[key], inner) for key, inner in like.items()}
     if isinstance(like, list):
@@ -75,7 +75,7 @@ def test_the_chosen_settings_are_written_into_the_file(tmp_path: Path) -> None:
     assert study.conditions["static"].generator == "static"
     assert study.conditions["mismatched"].source == "static"
     for name in ("ground_truth", "diffsheg"):
-        # What no generator makes is expected as files; few trials leave room beside practice.
+        # Motion without a generator is expected as files; few trials leave speech for practice.
         study = new_study(tmp_path / f"{name}.toml", name="s", reference=name, trials=2)
         assert isinstance(study, PairwiseStudy)
         assert (study.conditions[name].generator, study.practice) == (None, 1)

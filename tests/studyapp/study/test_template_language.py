@@ -22,7 +22,7 @@ def made(path: Path, template: str, language: Any) -> tuple[Study, str]:
 
 
 def read_by_participants(text: str) -> dict[str, str]:
-    """Return every text for participants in a study file, by what it is."""
+    """Return every text for participants in a study file, by its role."""
     study = tomllib.loads(text)
     read = {"title": study["title"], "consent": study["page"]["consent"]}
     for question in study["questions"]:

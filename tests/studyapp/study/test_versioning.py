@@ -1,4 +1,4 @@
-"""What may change while a study runs, and which of it is noted."""
+"""Settings that may change while a study runs, and which changes are logged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A made-up language that brackets each text it is asked for: what stands outside is English."""
+"""A made-up language that brackets each text: what stands outside is English."""
 
 from __future__ import annotations
 

@@ -160,7 +160,7 @@ def test_a_token_outside_its_trial_is_answered_like_an_unknown_one(
 def steps(request: Request) -> list[str]:
     """Return which functions of the study app run, one after the other, to answer a request.
 
-    Left out is what is done once for each trial before: it tells the position alone.
+    Steps done once for each earlier trial are left out: they reveal only the position.
     """
     ran: list[str] = []
 

@@ -1,4 +1,4 @@
-"""Where participants come from: who is let in, and how they get back."""
+"""Where participants come from: admission, and the way back."""
 
 from __future__ import annotations
 
@@ -258,7 +258,7 @@ def test_an_invitation_admits_one_person_and_viewing_it_does_not_use_it_up(
     first = Visitor(app, clock).enrol(query)
 
     assert Visitor(app, clock).enrol(query).address == first.address
-    # Who did not understand the instructions cannot come back by it.
+    # People who did not understand the instructions cannot come back by it.
     wrong = {"form:judged": "the clothes"}
     tries = [first.client.post(f"{first.address}/begin", data=wrong) for _ in range(2)]
     assert [answer.status_code for answer in tries] == [422, 403]

@@ -77,7 +77,7 @@ def set_intake(app: Flask, state: IntakeState) -> None:
 
 
 def fill_places(app: Flask) -> None:
-    """Give every place to somebody."""
+    """Fill every place."""
     form = {"adult": "yes", "read": "yes"}
     site = site_of(app)
     for visit in "1234":

@@ -1,7 +1,7 @@
 """Every page of every study says everything in the language of the study, and says it well.
 
-A made-up language puts brackets around each text that it is asked for. What stands outside them
-would be English for everybody.
+A made-up language puts brackets around each text. What stands outside them would be English for
+everybody.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Videos from this server, through a proxy, or from a store: which bytes, and nothing they tell."""
+"""Videos from this server, through a proxy, or from a store: exact bytes, and nothing revealing."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from tests.support.studies.taking_part_steps import SetClock
 
 @pytest.fixture
 def address(app: Flask, clock: SetClock) -> str:
-    """Return where the present video of a participant is."""
+    """Return the address of a participant's current video."""
     Visitor(app, clock).enrol().begin().page()
     token = stored_in(app, select(Video.token).order_by(Video.id))[0]
     return f"/media/{token}.mp4"
@@ -180,13 +180,13 @@ def from_store(study: Path, store: Store, serve: Serve) -> Flask:
 
 
 def redirects(app: Flask, clock: SetClock) -> list[TestResponse]:
-    """Take the study to its end, and return what was said of each video, in order."""
+    """Take the study to its end, and return the response for each video, in order."""
     visitor = Visitor(app, clock).enrol().begin()
     responses = []
     for page in visitor.take_trials():
         for video in page.soup.select("video"):
             responses.append(visitor.client.get(str(video["src"])))
-            # Loaded again, a video stays where it is.
+            # Reloading a video does not change its address.
             again = visitor.client.get(f"{video['src']}?again=1").location
             assert urlsplit(again).path == urlsplit(responses[-1].location).path
     return responses
@@ -215,7 +215,7 @@ def test_repeated_trials_look_like_new_ones(from_store: Flask, clock: SetClock) 
 
 
 def require_alike(answers: list[TestResponse]) -> None:
-    """Require that addresses differ in name, moment and signature alone, and headers in nothing."""
+    """Require that addresses differ only in name, time and signature, and headers not at all."""
     parts = [urlsplit(answer.location) for answer in answers]
     assert len({(each.netloc, len(each.path), len(each.query)) for each in parts}) == 1
     for each in parts:

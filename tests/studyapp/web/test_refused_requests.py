@@ -1,4 +1,4 @@
-"""What is refused to a participant is noted, without a token, and counts for nothing else."""
+"""Refusals are logged without tokens, and have no other effect."""
 
 from __future__ import annotations
 

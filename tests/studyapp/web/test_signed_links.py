@@ -1,4 +1,4 @@
-"""Who comes is believed where Prolific signed it, for this host and not long ago."""
+"""A name is accepted if Prolific signed it recently for this host."""
 
 from __future__ import annotations
 

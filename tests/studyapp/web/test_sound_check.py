@@ -1,4 +1,4 @@
-"""The sound check's page: only listening tells the digits."""
+"""The sound check's page: only listening reveals the digits."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def visitor(listening: Flask) -> Visitor:
 
 def test_page_and_headers_do_not_depend_on_the_digits(listening: Flask, visitor: Visitor) -> None:
     source = visitor.page().value("audio", "src")
-    # Some browsers play only what is sent in parts.
+    # Some browsers play only files that support byte ranges.
     whole = visitor.client.get(source).data
     part = visitor.client.get(source, headers={"Range": "bytes=0-1"})
     assert (part.status_code, part.data) == (206, whole[:2])

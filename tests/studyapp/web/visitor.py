@@ -1,4 +1,4 @@
-"""A participant's browser without scripts, and what the server has stored."""
+"""A participant's browser without scripts, and the stored data."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Visitor:
         return answer.status_code, PageReader(answer.text)
 
     def every_page(self) -> Iterator[PageReader]:
-        """Go through a whole study, whatever it asks; give also what is said to unusable forms."""
+        """Go through a whole study of any kind; also return the responses to invalid forms."""
         page = PageReader(self.client.get(self.first_page).text)
         for _ in range(MOST_PAGES):
             yield page
@@ -87,7 +87,7 @@ class Visitor:
         raise AssertionError(f"no end after {MOST_PAGES} pages")
 
     def _next(self, page: PageReader) -> Generator[PageReader, None, PageReader]:
-        """Yield what is said to an unusable form, and return the page after a good one."""
+        """Yield the responses to invalid forms, and return the page after a valid one."""
         answers = filled(page)
         if page.soup.select("#sound-check"):
             answers["digits"] = self._digits()

@@ -1,4 +1,4 @@
-"""The mark of a test whose statements both databases must understand alike."""
+"""The mark of a test whose statements must work on both databases."""
 
 from __future__ import annotations
 

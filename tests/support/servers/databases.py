@@ -38,7 +38,7 @@ class FreshDatabase:
 
     @property
     def crash(self) -> Callable[[], None] | None:
-        """What kills the database's server and starts it again, if it has one."""
+        """Kills and restarts the database's server, if it has one."""
         if self.server is None:
             return None
         server = self.server

@@ -1,4 +1,4 @@
-"""What a simulated participant needs of a page, found without taking the page apart.
+"""What a simulated participant needs of a page, found without parsing it.
 
 A rehearsal reads pages as a person would and says what they lack, which takes 5 ms a page, longer
 than the server needs to make it. Where the server is measured, 0.06 ms must do: only the next step
@@ -21,7 +21,7 @@ FORM_END: Final = "</form>"
 
 @dataclass(frozen=True, kw_only=True)
 class SeenVideo:
-    """A player: where its file is, where what was played is reported, and its length."""
+    """A player: the addresses of its file and of its watch reports, and its length."""
 
     source: str
     watched_address: str
@@ -60,13 +60,13 @@ def seen_videos(page: str) -> tuple[SeenVideo, ...]:
 
 
 def seen_files(page: str) -> tuple[str, ...]:
-    """Return where the style and the scripts of `page` are."""
+    """Return the addresses of the style and the scripts of `page`."""
     tags = [_attributes(text) for kind, text in TAG.findall(page) if kind in ("link", "script")]
     return tuple(tag.get("src") or tag["href"] for tag in tags if "src" in tag or "href" in tag)
 
 
 def seen_form(page: str) -> SeenForm | None:
-    """Return the form that leads on from `page`, None where there is none.
+    """Return the form that leads on from `page`, if there is one.
 
     On a trial's page that is the one with the answers; elsewhere the first one that is sent.
     """

@@ -1,5 +1,5 @@
 """A store on this machine that is as strict as S3: it checks signatures (AWS Signature Version 4),
-their age and digests, and keeps what it was asked.
+their age and digests, and records requests.
 
 It knows one bucket, by path.
 """
@@ -51,7 +51,7 @@ class Store:
     Attributes
     ----------
     origins : list of str
-        Whose pages may load from it.
+        Origins whose pages may load from it.
     asked : list of tuple
         Method, address and headers of every request.
     public : bool
@@ -142,7 +142,7 @@ class _Handler(BaseHTTPRequestHandler):
     do_GET = do_PUT = do_DELETE = do_HEAD = handle_one  # noqa: N815 - the library's names
 
     def _refusal(self, path: str, query: list[tuple[str, str]], body: bytes) -> str:
-        """Return why a request is refused; empty where it is signed well."""
+        """Return why a request is refused; empty if it is signed correctly."""
         given = dict(query)
         if "X-Amz-Signature" in given:
             moment, scope = given["X-Amz-Date"], given["X-Amz-Credential"].partition("/")[2]

@@ -22,7 +22,7 @@ from tests.support.servers.processes import children, cpu_seconds, is_running
 
 HOST: Final = "127.0.0.1"
 SPEED: Final = 10_000.0
-"""How much faster than real the server's clock runs: nobody waits until a video is over."""
+"""How much faster than real the server's clock runs: nobody waits for the end of a video."""
 
 WAIT_SECONDS: Final = 60.0
 PAUSE: Final = 0.05
@@ -122,7 +122,7 @@ class StudyServer:
     def kill_arbiter(self) -> None:
         """Kill the process that starts the workers, and wait until they have ended too.
 
-        They notice by themselves that nobody looks after them.
+        They notice by themselves that their parent is gone.
         """
         orphans = self.workers
         if self._arbiter is not None:

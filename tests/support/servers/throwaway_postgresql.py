@@ -57,7 +57,7 @@ class ThrowawayPostgresql:
     url : str
         Address of an empty database, for SQLAlchemy with psycopg.
     folder : Path
-        Holds all that the server writes.
+        Contains all files of the server.
     process : Popen
         The server; its `pid` is that of the process that starts all others.
     """
@@ -239,7 +239,7 @@ def throwaway_postgresql(*, durable: bool = True) -> Iterator[ThrowawayPostgresq
 
 
 def _owner() -> dict[str, Any]:
-    """Return how a process is started as somebody else than root, whom PostgreSQL refuses."""
+    """Return how to start a process as a user other than root, whom PostgreSQL refuses."""
     if os.geteuid() != 0:
         return {}
     names = {entry.pw_name: entry.pw_gid for entry in pwd.getpwall()}

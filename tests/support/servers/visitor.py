@@ -79,12 +79,12 @@ class Visitor:
     wire : Wire
         Its connection.
     ledger : Ledger
-        Where it notes what it sees.
+        Where it records what it sees.
     chance : Random
         Decides its answers.
     patient : bool
         Whether it sends a request again when the server goes away or fails, as a page's script
-        does; else that is an error.
+        does; otherwise that is an error.
     in_real_time: bool
         Whether it takes the time that people take to read, to watch and to answer.
     """
@@ -173,7 +173,7 @@ class Visitor:
             )
 
     async def _spend(self, least: float, most: float = 0.0) -> None:
-        """Let as many seconds pass as a person needs, from `least` to `most`."""
+        """Wait a person's time, from `least` to `most` seconds."""
         if self.in_real_time:
             await asyncio.sleep(self.chance.uniform(least, max(least, most)))
 

@@ -35,7 +35,7 @@ class Reply:
 
 
 class Wire:
-    """A connection that is opened when it is needed, and again when the server has closed it."""
+    """A connection that is opened on demand, and again after the server has closed it."""
 
     def __init__(self, host: str, port: int) -> None:
         self._host, self._port = host, port
@@ -61,7 +61,7 @@ class Wire:
         return await self._ask("GET", path, headers, b"")
 
     async def post(self, path: str, body: bytes, kind: str, accept: str = "text/html") -> Reply:
-        """Send `body`, which is of `kind`, to `path`."""
+        """Send `body` of the content type `kind` to `path`."""
         return await self._ask("POST", path, {"Content-Type": kind, "Accept": accept}, body)
 
     async def post_form(self, path: str, fields: Mapping[str, str]) -> Reply:

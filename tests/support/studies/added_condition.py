@@ -31,7 +31,7 @@ def add_condition(folder: Path) -> None:
 
 
 def make_videos_anew(folder: Path) -> None:
-    """Say of every pair that it is made from something else now."""
+    """Change the recorded sources of every pair."""
     stimuli = read_stimuli(folder / "stimuli.json")
     pairs = tuple(pair.model_copy(update={"key": f"{pair.key} anew"}) for pair in stimuli.pairs)
     write_stimuli(folder / "stimuli.json", stimuli.model_copy(update={"pairs": pairs}))

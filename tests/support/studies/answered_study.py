@@ -1,4 +1,4 @@
-"""Participants who answer a whole study by chance, straight through the services."""
+"""Participants who answer a whole study at random, without the web server."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import tomlkit
 
 @contextmanager
 def edited(definition: Path) -> Iterator[tomlkit.TOMLDocument]:
-    """Give the keys of a study file, which is written again at the end of the block."""
+    """Give the keys of a study file, and write them back at the end of the block."""
     document = tomlkit.parse(definition.read_text("utf-8"))
     yield document
     definition.write_text(tomlkit.dumps(document), "utf-8")

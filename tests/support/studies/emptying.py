@@ -7,7 +7,7 @@ from studyapp.database.tables import Base
 
 
 def empty(database: Database) -> None:
-    """Empty all tables and count from one again; much faster than making a new database."""
+    """Empty all tables and reset their counters; much faster than making a new database."""
     names = [table.name for table in reversed(Base.metadata.sorted_tables)]
     with database.writing() as session:
         connection = session.connection()

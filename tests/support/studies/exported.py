@@ -1,4 +1,4 @@
-"""The tables that an export is made of, read from one state of a database."""
+"""The tables of an export, read from one state of a database."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from studyapp.results.stored_answers import stored_answers
 
 
 def responses_table(session: Session, *, withdrawn: bool = False) -> pd.DataFrame:
-    """Return every answer, or every one that was kept of who withdrew."""
+    """Return every answer, or every kept one of withdrawn participants."""
     return answers_table(stored_answers(session, withdrawn=withdrawn, in_full=True))
 
 

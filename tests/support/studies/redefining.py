@@ -1,4 +1,4 @@
-"""Studies of tests, changed where one test needs them otherwise."""
+"""Changes to the studies of tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All that a database holds, to tell whether anything was stored or changed."""
+"""The whole content of a database, to check whether anything was stored or changed."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ FILLING: Final = {
 
 
 def filled(table: type[Row], **values: Any) -> Row:
-    """Return a row of what is given, and of anything in other columns that may not be empty."""
+    """Return a row of the given values, with anything in other columns that may not be empty."""
     fillings = {
         column.name: FILLING[type(column.type).__name__]
         for column in table.__table__.columns

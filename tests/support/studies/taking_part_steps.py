@@ -57,7 +57,7 @@ class Participant:
     token: str = ""
 
     def another(self) -> Participant:
-        """Return somebody who has not come yet."""
+        """Return a participant who has not arrived yet."""
         return Participant(self.database, self.served, self.clock)
 
     def enrol(self, name: str = "visit") -> Participant:
@@ -103,7 +103,7 @@ class Participant:
         content_to_send(self.database, video_token, self.clock)
 
     def leave_out(self, media_error: str = "4") -> None:
-        """Say that the first video of the present trial does not play."""
+        """Report that the first video of the current trial does not play."""
         trial = self.trial()
         self.fetch(trial.videos[0].token)
         video = trial.videos[0].token
@@ -162,7 +162,8 @@ class Participant:
 
 @contextmanager
 def taking_part(folder: Path, file: str = "responses.db") -> Iterator[Participant]:
-    """Give somebody who has not come yet to the study in `folder`, whose answers go to `file`."""
+    """Give a participant who has not arrived yet at the study in `folder`, with answers in
+    `file`."""
     with opened(folder / file) as database:
         participant = Participant(database, ServedStudy.read(folder), SetClock())
         open_study(database, participant.served, participant.clock)

@@ -1,4 +1,4 @@
-"""A study of three comparisons, three short trials each, whose bookkeeping tests look at."""
+"""A study of three comparisons with three short trials each, for tests of bookkeeping."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ PRESENTATIONS: Final = 3
 def three_arms(places: int, *, withdrawn: str = "kept") -> ServedStudy:
     """Return a study of three arms with `places` places each.
 
-    Its participants see two main trials and a catch trial and need not play anything; who fails
-    the catch trial is replaced.
+    Its participants see two main trials and a catch trial and need not play anything; participants
+    who fail the catch trial are replaced.
     """
     study = make_study(
         conditions={"rule_based": {}, "mismatched": {}, "static": {}, "noisy": {}},

@@ -23,7 +23,7 @@ def test_the_page_shows_every_file_as_it_is_written() -> None:
 
 
 def commands_on_the_page() -> list[list[str]]:
-    """Return the words of every deploy command that the page tells to run."""
+    """Return the words of every deploy command on the page."""
     shell = "\n".join(
         block.body for block in fenced_blocks(TEXT) if block.language == "sh" and not block.words
     )

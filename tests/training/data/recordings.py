@@ -21,7 +21,7 @@ SKELETON: Skeleton = [
 ]
 
 DOWN = 40.0
-"""Degrees by which the right arm jumps down, and at the next moment up again."""
+"""Degrees by which the right arm jumps down, and in the next frame up again."""
 
 
 def is_down(moments: Sequence[float], frames: int, frame_rate: float) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Features of takes are computed once, and a broken take is skipped alone."""
+"""Features of takes are computed once, and only broken takes are skipped."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RATE = 15.0
 
 
 def takes_in(folder: Path, number: int = 4) -> TakeFolder:
-    """Return takes whose sound holds a digit that features are made of."""
+    """Return takes whose sound contains a digit, from which features are made."""
     folder.mkdir()
     result = []
     for index in range(number):

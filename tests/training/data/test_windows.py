@@ -30,7 +30,7 @@ from training.features import beat_expression, beat_gesture, mel, show_gesture
 
 
 def takes_of(*frames: int) -> PreparedTakes:
-    """Return takes whose feature holds take and frame; every third is for testing."""
+    """Return takes whose feature contains take and frame; every third is for testing."""
     takes = tuple(
         take_named(f"take{index}", split=SPLITS[index % 3]) for index in range(len(frames))
     )

@@ -1,4 +1,4 @@
-"""A training's loop: stopped anywhere it goes on to the same bytes, and its log with it."""
+"""A training's loop: stopped anywhere it resumes to the same bytes, and so does its log."""
 
 from __future__ import annotations
 

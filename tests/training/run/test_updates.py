@@ -142,7 +142,7 @@ IN_PASSES = TrainingConfig(
 
 @dataclass(frozen=True, kw_only=True)
 class Following(Line):
-    """A layer learns to say what the others say, which learn a line."""
+    """A layer learns the output of the others, which learn a line."""
 
     def losses_of(
         self, name: str, network: LineNetwork, rows: NDArray[np.int64]

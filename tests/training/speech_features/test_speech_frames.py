@@ -48,7 +48,7 @@ SPEECH = speech(3.3)
 
 @pytest.fixture(scope="module")
 def at_once(_short_training: None) -> SpeechFrames:
-    """Return the features of all speech at once, by as many threads as in the tests."""
+    """Return the features of all speech at once, with as many threads as in the tests."""
     return streamed([SPEECH])
 
 
@@ -133,7 +133,7 @@ def test_long_speech_is_never_encoded_at_once() -> None:
     assert sum(len(part) for part in parts) == round(200.2 * 15)
     assert max(network.seconds) == 68
     assert len(network.seconds) == 4
-    # Places count from where a part's hearing begins, 4 s before all but the first.
+    # Positions count from the start of a part's context, 4 s before all but the first.
     assert float(parts[0].hubert[0, 0]) == 0
     assert float(parts[1].hubert[0, 0]) == 4 * 50
 

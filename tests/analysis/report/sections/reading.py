@@ -19,12 +19,12 @@ def drawn(picture: Picture, place: int = 0) -> Tag:
 
 
 def words(picture: Picture) -> list[str]:
-    """Return what is written in a figure, from the one drawn first."""
+    """Return the texts of a figure in drawing order."""
     return [text.get_text() for text in drawn(picture)("text")]
 
 
 def hints(picture: Picture) -> list[str]:
-    """Return what a reader sees who points at a figure's parts, without the figure's own title."""
+    """Return the tooltips of a figure's parts, without the figure's title."""
     return [title.get_text() for title in drawn(picture)("title")][1:]
 
 
@@ -36,7 +36,7 @@ def told(picture: Picture) -> str:
 
 
 def bar(picture: Picture, row: int, count: int) -> tuple[list[tuple[float, float]], list[float]]:
-    """Return where a bar's parts begin and end, and how many percent of it each is."""
+    """Return start, end and percentage of a bar's parts."""
     parts = []
     for level in range(count):
         part = drawn(picture).find(id=f"{picture.name}-bar0-{row}-{level}")
@@ -59,5 +59,5 @@ def named_table(section: Section, name: str) -> Table:
 
 
 def texts(table: Table) -> list[list[str]]:
-    """Return what a table's cells say."""
+    """Return the texts of a table's cells."""
     return [[cell.text for cell in row] for row in table.rows]

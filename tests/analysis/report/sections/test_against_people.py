@@ -22,7 +22,7 @@ CONDITIONS = ("c00", "c01", "c02", "c03")
 
 
 def report(folder: Path, protocol: str, conditions: Sequence[str]) -> TableReport:
-    """Return what the section looks at, without the models that nothing here needs."""
+    """Return the section's input, without the models that nothing here needs."""
     rows = TABLES[protocol](conditions=conditions, segments=8)
     table = read_table(rows.assign(segment="s0" + rows["segment"].str[1:]), protocol, folder)
     answers = table.shown[table.shown["kind"].isin(ANALYSED_KINDS)].reset_index(drop=True)

@@ -27,7 +27,7 @@ Answered = Callable[..., tuple[str, str]]
 
 @pytest.fixture
 def answered(tmp_path: Path) -> Answered:
-    """Return what gives a table's answer in one sentence, and what is said of its certainty."""
+    """Return a table's answer in one sentence, and the remarks on its certainty."""
 
     def read(table: pd.DataFrame, protocol: str, **settings: float) -> tuple[str, str]:
         report = report_of(table, protocol, tmp_path, **settings)

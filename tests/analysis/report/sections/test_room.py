@@ -1,4 +1,4 @@
-"""Nothing written in a figure is cut off, and no words lie on others."""
+"""No text in a figure is cut off or overlaps another."""
 
 from __future__ import annotations
 

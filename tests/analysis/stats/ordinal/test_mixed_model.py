@@ -73,7 +73,7 @@ def test_starting_from_a_subsample_reaches_the_same_maximum(
 
 def test_a_variance_at_its_boundary_is_reported() -> None:
     made = made_answers()
-    # Two items about which everybody answers alike differ less than chance would make them.
+    # Two items with identical answers differ less than by chance.
     alike = RandomEffect(
         name="item", groups=np.repeat([0, 1], len(made.side)), multiplier=np.tile(made.side, 2)
     )

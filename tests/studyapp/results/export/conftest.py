@@ -38,6 +38,6 @@ def answered(recruited_once: Callable[[str], Path], tmp_path: Path) -> Callable[
 
 
 def _recruit(root: Path) -> None:
-    """Let somebody come by a recruiter's link, say something, and look at the first trial."""
+    """Let somebody arrive by a recruiter's link, fill in a form, and view the first trial."""
     with taking_part(root) as participant:
         participant.arrive(Arrival(**SAID)).begin().look()

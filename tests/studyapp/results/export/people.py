@@ -1,4 +1,4 @@
-"""Who takes part in the studies that are exported, and what would give them away."""
+"""Participants of the exported studies, and data that would identify them."""
 
 from __future__ import annotations
 
@@ -33,13 +33,14 @@ SAID: dict[str, Any] = {
     "recruiter_session": "recruiters-session",
     "form": {"comment": FORMULA, "hearing": "yes"},
 }
-"""The third participant, who came by name."""
+"""The third participant, who was sent by name."""
 
 NAMES = tuple(value for value in SAID.values() if isinstance(value, str))
 
 
 def secrets_of(folder: StudyFolder) -> set[str]:
-    """Return everything by which somebody who reads a table could find or be a participant."""
+    """Return everything with which a reader of a table could identify or impersonate a
+    participant."""
     with reading(folder.responses) as session:
         found = {
             *session.scalars(select(StudySession.token)),
@@ -53,5 +54,5 @@ def secrets_of(folder: StudyFolder) -> set[str]:
 
 
 def text_of(files: list[Path]) -> str:
-    """Return what stands in files, as far as it is text."""
+    """Return the text of all text files."""
     return "\n".join(path.read_bytes().decode("utf-8", "replace") for path in files)

@@ -27,7 +27,7 @@ Answered = Callable[[str], StudyFolder]
 def passed_on(
     recruited_once: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[StudyFolder, Path]:
-    """Return a study, and a folder for another lab that nobody changes."""
+    """Return a study, and a folder for another lab that tests do not change."""
     root = tmp_path_factory.mktemp("passed-on")
     folder = StudyFolder(root / "study")
     shutil.copytree(recruited_once("pairwise"), folder.root)
@@ -61,7 +61,7 @@ def test_a_shared_folder_identifies_nobody(
     text = text_of(files_of(out))
     assert {name for name in (*NAMES, *secrets_of(folder)) if name in text} == set()
     assert FORMULA not in text
-    # When somebody took part leads to them.
+    # The time of participation could identify a person.
     assert not re.search(r"20\d\d-\d\d-\d\dT", text)
     share(folder, tmp_path / "with", free_text=True)
     form = pd.read_csv(tmp_path / "with" / "phenotype" / "form.tsv", sep="\t")
@@ -178,7 +178,7 @@ MATERIAL = (
     "evaluators/emotion.safetensors",
     "matrix.npy",
 )
-"""What metrics are measured from, beside the speech."""
+"""Inputs of metrics except the speech."""
 
 ELSE = ("responses.db", "pseudonyms.key", "report/results.json", "motion/unused/take-0.npz")
 

@@ -42,7 +42,7 @@ def read(folder: Path, table: TableColumns = ANSWERS) -> pd.DataFrame:
 
 @pytest.fixture(scope="module")
 def made(recruited_once: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) -> Made:
-    """Return a study and all that is exported of it, which nobody changes."""
+    """Return a study and its complete export, which tests do not change."""
     root = tmp_path_factory.mktemp("exported")
     folder = StudyFolder(shutil.copytree(recruited_once("pairwise"), root / "study"))
     out = root / "out" / "answers.csv"

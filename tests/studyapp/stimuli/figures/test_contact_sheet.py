@@ -43,7 +43,7 @@ def kept_cells(study: StudyFolder) -> dict[Path, int]:
 
 
 def with_key(study: StudyFolder, *changed: ClipVideo) -> None:
-    """Record that clips were rendered anew."""
+    """Record that clips were rendered again."""
     stimuli = read_stimuli(study.stimuli)
     clips = [
         clip.model_copy(update={"key": f"{clip.key} anew"}) if clip in changed else clip
@@ -82,7 +82,7 @@ def test_the_sheet_shows_each_segment_in_each_condition_and_draws_only_what_chan
 
 
 def motion_links(page: Path) -> dict[str, str]:
-    """Return where the sheet leads to from each segment that has motion."""
+    """Return the sheet's link for each segment with motion."""
     soup = BeautifulSoup(page.read_text("utf-8"), "html.parser")
     return {
         row.select("b")[0].text: str(link["href"])

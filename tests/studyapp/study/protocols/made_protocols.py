@@ -73,7 +73,7 @@ KEYS: dict[str, dict[str, Any]] = {
         ],
     },
 }
-"""What the study file of each protocol says beside what all say."""
+"""The keys of each protocol's study file, added to the common ones."""
 
 
 def make(protocol: str, **changes: Any) -> Study:

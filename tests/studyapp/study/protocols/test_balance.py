@@ -1,4 +1,4 @@
-"""What each protocol's plan balances, over many places, and what it leaves to chance."""
+"""What each protocol's plan balances over many places, and what it leaves to chance."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def spread(counted: Iterable[Hashable], among: Iterable[Hashable]) -> int:
 
 
 def spread_of_speech(trials: Iterable[PlannedTrial]) -> int:
-    """Return by how much the most and the least heard segment of an emotion differ."""
+    """Return the difference between the most and the least used segment of an emotion."""
     heard = [trial.segment for trial in trials]
     return max(
         spread(heard, [segment for segment in SEGMENTS if segment.emotion == emotion])

@@ -104,5 +104,5 @@ def test_adaptive_pairs_are_the_most_uncertain_ones() -> None:
 
     assert len(set(most_informative_pairs(names, {}, 6, chance))) == 6
     assert ("a", "b") not in most_informative_pairs(names, often, 4, chance)
-    # Neighbours tell more than extremes.
+    # Neighbours are more informative than extremes.
     assert ("a", "d") not in most_informative_pairs(names, unequal, 6, chance)

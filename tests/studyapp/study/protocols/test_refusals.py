@@ -1,4 +1,4 @@
-"""What does not fit a protocol is named, and what there is too little speech for is told."""
+"""Mismatches with a protocol and too little speech are reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The exclusion rules of a study file: read, settled, refused where they contradict themselves."""
+"""The exclusion rules of a study file: reading, defaults, and refusal of contradictions."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def written(study: Study) -> list[str]:
             {},
             ["coverage<0.9", "catch>1", "time<8,share=0.5"],
         ),
-        # The number of a catch rule may stand in either place, or in both.
+        # The number of a catch rule may be in either place, or in both.
         ([{"rule": "catch"}], {"max_failed": 0}, {}, ["catch>0"]),
         ([{"rule": "catch", "more_than": 0}], {"max_failed": 0}, {}, ["catch>0"]),
     ],

@@ -18,7 +18,7 @@ NAMES = {"owner": "Ada", "analyst": "Charles", "viewer": "Mary"}
 
 @dataclass(frozen=True)
 class LogIn:
-    """Logs somebody of a role in, in a browser of their own, at a study's pages."""
+    """Logs somebody with a role in to a study's pages, in a separate browser."""
 
     app: Flask
     stored: Database

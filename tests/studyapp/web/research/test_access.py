@@ -1,4 +1,4 @@
-"""Every page of researchers, for every role and for nobody, and what strangers store or ask."""
+"""Every page of researchers for every role and without a login, and strangers' input."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ owner   POST     /researchers/<researcher_id>/shut-out
 owner   POST     /researchers/<researcher_id>/let-in
 owner   POST     /links/<link_id>/take-back
 """
-"""The least role for each page, written down apart from the code."""
+"""The lowest role for each page, independent of the code."""
 
 MAY = {
     (method, f"/research{rule}"): set(ROLES[ROLES.index(role) :])

@@ -1,4 +1,4 @@
-"""Researchers turn a trial's motion around, and learn no more of it than the page before told."""
+"""Researchers view a trial's motion in 3D, and learn nothing beyond the page before."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def viewer(app: Flask, log_in: LogIn, clock: SetClock, tiny_study: Path) -> Rese
 
 
 def scene(browser: ResearchBrowser, page: str) -> dict[str, Any]:
-    """Return what the viewer of a page gets."""
+    """Return the data for a page's viewer."""
     answer = browser.client.get(browser.get(page).value(".motion-viewer", "data-scene"))
     assert answer.mimetype == "application/json"
     packed: dict[str, Any] = json.loads(answer.data)

@@ -1,4 +1,4 @@
-"""Logging in and out: cookies, fixation, where one is led, and what is told to whom."""
+"""Logging in and out: cookies, session fixation, redirects, and messages."""
 
 from __future__ import annotations
 

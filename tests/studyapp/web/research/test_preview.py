@@ -50,7 +50,7 @@ def rows(database: Database) -> dict[str, int | None]:
 
 
 def trial_part(page: PageReader) -> str:
-    """Return what a trial's page shows, without what belongs to one participant."""
+    """Return a trial's page without the parts that belong to one participant."""
     main = PageReader(page.text).one("main")
     for tag in main.find_all(True):
         for name in OWN:
@@ -63,7 +63,7 @@ def trial_part(page: PageReader) -> str:
 def test_a_preview_equals_the_participants_page(serve: Serve, clock: SetClock) -> None:
     app = serve(("[conditions.mismatched]", '[conditions.mismatched]\nlabel = "Ours (full)"'))
     browser, _ = open_as_owner(app)
-    # The list alone names conditions.
+    # Only the list names conditions.
     listed = browser.get("/research/preview").text
     assert "rule based | Ours (full)" in listed or "Ours (full) | rule based" in listed
     participant = Visitor(app, clock).enrol().begin()

@@ -68,7 +68,7 @@ def test_study_sessions_are_sorted_by_column_heading(
     shortest = viewer.get(longest.value("thead a[href*=duration]", "href"))
     assert numbers(longest) == numbers(shortest)[::-1] == ["1", "2"]
     assert shortest.value("th[aria-sort]", "aria-sort") == "ascending"
-    # Who has reached no check comes last either way.
+    # Participants who have reached no check come last in either order.
     failures = viewer.get(page.value("thead a[href*=failures]", "href"))
     assert numbers(failures) == ["1", "2"]
     assert viewer.client.get(f"{LIST}?order=token").status_code == 404

@@ -25,7 +25,7 @@ def figures(app: Flask, monkeypatch: pytest.MonkeyPatch) -> FiguresAtHand:
 
 
 def let_finish(log_in: LogIn, *names: str) -> Participant:
-    """Let participants finish who do not answer all alike, and return the last one."""
+    """Let participants finish with different answers, and return the last one."""
     site = site_of(log_in.app)
     for person, name in enumerate(names):
         participant = Participant(site.database, site.served, log_in.clock).enrol(name).begin()
