@@ -23,7 +23,6 @@ from typing import Final
 
 import numpy as np
 
-from benchmarks.rendering.edges import edge_errors
 from benchmarks.rendering.measured import Measured, timed
 from benchmarks.rendering.peers import peers, write_posed_mesh
 from benchmarks.rendering.sample_motion import gesturing_clip
@@ -114,10 +113,9 @@ def main() -> None:
                     all_cores.append(_one_process_per_core(setting))
                 for name, task in tasks.items():
                     runs[name].append(task())
-        edges = edge_errors(stage, camera, stage.body.vertices(clip, slice(0, 1))[0])
         print(f"{stage.body.template.shape[0]} vertices, {len(stage.body.faces)} triangles,"
               f" {look.size} x {look.size} pixels a side")  # fmt: skip
-    _print(runs, all_cores, edges)
+    _print(runs, all_cores)
 
 
 def _one_process_per_core(setting: Setting) -> dict[str, float]:
@@ -187,7 +185,6 @@ def _x264_pair(setting: Setting, silence: Audio) -> Measured:
 def _print(
     runs: dict[str, list[Measured]],
     all_cores: list[dict[str, float]],
-    edges: tuple[float, float],
 ) -> None:
     """Print the table, then the values that others read."""
     print(f"{'medians of ' + str(ROUNDS):46} frames/s  CPU ms/frame  peak MB")
@@ -227,8 +224,6 @@ def _print(
             for mine, loop in zip(all_cores, runs["plain loop"], strict=True)
         ),
         "compose_over_x264": median(mine.rate / alone.rate for mine, alone in composed),
-        "edge_rmse": edges[0],
-        "edge_rmse_msaa4": edges[1],
         "peak_mb": all_cores[0]["peak"],  # before another program has run
     }
     print()
