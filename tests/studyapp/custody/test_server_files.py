@@ -108,6 +108,15 @@ def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path) -> None:
         assert "exit status" not in output_of("systemd-analyze", "security", *strict, service)
 
 
+@needs("systemd-analyze")
+def test_the_server_may_start_processes_of_lower_priority() -> None:
+    service = text_of(deployment(), "serve.service")
+    denied = re.findall(r"^SystemCallFilter=~(.+)$", service, re.MULTILINE)
+
+    for group in " ".join(denied).split():
+        assert "setpriority" not in output_of("systemd-analyze", "syscall-filter", group)
+
+
 def test_the_unit_quotes_the_folder() -> None:
     (command,) = re.findall(r"^ExecStart=(.*)$", text_of(deployment(), "serve.service"), re.M)
 
