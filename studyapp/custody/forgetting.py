@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, Final, cast
 
-from sqlalchemy import JSON, Column, Table, delete, func, select, update
+from sqlalchemy import JSON, Column, ColumnElement, Table, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
@@ -94,7 +94,7 @@ def find_data(database: Database, name: str, key: PseudonymKey | None) -> tuple[
             )
             for study_session, found_by in _find_sessions(session, name, key)
         ]
-        screened_out = session.scalars(select(ScreenOut.id).where(ScreenOut.participant == name))
+        screened_out = session.scalars(select(ScreenOut.id).where(_is_screen_out_of([name])))
         return (
             *study_sessions,
             *(
@@ -163,15 +163,21 @@ def _find_sessions(
 
 
 def _match(study_session: StudySession, name: str, key: PseudonymKey | None) -> str:
+    name = _folded(name)
     if not name:
         return ""
-    if study_session.recruiter_participant == name:
+    if _folded(study_session.recruiter_participant or "") == name:
         return "recruiter id"
-    if study_session.completion_code == name:
+    if _folded(study_session.completion_code or "") == name:
         return "completion code"
     if key is not None and key.is_called(study_session, name):
         return "pseudonym"
     return ""
+
+
+def _folded(name: str) -> str:
+    """Return the same text for all ways to write a name: recruiters' ids ignore case."""
+    return name.strip().lower()
 
 
 def _count_rows(session: Session, number: int) -> dict[str, int]:
@@ -234,10 +240,14 @@ def erase(
 
 def _erase_screen_outs(session: Session, names: Sequence[str]) -> int:
     """Delete the screen-outs of a participant and return their number."""
-    matching = ScreenOut.participant.in_(names)
+    matching = _is_screen_out_of(names)
     count = session.scalar(select(func.count(ScreenOut.id)).where(matching)) or 0
     session.execute(delete(ScreenOut).where(matching))
     return count
+
+
+def _is_screen_out_of(names: Sequence[str]) -> ColumnElement[bool]:
+    return func.lower(ScreenOut.participant).in_(map(_folded, names))
 
 
 def _names(study_session: StudySession, key: PseudonymKey | None) -> Iterator[str]:

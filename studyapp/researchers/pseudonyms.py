@@ -173,7 +173,9 @@ def find_number_by_name(session: Session, key: PseudonymKey | None, name: str) -
 def find_number_by_recruiter(session: Session, name: str) -> int | None:
     """Return the last study session of the participant whom a recruiter calls `name`, or None."""
     return session.scalar(
-        select(func.max(StudySession.id)).where(StudySession.recruiter_participant == name.strip())
+        select(func.max(StudySession.id)).where(
+            func.lower(StudySession.recruiter_participant) == name.strip().lower()
+        )
     )
 
 
