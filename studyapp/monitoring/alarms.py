@@ -185,7 +185,7 @@ def watch_for_alarms(raise_due: Callable[[], None]) -> None:
             time.sleep(SECONDS_BETWEEN)
             try:
                 raise_due()
-            except SQLAlchemyError as error:
+            except (SQLAlchemyError, InputError, OSError) as error:
                 LOG.error("Alarms could not be looked for (%s)", type(error).__name__)
 
     threading.Thread(target=watch, name="alarms", daemon=True).start()

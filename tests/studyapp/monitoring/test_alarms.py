@@ -5,15 +5,25 @@ from __future__ import annotations
 import logging
 import smtplib
 from dataclasses import dataclass, field, replace
+from threading import Event
 from unittest.mock import MagicMock
 
 import pytest
 from flask import Flask, request
 from pydantic import ValidationError
+from sqlalchemy.exc import SQLAlchemyError
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.monitoring.alarms import SMTP, WEBHOOK, AlarmChannels, raise_alarms
+from studyapp.database.sqlite import WriterLockError
+from studyapp.monitoring import alarms
+from studyapp.monitoring.alarms import (
+    SMTP,
+    WEBHOOK,
+    AlarmChannels,
+    raise_alarms,
+    watch_for_alarms,
+)
 from studyapp.session.arrivals import add_newcomer
 from studyapp.session.served_study import ServedStudy
 from tests.support.servers.local_server import listening
@@ -101,6 +111,22 @@ def test_many_newcomers_from_one_address_within_an_hour_raise_one_alarm(outbox: 
         "10 participants of the study 'Gestures and speech' came from one network address "
         "within an hour."
     ]
+
+
+def test_alarms_are_looked_for_again_after_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(alarms, "SECONDS_BETWEEN", 0.0)
+    failures: list[Exception] = [OSError(), WriterLockError("blocked"), SQLAlchemyError()]
+    succeeded = Event()
+
+    def look() -> None:
+        if failures:
+            raise failures.pop()
+        succeeded.set()
+        Event().wait()  # such threads never end
+
+    watch_for_alarms(look)
+
+    assert succeeded.wait(30)
 
 
 def test_a_webhook_gets_the_alarm_as_json_and_its_failure_names_no_secret(
