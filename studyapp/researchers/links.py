@@ -77,8 +77,12 @@ def first_owner_link(database: Database, clock: Clock) -> str | None:
     with database.writing() as session:
         if session.scalar(OWNERS.limit(1)) is not None:
             return None
-        session.execute(delete(ResearcherLink).where(ResearcherLink.purpose == "first_owner"))
+        _revoke_first_owner_links(session)
         return _create_link(session, clock.now(), "first_owner", role="owner", made_by="")
+
+
+def _revoke_first_owner_links(session: Session) -> None:
+    session.execute(delete(ResearcherLink).where(ResearcherLink.purpose == "first_owner"))
 
 
 def invite(database: Database, clock: Clock, *, role: Role, by: str) -> str:
@@ -176,6 +180,8 @@ def join(
                 identity=identity or new_token(),
             )
             session.add(researcher)
+            if link.role == "owner":
+                _revoke_first_owner_links(session)
             session.flush()
             log_change(session, now, Event.JOINED, by=name, detail=f"as {link.role}")
             return begin_login(session, researcher.id, now)

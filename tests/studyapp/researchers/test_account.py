@@ -11,10 +11,13 @@ from studyapp.researchers.links import (
     UnusableLinkError,
     find_link,
     first_owner_link,
+    invite,
+    join,
     list_usable_links,
     revoke_link,
 )
 from tests.studyapp.researchers.conftest import NEW, Door
+from tests.support.researchers_at_hand import PASSWORD
 from tests.support.studies.taking_part_steps import SetClock
 
 
@@ -54,7 +57,7 @@ def test_changing_access_or_role_logs_a_researcher_out_at_once(door: Door) -> No
     ]
 
 
-def test_a_newer_link_for_the_first_owner_replaces_the_older(
+def test_a_link_for_the_first_owner_ends_with_a_newer_one_and_with_any_owner(
     database: Database, clock: SetClock
 ) -> None:
     older, newer = (first_owner_link(database, clock) or "" for _ in range(2))
@@ -62,6 +65,11 @@ def test_a_newer_link_for_the_first_owner_replaces_the_older(
     with pytest.raises(UnusableLinkError):
         find_link(database, older, clock.now())
     assert find_link(database, newer, clock.now()).role == "owner"
+
+    invitation = invite(database, clock, role="owner", by="")
+    join(database, clock, invitation, name="Ada", password=PASSWORD)
+    with pytest.raises(UnusableLinkError):
+        find_link(database, newer, clock.now())
 
 
 @pytest.mark.parametrize("purpose", ["invitation", "new_password"])
