@@ -229,7 +229,7 @@ class ProlificClient:
             problem, pause = "", 2.0 ** (attempt - 1)
             try:
                 answer = self._client.request(method, path, json=body)
-            except httpx.TransportError as error:
+            except httpx.RequestError as error:
                 problem, may_retry = type(error).__name__, repeatable
             else:
                 if answer.is_success:

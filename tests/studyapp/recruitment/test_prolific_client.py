@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from typing import Any
+from wsgiref.types import StartResponse, WSGIEnvironment
 
 import pytest
 from flask import Flask, request
@@ -99,11 +100,23 @@ def test_a_busy_prolific_is_retried_with_growing_pauses(
 
     stand_in.troubles = [500] * 9
     absent = ProlificClient(TOKEN, address="http://127.0.0.1:9", wait=waits.append)
-    for asked, why in ((client, "status 500"), (absent, "ConnectError")):
-        waits.clear()
-        with asked, pytest.raises(InputError, match=rf"cannot be reached \({why}\)"):
-            asked.study("x")
-        assert len(waits) == TRIES - 1
+    with listening(garbled) as address:
+        unread = ProlificClient(TOKEN, address=address, wait=waits.append)
+        for asked, why in (
+            (client, "status 500"),
+            (absent, "ConnectError"),
+            (unread, "DecodingError"),
+        ):
+            waits.clear()
+            with asked, pytest.raises(InputError, match=rf"cannot be reached \({why}\)"):
+                asked.study("x")
+            assert len(waits) == TRIES - 1
+
+
+def garbled(_environ: WSGIEnvironment, start_response: StartResponse) -> list[bytes]:
+    """Answer in an encoding that it does not keep."""
+    start_response("200 OK", [("Content-Encoding", "gzip")])
+    return [b"no gzip"]
 
 
 def test_all_pages_of_submissions_are_read_and_many_are_approved_in_few_requests(
