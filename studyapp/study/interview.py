@@ -90,7 +90,9 @@ def read_pay(text: str, channel: str | None) -> Pay | None:
         raise InputError(f"{amount!r} is not an amount", remedy="Give one such as 2.50 EUR")
     if not amount or not Decimal(amount):
         if channel in RECRUITING_SITES:
-            raise InputError("recruiting sites must be told the pay")
+            raise InputError(
+                "recruiting sites must be told the pay", remedy="Give an amount such as 2.50 EUR"
+            )
         return None
     currency = currency or ("USD" if channel == "mturk" else "")
     if not re.fullmatch(r"[A-Za-z]{3}", currency):
@@ -111,13 +113,6 @@ def read_count(text: str, maximum: int, *, unit: str) -> int:
     return int(text)
 
 
-def read_line(text: str, max_length: int) -> str:
-    """Return `text`, or raise `InputError` if it is too long."""
-    if len(text) > max_length:
-        raise InputError(f"the text is longer than {max_length} characters", remedy="Shorten it")
-    return text
-
-
 def read_address(text: str) -> str:
     """Return a contact; an empty one can be filled in later, an unusable one is refused."""
     if text and not reaches_somebody(text):
@@ -125,4 +120,4 @@ def read_address(text: str) -> str:
             f"{text!r} does not say how to reach anybody",
             remedy="Give an e-mail address, a web page or a phone number; or nothing for now",
         )
-    return read_line(text, 200)
+    return text
