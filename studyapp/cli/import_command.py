@@ -130,7 +130,9 @@ def _import_folder(study: StudyFolder, source: Path, facts: RecordingFacts, *, m
                 notes = item.store()
             except InputError as error:
                 refused += 1
-                click.echo(f"refused: {error}")
+                first, message = str(item.files[0]), str(error)
+                where = "" if message.startswith(first) else f"{first}: "
+                click.echo(f"refused: {where}{message}")
             else:
                 for note in notes:
                     click.echo(f"note: {note}")

@@ -99,6 +99,8 @@ def _refusal(error: InputError) -> ResponseReturnValue:
 def _page(study: OpenedStudy, problem: InputError | None = None) -> str:
     files = Inbox(study.folder).files()
     log = job_log(study.folder.jobs, IMPORT, most=MOST_SHOWN)
+    # Files may have been removed since.
+    waiting = tuple(f"{REFUSED}{study.folder.inbox.name}/{file.path}" for file in files)
     return page(
         "bring_in",
         study=study,
@@ -114,9 +116,9 @@ def _page(study: OpenedStudy, problem: InputError | None = None) -> str:
         largest=LARGEST_FILE,
         last=job_standings(study.folder.jobs).get(IMPORT),
         refusals=[
-            line.removeprefix(REFUSED).removeprefix(f"{study.folder.inbox.name}/")
+            line.removeprefix(f"{REFUSED}{study.folder.inbox.name}/")
             for line in log.splitlines()
-            if line.startswith(REFUSED)
+            if line.startswith(waiting)
         ],
     )
 

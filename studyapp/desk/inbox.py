@@ -83,6 +83,11 @@ class InboxFile:
     size: int
 
     @property
+    def path(self) -> str:
+        """Where it is in the inbox."""
+        return f"{self.condition}/{self.name}".removeprefix("/")
+
+    @property
     def is_complete(self) -> bool:
         """Whether all of it has arrived."""
         return self.received == self.size
@@ -201,18 +206,22 @@ class Inbox:
         if NAME.fullmatch(upload.name) is None:
             raise InputError(
                 f"a file cannot be called {upload.name[:200]!r} here",
-                remedy="Use letters, digits and _ - + @ ( ) for its name, at most 150 of them",
+                remedy="Use A to Z, a to z, digits, spaces and . _ - + @ ( ) for its name, "
+                "beginning with a letter or digit, at most 150 of them",
             )
         if Path(upload.name).suffix.lower() not in IMPORTABLE_ENDINGS:
             raise InputError(
-                f"{upload.name} is neither speech, motion nor a video that can be brought in",
+                f"the file {upload.name} is neither speech, motion nor a video that can be "
+                "brought in",
                 remedy=f"Files end in {', '.join(IMPORTABLE_ENDINGS)}",
             )
-        if not 0 < upload.size <= self._largest:
-            limit = f"{self._largest / 10**9:g} GB"
+        if not upload.size:
+            raise InputError(f"the file {upload.name} is empty", remedy="Copy or export it again")
+        if upload.size > self._largest:
             raise InputError(
-                f"{upload.name} is empty" if not upload.size else f"{upload.name} is too large",
-                remedy=f"A file may have up to {limit}; import larger ones on the server",
+                f"the file {upload.name} is too large",
+                remedy=f"A file may have up to {self._largest / 10**9:g} GB; import larger ones "
+                "on the server",
             )
         folder = self._root
         if upload.condition:

@@ -9,7 +9,7 @@ function inUse() {
   return live.contains(document.activeElement) || !document.getSelection().isCollapsed;
 }
 
-async function refresh() {
+export async function refresh() {
   if (document.hidden || inUse()) {
     return;
   }

@@ -1,5 +1,7 @@
 /* Files go up piece by piece, and on where they stopped: after a lost line, a reload or a crash. */
 
+import { refresh } from "./refreshing.js";
+
 const AT_ONCE = 3;
 const LONGEST_PAUSE = 30;
 
@@ -36,9 +38,8 @@ class Row {
 
   refuse(words) {
     refused += 1;
-    this.bar.remove();
     this.item.className = "problem";
-    this.describe(words);
+    this.item.textContent = words;
   }
 }
 
@@ -68,7 +69,7 @@ async function upload(file, of, row) {
       try {
         body = await file.slice(here, here + piece).arrayBuffer();
       } catch {
-        row.refuse("The file has been changed or moved. Choose it again.");
+        row.refuse(`The file ${file.name} has been changed or moved. Choose it again.`);
         return;
       }
     }
@@ -100,7 +101,12 @@ function goOn() {
       goOn();
     });
   }
-  if (!running && !waiting.length && !refused) {
+  if (running || waiting.length) {
+    return;
+  }
+  if (refused) {
+    refresh(); // what is refused stays to be read
+  } else {
     location.reload();
   }
 }

@@ -215,13 +215,20 @@ def test_small_files_are_uploaded_by_form(lab: Lab, ada: ResearchBrowser, motion
 def test_the_import_takes_valid_files_and_explains_the_others(
     lab: Lab, ada: ResearchBrowser, motion: bytes
 ) -> None:
-    for name in ("take-0.npz", "take-9.npz"):
+    for name in ("take-0.npz", "take-9.npz", "take-1.mp4"):
         assert send_piece(ada, motion, offset=0, size=len(motion), name=name)[0] == 200
     assert ada.post(f"{TINY}jobs/import").status_code == 303
     study = lab.folder / "tiny"
     wait_until_ended(study / "jobs", "import")
     assert (study / "motion" / "ours" / "take-0.npz").is_file()
-    assert [path.name for path in (study / "inbox" / "ours").iterdir()] == ["take-9.npz"]
+    assert {path.name for path in (study / "inbox" / "ours").iterdir()} == {
+        "take-9.npz",
+        "take-1.mp4",
+    }
     page = ada.get(PAGE)
-    assert "there is no segment" in page.text
-    assert "take-9.npz" in page.text
+    assert "ours/take-9.npz: there is no segment" in page.text
+    assert "ours/take-1.mp4: " in page.text
+    ada.post(f"{PAGE}/remove", condition="ours", name="take-9.npz")
+    page = ada.get(PAGE)
+    assert "there is no segment" not in page.text
+    assert "ours/take-1.mp4: " in page.text
