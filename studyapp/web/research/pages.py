@@ -71,7 +71,7 @@ def guard(
             return redirect(url_for("research.login", next=requested_page() or None), 303)
         if right is None or not account.may(right):
             return problem_page(
-                "This page is not for your role", "An owner of the study can give you another.", 403
+                "This page is not for your role", "An owner can give you another.", 403
             )
         return None
 
@@ -225,6 +225,9 @@ def refuse(error: InputError) -> ResponseReturnValue:
 
 def fail(error: HTTPException) -> ResponseReturnValue:
     """Return the page for what the server, or a browser, does not do."""
+    if visitor_cookie() is None:
+        # The guard may not have been asked yet, and no login may be replaced.
+        recognise()
     status = error.code or OUR_FAULT
     if status == NOT_FOUND:
         return problem_page("There is no such page", "Go on from the overview.", status)

@@ -229,6 +229,7 @@ def test_malformed_addresses_cause_neither_a_file_nor_a_failure(log_in: LogIn) -
         assert "javascript" not in answer.text
         assert "root:" not in answer.text
         assert "from flask" not in answer.text
+    owner.get("/research/account")
 
 
 def test_a_name_that_cannot_be_stored_is_refused_like_a_wrong_one(browser: ResearchBrowser) -> None:
