@@ -193,5 +193,5 @@ def turn_off_second_factor() -> ResponseReturnValue:
 
 def _second_factor_page(secret: str, problem: InputError | None = None) -> str:
     address = provisioning_uri(secret, researcher=researcher().name, study=current_site().name)
-    picture = Markup(segno.make(address).svg_inline(scale=4))  # noqa: S704 - made here of squares
+    picture = Markup(segno.make(address).svg_inline(scale=4, light="white"))  # noqa: S704 - made here of squares
     return page("second_factor", codes=(), secret=secret, picture=picture, problem=problem)
