@@ -30,7 +30,6 @@ from studyapp.study.interview import (
     participants_question,
     read_address,
     read_count,
-    read_line,
     read_pay,
     reference_question,
     require_stated_pay,
@@ -48,7 +47,6 @@ from studyapp.web.research.pages import Page
 
 AVATARS: Final = get_args(Video.model_fields["avatar"].annotation)
 MOST_TRIALS: Final = 500
-LONGEST_QUESTION: Final = 500
 
 
 def choose_template() -> ResponseReturnValue:
@@ -108,10 +106,6 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
         if conditions is None:
             raise InputError("no condition is named", remedy="Name two or more of them")
     default = _template_study(template, language)
-    wording = {
-        question.name: " ".join(form.get(f"question-{question.name}", "").split())
-        for question in default.questions
-    }
     requested = StudyOptions(
         name=name,
         template=template,
@@ -124,16 +118,17 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
         channel=cast(Channel, channel),
         pay=read_pay(form.get("pay", ""), channel),
         minutes=_count(form, "minutes", MAX_MINUTES),
-        title=read_line(form.get("title", ""), 200) or None,
-        organisation=read_line(form.get("organisation", ""), 200),
+        title=form.get("title") or None,
+        organisation=form.get("organisation", ""),
         contact=read_address(form.get("contact", "")),
-        ethics=read_line(form.get("ethics", ""), 300),
+        ethics=form.get("ethics", ""),
         avatar=form.get("avatar") or None,
         framing=cast("Framing | None", form.get("framing") or None),
         wording={
-            question.name: read_line(wording[question.name], LONGEST_QUESTION)
+            question.name: words
             for question in default.questions
-            if wording[question.name] not in ("", question.text)
+            if (words := " ".join(form.get(f"question-{question.name}", "").split()))
+            not in ("", question.text)
         },
     )
     require_stated_pay(requested)

@@ -102,13 +102,14 @@ def _save(study: OpenedStudy, text: str, digest: str) -> None:
         # The first two lines name the files.
         difference = list(difflib.unified_diff(before.split("\n"), text.split("\n"), n=0))[2:]
         lines = sum(line[0] != "@" for line in difference)
-        log_change(
-            session,
-            current_lab().clock.now(),
-            Event.DEFINITION_EDITED,
-            by=study.account.name,
-            detail=f"{lines} lines removed or added",
-        )
+        if lines:
+            log_change(
+                session,
+                current_lab().clock.now(),
+                Event.DEFINITION_EDITED,
+                by=study.account.name,
+                detail=f"{lines} line{'s' * (lines != 1)} removed or added",
+            )
 
 
 def _changed_design(study: OpenedStudy, text: str) -> tuple[str, ...]:

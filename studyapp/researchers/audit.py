@@ -77,7 +77,7 @@ def read_reason(text: str) -> str:
     is_storable = "\0" not in reason and reason == reason.encode("utf-8", "ignore").decode("utf-8")
     if not 1 <= len(reason) <= MAX_REASON_LENGTH or not is_storable:
         raise InputError(
-            f"a reason of 1 to {MAX_REASON_LENGTH} letters is needed",
+            f"a reason of 1 to {MAX_REASON_LENGTH} characters is needed",
             remedy="It is kept in the log",
         )
     return reason

@@ -64,8 +64,8 @@ class UnusableLinkError(InputError):
     def __init__(self) -> None:
         super().__init__(
             "this link does not work: it has been used, or has expired",
-            remedy="Ask an owner of the study for a new one; whoever runs the server can create "
-            "one with 'motionjury researchers'",
+            remedy="Ask an owner for a new one; whoever runs the server can create one with "
+            "'motionjury researchers', or with 'motionjury desk' for a desk",
         )
 
 

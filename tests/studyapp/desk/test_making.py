@@ -106,6 +106,8 @@ def test_the_forms_values_are_written_into_the_study_file(lab: Lab, grace: Resea
         ({"conditions": "own"}, "no condition is named"),
         ({"avatar": "nobody"}, "avatar"),
         ({"framing": "feet"}, "framing"),
+        ({"title": "T" * 201}, "title"),
+        ({"question-synchronisation": "Q" * 301}, "questions"),
     ],
 )
 def test_mistakes_are_reported_and_nothing_is_created(
@@ -113,10 +115,11 @@ def test_mistakes_are_reported_and_nothing_is_created(
 ) -> None:
     before = {each.name for each in lab.folder.iterdir()}
     fields = filled_in(grace.get(f"{MAKE}?template=pairwise&language=en"))
-    answer = grace.post(MAKE, **fields | {"name": "new", "title": "Kept title"} | wrong)
+    answer = grace.post(MAKE, **fields | {"name": "new", "ethics": "Kept words"} | wrong)
     assert answer.status_code == 422
     problem = PageReader(answer.text).soup.select_one(".problem")
     assert problem is not None
     assert message in problem.text.lower()
-    assert "Kept title" in answer.text
+    assert ". ." not in problem.text
+    assert "Kept words" in answer.text
     assert {each.name for each in lab.folder.iterdir()} == before

@@ -83,7 +83,7 @@ def test_only_owners_search_and_sort_by_recruiters_names(
     called, order = f"{LIST}?called=5d33f9", f"{LIST}?order=recruiter"
 
     assert owner.client.get(called).location == f"{LIST}/2"
-    assert "No study session has" in analyst.get(called).text
+    assert "No study session is called" in analyst.get(called).text
     for address in (order, f"{LIST}/2"):
         assert "5d33f9" in owner.get(address).text
     for address in (LIST, f"{LIST}/2"):
@@ -246,4 +246,4 @@ def test_participants_have_the_exports_pseudonyms_except_for_viewers(
     for name in ("p" * 17, "77", "9" * 40, SCRIPT, "٣"):
         nobody = analyst.client.get(LIST, query_string={"called": name})
         assert nobody.status_code == 200
-        assert "No study session has the number or pseudonym" in nobody.text
+        assert "No study session is called" in nobody.text
