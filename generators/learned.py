@@ -75,8 +75,8 @@ class NetworkGenerator(ABC, Generic[SettingsT]):
     ) -> MotionClip:
         """Return motion to `speech`; see `generators.interface.Generator.generate`.
 
-        It is made at the network's frame rate and resampled; its provenance further holds what
-        `made` says.
+        It is made at the network's frame rate and resampled; its provenance also holds the facts
+        of `make_motion`.
         """
         seeded_stream(seed)
         count = speech.frame_count(frame_rate)
@@ -185,8 +185,8 @@ def describe_training_data(windows: Windows, speakers: Speakers) -> str:
     """Return a sentence about the amount and the speakers of training data."""
     takes = sum(take.split == "train" for take in windows.prepared.takes)
     return (
-        f"Learned from {len(windows)} windows of {takes} takes by {len(speakers.names)} speakers "
-        f"({', '.join(speakers.names)})."
+        f"Learned from {len(windows)} windows of {takes} takes by {len(speakers.names)} "
+        f"speaker{'s' * (len(speakers.names) != 1)} ({', '.join(speakers.names)})."
     )
 
 

@@ -58,18 +58,22 @@ class DiffShegSettings(ModelSettings):
         Frames that windows share; None for the release's number, half as much again in ``smooth``.
     """
 
-    dataset: Literal["beat", "show"] = Field("beat", description="What a release learned: beat.")
-    stats: Folder | None = Field(None, description="Means and deviations of a release.")
+    dataset: Literal["beat", "show"] = Field(
+        "beat", description="Data set of released weights; default beat."
+    )
+    stats: Folder | None = Field(None, description="Means and deviations of released weights.")
     hubert: Folder | None = Field(None, description="HuBERT's weights; without them, a stand-in.")
-    speaker: int | str | None = Field(
-        None, description="As which of its speakers to move: number or name."
-    )
+    speaker: int | str | None = Field(None, description="Speaker to move as: number or name.")
     sampling: Literal["smooth", "fast", "careful", "plain"] = Field(
-        "smooth", description="How windows are sampled; fast and careful as released: smooth."
+        "smooth",
+        description="How windows are sampled; fast and careful as released; default smooth.",
     )
-    steps: int = Field(25, ge=1, description="Steps from noise to motion: 25.")
+    steps: int = Field(25, ge=1, description="Steps from noise to motion; default 25.")
     overlap: int | None = Field(
-        None, ge=0, description="Frames that windows share: 4 of BEAT, 10 of SHOW."
+        None,
+        ge=0,
+        description="Frames that windows share; default 6 for BEAT and 15 for SHOW, and 4 and 10 "
+        "if sampling is not smooth.",
     )
 
     _speaker = field_validator("speaker")(_check_speaker)
@@ -100,7 +104,7 @@ class AmuseSettings(ModelSettings):
         Recording whose words are moved to.
     emotion, style : str, Path or None
         An emotion or a speaker that the speech model learned, or a recording to hear it from;
-        `within` tells the two apart.
+        a recording's name has a suffix.
     from_emotion, from_style : str, Path or None
         The same, in place of the speech's own where `strength` is 0.
     strength : float
@@ -113,7 +117,7 @@ class AmuseSettings(ModelSettings):
         None, description="Emotion that it moves in: one it learned, or a recording."
     )
     style: NameOrFile | None = Field(
-        None, description="As whom to move: a speaker it learned from, or a recording."
+        None, description="Style to move in: a speaker it learned from, or a recording."
     )
     from_emotion: NameOrFile | None = Field(
         None, description="Emotion at --strength 0, instead of the speech's own."
@@ -122,7 +126,10 @@ class AmuseSettings(ModelSettings):
         None, description="Style at --strength 0, instead of the speech's own."
     )
     strength: float = Field(
-        1.0, ge=0, le=1, description="How far to go from the speech's own emotion and style: 1."
+        1.0,
+        ge=0,
+        le=1,
+        description="How far to go from the speech's own emotion and style; default 1.",
     )
 
     @model_validator(mode="after")
@@ -155,10 +162,10 @@ class S2ueSettings(ModelSettings):
     )
     vectors: File | None = Field(None, description="FastText's vectors; without them, a stand-in.")
     speaker: int | str | None = Field(
-        None, description=f"As which of its speakers to move: number, name or {MIXED_SPEAKER}."
+        None, description=f"Speaker to move as: number, name or {MIXED_SPEAKER}."
     )
     variation: float = Field(
-        1.0, ge=0, le=3, description="How far from the speaker's mean it moves: 1."
+        1.0, ge=0, le=3, description="How far from the speaker's mean it moves; default 1."
     )
 
     _speaker = field_validator("speaker")(_check_speaker)

@@ -312,7 +312,9 @@ def _landmark_errors(
 ) -> Iterator[MetricResult]:
     generated, reference = clip.landmarks.positions, recorded.landmarks.positions
     scale = math.nan if setup.spread is None else setup.spread.face_scale
-    reason = clip.landmarks.reason or recorded.landmarks.reason
+    reason = clip.landmarks.reason
+    if recorded.landmarks.reason and not reason:
+        reason = f"the recording has no landmarks: {recorded.landmarks.reason}"
     reason = reason or ("no recording has a face that moves" if math.isnan(scale) else "")
     for settings in setup.preset.landmark_errors:
         if reason or generated is None or reference is None:

@@ -18,7 +18,7 @@ from generators.learned_settings import AmuseSettings
 from generators.settings import content
 from motion.audio import Audio, read_audio
 from motion.clip import MotionClip
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from training.layers.transformers import pack
 from training.spaces.smplx_bodies import smplx_6d_clip
 from training.speech_features.speech_windows import WindowPlan, filterbanks_under, plan_windows
@@ -46,7 +46,7 @@ class Amuse(NetworkGenerator[AmuseSettings]):
         where windows of motion begin.
         """
         plan, model = self._plan(speech.audio), self._networks.model
-        latents = self._latents(speech.audio, plan, on_part)
+        latents = self._latents(speech, plan, on_part)
         random = np.random.default_rng(seeded_stream(seed))
         noise = random.standard_normal((plan.count, *model.prior.latent_shape)).astype(np.float32)
         z = model.sample(torch.from_numpy(noise).to(self._device), latents)
@@ -108,7 +108,7 @@ class Amuse(NetworkGenerator[AmuseSettings]):
         frames = round(audio.duration * FRAME_RATE)
         return plan_windows(frames, self._networks.model.config.frames, FADE)
 
-    def _latents(self, audio: Audio, plan: WindowPlan, on_part: OnPart) -> list[Tensor]:
+    def _latents(self, speech: SpeechSegment, plan: WindowPlan, on_part: OnPart) -> list[Tensor]:
         """Return content, emotion and style of each window, (windows, 1, latent) each."""
         model, strength = self._speech.model, self._settings.strength
         # What is shorter than the speech begins again.
@@ -120,7 +120,8 @@ class Amuse(NetworkGenerator[AmuseSettings]):
             if part not in chosen
             or (part in LABELS and strength < 1 and f"from_{part}" not in chosen)
         }
-        for number, rows in enumerate(self._windows(audio, plan), start=1):
+        windows = self._windows(speech.audio, plan, f"segment {speech.segment.name}")
+        for number, rows in enumerate(windows, start=1):
             for part, parts_rows in speech_latents.items():
                 parts_rows.append(model.latent(part, rows))
             on_part(number, plan.count)
@@ -129,10 +130,11 @@ class Amuse(NetworkGenerator[AmuseSettings]):
         start = end | start | {_part_of(key): chosen[key] for key in chosen if key not in PARTS}
         return [torch.lerp(start[part], end[part], strength)[:, None] for part in model.parts]
 
-    def _windows(self, audio: Audio, plan: WindowPlan) -> list[Tensor]:
+    def _windows(self, audio: Audio, plan: WindowPlan, source: object) -> list[Tensor]:
         """Return the filterbank (1, rows, bands) of the speech under each window of motion."""
         config = self._speech.model.config
-        windows = filterbanks_under(audio, plan, FRAME_RATE, config.frames, config.bands)
+        with found_at(source):
+            windows = filterbanks_under(audio, plan, FRAME_RATE, config.frames, config.bands)
         return [rows.to(self._device) for rows in windows]
 
     @cached_property
@@ -146,12 +148,8 @@ class Amuse(NetworkGenerator[AmuseSettings]):
         """Return the content of a recording's windows; of emotion and style the mean."""
         if isinstance(chosen, str):
             return self._speech.labelled(part, chosen)[None].to(self._device)
-        try:
-            audio = read_audio(chosen)
-            windows = self._windows(audio, self._plan(audio))
-        except InputError as error:
-            problem = f"{part} cannot be heard: {error.what}"
-            raise InputError(problem, where=error.where or chosen, remedy=error.remedy) from error
+        audio = read_audio(chosen)
+        windows = self._windows(audio, self._plan(audio), chosen)
         latents = torch.cat([self._speech.model.latent(part, rows) for rows in windows])
         return latents.mean(dim=0, keepdim=True) if part in LABELS else latents
 

@@ -20,13 +20,13 @@ Weights = Mapping[str, float]
 MOTION_LOSSES: Final = {"rec": 1.0, "vrec": 1.0, "kl": 1e-4, "ld": 1.0, "align": 1.0, "valign": 1.0}
 """Weights of the motion networks' losses, as in the paper.
 
-``rec`` and ``vrec``, L_rec and L_Vrec, are of the prior's reconstruction and of the body's points
-in it. ``kl``, L_KL, is of the latent's distance from a standard normal law: a mean over its values,
-as the other losses are means; a sum, as the paper prints it, outweighs all movement. ``ld``, L_LD,
-is of the noise that the denoiser does not find. ``align`` and ``valign``, L_align and L_Valign, are
-of the motion that is decoded from a fully denoised latent, and of the body's points in it. A small
-prior also needs ``velocity``, without which it trembles: what the reconstruction misses of the
-change of each value in a second.
+``rec`` and ``vrec``, L_rec and L_Vrec, compare the prior's reconstruction with the motion, and the
+body's points in both. ``kl``, L_KL, is the latent's divergence from a standard normal distribution:
+a mean over its values, like the other losses; a sum, as the paper prints it, outweighs all
+movement. ``ld``, L_LD, is the denoiser's error of the noise. ``align`` and ``valign``, L_align and
+L_Valign, compare as ``rec`` and ``vrec`` do, but the motion decoded from a fully denoised latent. A
+small prior also needs ``velocity``, the reconstruction's error of each value's change in a second;
+without it, its motion trembles.
 """
 
 PRIOR_LOSSES: Final = ("rec", "vrec", "kl", "velocity")
@@ -197,7 +197,7 @@ def reconstruction_errors(
     ----------
     decoder : SpeechDecoder
         Of the network.
-    output : HeardSpeech
+    output : SpeechOutput
         Its latents of them.
     target : Tensor
         (4 batch, frames, bands), what is to be rebuilt.

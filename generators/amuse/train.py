@@ -245,10 +245,14 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         task,
         trained,
         f"Learned from {len(task.training)} windows of {frames / FRAME_RATE:g} s.",
-        f"What the denoiser does not predict in {len(task.held_out)} held-out windows: "
-        f"{measured['ld']:.3f} of 1. The motion that it tells to their speech misses theirs by "
-        f"{measured['align']:.4f}"
-        + (f", its reconstruction by {measured['rec']:.4f}." if "rec" in measured else "."),
+        f"Share of the noise that the denoiser does not predict in {len(task.held_out)} held-out "
+        f"windows: {measured['ld']:.3f}. Their motion is missed by {measured['align']:.4f} when it "
+        "is sampled from their speech"
+        + (
+            f", and by {measured['rec']:.4f} when it is reconstructed."
+            if "rec" in measured
+            else "."
+        ),
     )
 
 

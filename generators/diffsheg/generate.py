@@ -222,7 +222,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         }
         stand_ins = [self._hubert.description] if self._hubert.stands_in else []
         if speakers is not None and self._settings.speaker is None and name != segment_speaker:
-            stand_ins.append(f"speaker {name} for who is heard")
+            stand_ins.append(f"speaker {name} in place of the segment's")
         if self._network.dataset == "show":
             stand_ins.append("relaxed hands for SMPL-X's mean hands")
         return facts | network_provenance(

@@ -1,8 +1,8 @@
 """DiffSHEG's network: which noise `eps` is in a window of motion `x_t`, given the speech.
 
 Chen et al., CVPR 2024, section 3.3 and Figure 2: a branch for the face, one for the body, and the
-denoiser that joins them. `Denoiser.modulate` and `Denoiser.hear` compute what the motion does not
-change; sampling calls them once for many evaluations, `Denoiser.forward` each time.
+denoiser that joins them. `Denoiser.modulate` and `Denoiser.encode_speech` compute what does not
+depend on the motion; sampling calls them once for many evaluations, `Denoiser.forward` each time.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ class Branch(nn.Module):
         modulations : sequence of Tensor
             See `modulate`.
         fused_speech : sequence of FusedSpeech
-            See `hear`.
+            See `encode_speech`.
         x0_hat : Tensor, optional
             (batch, frames, other part), the estimate of the other branch's clean motion.
         """

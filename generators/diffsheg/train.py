@@ -307,22 +307,22 @@ def _describe(
     measured = trained.best.measured
     sentences = [
         describe_training_data(task.training, task.speakers),
-        f"Noise that it does not find in {len(task.held_out)} held-out windows: "
-        f"{measured['noise']:.3f} of 1, and {untrained['noise']:.3f} untrained; loss "
-        f"{measured['loss']:.4g}, and {untrained['loss']:.4g} untrained.",
+        f"Share of the noise that it does not predict in {len(task.held_out)} held-out windows: "
+        f"{measured['noise']:.3f} (untrained {untrained['noise']:.3f}); loss "
+        f"{measured['loss']:.4g} (untrained {untrained['loss']:.4g}).",
         f"Its weights are those of step {trained.best.step} of {trained.steps}, where "
         f"{METRIC.replace('_', ' ')} of held-out windows were least.",
     ]
     warnings = []
     if measured[METRIC] >= untrained[METRIC]:
         warnings.append(
-            "It knows held-out takes no better than a network that learned nothing: give more "
-            "recordings, or more steps."
+            "It predicts held-out takes no better than an untrained network: give more recordings, "
+            "or more steps."
         )
     if hubert.stands_in:
         warnings.append(
-            f"It heard the speech through a {hubert.description}: it can know when somebody "
-            "speaks, and how, but no words."
+            f"Speech was encoded by a {hubert.description}: the network can learn when and how "
+            "somebody speaks, but no words."
         )
     return TrainedGenerator(
         sentences=tuple(sentences), warnings=tuple(warnings), skipped=task.training.prepared.skipped

@@ -123,11 +123,11 @@ class S2ue(NetworkGenerator[S2ueSettings]):
 
     def _facts(self, speaking: str, transcript: tuple[Word, ...]) -> dict[str, str]:
         config, name = self._network.network.config, self._name(speaking)
-        stand_ins = ["silence for the words, which nobody told"] if not transcript else []
+        stand_ins = ["no words, as there is no transcript"] if not transcript else []
         if transcript and isinstance(self._vectors, StandIn):
             stand_ins.append(self._vectors.description)
         if self._settings.speaker is None and name != speaking:
-            stand_ins.append(f"speaker {name} for who is heard")
+            stand_ins.append(f"speaker {name} in place of the segment's")
         return {
             "speaker": name,
             "variation": f"{self._settings.variation:g}",
@@ -173,7 +173,7 @@ def synthesise_windows(
 
     Parameters
     ----------
-    windows : iterable of HeardWindow
+    windows : iterable of SpeechWindow
         The windows of speech.
     words : ndarray, shape (frames, width), optional
         The vector of the word in each frame of the speech; None if the words are unknown.

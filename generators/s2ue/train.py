@@ -225,13 +225,15 @@ def _describe(task: S2ueTask, vectors: WordVectors, trained: Trained[Network]) -
     transcribed = sum(take.transcript is not None for take in training_takes)
     sentences = (
         describe_training_data(task.training, task.speakers),
-        f"Of its takes {transcribed} have a transcript.",
-        f"In {len(task.held_out)} held-out windows its motion is off by "
-        f"{trained.best.measured['reconstruction']:.3f} of how far motion spreads (equation 17).",
+        f"Takes with a transcript: {transcribed}.",
+        f"Loss of reconstruction (equation 17) in {len(task.held_out)} held-out windows: "
+        f"{trained.best.measured['reconstruction']:.3f}, in units of the motion's spread.",
     )
     warnings = []
     if isinstance(vectors, StandIn):
-        warnings.append(f"Words had a {vectors.description}; name FastText's with --vectors.")
+        warnings.append(
+            f"Words were encoded by a {vectors.description}; give FastText's with --vectors."
+        )
     if not transcribed:
         warnings.append("It learned from sound alone: no recording has a transcript beside it.")
     return describe_training(task, trained, *sentences, warnings=warnings)

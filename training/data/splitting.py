@@ -217,7 +217,7 @@ def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tu
         notes.append(f"{_quote_names(left_out, 'take')} left out, which the list does not name")
     notes += [f"{_count(number, 'take')} left out as {word}" for word, number in elsewhere.items()]
     if missing:
-        notes.append(f"{_quote_names(missing, 'name')} of the list not there")
+        notes.append(f"{_quote_names(missing, 'name')} of the list not found")
     return tuple(takes), tuple(notes)
 
 

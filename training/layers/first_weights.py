@@ -46,7 +46,7 @@ def standardise_inputs(layer: nn.Module, values: Tensor) -> None:
 def encode_components(
     layer: nn.Linear | nn.Conv2d, components: Components, size: float = 1.0, *, only: bool = False
 ) -> None:
-    """Let a layer's first channels be components of equal size; if `alone`, others are zero."""
+    """Let a layer's first channels be components of equal size; if `only`, others are zero."""
     for weight in layer.parameters() if only else ():
         weight.zero_()
     rows = size * (components.directions / components.spread).T

@@ -189,6 +189,9 @@ def test_landmark_errors_are_zero_for_a_copied_face_and_millimetres_otherwise(
     faceless = score_of(measured(), "shy", LANDMARK_ERRORS[0])
     assert (faceless.scored, faceless.clips) == (1, 2)
     assert "has no face" in faceless.reason
+    write_clip(talking["truth"]["1"], waving(seconds=2.0))
+    without_recorded_face = score_of(measured(), "shy", LANDMARK_ERRORS[0])
+    assert "the recording has no landmarks: " in without_recorded_face.reason
 
 
 def test_faces_differ_between_clips_unless_frozen(talking: Clips) -> None:

@@ -94,7 +94,7 @@ def test_without_a_named_speaker_the_segments_speaker_is_used(tmp_path: Path, sp
     assert (clips[0].poses != clips[1].poses).any()
     assert "speaker" not in clips[0].provenance["stand_ins"]
     stranger = made(named, speech).provenance
-    assert f"speaker {stranger['speaker']} for who is heard" in stranger["stand_ins"]
+    assert f"speaker {stranger['speaker']} in place of the segment's" in stranger["stand_ins"]
 
 
 def diverged() -> MotionNetwork:

@@ -88,7 +88,7 @@ def test_a_short_training_predicts_noise_better_than_an_untrained_network(
     for measure in ("noise", "loss"):
         assert facts["held_out"][measure] < 0.85 * facts["untrained"][measure]
     assert outcome.skipped == takes.skipped != ()
-    assert f"{facts['held_out']['noise']:.3f} of 1" in " ".join(outcome.sentences)
+    assert f"windows: {facts['held_out']['noise']:.3f} (untrained" in " ".join(outcome.sentences)
     assert "9 takes by 2 speakers (1, 2)" in outcome.sentences[0]
     assert "no words" in " ".join(outcome.warnings)
 

@@ -174,7 +174,7 @@ def test_shows_own_list_of_splits_is_understood(tmp_path: Path) -> None:
     )
     result = read_takes(tmp_path)
     assert [take.split for take in result.takes] == ["train", "validation"]
-    assert any("1 name (seth/Gone.webm/3-00_03) of the list not there" in n for n in result.notes)
+    assert any("1 name (seth/Gone.webm/3-00_03) of the list not found" in n for n in result.notes)
 
 
 def test_pickles_are_never_opened_and_the_conversion_is_explained(tmp_path: Path) -> None:

@@ -69,7 +69,7 @@ def test_missing_and_unlisted_clips_are_reported(folder: Path) -> None:
         "splits by splits.csv: 1 train, 0 validation and 0 test",
         f"1 take ({NAMES[2]}) left out, which the list does not name",
         "1 take left out as additional",
-        "1 name (2_scott_0_12_12) of the list not there",
+        "1 name (2_scott_0_12_12) of the list not found",
     )
 
 
