@@ -1,1 +1,1 @@
-"""Measurements of speed and validity; no package and no test imports them."""
+"""Measurements of speed and validity; no package imports them."""

@@ -1,7 +1,7 @@
-"""Adaptive pairs beside even and random ones: a figure, and its numbers.
+"""Adaptive pairs compared with even and random ones: a figure, and its numbers.
 
-``python -m benchmarks.adaptive_pairs FIGURE.png`` simulates tournaments of conditions with
-known strengths, draws how well their order and their strengths are known after so many answers,
+``python -m benchmarks.adaptive_pairs FIGURE.png`` simulates tournaments of conditions with known
+strengths, plots how well their order and their strengths are known after each number of answers,
 and prints the same. The last lines are ``name: value``.
 """
 
@@ -116,7 +116,7 @@ def simulate(
     participants: int = PARTICIPANTS,
     conditions: int = CONDITIONS,
 ) -> Curves:
-    """Return what is known after each participant of many tournaments, choice by choice.
+    """Return the knowledge after each participant of many tournaments, choice by choice.
 
     Returns
     -------

@@ -1,9 +1,9 @@
-"""How fast AMUSE's released sizes hear and move on this machine, beside a plain implementation.
+"""Speed of AMUSE's released sizes on this machine, compared with a plain implementation.
 
-``python -m benchmarks.amuse`` asks both ways for the same ten seconds in turns and takes medians,
-because other work on the machine comes and goes. The plain way attends with torch's matrix products
-one by one, as the release does, and asks the denoiser with layers that are not fused. Weights are
-random: speed does not depend on them.
+``python -m benchmarks.amuse`` runs both for the same ten seconds in turns and takes medians,
+because other work on the machine varies. The plain way attends with torch's matrix products one by
+one, as the release does, and asks the denoiser with layers that are not fused. Weights are random:
+speed does not depend on them.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def speech_model(attention: str) -> SpeechModel:
 def compared(
     what: str, fast: Callable[[], Tensor], plain: Callable[[], Tensor], rounds: int, frames: int
 ) -> None:
-    """Print how fast both ways are, and how far apart what they compute."""
+    """Print the speed of both, and the difference of their outputs."""
     output, other = fast(), plain()
     difference = float((output - other).abs().max() / other.abs().max())
     turns = in_turns({"here": fast, "plain": plain}, rounds)

@@ -1,9 +1,9 @@
-"""How fast DiffSHEG's full network moves on this machine, beside a plain loop.
+"""Speed of DiffSHEG's full network on this machine, compared with a plain loop.
 
-``python -m benchmarks.diffsheg`` asks for the same windows in turns, round after round, and
-takes medians, because other work on the machine comes and goes. The plain loop asks the network in
-full at each evaluation, with all of torch's threads. Weights are random: speed does not depend on
-them. Rates are by the clock and in frames of the motion; hearing is not counted.
+``python -m benchmarks.diffsheg`` samples the same windows in turns, round after round, and takes
+medians, because other work on the machine varies. The plain loop asks the network in full at each
+evaluation, with all of torch's threads. Weights are random: speed does not depend on them. Rates
+are by the clock and in frames of the motion; hearing is not counted.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def random_network() -> Denoiser:
 
 
 def random_speech(frames: int) -> SpeechFrames:
-    """Return what might be heard."""
+    """Return random speech features."""
     random = torch.Generator().manual_seed(SEED)
     return SpeechFrames(
         torch.rand(frames, BEAT.audio_width, generator=random),
@@ -105,7 +105,7 @@ def timed(work: Callable[[], object]) -> Turn:
 
 
 def in_turns(works: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, list[Turn]]:
-    """Return the turns of each of `works`, which take turns so that all meet the same machine."""
+    """Return the turns of each of `works`, interleaved so that all run under the same load."""
     turns: dict[str, list[Turn]] = {name: [] for name in works}
     for _ in range(rounds):
         for name, work in works.items():
@@ -114,7 +114,7 @@ def in_turns(works: Mapping[str, Callable[[], object]], rounds: int) -> dict[str
 
 
 def asked(frames: int) -> int:
-    """Return how often the network is asked for motion of so many frames."""
+    """Return the number of network evaluations for this many frames."""
     settled = BEAT.frames - SAMPLING.overlap
     later = -(-max(frames - BEAT.frames, 0) // settled)
     return _steps_down(SAMPLING.first_walk) + later * _steps_down(SAMPLING.later_walk)
@@ -125,7 +125,7 @@ def _steps_down(walk: Sequence[int]) -> int:
 
 
 def compare(ways: dict[str, Sampler], speech: SpeechFrames, threads: int, rounds: int) -> None:
-    """Print how fast both ways are with so many threads."""
+    """Print the speed of both with this many threads."""
     works = {name: partial(moved, sampler, speech) for name, sampler in ways.items()}
     with torch_threads(threads):
         turns = in_turns(works, rounds)

@@ -1,8 +1,8 @@
-"""How well a study finds what a rehearsal puts in, over many rehearsals of the pairwise template.
+"""How well the analysis recovers the truth of many rehearsals of the pairwise template.
 
 ``python -m benchmarks.rehearsal_recovery`` simulates rehearsals of the template with its own
-population, without the server in between, and prints what the analysis finds of them;
-``--write docs/rehearsal.md`` puts the tables into that page. The same numbers come every time.
+population, without the server in between, and prints the analysis' results; ``--write
+docs/rehearsal.md`` puts the tables into that page. The same numbers come every time.
 """
 
 from __future__ import annotations
@@ -178,7 +178,7 @@ def simulated(
 
 
 def _holders(population: Population, seed: int, place: str) -> Iterator[Rater]:
-    """Yield who holds a place, one after the other, until somebody stays."""
+    """Yield the holders of a place in order, until somebody finishes."""
     name, again = place, 0
     while True:
         rater = Rater(population=population, seed=seed, name=name)
@@ -278,7 +278,7 @@ def _kind_line(
     help="A page whose tables are replaced.",
 )
 def main(rehearsals: int, page: Path | None) -> None:
-    """Print what rehearsals of the pairwise template find again."""
+    """Print what rehearsals of the pairwise template recover."""
     lines = "\n".join(measure(rehearsals))
     click.echo(lines)
     if page is not None:

@@ -1,4 +1,4 @@
-"""Acceleration where one window of generated motion goes over into the next, against elsewhere.
+"""Acceleration where one window of generated motion joins the next, relative to elsewhere.
 
 Generators that make motion window after window, such as DiffSHEG by outpainting (Chen et al. 2024,
 section 3.5), may jerk at the borders. A clip's provenance says where those are.
@@ -78,7 +78,7 @@ def windows_of(clip: MotionClip) -> Windows:
 
 
 def seam_acceleration(values: FloatArray, windows: Windows, *, of: str) -> MetricResult:
-    """Return how much larger accelerations are at the seams of windows than elsewhere.
+    """Return the ratio of accelerations at the seams of windows to those elsewhere.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""What makes files of this repository: docs pages, message catalogues."""
+"""Generators of files in this repository: docs pages, message catalogues."""

@@ -18,7 +18,7 @@ PRODUCT: Final = ("motion", "training", "generators", "renderer", "analysis", "s
 BEGIN: Final = "<!-- size -->"
 END: Final = "<!-- end of size -->"
 SMALL: Final = 60
-"""A module of fewer lines of code whose only reader is one other has to justify itself."""
+"""A smaller module with a single importer has to justify itself."""
 
 _LAYOUT: Final = {
     tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT,

@@ -1,4 +1,4 @@
-"""Take the pictures of docs/guide.md where it was run: ``python -m tools.guide_pictures FOLDER``.
+"""Take the pictures of docs/guide.md after its run: ``python -m tools.guide_pictures FOLDER``.
 
 A participant's page with its videos playing, the researchers' overview of the rehearsal, the first
 figure of the report, and the strip of frames.

@@ -36,7 +36,7 @@ SCRIPT_CALLS: Final = {"say": None, "sayCount": (1, 2)}
 
 
 class Found(NamedTuple):
-    """A text and where it stands.
+    """A text and its position.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ def read_catalogue(code: str) -> Catalog:
 
 
 def main() -> None:
-    """Update every catalogue and say what is left to translate."""
+    """Update every catalogue and list untranslated texts."""
     template = catalogue_of(found_texts())
     for code in TRANSLATED:
         catalogue = read_catalogue(code)

@@ -29,7 +29,7 @@ from tools.avatars.sheet import everyone
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 PATIENCE = 180_000
-"""Milliseconds that a page may take, also where all processors are busy."""
+"""Milliseconds that a page may take, even on a busy machine."""
 SEGMENT = "happiness"
 MOMENT = 2.6
 KEY_WORDS = ("house=0.62", "called=1.6", "summer=3.0", "breakfast=4.5", "enormous=5.6", "tree=6.2")

@@ -1,7 +1,7 @@
 """Record the digits of the sound check with espeak-ng, in every language of the pages.
 
-Usage: python -m tools.spoken_digits. It writes the files studyapp/web/digit_recordings/*/*.wav
-anew: 16 kHz, mono, cut close, each at the loudness of the videos.
+Usage: python -m tools.spoken_digits. It writes the files studyapp/web/digit_recordings/*/*.wav: 16
+kHz, mono, cut close, each at the loudness of the videos.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ WORDS = {
 
 
 def spoken(voice: str, word: str) -> NDArray[np.float64]:
-    """Return what `voice` says, at `RATE`."""
+    """Return the speech of `voice`, at `RATE`."""
     command = ["espeak-ng", "-v", voice, "-s", str(WORDS_PER_MINUTE), "--stdout", word]
     audio = subprocess.run(command, check=True, capture_output=True).stdout
     samples, rate = soundfile.read(io.BytesIO(audio))

@@ -1,1 +1,1 @@
-"""Tables of answers: reading and checking them, how they were given, and who is left out."""
+"""Tables of answers: reading and checking them, response quality, and exclusions."""

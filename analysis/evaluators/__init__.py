@@ -1,4 +1,1 @@
-"""Feature networks: what they see of a clip, how they are trained, and what they say of it.
-
-torch is loaded when a network is, not before.
-"""
+"""Feature networks: their input, training and scores. torch is loaded only with a network."""

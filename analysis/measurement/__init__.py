@@ -1,1 +1,1 @@
-"""Measuring all clips of a study, or of folders: read, scored, kept and written."""
+"""Measuring all clips of a study or of folders: reading, scoring, caching and writing."""

@@ -1,1 +1,1 @@
-"""How large a study must be: its own design and its own tests, simulated before anybody comes."""
+"""Sample size and power, by simulating the study's own design and tests."""

@@ -1,1 +1,1 @@
-"""From checked answers to the results that `results.json` holds."""
+"""From checked answers to the results in `results.json`."""

@@ -1,1 +1,1 @@
-"""How well learned generators move to speech whose motion is known: the corpus' own."""
+"""Learned generators on the synthetic corpus, whose true motion is known."""

@@ -1,7 +1,7 @@
-"""Compare trained DiffSHEG and AMUSE with all else: ``python -m benchmarks.learned_motion``.
+"""Compare trained DiffSHEG and AMUSE with the others: ``python -m benchmarks.learned_motion``.
 
 Makes a corpus, trains feature networks and both systems on it, moves to its test takes, measures,
-and writes a page. Everything lies in one folder, and a run that was interrupted goes on from there.
+and writes a page. Everything is in one folder, and an interrupted run resumes.
 """
 
 from __future__ import annotations
@@ -57,15 +57,15 @@ PRESETS: Final = ("report", "amuse", "beat")
 
 SPEAKERS: Final = 6
 SENTENCES: Final = 96
-"""Passages that all speakers speak: of fewer a network learns whole sentences by heart before it
-finds the strokes in speech that it never heard."""
+"""Passages that all speakers speak: with fewer, a network memorises whole sentences before it finds
+the strokes in unheard speech."""
 
 EDITED: Final = 32
 """Test takes that are moved to in each of the other seven emotions."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run what is missing, and write the page."""
+    """Run the missing steps, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--folder", type=Path, default=Path("build/learned-motion"))
     parser.add_argument("--write", type=Path, help="the page; printed where left out")
@@ -168,7 +168,7 @@ def compare(args: argparse.Namespace) -> str:
 
 
 def evenly(takes: Sequence[Take], count: int) -> list[Take]:
-    """Return `count` takes that lie evenly among `takes`; all where there are not so many."""
+    """Return `count` takes spread evenly over `takes`, or all if there are fewer."""
     wanted = min(count, len(takes))
     return [takes[number * len(takes) // wanted] for number in range(wanted)]
 

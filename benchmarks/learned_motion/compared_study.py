@@ -1,4 +1,4 @@
-"""The study folder whose conditions are compared: the corpus' test takes and who moves to them."""
+"""The study folder whose conditions are compared: the corpus' test takes and their conditions."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def write_study(
     root : Path
         Its folder.
     takes : sequence of Take
-        Whose speech is moved to.
+        Takes whose speech is used.
     generators : mapping of condition to mapping
         Each learned one's name and files, as a study tells them.
     seed : int

@@ -1,4 +1,4 @@
-"""What is measured of every condition, and what it says."""
+"""The measurements of every condition, and their conclusions."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def verdicts(
     scores_of_system: Mapping[str, Followings],
     trained: Sequence[str],
 ) -> list[Verdict]:
-    """Return what is asked of trained networks, and whether all of them do it.
+    """Return the claims about trained networks, and whether all of them hold.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def verdicts(
 
 
 def edit_verdicts(way: str, edited: Sequence[Edited]) -> list[Verdict]:
-    """Return what is asked of edits of the emotion, one `Edited` for each trained network.
+    """Return the claims about edits of the emotion, one `Edited` for each trained network.
 
     `way` says how the emotion is given: `BY_NAME` or `BY_RECORDING`.
     """

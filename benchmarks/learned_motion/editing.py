@@ -37,7 +37,7 @@ from training.data.take import Take
 
 @dataclass(frozen=True, kw_only=True)
 class Edited:
-    """What an edit of the emotion changes, and what it leaves in place.
+    """Effects of an edit of the emotion.
 
     Attributes
     ----------
@@ -69,8 +69,7 @@ BY_NAME: Final = "by name"
 BY_RECORDING: Final = "by another recording"
 
 Told = Callable[[Take, str], str | Path]
-"""Returns what stands in for the emotion of a take's speech, so that it becomes another: its name,
-or a recording."""
+"""Returns the replacement for the emotion of a take's speech: its name, or a recording."""
 
 
 def by_name(_: Take, emotion: str) -> str:
@@ -101,7 +100,7 @@ def edit(
     judges: Mapping[str, Path],
     told: Told,
 ) -> Edited:
-    """Give a network each of the other emotions for every take, and look at its motion.
+    """Give a network each of the other emotions for every take, and classify its motion.
 
     Parameters
     ----------
@@ -110,7 +109,7 @@ def edit(
     root : Path
         Where the networks' files lie.
     takes : sequence of Take
-        Whose speech is moved to.
+        Takes whose speech is used.
     speech, spoken : mapping of take
         What is known of them, see `benchmarks.learned_motion.truth`.
     judges : mapping of str to Path
@@ -160,7 +159,7 @@ def edit(
 
 
 def _named(judge: Evaluator, clip: MotionClip) -> str:
-    """Return what a network takes a clip for, as the mean over its windows."""
+    """Return a network's classification of a clip, as the mean over its windows."""
     return judge.labels[int(judge.classify(clip).mean(axis=0).argmax())]
 
 

@@ -1,4 +1,4 @@
-"""What AMUSE's speech model hears apart in speech that it never heard (Tables A.1 and A.2)."""
+"""What AMUSE's speech model distinguishes in unheard speech (Tables A.1 and A.2)."""
 
 from __future__ import annotations
 

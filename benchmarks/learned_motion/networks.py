@@ -86,7 +86,7 @@ class Network:
 def train_network(
     takes: TakeFolder, network: Network, folder: Path, *, cache: Path, steps: int | None = None
 ) -> Path:
-    """Train the tiny config of a network, and what it hears by, unless they are there already.
+    """Train the tiny config of a network and its speech model, unless they exist.
 
     Parameters
     ----------

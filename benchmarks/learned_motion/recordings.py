@@ -19,7 +19,7 @@ FRAME_RATE: Final = 15
 
 
 def recorded_clip(take: Take) -> MotionClip:
-    """Return what was recorded of a take, through the same steps as a network's motion.
+    """Return the recorded motion of a take, processed like a network's motion.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def recorded_clip(take: Take) -> MotionClip:
 
 
 def write_recordings(takes: Iterable[Take], place: Callable[[Take], Path]) -> dict[str, Path]:
-    """Write the clips that are missing, and return where the clip of each take is."""
+    """Write the missing clips, and return the path of each take's clip."""
     paths = {}
     for take in takes:
         paths[take.name] = path = place(take)

@@ -19,7 +19,7 @@ FloatArray = NDArray[np.float64]
 
 
 def speeches(corpus: Path, takes: Sequence[Take]) -> dict[str, Speech]:
-    """Return what is known of the speech of each take, at the clips' frame rate."""
+    """Return the truth about each take's speech, at the clips' frame rate."""
     return {take.name: _speech(corpus, take) for take in takes}
 
 

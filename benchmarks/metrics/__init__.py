@@ -1,1 +1,1 @@
-"""How fast metrics are, beside the textbook and over many clips."""
+"""Speed of metrics, compared with textbook formulas and over many clips."""

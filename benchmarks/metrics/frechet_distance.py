@@ -35,7 +35,7 @@ def textbook_frechet(samples: FloatArray, others: FloatArray) -> float:
 
 
 def main() -> None:
-    """Print milliseconds, their ratio, and what each says of a sample and itself."""
+    """Print milliseconds, their ratio, and each distance of a sample from itself."""
     chance = np.random.default_rng(0)
     for count, dimensions in SHAPES:
         samples, others = chance.standard_normal((2, count, dimensions))
@@ -51,7 +51,7 @@ def main() -> None:
 
 
 def _least(*functions: Callable[[], object]) -> list[float]:
-    """Return the least seconds of each function, called in turns."""
+    """Return the smallest time of each function in seconds, called in turns."""
     seconds: list[list[float]] = [[] for _ in functions]
     for _ in range(_TURNS):
         for taken, function in zip(seconds, functions, strict=True):

@@ -40,7 +40,7 @@ _SYLLABLES_PER_SECOND: Final = 4.0
 
 
 def made_speech(seconds: float, chance: np.random.Generator) -> Audio:
-    """Return noise as loud, and as broken into syllables, as somebody who speaks."""
+    """Return noise with the loudness and syllables of speech."""
     time_axis = np.arange(round(seconds * _SAMPLE_RATE)) / _SAMPLE_RATE
     starts = np.cumsum(chance.gamma(4, 1 / (4 * _SYLLABLES_PER_SECOND), round(6 * seconds)))
     loudness = np.zeros_like(time_axis)
@@ -105,7 +105,7 @@ def make_folders(root: Path, segments: int, seconds: float, patterns: int) -> No
 
 
 def peak_memory() -> float:
-    """Return the most memory that any one process of this run has held, in MiB."""
+    """Return the peak memory of any one process of this run, in MiB."""
     own_peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     others = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
     return max(own_peak, others) / 1024
@@ -160,7 +160,7 @@ def _measured(root: Path, presets: Sequence[str], args: argparse.Namespace) -> S
 
 
 def _varied(clip: MotionClip, chance: np.random.Generator, amount: float) -> MotionClip:
-    """Return the clip begun elsewhere, with gestures larger or smaller, and a little noise."""
+    """Return the clip with another start, with larger or smaller gestures, and a little noise."""
     shift = int(chance.integers(len(clip)))
     size = 1 + amount * chance.uniform(-0.5, 0.5)
     poses = np.roll(clip.poses, shift, axis=0) * np.float32(size)

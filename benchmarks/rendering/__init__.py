@@ -1,1 +1,1 @@
-"""How fast videos are made beside what else could make them: ``python -m benchmarks.rendering``."""
+"""Rendering speed compared with alternatives: ``python -m benchmarks.rendering``."""

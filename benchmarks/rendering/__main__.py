@@ -1,8 +1,8 @@
-"""How fast videos are made on this machine, beside what else could make them.
+"""Rendering speed on this machine, compared with alternatives.
 
 ``python -m benchmarks.rendering`` measures everything in turns, round after round, on the same mesh
-and motion, and takes medians, because other work on the machine comes and goes. Rates are by the
-clock. One of our processes uses one thread; the others use as many as they take.
+and motion, and takes medians, because other work on the machine varies. Rates are by the clock. One
+of our processes uses one thread; the others use as many as they take.
 """
 
 from __future__ import annotations
@@ -100,7 +100,8 @@ def main() -> None:
         write_clip(setting.folder / "clip.npz", clip)
         silence = Audio(np.zeros(round(SECONDS * SOUND_RATE), np.float32), SOUND_RATE)
         write_wav(setting.folder / "speech.wav", silence)
-        # First, as a new process's peak counts what this one held when it was started.
+        # This comes first, because a new process's peak includes the memory of this one at its
+        # start.
         all_cores = [_one_process_per_core(setting)]
         stage = Stage(body, camera, look)
         posed = setting.folder / "posed.npz"
@@ -232,7 +233,7 @@ def _print(
 
 
 def _pair(frames: Measured, composed: Measured) -> float:
-    """Return frames per second of a pair of which nothing is rendered yet."""
+    """Return frames per second of a pair without any rendered frames."""
     return 1 / (2 / frames.rate + 1 / composed.rate)
 
 

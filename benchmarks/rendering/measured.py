@@ -27,7 +27,7 @@ class Measured:
 
 
 def timed(frames: int, task: Callable[[], object]) -> Measured:
-    """Return what `task`, which makes a number of `frames`, costs in this process."""
+    """Return the cost of `task`, which makes a number of `frames`, in this process."""
     wall, busy = time.perf_counter(), time.process_time()
     task()
     wall, busy = time.perf_counter() - wall, time.process_time() - busy

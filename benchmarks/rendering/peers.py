@@ -25,7 +25,7 @@ from renderer.look import Look
 
 
 def write_posed_mesh(path: Path, body: BodyModel, camera: Camera, look: Look, frames: int) -> None:
-    """Leave what a peer draws: the mesh in each frame, its colours, the camera."""
+    """Write the input of a peer: the mesh in each frame, its colours, the camera."""
     clip = gesturing_clip(frames / look.frame_rate, look.frame_rate)
     np.savez(
         path,

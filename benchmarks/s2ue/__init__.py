@@ -1,1 +1,1 @@
-"""Speech2UnifiedExpressions measured: how fast it is, and what its ablations cost."""
+"""Speech2UnifiedExpressions: its speed, and the cost of its ablations."""

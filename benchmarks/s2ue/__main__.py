@@ -27,7 +27,7 @@ from training.device import torch_threads
 
 
 def main() -> None:
-    """Run what the command line asks for."""
+    """Run the requested benchmark."""
     parser = argparse.ArgumentParser(description=__doc__)
     kinds = parser.add_subparsers(dest="what", required=True)
     fast = kinds.add_parser("speed")

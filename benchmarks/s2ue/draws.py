@@ -1,4 +1,4 @@
-"""Whether a draw of who speaks changes face and body together."""
+"""Whether a draw of the speaker changes face and body together."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def drawn_together(trained: S2ueNetwork, windows: Windows) -> float:
 
 
 def alike(body: FloatArray, face: FloatArray) -> float:
-    """Return how far the same draws are alike in body and face, each (draws, values)."""
+    """Return how similar the same draws are in body and face, each (draws, values)."""
     first, second = ((values - values.mean(axis=0)) for values in (body, face))
     first, second = first @ first.T, second @ second.T
     chance = np.random.default_rng(1)

@@ -13,7 +13,7 @@ from training.spaces.bones_and_landmarks import BONE_VALUES
 FloatArray = NDArray[np.float64]
 
 COMPONENTS: Final = 8
-"""Principal components of the face, and of the body, that are looked at."""
+"""Principal components of the face, and of the body, that are compared."""
 
 _LEAST: Final = 1e-6
 """Of the longest component, what one has at least that is more than rounding."""
@@ -27,8 +27,8 @@ class FaceBodySynchrony:
     place of the voice: canonical correlation of both, here of their first principal components.
     Only what changes within a window counts, so that a face does not match a body by a posture or
     an expression that both hold. Directions come from recordings alone and are the same for all
-    that is measured. Face and body that have nothing to do with each other score 0 on the average;
-    the ceiling is not 1, but what recordings score that nothing was learned from.
+    measurements. Face and body that have nothing to do with each other score 0 on the average; the
+    ceiling is not 1, but what recordings score that nothing was learned from.
 
     Attributes
     ----------

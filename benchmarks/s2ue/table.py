@@ -36,7 +36,7 @@ def table(
     corpus : Path
         What 'motionjury corpus' made.
     folder : Path
-        Keeps features and networks: whoever stops this and calls it again goes on.
+        Keeps features and networks: an interrupted call resumes.
     steps : int
         Of each training.
     seeds : int

@@ -1,1 +1,1 @@
-"""How fast the study's server is, and what it bears."""
+"""Speed and resilience of the study's server."""

@@ -7,11 +7,11 @@ as the last is answered. Prints a table, then ``name: value``.
 
 First all of them arrive at once; speed is measured from the first trial on. The processor time of a
 request is that of a whole study session of 30 trials, the arrival included, divided by its
-requests. It is that of the server's workers, from the kernel; that of PostgreSQL's own processes
-stands apart. What the simulated participants use of the same processors is shown too.
+requests. It is that of the server's workers, from the kernel; that of PostgreSQL's own processes is
+separate. What the simulated participants use of the same processors is shown too.
 
 How much longer others wait while one floods the server with reports is measured in real time, on a
-server of its own (`benchmarks.server.report_flood`).
+separate server (`benchmarks.server.report_flood`).
 
 Two more cases look at arrivals, each a first page and the start that follows it. In one, people
 arrive and take part in real time: they read, watch and answer as long as people do. In the other,
@@ -201,7 +201,7 @@ def measured(
 
 
 def arrival_lines(server: StudyServer, database: FreshDatabase, seconds: float) -> list[str]:
-    """Return how long arrivals and all else take in real time, and how many come at what cost."""
+    """Return durations of arrivals and other requests, and the rate and cost of arrivals."""
     backend = database.backend
     lived, coming = Ledger(), Ledger()
     asyncio.run(live(server.port, count=IN_REAL_TIME, seconds=REAL_SECONDS, ledger=lived))

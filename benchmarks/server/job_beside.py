@@ -1,7 +1,7 @@
 """How long participants wait while a job of the desk renders.
 
 ``python -m benchmarks.server.job_beside`` serves one study and renders another as the desk does. In
-turns of equal length the job stands still or runs. The ratio is that of the participants' slowest
+turns of equal length the job is stopped or runs. The ratio is that of the participants' slowest
 requests (p99), turn by turn.
 """
 

@@ -50,7 +50,7 @@ class Strain:
     kills : int
         How often something is killed.
     seed : int
-        Decides what is killed when, and who answers what.
+        Seed of kills and answers.
     """
 
     sessions: int = 200
@@ -156,7 +156,7 @@ async def _session(port: int, ledger: Ledger, seed: str) -> None:
 
 
 def _problems(url: str, ledger: Ledger, strain: Strain) -> list[str]:
-    """Return what is wrong with the database, given what was acknowledged."""
+    """Return the problems of the database, given the acknowledged answers."""
     with closing(Database.open(url)) as database, database.reading() as session:
         answers = list(answer_checks(session, ledger.acknowledged))
         finished = session.scalars(select(StudySession.completed_at)).all()

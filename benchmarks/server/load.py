@@ -40,7 +40,7 @@ class Arrived:
 async def arrive(port: int, *, count: int, seed: int, ledger: Ledger) -> list[Arrived]:
     """Let `count` participants come at once, and bring each to the first trial.
 
-    What they see is noted in `ledger`; who could not begin is not among those returned.
+    What they see is noted in `ledger`; those who could not begin are not returned.
     """
 
     async def arrival(number: int) -> Arrived | None:
@@ -58,7 +58,7 @@ async def arrive(port: int, *, count: int, seed: int, ledger: Ledger) -> list[Ar
 
 
 async def judge(arrived: list[Arrived], *, ledger: Ledger, seconds: float) -> None:
-    """Let everybody who has `arrived` take trials for `seconds`; who has finished is done.
+    """Let everybody who has `arrived` take trials for `seconds` or until they finish.
 
     What they see is noted in `ledger`; that they are cut short at the end is no error.
     """
@@ -85,7 +85,7 @@ async def keep_arriving(port: int, *, at_once: int, seconds: float, ledger: Ledg
 async def live(port: int, *, count: int, seconds: float, ledger: Ledger) -> None:
     """Let `count` participants take part in real time for `seconds`.
 
-    They come within the first third, each at a moment of their own.
+    They arrive within the first third, at different times.
     """
 
     async def arrival(number: int) -> None:

@@ -17,7 +17,7 @@ SECRETS: Final = {
 
 
 def secrets_in(log: Path, *, allowed: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return what the file `log` holds of what it must not, with the first place of each.
+    """Return the secrets in the file `log`, with the first position of each.
 
     Parameters
     ----------

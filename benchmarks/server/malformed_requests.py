@@ -72,7 +72,7 @@ HEADERS: Final = (
 
 @dataclass(frozen=True, kw_only=True)
 class Known:
-    """Real names, so that what is wrong comes further than the front door.
+    """Real names, so that malformed requests get past the entrance.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ def malformed_requests(count: int, known: Known, seed: int) -> Iterator[bytes]:
 
 
 def _lost(known: Known, chance: random.Random) -> bytes:
-    """Ask for what is not there, in ways of every kind."""
+    """Request missing things in every way."""
     pieces = ("", "take", "media", "static", "take/x", "studyapp", "%2e%2e", ".", "//", "*", "?")
     path = b"/".join(
         (b"", chance.choice(pieces).encode(), *_drawn(TEXTS, chance, chance.randrange(3)), b"lost")
@@ -109,7 +109,7 @@ def _lost(known: Known, chance: random.Random) -> bytes:
 
 
 def _start(known: Known, chance: random.Random) -> bytes:
-    """Start without having agreed on the consent page, or as a nobody."""
+    """Start without consent, or as nobody."""
     visit = chance.choice((b"short", b"x" * 65, b"with%20blank" * 3, b"\xff" * 30, b""))
     fields = [b"visit=" + visit]
     if chance.random() < 0.5:
@@ -119,7 +119,7 @@ def _start(known: Known, chance: random.Random) -> bytes:
 
 
 def _answers(known: Known, chance: random.Random) -> bytes:
-    """Answer a trial with what is not an answer."""
+    """Answer a trial with invalid answers."""
     trial = chance.choice((*known.trials, "nobody's", "")).encode()
     value = chance.choice((*NUMBERS, "3", "-3", "", "clearly A")).encode()
     fields = [b"trial=" + trial, b"rhythm=" + value]
@@ -175,7 +175,7 @@ def _media(known: Known, chance: random.Random) -> bytes:
 
 
 def _not_http(known: Known, chance: random.Random) -> bytes:
-    """Send what is hardly a request."""
+    """Send malformed HTTP."""
     return chance.choice(
         (
             b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03",

@@ -27,7 +27,7 @@ AT_ONCE: Final = 16
 ANSWER_SECONDS: Final = 30.0
 PARTICIPANTS: Final = 4
 AS_HTTP_ASKS: Final = (501, 505)
-"""What a server is to answer where it does not know a way of sending, or a version of HTTP."""
+"""Expected statuses for an unknown method or version of HTTP."""
 
 NO_ANSWER: Final = 0
 """The server has closed the connection without a word."""

@@ -1,9 +1,9 @@
-"""How long others wait while a participant floods the server with reports of what was played.
+"""How long others wait while a participant floods the server with watch reports.
 
-Participants take part in real time. Beside them, in turns of equal length, one more does nothing,
-or sends the largest reports there are without a pause, from a process of its own. The ratio is that
-of the others' slowest answers (p99), turn by turn. To measure it alone:
-``python -m benchmarks.server.report_flood``.
+Participants take part in real time. In turns of equal length, another participant does nothing, or
+sends the largest possible reports without a pause, from a separate process. The ratio is that of
+the others' slowest answers (p99), turn by turn. To measure it alone: ``python -m
+benchmarks.server.report_flood``.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ BEFORE: Final = 20.0
 """Seconds after which everybody is somewhere in a trial: it takes about as long."""
 
 STORED: Final[tuple[Kind, ...]] = ("answers", "watched")
-"""Requests that are acknowledged when what they bring is stored: answers, and what was played."""
+"""Requests that are acknowledged once their content is stored: answers, and what was played."""
 
 
 def report_flood_waits(folder: Path, database: FreshDatabase, seconds: float) -> Waits:
     """Serve the study in `folder`, and measure it in turns of `seconds`."""
     log = folder / "said"
-    # The clock runs as it does for people: nobody may send more than a page does.
+    # The clock runs as it does for people: nobody may send more than a page would.
     with (
         study_server(folder, log, database_url=database.url, speed=1.0) as server,
         _flooder(server.port) as flooding,

@@ -33,7 +33,7 @@ async def slow_readers(port: int, count: int) -> AsyncIterator[None]:
 
 
 async def _source(port: int, number: int) -> str:
-    """Bring a participant to the first trial, and return where one of its videos is."""
+    """Bring a participant to the first trial, and return the address of one of its videos."""
     async with Wire(HOST, port) as wire:
         chance = random.Random(f"slow {number}")  # noqa: S311 - repeatable, not secret
         visitor = Visitor(wire=wire, ledger=Ledger(), chance=chance)

@@ -16,7 +16,7 @@ from tests.support.servers.databases import BACKENDS
 
 
 def main() -> None:
-    """Strain, print what came of it, and fail where anything must not be."""
+    """Run the soak, print its outcome, and fail if there is a problem."""
     asked = _arguments()
     problems: list[str] = []
     for backend in BACKENDS:

@@ -1,4 +1,4 @@
-"""How much longer requests take beside something, in pairs of turns without it and with it."""
+"""How much longer requests take under a load, in pairs of turns without and with it."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from tests.support.servers.databases import BACKENDS
 
 @dataclass
 class Waits:
-    """How long requests took, in seconds, turn by turn.
+    """Durations of requests in seconds, turn by turn.
 
     Attributes
     ----------
     without, beside : list of list of float
-        Of each turn without what is measured, and of the one with it that followed.
+        Of each turn without the load, and of the following one with it.
     """
 
     without: list[list[float]] = field(default_factory=list)
@@ -28,7 +28,7 @@ class Waits:
     def ratio(self) -> float:
         """How many times as long the p99 is beside it: the median over all pairs of turns.
 
-        What else the machine does for a moment falls into few pairs.
+        Other short load on the machine affects few pairs.
         """
         pairs = zip(self.without, self.beside, strict=True)
         return float(np.median([_p99_ms(beside) / _p99_ms(without) for without, beside in pairs]))

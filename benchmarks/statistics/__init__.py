@@ -1,1 +1,1 @@
-"""How fast and how right the statistics are, beside other people's."""
+"""Speed and accuracy of the statistics compared with other implementations."""

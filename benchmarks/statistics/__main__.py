@@ -1,4 +1,4 @@
-"""How fast the statistics are beside others: ``python -m benchmarks.statistics``.
+"""Speed of the statistics compared with others: ``python -m benchmarks.statistics``.
 
 Prints ``name: value`` lines. Both sides of every ratio run one after the other in one run; times
 are those of the processor, so that other work on the machine counts little. What is not installed

@@ -1,4 +1,4 @@
-"""Bradley-Terry strengths beside choix's, and our bootstrap beside one that gathers by index."""
+"""Bradley-Terry strengths compared with choix, and our bootstrap with one that gathers by index."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class BesideChoix:
 
 
 def why_not_choix() -> str:
-    """Say that choix is missing; empty where it is not."""
+    """Return that choix is missing, or an empty text."""
     return "" if importlib.util.find_spec("choix") else "choix is not installed"
 
 

@@ -1,4 +1,4 @@
-"""The cumulative link mixed model beside R's `ordinal::clmm`."""
+"""The cumulative link mixed model compared with R's `ordinal::clmm`."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class BesideR:
 
 
 def why_not_r() -> str:
-    """Say what of R is missing; empty where nothing is."""
+    """Return what is missing of R, or an empty text."""
     program = shutil.which("Rscript")
     if program is None:
         return "R is not installed"

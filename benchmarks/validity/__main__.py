@@ -1,4 +1,4 @@
-"""``python -m benchmarks.validity``; a module of its own, so that its processes find the rest."""
+"""``python -m benchmarks.validity``; separate, so that its processes can import the rest."""
 
 from benchmarks.validity.benchmark import main
 

@@ -80,7 +80,7 @@ def _heading(name: str) -> str:
 
 
 def section(name: str, rows: Sequence[Row], *, studies: int, seed: int) -> str:
-    """Return what was found of one kind of study, in Markdown.
+    """Return the results of one kind of study, in Markdown.
 
     `studies` says how many were simulated of each design and effect, and `seed` what drew them.
     """

@@ -1,4 +1,4 @@
-"""Which kinds of studies are simulated, in which sizes and with which spreads of opinion."""
+"""The simulated kinds of studies, with their sizes and spreads of opinion."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ FEW: Final = (12, 6, 3)
 
 @dataclass(frozen=True, kw_only=True)
 class Experiment:
-    """A protocol in the designs that it is simulated with.
+    """A protocol and its simulated designs.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ OTHERS: Final = tuple(
     )
     for process in get_args(Process)
 )
-"""One size of study, with answers that come about otherwise than in a rehearsal."""
+"""One size of study, with answers that arise differently from those in a rehearsal."""
 
 _ONE_TASTE: Final = _designs(few=FEW[1:], spreads=SPREADS[2:3])
 

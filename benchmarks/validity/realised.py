@@ -100,7 +100,7 @@ class Realised:
 
     @classmethod
     def of(cls, without: Tally, with_effect: Tally) -> Realised:
-        """Return the shares of what was counted without and with an effect."""
+        """Return the shares counted without and with an effect."""
         total = without.studies + with_effect.studies
         return cls(
             false_positives=Share.of(without.significant, without.tested),
@@ -143,7 +143,7 @@ class Row:
     naive : bool
         Whether it treats answers as independent, as papers do.
     realised : Realised
-        What it is worth.
+        Its rates.
     """
 
     experiment: str

@@ -68,7 +68,7 @@ class Preferences:
     side : ndarray, shape (N,)
         1 where the first condition stood on the right, -1 where on the left.
     participants, items : ndarray of int, shape (N,)
-        Who answered about what.
+        Participant and item of each answer.
     """
 
     towards_first: Codes
@@ -96,7 +96,7 @@ class Judgements:
     worth : ndarray, shape (N, conditions)
         Of each condition for one participant and item, in logits, without noise.
     participants, items : ndarray of int, shape (N,)
-        Who judges what.
+        Participant and item of each judgement.
     """
 
     worth: Floats
@@ -222,7 +222,7 @@ def ratings(judged: Judgements, design: Design, generator: np.random.Generator) 
 def votes(
     judged: Judgements, generator: np.random.Generator, *, popular: bool = False
 ) -> tuple[Codes, Codes, Codes]:
-    """Return for each judgement the condition shown left, the one right, and who won.
+    """Return for each judgement the left condition, the right one, and the winner.
 
     The pair and its sides are drawn; 1 stands for the left one, 0 for a tie. Where some are
     `popular`, the first conditions are shown more often than the last.

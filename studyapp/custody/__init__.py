@@ -1,1 +1,1 @@
-"""What becomes of a study's data and its server: backup, restoring, forgetting, deployment."""
+"""Care of a study's data and server: backup, restoring, erasing people, deployment."""

@@ -1,1 +1,1 @@
-"""The one room that makes an engine: tables, migrations, copies, scrubbing."""
+"""The only package that creates database engines: tables, migrations, copies, scrubbing."""

@@ -1,1 +1,1 @@
-"""What a study needs before it begins: sample size, power, and what a pilot tells of them."""
+"""Planning a study: sample size, power, and pilots."""

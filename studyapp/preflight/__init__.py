@@ -1,1 +1,1 @@
-"""What 'motionjury check' finds before a study is launched."""
+"""The checks of `motionjury check` before a study is launched."""

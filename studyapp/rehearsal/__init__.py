@@ -1,4 +1,4 @@
-"""Rehearsing a study: simulated participants with a known taste walk its real pages."""
+"""Rehearsing a study: simulated participants with known preferences use its real pages."""
 
 from typing import Final
 

@@ -1,1 +1,1 @@
-"""Researchers' accounts and roles, what they decide and look at, and the log of it."""
+"""Researchers' accounts, roles, decisions and looks at results, and the audit log."""

@@ -1,1 +1,1 @@
-"""From stored answers to tables, the report and what is passed on."""
+"""From stored answers to tables, the report and shared folders."""

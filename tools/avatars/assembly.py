@@ -56,7 +56,7 @@ _REGRESSED_FROM: Final = 300
 
 
 def pieces_of(recipe: Recipe, sitter: Sitter) -> list[Piece]:
-    """Return all that can be seen of `recipe`."""
+    """Return all visible parts of `recipe`."""
     hem = float(sitter.joint("left_hip")[1]) + _HEM_ABOVE_HIPS
     cloth = fabric(sitter)
     if recipe.name == "skeleton":
@@ -227,5 +227,5 @@ def _joint_regressor(template: Array, joints: Array, moved_by_face: NDArray[np.b
 
 
 def _shade(vertices: Array, faces: NDArray[np.int64]) -> Array:
-    """Return how bright each vertex is where light comes from everywhere, in [0, 1]."""
+    """Return the ambient occlusion of each vertex, in [0, 1]."""
     return np.asarray(0.45 + 0.55 * np.clip(open_sky(vertices, faces), 0, 1) ** 0.8)

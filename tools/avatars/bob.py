@@ -40,7 +40,7 @@ _PARTING: Final = 12.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Skull:
-    """How far the skull reaches from its middle in each direction."""
+    """Distance of the skull from its middle in each direction."""
 
     tree: cKDTree
     reach: Array
@@ -55,7 +55,7 @@ class _Skull:
         return cls(tree=cKDTree((at[head] / reach[:, None])[outer]), reach=reach[outer])
 
     def towards(self, directions: Array) -> Array:
-        """Return how far the skull reaches in unit `directions`, shape (n, 3), in metres."""
+        """Return the skull's distance in unit `directions`, shape (n, 3), in metres."""
         distance, near = self.tree.query(directions, k=6)
         share = 1 / np.maximum(distance, 1e-4)
         return np.asarray((share * self.reach[near]).sum(axis=1) / share.sum(axis=1))

@@ -1,4 +1,4 @@
-"""What each avatar looks like, as data; `tools.avatars.assembly` builds its body from this."""
+"""The look of each avatar, as data; `tools.avatars.assembly` builds its body from this."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Final
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe:
-    """What one avatar looks like.
+    """The look of one avatar.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ _GREY: Final = dict.fromkeys((
 _PLAIN: Final = {
     "gender": 0.2, "age": 0.67, "height": 0.5, "muscle": 0.5, "weight": 0.45, "proportions": 0.6,
 }  # fmt: skip
-"""The figure of those who are nobody in particular."""
+"""The figure of the anonymous avatars."""
 
 RECIPES: Final = (
     Recipe(

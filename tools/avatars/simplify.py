@@ -38,7 +38,7 @@ def simplified(
     importance: Array | None = None,
     labels: Indices | None = None,
 ) -> tuple[Patch, Indices]:
-    """Return `patch` with about so many triangles.
+    """Return `patch` with about this many triangles.
 
     Parameters
     ----------

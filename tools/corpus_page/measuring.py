@@ -252,7 +252,7 @@ def _other(take: MeasuredTake, takes: Sequence[MeasuredTake]) -> MeasuredTake:
 
 
 def told(takes: Sequence[MeasuredTake]) -> tuple[Told, ...]:
-    """Return how well the nearest mean of the training takes tells emotion and speaker."""
+    """Return how well the nearest mean of the training takes predicts emotion and speaker."""
     familiar = [take for take in takes if not take.plan.held_out_speaker]
     strangers = [take for take in takes if take.plan.split != "test" or take.plan.held_out_speaker]
 

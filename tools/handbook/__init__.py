@@ -1,1 +1,1 @@
-"""What the documentation takes from the program: the commands' options, and what they print."""
+"""Generated parts of the documentation: the commands' options and output."""

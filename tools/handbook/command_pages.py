@@ -24,7 +24,7 @@ _PROGRAM = "motionjury"
 PAGES: Final = Path(__file__).resolve().parents[2] / "docs" / "commands"
 INDEX: Final = "README"
 HEADINGS: Final = ("What for", "Example", "What it writes", "What it refuses")
-"""What every page says by hand."""
+"""Handwritten headings of every page."""
 
 _BLOCK: Final = re.compile(r"<!-- from the code: (?P<name>[^>]+?) -->\n.*?<!-- end -->", re.DOTALL)
 
@@ -58,7 +58,7 @@ def _below(
 
 
 def summary(context: click.Context) -> str:
-    """Return the first sentence of what a command says of itself."""
+    """Return the first sentence of a command's help."""
     return context.command.get_short_help_str(limit=1000)
 
 
@@ -116,7 +116,7 @@ def blocks(page: str) -> dict[str, str]:
 
 
 def by_hand(page: str) -> str:
-    """Return what somebody wrote on a page."""
+    """Return the handwritten text of a page."""
     return _BLOCK.sub("", page)
 
 
@@ -160,7 +160,7 @@ def _empty(name: str) -> str:
 
 
 def _replaced(page: str, words: Mapping[str, str]) -> str:
-    """Return `page` with the program's words anew; a block of what is gone is taken out."""
+    """Return `page` with its generated parts updated; a block of what is gone is taken out."""
     text = _BLOCK.sub(
         lambda contexts: (
             block(contexts["name"], words[contexts["name"]]) if contexts["name"] in words else ""

@@ -1,8 +1,8 @@
-"""Running the guide and the commands' examples, and writing what they print into them.
+"""Running the guide and the commands' examples, and inserting their output.
 
 ``python -m tools.handbook.guide FOLDER`` runs ``docs/guide.md`` in an empty FOLDER, then the
-examples of ``docs/commands`` in what it left there. Twice the same commands print the same, so that
-a page changes only where the program did.
+examples of ``docs/commands`` in what it left there. Repeated runs print the same, so that a page
+changes only if the program did.
 """
 
 from __future__ import annotations

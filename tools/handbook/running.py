@@ -1,4 +1,4 @@
-"""Running the commands of a page in a folder, and writing what they print into the page.
+"""Running the commands of a page in a folder, and inserting their output into the page.
 
 - ``sh``: run, all lines as one script. ``sh elsewhere`` needs a server or an account and is not
   run; ``sh fails`` is expected to be refused.
@@ -81,7 +81,7 @@ def run_page(
     since: str = "",
     until: str = "",
 ) -> str:
-    """Run the commands of a page in `folder` and return the page with what they printed.
+    """Run the commands of a page in `folder` and return the page with their output.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def _run(block: Fenced, folder: Path) -> list[str]:
 
 
 def _served(arguments: list[str], folder: Path, environment: dict[str, str]) -> str:
-    """Return what a server says once it listens, and stop it as a person would."""
+    """Return the output of a server once it listens, and interrupt it."""
     server = subprocess.Popen(  # noqa: S603 — the pages are the project's own
         arguments,
         cwd=folder,
@@ -171,7 +171,7 @@ def _served(arguments: list[str], folder: Path, environment: dict[str, str]) -> 
 
 
 def _edit(path: Path, words: str, *, without: Sequence[str]) -> None:
-    """Take sections out of a TOML file and put others in, keeping the rest and its comments."""
+    """Replace sections of a TOML file, keeping the rest and its comments."""
     document = tomlkit.parse(path.read_text(encoding="utf-8"))
     for section in without:
         *above, last = section.removeprefix("-").split(".")

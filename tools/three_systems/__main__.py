@@ -1,7 +1,7 @@
 """Make the study of three systems, and its page: ``python -m tools.three_systems``.
 
-Everything lies in one folder. A run that was interrupted goes on from there, and a network that is
-exchanged makes anew what depends on it.
+Everything is in one folder. An interrupted run resumes, and replacing a network repeats the steps
+that depend on it.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ FRAME_RATE: Final = 15
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run what is missing, and write the page and its pictures."""
+    """Run the missing steps, and write the page and its pictures."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--folder", type=Path, default=Path("build/three-systems"))
     parser.add_argument(
@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def make(args: argparse.Namespace) -> tuple[Line, list[Network]]:
-    """Make what the folder lacks of the study, from the corpus to the report."""
+    """Make the missing parts of the study, from the corpus to the report."""
     root: Path = args.folder.resolve()
     root.mkdir(parents=True, exist_ok=True)
     line = Line(root)
@@ -133,7 +133,7 @@ def _set(folder: StudyFolder, participants: int) -> None:
 
 
 def _place(study: StudyFolder, trained: Sequence[Network]) -> None:
-    """Put the networks where the template names them."""
+    """Copy the networks to the template's paths."""
     folder = study.root / "networks"
     folder.mkdir(exist_ok=True)
     for network in trained:

@@ -42,7 +42,7 @@ class Line:
     Attributes
     ----------
     folder : Path
-        Where they are run, and what they took is kept.
+        Where they run, and where their times are recorded.
     """
 
     folder: Path
@@ -76,7 +76,7 @@ class Line:
 
     @contextmanager
     def step(self, name: str, *, of: str = "") -> Iterator[bool]:
-        """Tell whether a step is still to be done, and keep what it takes; see `run`."""
+        """Yield whether a step has to run, and record its time; see `run`."""
         record = self._kept()
         known = record.get(name, {})
         is_due = known.get("done_of") != of
@@ -101,7 +101,7 @@ class Line:
             write_text(self.folder / _KEPT, json.dumps(record, indent=1) + "\n")
 
     def took(self) -> dict[str, Took]:
-        """Return what each step took, in the order in which they were first run."""
+        """Return the time of each step, in the order of their first runs."""
         return {
             name: Took(seconds=entry["seconds"], processor=entry["processor"])
             for name, entry in self._kept().items()

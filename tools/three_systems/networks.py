@@ -50,7 +50,7 @@ class Network:
 
     @property
     def training(self) -> Mapping[str, Any]:
-        """What its file says of its training."""
+        """Its training, according to its file."""
         facts: Mapping[str, Any] = read_weights(self.file).facts["training"]
         return facts
 
@@ -91,5 +91,5 @@ def evaluators(line: Line, recordings: str, into: Path, steps: int | None) -> No
 
 
 def _of_steps(steps: int | None) -> list[str]:
-    """Return the option; a config's own steps where nothing else is said."""
+    """Return the option; by default a config's own steps."""
     return [] if steps is None else ["--steps", str(steps)]

@@ -63,7 +63,7 @@ def measured(study: StudyFolder, took: Mapping[str, Took], networks: Sequence[Ne
 
 @dataclass(frozen=True, kw_only=True)
 class _Metrics:
-    """What a report says of metrics.
+    """A report's results on metrics.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class _Metrics:
         return table((*head, *taus), map(self.row, PAPER_TABLES[paper]))
 
     def reasons(self) -> list[str]:
-        """Return why scores are missing, and what is to be known of them, each once."""
+        """Return each reason for missing scores and each remark once."""
         about: dict[str, dict[str, list[str]]] = {}
         for paper in PAPERS:
             for column in PAPER_TABLES[paper]:

@@ -1,1 +1,1 @@
-"""Numbers as papers compute them, beside the ones to be believed: to compare, never to conclude."""
+"""Numbers as papers compute them, for comparison with valid ones, never for conclusions."""

@@ -102,7 +102,7 @@ def _spread(spread: Spread) -> str:
 
 
 def _effects(rebuilt: tuple[Rebuilt, ...], spread: Spread) -> str:
-    """Return from where to where design effects go, '3.3 to 3.8'."""
+    """Return the range of design effects, '3.3 to 3.8'."""
     place = SPREADS.index(spread)
     effects = [row.shared[place].design_effect for row in rebuilt]
     return f"{min(effects):.1f} to {max(effects):.1f}"
@@ -134,7 +134,7 @@ def _verdict(counts: tuple[int, ...], tests: int) -> str:
 
 
 def _excluded(failing: float) -> dict[str, str]:
-    """Return how probable it is, in percent, that somebody is excluded by each rule.
+    """Return the probability, in percent, that somebody is excluded by each rule.
 
     `failing` is the chance to fail one catch trial; whether one is failed says nothing of the next.
     """

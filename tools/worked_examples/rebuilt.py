@@ -1,4 +1,4 @@
-"""Printed percentages turned back into counts, AMUSE's table A.5, and what tests of these say."""
+"""Printed percentages turned back into counts (AMUSE's table A.5), and their tests."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def rebuild() -> tuple[Rebuilt, ...]:
 
 
 def supported(claim: Claim, rebuilt: tuple[Rebuilt, ...]) -> Supported:
-    """Count what of `claim` is significant and points where it says."""
+    """Count the parts of `claim` that are significant in the claimed direction."""
     rows = [
         row
         for row in rebuilt

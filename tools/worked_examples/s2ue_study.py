@@ -12,7 +12,7 @@ GROUPS: Final = 8
 
 @dataclass(frozen=True, kw_only=True)
 class PrintedPercentage:
-    """Who, or what share of the answers, rated the method's own motions 3 or above.
+    """Share of participants, or of answers, that rated the method's own motions 3 or above.
 
     Attributes
     ----------

@@ -1,8 +1,8 @@
-"""What a printed share is worth where participants and items differ.
+"""The precision of a printed share when participants and items differ.
 
-A paper that prints percentages alone says nothing of how much its participants, and its items,
-differ in what they prefer. This computes, for any such spread, the interval that the same answers
-would have had.
+A paper that prints only percentages does not say how much its participants and its items differ in
+their preferences. This computes, for any such spread, the interval that the same answers would have
+had.
 
 The answers are taken to follow a latent difference: a mean, plus a normal deviation of each
 participant, plus one of each item, plus a logistic one of each answer, with a zone in its middle
@@ -108,7 +108,7 @@ def with_spread(
 
 
 def _chance(latent: np.ndarray | float, spread: float) -> np.ndarray:
-    """Return how probable it is that a logistic plus a normal deviation is below `latent`."""
+    """Return the probability that a logistic plus a normal deviation is below `latent`."""
     shifted = np.asarray(latent)[..., None] + spread * _NODES
     return np.asarray(expit(shifted) @ _WEIGHTS)
 

@@ -1,1 +1,1 @@
-"""The sections of a report around what was found."""
+"""The sections of a report."""

@@ -1,1 +1,1 @@
-"""What the report would conclude from simulated studies, and what is true of them."""
+"""The report's conclusions from simulated studies, compared with the truth."""

@@ -67,12 +67,12 @@ def no_truths(_: Design) -> Mapping[str, float]:
 
 
 def of_mean(value: Estimate) -> Conclusion:
-    """Return what a clustered mean says."""
+    """Return the conclusion of a clustered mean."""
     return Conclusion(p_value=value.p_value, low=value.low, high=value.high)
 
 
 def of_error(estimate: float, error: float, freedom: float = math.inf) -> Conclusion:
-    """Return what an estimate says by its standard error; nothing without one."""
+    """Return the conclusion of an estimate by its standard error; nothing without one."""
     if not error > 0:
         return Conclusion(p_value=math.nan)
     law = stats.t(freedom)
@@ -85,7 +85,7 @@ def of_error(estimate: float, error: float, freedom: float = math.inf) -> Conclu
 
 
 def of_two_way(strengths: Floats, value: TwoWayErrors | None) -> Conclusion:
-    """Return what the first strength's two-way error says."""
+    """Return the conclusion of the first strength by its two-way error."""
     if value is None or not np.isfinite(strengths).all():
         return Conclusion(p_value=math.nan)
     return of_error(float(strengths[0]), float(value.errors[0]), float(value.freedoms[0]))

@@ -1,4 +1,4 @@
-"""What a report decides of studies that are not those of a rehearsal."""
+"""A report's decisions in studies other than rehearsals."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ WORTHS_TOGETHER: Final = "all worths together"
 
 
 def conclude_verdicts(design: Design, generator: np.random.Generator) -> Mapping[str, Conclusion]:
-    """Return what is decided of one study of pairs, one of many conditions, and one of rankings."""
+    """Return the decisions on one study of pairs, one of many conditions, and one of rankings."""
     study = preferences(design, generator)
     share = clustered_mean(study.wins, study.participants, study.items)
     judged = judgements(design, len(SYSTEMS), generator)

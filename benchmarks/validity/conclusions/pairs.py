@@ -38,7 +38,7 @@ WALD: Final = "clmm, Wald"
 def conclude_preferences(
     design: Design, generator: np.random.Generator
 ) -> Mapping[str, Conclusion]:
-    """Return what is concluded without a model."""
+    """Return the conclusions without a model."""
     study = preferences(design, generator)
     values = study.towards_first.astype(np.float64)
     by_person = group_means(values, study.participants)
@@ -58,7 +58,7 @@ def conclude_preferences(
 def conclude_net_preference(
     design: Design, generator: np.random.Generator
 ) -> Mapping[str, Conclusion]:
-    """Return what the mixed model concludes, of answers that count towards the right."""
+    """Return the mixed model's conclusions, with answers counted towards the right."""
     study = preferences(design, generator)
     random = [
         RandomEffect(name=name, groups=groups, multiplier=study.side)
@@ -91,7 +91,7 @@ def conclude_equivalence(
 def conclude_heterogeneity(
     design: Design, generator: np.random.Generator
 ) -> Mapping[str, Conclusion]:
-    """Return whether emotions and segments are found to differ in what is preferred.
+    """Return whether emotions and segments are found to differ in their preferences.
 
     Where there is an effect, every second one of `EMOTIONS` is preferred by so much more. Segments
     differ in any study in which items do, so that only the others tell false positives.

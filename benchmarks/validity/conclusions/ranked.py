@@ -1,4 +1,4 @@
-"""Conclusions about the first of several conditions that are put in order."""
+"""Conclusions about the first of several ranked conditions."""
 
 from __future__ import annotations
 
@@ -63,11 +63,11 @@ def conclude_rankings(design: Design, generator: np.random.Generator) -> Mapping
 
 
 def _truths(design: Design) -> Mapping[str, float]:
-    """Return what the numbers tend to as participants and items become many."""
+    """Return the limits of the numbers for many participants and items."""
     worth, mean_rank, first = 0.0, (len(RANKED) + 1) / 2, 1 / len(RANKED)
     if design.effect:
         generator = np.random.default_rng(0)
-        # Everybody ranks once, about an item of their own.
+        # Everybody ranks once, about their own item.
         alone = replace(design, participants=SETTLED, items=1)
         alone = replace(alone, participant_sd=design.spread, item_sd=0.0)
         judged = judgements(alone, len(RANKED), generator)

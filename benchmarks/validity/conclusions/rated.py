@@ -39,14 +39,14 @@ NAIVE: Final = "pooled Wilcoxon of ratings"
 
 
 def conclude_ratings(design: Design, generator: np.random.Generator) -> Mapping[str, Conclusion]:
-    """Return what is concluded where participants and items differ in taste."""
+    """Return the conclusions if participants and items differ in taste."""
     return _of_ratings(judgements(design, len(RATED), generator), design, generator)
 
 
 def conclude_agreed_ratings(
     design: Design, generator: np.random.Generator
 ) -> Mapping[str, Conclusion]:
-    """Return the same where participants and items differ in level only."""
+    """Return the same if participants and items differ only in level."""
     judged = judgements(design, len(RATED), generator, differ=False)
     return _of_ratings(judged, design, generator)
 

@@ -53,7 +53,7 @@ def conclude_votes(design: Design, generator: np.random.Generator) -> Mapping[st
 
 
 def _truths(design: Design) -> Mapping[str, float]:
-    """Return what the strengths tend to as participants and items become many."""
+    """Return the limits of the strengths for many participants and items."""
     rows = []
     for left in range(len(VOTED)):
         for right in range(len(VOTED)):

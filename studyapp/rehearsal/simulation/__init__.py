@@ -1,1 +1,1 @@
-"""What simulated participants are like: whom they are drawn from, and what they answer."""
+"""Simulated participants: their population, behaviour and answers."""

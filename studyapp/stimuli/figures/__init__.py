@@ -1,1 +1,1 @@
-"""What researchers look at and papers show: contact sheets, figures, previews of motion."""
+"""Pictures for researchers and papers: contact sheets, figures, previews of motion."""

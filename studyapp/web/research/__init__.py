@@ -1,6 +1,7 @@
 """The pages of researchers, under ``/research``.
 
-Unlike participants, researchers log in, and a cookie says who they are. It is a random token that
-is sent to these pages alone; everything else about a login is in the database. What each page
-needs is one table (`studyapp.web.research.pages`), asked before any of them does anything.
+Unlike participants, researchers log in and have a cookie: a random token that is sent to these
+pages alone. Everything else about a login is in the database. One table
+(`studyapp.web.research.pages`) says what each page requires, and is checked before the page does
+anything.
 """
