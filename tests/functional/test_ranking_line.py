@@ -15,7 +15,7 @@ from motion.formats import read_clip
 from motion.formats.beat_tracks import write_arkit_json
 from tests.generators.diffsheg.small_network import written_network
 from tests.support.command_line import run
-from tests.support.studies.edited_study import edited
+from tests.support.studies.redefining import edited
 from tests.support.studies.takes import write_motion, write_speech
 
 pytestmark = pytest.mark.slow

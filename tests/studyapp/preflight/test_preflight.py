@@ -20,8 +20,8 @@ from studyapp.results.analysed_tasks import study_notes
 from studyapp.stimuli.rendering import equalise_sizes
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli, write_stimuli
-from tests.support.studies.edited_study import edited
 from tests.support.studies.made_study import make_segments, make_study
+from tests.support.studies.redefining import edited
 from tests.support.studies.takes import write_motion
 from tests.support.studies.tiny_study import SECONDS
 

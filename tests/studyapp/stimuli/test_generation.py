@@ -14,7 +14,7 @@ from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
 from tests.generators.diffsheg.small_network import written_network
-from tests.support.studies.edited_study import edited
+from tests.support.studies.redefining import edited
 from training.speech_features.hubert import stand_in
 
 MakeTake = Callable[..., Take]

@@ -21,7 +21,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import source_descriptions
 from studyapp.study.settings.reading import read_study
 from tests.support.command_line import refused, run
-from tests.support.studies.edited_study import edited
+from tests.support.studies.redefining import edited
 from tests.support.studies.takes import write_speech
 
 

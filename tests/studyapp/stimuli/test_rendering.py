@@ -23,7 +23,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.study_file import new_study
-from tests.support.studies.edited_study import edited
+from tests.support.studies.redefining import edited
 from tests.support.studies.takes import write_motion, write_speech
 
 pytestmark = pytest.mark.slow

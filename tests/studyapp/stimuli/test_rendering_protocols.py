@@ -22,8 +22,8 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from studyapp.study.study_file import new_study
 from tests.studyapp.conftest import OwnStudy
-from tests.support.studies.edited_study import edited
 from tests.support.studies.finished_study import PROTOCOLS
+from tests.support.studies.redefining import edited
 
 pytestmark = pytest.mark.slow
 

@@ -6,7 +6,7 @@ from motion.segment import Segment
 from renderer.look import FIRST_AVATAR
 from studyapp.stimuli.shown_motion import segment_scene, shown_abilities, shown_body
 from studyapp.study.folder import StudyFolder
-from tests.support.studies.edited_study import edited
+from tests.support.studies.redefining import edited
 from tests.support.studies.takes import write_motion, write_speech
 
 

@@ -11,7 +11,7 @@ from motion.errors import InputError
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.training_recordings import recordings_of
 from studyapp.study.folder import StudyFolder
-from tests.support.studies.edited_study import edited
+from tests.support.studies.redefining import edited
 
 
 @pytest.fixture

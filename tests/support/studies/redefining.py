@@ -1,8 +1,12 @@
-"""Changes to the studies of tests."""
+"""Changing a study file in a test."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+import tomlkit
 
 
 def redefine(study: Path, *changes: tuple[str, str], added: str = "") -> None:
@@ -11,13 +15,21 @@ def redefine(study: Path, *changes: tuple[str, str], added: str = "") -> None:
     Parameters
     ----------
     changes : tuple of str and str
-        What stands there, and what stands there instead.
+        Old and new text.
     added : str
-        What stands at its end.
+        Text to append.
     """
     definition = study / "study.toml"
     text = definition.read_text("utf-8")
     for old, new in changes:
-        assert old in text, f"the study file does not say {old!r}"
+        assert old in text, f"the study file does not contain {old!r}"
         text = text.replace(old, new)
     definition.write_text(text + added, "utf-8")
+
+
+@contextmanager
+def edited(definition: Path) -> Iterator[tomlkit.TOMLDocument]:
+    """Give the keys of a study file, and write them back at the end of the block."""
+    document = tomlkit.parse(definition.read_text("utf-8"))
+    yield document
+    definition.write_text(tomlkit.dumps(document), "utf-8")

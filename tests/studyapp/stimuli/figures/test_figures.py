@@ -15,7 +15,7 @@ from studyapp.stimuli.figures.material import FigureMaterial
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
 from tests.support.command_line import refused, run
-from tests.support.studies.edited_study import edited
+from tests.support.studies.redefining import edited
 
 pytestmark = pytest.mark.slow
 

@@ -13,7 +13,7 @@ from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.presentation import Video
 from studyapp.study.settings.reading import read_study
 from studyapp.study.study_file import new_study
-from tests.support.studies.edited_study import edited
+from tests.support.studies.redefining import edited
 
 
 @pytest.fixture
