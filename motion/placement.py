@@ -22,7 +22,7 @@ from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 FloatArray = NDArray[np.float64]
 
 _STILL: Final = 1e-4
-"""Metres within which a height that never changes lies; less than any recording's noise."""
+"""Range in metres of a height that never changes; less than any recording's noise."""
 
 SINKS_AT_MOST: Final = 0.004
 """Metres that a sole may be below the ground."""

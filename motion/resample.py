@@ -59,14 +59,14 @@ def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
 def frame_positions(
     frames: int, given_rate: float, frame_rate: float
 ) -> tuple[NDArray[np.int_], NDArray[np.int_], NDArray[np.float64]]:
-    """Return between which given frames the frames at another rate lie.
+    """Return the source frames around each frame at another rate.
 
     Parameters
     ----------
     frames : int
         Given frames, at least one.
     given_rate, frame_rate : float
-        Their frames per second, and those wanted.
+        Their frames per second, and those of the result.
 
     Returns
     -------

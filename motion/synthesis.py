@@ -124,7 +124,7 @@ def synthesiser_version() -> str:
     process = subprocess.run(  # noqa: S603
         [_program(), "--version"], capture_output=True, check=True, timeout=_TIME_LIMIT, text=True
     )
-    # What follows is where its data lies on this machine.
+    # The path of its data on this machine follows.
     return process.stdout.split("Data at")[0].strip()
 
 

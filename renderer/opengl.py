@@ -39,7 +39,7 @@ _LIBRARIES: Final = {"osmesa": "OSMesa", "egl": "EGL"}
 
 
 def _choose_platform() -> str:
-    """Return the offscreen platform to use: OSMesa where there is one, else EGL."""
+    """Return the offscreen platform to use: OSMesa if available, otherwise EGL."""
     requested = os.environ.get("PYOPENGL_PLATFORM")
     for platform, library in _LIBRARIES.items():
         if requested in (None, platform) and ctypes.util.find_library(library):

@@ -50,11 +50,11 @@ class TrainingConfig:
     steps : int
         Updates of the weights, at least 1.
     batch_size : int
-        Examples in an update, at least 1; all of them where there are fewer.
+        Examples in an update, at least 1; all of them if there are fewer.
     accumulate : int
         Parts into which the examples of an update are cut, at least 1; gradients are summed over
-        them, so that memory need hold but one. Several processes share the parts, and make more
-        of them where they are too few: see `training.run.batches.step_parts`.
+        them, so that memory holds only one. Several processes share the parts, and make more of
+        them if there are too few: see `training.run.batches.step_parts`.
     learning_rate : float
         Above 0 and at most 1.
     decay : Decay or None

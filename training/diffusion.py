@@ -1,8 +1,8 @@
 """Diffusion: how much noise each step holds, and the way back.
 
-Ho et al. 2020 (DDPM) and Song et al. 2021 (DDIM). Both formulas and the schedule are so short, and
-so much depends on which step of a resampled walk is next, that they stand here; tests hold them
-against an independent derivation.
+Ho et al. 2020 (DDPM) and Song et al. 2021 (DDIM). Both formulas and the schedule are short and
+depend on the order of resampled steps, so they are implemented here; tests compare them with an
+independent derivation.
 """
 
 from __future__ import annotations

@@ -63,7 +63,7 @@ class Speakers:
         return zlib.crc32(name.encode()) % len(self.names) + 1
 
     def resolve(self, requested: int | str | None, speaker: str | None, checkpoint: Path) -> int:
-        """Return the speaker to move as: the chosen one, else the segment's, else the first.
+        """Return the speaker to move as: the chosen one, the segment's, or the first.
 
         Raises
         ------
@@ -83,7 +83,7 @@ class Speakers:
 
 
 class SpeakerEncoder(nn.Module):
-    """Who speaks, as mean and logarithm of the variance of a latent."""
+    """A speaker, as mean and log variance of a latent."""
 
     def __init__(self, speakers: int, width: int) -> None:
         super().__init__()

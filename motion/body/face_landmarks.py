@@ -35,7 +35,7 @@ _MIN_SHIFT: Final = 1e-3
 """Smallest movement of a landmark by its component, in metres."""
 
 _SKIN: Final = ("skin", "lips")
-"""Materials that landmarks lie on, if the body names the materials of its vertices."""
+"""Materials that may have landmarks, if the body names the materials of its vertices."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

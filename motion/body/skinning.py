@@ -30,13 +30,13 @@ _SIDES: Final = ("left", "right")
 class TwistJoints:
     """Extra joints that turn about a bone; they come after the 55 of the skeleton.
 
-    Each turns as the joint at which its bone starts, and beyond that about the bone by a share of
-    the twists that the joints at both ends make about it.
+    Each turns with the joint at which its bone starts, and also about the bone by a share of the
+    twists of the joints at both ends.
 
     Attributes
     ----------
     bones : ndarray, shape (K, 2), int
-        The joints between which the bone lies that each extra joint turns about.
+        Start and end of the bone that each extra joint turns about.
     shares : ndarray, shape (K, 2), float64
         Shares of the twists of the joints at the start and at the end.
         The skin at the start of a bone takes back its own joint's twist (-1, 0), the skin at its

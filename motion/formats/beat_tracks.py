@@ -49,7 +49,7 @@ def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
     path : Path
         A JSON object with ``names`` and ``frames``, each of ``time`` (seconds) and ``weights``.
     frame_rate : float
-        Frames per second wanted.
+        Frames per second of the result.
 
     Returns
     -------
@@ -61,8 +61,8 @@ def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
     Raises
     ------
     InputError
-        If the file is no such JSON, names an unknown action, its times do not rise or are not
-        in seconds, or its weights lie outside [0, 1].
+        If the file is not such JSON, names an unknown action, its times do not increase or are not
+        in seconds, or its weights are outside [0, 1].
     """
     face = _parse(Path(path))
     columns = _columns(face.names, path)

@@ -32,7 +32,7 @@ _EXPRESSION_KEYS: Final = ("expressions", "expression")
 _POSE_PARTS: Final = (
     ("root_orient", 1), ("pose_body", 21), ("pose_jaw", 1), ("pose_eye", 2), ("pose_hand", 30),
 )  # fmt: skip
-"""AMASS's arrays of which poses consist, in SMPL-X's order, and their joint counts."""
+"""AMASS's arrays that make up the poses, in SMPL-X's order, and their joint counts."""
 _KNOWN_KEYS: Final = frozenset(
     {
         *("poses", "betas", "arkit", "gender", "provenance"),

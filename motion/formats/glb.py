@@ -1,8 +1,8 @@
 """A motion clip on a body as GLB, glTF 2.0 in one file, for Blender, Unity and web pages.
 
 The mesh is skinned to SMPL-X's 55 joints and the body's twist joints, and each facial action that
-the clip uses is a morph target. glTF has no sound: the speech lies beside the file, which names it.
-Source: Khronos Group 2021, "glTF 2.0 Specification".
+the clip uses is a morph target. glTF has no sound: the speech is a separate file, named in this
+one. Source: Khronos Group 2021, "glTF 2.0 Specification".
 """
 
 from __future__ import annotations
@@ -213,7 +213,7 @@ def _skin(binary: _Binary, clip: MotionClip, body: BodyModel) -> Node:
 
 
 def _twist_carriers(body: BodyModel) -> list[int]:
-    """Return, for each joint of the skin, the one of the 55 in whose place it is."""
+    """Return, for each joint of the skin, the one of the 55 at its position."""
     twists = [] if body.twist_joints is None else body.twist_joints.bones[:, 0].tolist()
     return [*range(len(JOINT_NAMES)), *twists]
 

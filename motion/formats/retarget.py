@@ -118,9 +118,9 @@ def rest_corrections(source: JointPositions, target: JointPositions) -> Mapping[
     Returns
     -------
     mapping of str to Rotation
-        For every mapped joint. Trunk, head, collars and feet: the turn of the whole figure.
-        Limbs: further, by the smallest turn along the chain, so that the bones have the
-        source's directions. Hands: so that the palms face alike, where fingers tell.
+        For every mapped joint. Trunk, head, collars and feet: the turn of the whole figure. Limbs:
+        further, by the smallest turn along the chain, so that the bones have the source's
+        directions. Hands: so that the palms face the same way, if there are fingers.
     """
     figure = _figure_rotation(source, target)
     corrections = dict.fromkeys(source, figure)

@@ -51,8 +51,8 @@ _SMOOTHING: Final = 0.03
 def landmark_shifts(mesh: FloatArray, frame_rate: float, body: BodyModel) -> NDArray[np.float32]:
     """Return the shifts of the landmarks of `FaceLandmarks.of(body)` for a detected face.
 
-    Each landmark follows the point of the person's neutral face that lies where it does when
-    eyes, nose and corners of the mouth of both faces are put over each other.
+    Each landmark follows the point of the person's neutral face at its position after aligning
+    eyes, nose and corners of the mouth of both faces.
 
     Parameters
     ----------

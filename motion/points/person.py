@@ -37,7 +37,8 @@ _HIPS: Final = ("left_hip", "right_hip")
 _HEAD: Final = ("head", "jaw", "left_eye", "right_eye")
 _NO_ARM: Final = ("hip", "knee", "ankle", "foot", "ear", "eye")
 _COMPUTED: Final = tuple(joint for joint in JOINT_NAMES if "spine" in joint or "collar" in joint)
-"""Joints that lie elsewhere in every skeleton; without them trunk and shoulders follow the rest."""
+"""Joints whose position differs between skeletons; without them trunk and shoulders follow the
+rest."""
 
 _EARS_TO_HEAD: Final = np.array([0, -0.2, 1.0])
 _TO_CROWN: Final = np.array([0, 0.278, 0.02])

@@ -119,7 +119,7 @@ def common_box(body: BodyModel, poses: Iterable[MotionClip], camera: Camera) -> 
 def panel(
     stage: Stage, pose: MotionClip, camera: Camera, *, clear: bool, skeleton: bool = False
 ) -> Image.Image:
-    """Return the frame of `pose` as RGBA: the figure alone where `clear`, else with background."""
+    """Return the frame of `pose` as RGBA, without the background if `clear`."""
     picture = (
         cut_out(stage, pose, camera).picture if clear else still(stage, pose, 0).convert("RGBA")
     )

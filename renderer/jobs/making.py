@@ -67,7 +67,7 @@ def run_jobs(
     cluster: str | None = None,
     on_done: Callable[[Outcome], None] = lambda outcome: None,
 ) -> list[Outcome]:
-    """Do all `jobs`; a broken one is reported and the rest goes on.
+    """Do all `jobs`; a failed one is reported and the rest continues.
 
     Parameters
     ----------

@@ -142,7 +142,7 @@ def track(clip: MotionClip, body: BodyModel) -> bytes:
     clip : MotionClip
         The motion.
     body : BodyModel
-        Says what the clip's face does.
+        Converts the clip's face.
 
     Returns
     -------

@@ -51,7 +51,7 @@ def make_corpus(
     Parameters
     ----------
     folder : Path
-        Where to; it is made where it is missing.
+        Where to; it is created if missing.
     request : CorpusRequest
         Which corpus. The same request gives the same bytes with the same version of espeak-ng.
     processes : int

@@ -1,7 +1,7 @@
 """The takes of a corpus and their splits.
 
-Every speaker has passages of their own, unless all are to speak the same. With p the number of a
-speaker plus that of an emotion, counted from 0 in the order of `motion.segment.EMOTIONS`:
+Every speaker has their own passages, unless all speak the same ones. With p the number of a speaker
+plus that of an emotion, counted from 0 in the order of `motion.segment.EMOTIONS`:
 
 ======= ==================================================================================
 p mod 4 what is kept from training
@@ -12,11 +12,11 @@ p mod 4 what is kept from training
 3       nothing
 ======= ==================================================================================
 
-Where all speak the same passages, the last sixth of each emotion's, at least one, is for testing,
-made of sentences that are spoken nowhere else; as many before it are for validation.
+If all speak the same passages, the last sixth of each emotion's, at least one, is for testing, made
+of sentences that occur nowhere else; the same number before it is for validation.
 
-Of speakers who are held out, all takes are for testing, every other passage unheard, or those that
-are unheard of all.
+All takes of held-out speakers are for testing; every other passage is unheard, or those that are
+unheard for all.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ class Process:
         frame_rate : float
             Frames per second; frame k lies at ``k / frame_rate`` seconds.
         chance : Chance, optional
-            The take's random numbers; expected values where left out.
+            The take's random numbers; expected values by default.
 
         Returns
         -------

@@ -1,7 +1,7 @@
 """Making one take of the corpus: its speech, its motion, and the truth about both.
 
-Motion has all 75 joints of BEAT's files, in their order: beside the joints that move, these have
-ends of limbs that never do.
+Motion has all 75 joints of BEAT's files, in their order: besides moving joints, these include limb
+ends that never move.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ FACE_RATE: Final = 60.0
 """Frames per second of BEAT's facial weights."""
 
 _BEFORE, _AFTER = 0.3, 0.2
-"""Seconds of silence around the speech, beside the synthesiser's own."""
+"""Seconds of silence around the speech, in addition to the synthesiser's."""
 _SPEECH_STREAM: Final = 7
 """Distinguishes the random numbers of a take's speech from those of its motion."""
 _FULL_SCORE_SIZE: Final = 2.0

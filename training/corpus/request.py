@@ -62,8 +62,8 @@ MOST_SPEAKERS: Final = 9999
 
 
 _LEAST_SHARED: Final = 4
-"""Passages of an emotion that all speak: one for testing, one for validation, and two to tell
-apart."""
+"""Passages of an emotion that all speak: one for testing, one for validation, and two to
+compare."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,8 +85,7 @@ class CorpusRequest:
     seed : int
         Of all random numbers, at least 0.
     shared_passages : bool
-        Whether all speakers speak the same passages, as BEAT's do, rather than passages of their
-        own.
+        Whether all speakers speak the same passages, as BEAT's do, rather than their own.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """The speakers of the corpus: traits of their motion and voice.
 
-How they move in each emotion stands in ``emotions.toml``.
+Their motion in each emotion is defined in ``emotions.toml``.
 """
 
 from __future__ import annotations
@@ -48,13 +48,13 @@ class CorpusSpeaker:
     attack, release : float
         Seconds in which a stroke goes out and comes back, before an emotion's tempo.
     hand_height : float
-        Degrees by which the elbows are bent more than usual, -14 to 14.
+        Additional bend of the elbows in degrees, -14 to 14.
     hand_width : float
-        Degrees by which the forearms are turned further out than usual, -8 to 10.
+        Additional outward turn of the forearms in degrees, -8 to 10.
     elbow_width : float
-        Degrees by which the upper arms stand further off than usual, -4 to 10.
+        Additional distance of the upper arms from the body in degrees, -4 to 10.
     lean : float
-        Degrees by which the trunk leans further forward than usual, -4 to 4.
+        Additional forward lean of the trunk in degrees, -4 to 4.
     head_turn, head_tilt : float
         Degrees by which the head is turned to the left and tilted to the left.
     nod : float
@@ -192,7 +192,7 @@ class EmotionMotion:
     tempo : float
         Factor on how fast a stroke is.
     spacing : float
-        Seconds that strokes lie apart at least.
+        Smallest interval of strokes in seconds.
     lean : float
         Trunk, forward.
     head_down, head_turn, head_tilt : float

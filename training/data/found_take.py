@@ -47,8 +47,8 @@ class FolderFiles:
     def companion(self, path: Path, endings: Iterable[str]) -> Path | None:
         """Return the file with the stem of `path` and the first of `endings` that exists.
 
-        It lies beside `path`, or else anywhere in the folder, since data sets keep sound and motion
-        apart. None if there is no such file, or several that could be meant.
+        It is beside `path` or anywhere in the folder, since data sets separate sound and motion.
+        None if there is no such file, or several that could be meant.
         """
         for ending in endings:
             candidates = self._by_name.get((path.stem, ending), [])

@@ -228,8 +228,8 @@ def step_rows(step: int, examples: int, batch_size: int, seed: int) -> NDArray[n
     Returns
     -------
     ndarray, shape (min(batch_size, examples),), int64
-        Each epoch goes through all examples in an order of its own; what fills no batch at its
-        end is left out of it.
+        Each epoch goes through all examples in its own order; what fills no batch at its end is
+        left out of it.
     """
     epoch, place = divmod(step, batches_per_epoch(examples, batch_size))
     order = np.random.default_rng((seed, epoch)).permutation(examples)

@@ -40,8 +40,8 @@ def write_checkpoint(
 ) -> None:
     """Save the state after `step` steps.
 
-    Order of examples and chance need no state: `training.run.batches` tells both from
-    the seed and the step.
+    Order of examples and chance need no state: `training.run.batches` derives both from the seed
+    and the step.
     """
     facts = {
         "step": step,

@@ -56,7 +56,7 @@ def run_in_processes(count: int, command: Sequence[str]) -> int:
     Returns
     -------
     int
-        The exit status of the first one that failed, else 0.
+        The exit status of the first one that failed, or 0.
     """
     shared = {
         "WORLD_SIZE": str(count),

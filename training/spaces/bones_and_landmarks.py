@@ -68,7 +68,7 @@ def bone_and_landmark_clip(
 def facing_forward(joints: FloatArray) -> FloatArray:
     """Return SMPL-X joints (T, 55, 3) about the pelvis, each frame turned so that the hips face +z.
 
-    Only about the vertical: who leans, leans. It is what maps the hips onto the unposed body's by
+    Only about the vertical, so leaning is kept. It is what maps the hips onto the unposed body's by
     the least squares of Umeyama 1991 among such turns.
     """
     across = joints[:, joint_index("left_hip")] - joints[:, joint_index("right_hip")]

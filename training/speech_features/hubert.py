@@ -42,7 +42,7 @@ _STRESS_OFFSETS: Final = tuple(range(-36, 37, 2))
 """The same of loudness and syllables: seven tenths of a second, in which an arm is raised."""
 
 _LOUDEST_WITHIN: Final = (5, 10, 15)
-"""Features before and after, of which the loudest is a syllable's: 0.1 to 0.3 s."""
+"""Features before and after, among which the loudest marks a syllable: 0.1 to 0.3 s."""
 
 _QUIETEST: Final = 1e-2
 """Power below which sound of unit variance counts as silence."""

@@ -90,8 +90,7 @@ RATE: Final = 18_000
 
 BANDS: Final = 128
 WINDOW: Final = 2048
-"""Samples that a frame looks at, in the middle of which it lies; before and after the speech is
-silence."""
+"""Samples of a frame's window, centred on the frame; before and after the speech is silence."""
 
 SUPPORT: Final = 0.06
 """Seconds of sound on either side that affect a frame: half a window and the resampling filter."""

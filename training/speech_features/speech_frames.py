@@ -85,7 +85,7 @@ class StreamWindow:
 
 
 LONGEST_AT_ONCE: Final = 90.0
-"""Seconds of speech up to which HuBERT hears all of it at once; its time and memory grow with the
+"""Longest speech in seconds that HuBERT encodes at once; its time and memory grow with the
 square."""
 
 LONG_SPEECH_WINDOW: Final = StreamWindow(past=4, ahead=4.0, at_once=60)
@@ -101,7 +101,7 @@ def extract_frames(audio: Audio, frame_rate: float, hubert: Hubert) -> Iterator[
     """Yield the frames of `audio`, at least one, in a memory that does not grow with its length.
 
     Up to `LONGEST_AT_ONCE` seconds each frame may depend on all of the speech, as the released
-    network was fed; longer speech is heard by the window `LONG_SPEECH_WINDOW`.
+    network was fed; longer speech is encoded with the window `LONG_SPEECH_WINDOW`.
 
     Parameters
     ----------
