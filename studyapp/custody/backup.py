@@ -135,7 +135,7 @@ def back_up(
     if keep is not None:
         # No backup is removed before the new one is known to be good.
         check_archive(path, on_file)
-        removed = _remove_older(path.parent, study, manifest, keep)
+        removed = _remove_older(path, study, manifest, keep)
     return Backup(
         path=path, manifest=manifest, database=display_address(url), removed=tuple(removed)
     )
@@ -206,8 +206,8 @@ _TIMESTAMP: Final = "%Y%m%dT%H%M%SZ"
 _TIMESTAMP_PATTERN: Final = r"\d{8}T\d{6}Z"
 
 
-def _remove_older(folder: Path, study: str, newest: Manifest, keep: int) -> list[Path]:
-    """Remove all but the newest `keep` backups of a study in `folder`, and return the removed.
+def _remove_older(newest: Path, study: str, manifest: Manifest, keep: int) -> list[Path]:
+    """Remove all but the `keep` newest backups beside `newest`, and return the removed.
 
     Other files, other studies' backups, and backups with names of another form are kept.
     """
@@ -215,13 +215,14 @@ def _remove_older(folder: Path, study: str, newest: Manifest, keep: int) -> list
     backups = sorted(
         (
             path
-            for path in folder.iterdir()
+            for path in newest.parent.iterdir()
             if pattern.fullmatch(path.name)
             and not path.is_symlink()
             and path.is_file()
-            and _origin_of_archive(path) == newest.origin
+            and _origin_of_archive(path) == manifest.origin
         ),
-        key=lambda path: path.name,  # ends with the time
+        # A name ends with the time. One of the future comes from a clock that was wrong.
+        key=lambda path: (path.name <= newest.name, path.name),
         reverse=True,
     )
     for path in backups[keep:]:

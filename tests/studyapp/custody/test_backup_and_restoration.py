@@ -196,6 +196,11 @@ def test_a_folder_keeps_only_the_newest_backups_of_a_study(study: Study, tmp_pat
         "study-20200101T000000Z.tar.gz",
         *(each.path.name for each in (other, by_hand, *made[2:])),
     }
+
+    study.clock.advance(hours=-1)
+    after_a_wrong_clock = back_up(study.folder, study.backups, study.clock, keep=2)
+
+    assert after_a_wrong_clock.removed == (made[2].path,)
     with pytest.raises(InputError, match="only be removed from a folder"):
         back_up(study.folder, study.backups / "x.tar", study.clock, keep=2)
 
