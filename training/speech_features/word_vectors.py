@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import InputError
+from motion.files import sha256_of
 from motion.formats.transcript import Word
 
 FloatArray = NDArray[np.float32]
@@ -127,7 +128,7 @@ def read_word_vectors(path: Path) -> TextVectors:
             where=path,
             remedy="Give FastText's .vec, whose first line gives the numbers of words and values",
         ) from error
-    return TextVectors(path, width, path.name)
+    return TextVectors(path, width, f"{path.name} (sha256 {sha256_of(path)[:16]})")
 
 
 def word_rows(

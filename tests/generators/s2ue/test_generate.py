@@ -94,7 +94,7 @@ def test_the_clip_records_its_stand_ins(checkpoint: Path, speech: SpeechSegment)
     assert "stand-in for FastText" in clip.provenance["stand_ins"]
     silent = replace(speech, segment=replace(speech.segment, transcript=""))
     other = generator(checkpoint).generate(silent, seed=1, frame_rate=30)
-    assert "silence for the words" in other.provenance["stand_ins"]
+    assert "no words, as there is no transcript" in other.provenance["stand_ins"]
     assert not np.array_equal(clip.poses, other.poses)
 
 
@@ -120,7 +120,9 @@ def test_mismatched_vectors_and_networks_are_refused(
     checkpoint: Path, speech: SpeechSegment, tmp_path: Path
 ) -> None:
     (tmp_path / "other.vec").write_text("1 2\nhello 1 2\n")
-    with pytest.raises(InputError, match=r"of 300 numbers, and these are other\.vec of 2"):
+    with pytest.raises(
+        InputError, match=r"of 300 numbers, and these are other\.vec \(sha256 \w+\) of 2"
+    ):
         generator(checkpoint, vectors=tmp_path / "other.vec").generate(
             speech, seed=1, frame_rate=15
         )

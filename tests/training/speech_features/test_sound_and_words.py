@@ -217,11 +217,14 @@ def test_fasttext_vectors_are_read_for_the_requested_words(tmp_path: Path) -> No
     path = tmp_path / "wiki.vec"
     path.write_text("3 2\nhello 1 2\nbroken 1\nhi 3 4\n")
     vectors = read_word_vectors(path)
-    assert (vectors.width, vectors.description) == (2, "wiki.vec")
+    assert vectors.width == 2
+    assert vectors.description.startswith("wiki.vec (sha256 ")
     rows = word_rows(WORDS, vectors, 6, 15.0)
     np.testing.assert_array_equal(rows, [[1, 2], [1, 2], [1, 2], [0, 0], [0, 0], [3, 4]])
     with pytest.raises(InputError, match="line 3: the line holds no vector of 2 numbers"):
         vectors.lookup(["broken"])
+    path.write_text("1 2\nhello 2 1\n")
+    assert read_word_vectors(path).description != vectors.description
 
 
 @pytest.mark.parametrize("content", ["", "hello 1 2\n", "0 0\n"])
