@@ -146,8 +146,12 @@ def _pair_distance(clips: Sequence[NDArray[np.float32]], setup: Setup) -> Metric
     return mean_pair_distance(
         motion_features([clip.astype(np.float64) for clip in clips]),
         settings=pose_settings(setup.frame_rate)
-        | {"distance": "root mean square over frames and joints, clips cut to the shortest"},
+        | {"distance": f"root mean square over frames and joints, {_cut(clips, setup.frame_rate)}"},
     )
+
+
+def _cut(clips: Sequence[NDArray[np.float32]], frame_rate: float) -> str:
+    return f"clips cut to the shortest, {min(map(len, clips)) / frame_rate:.2f} s"
 
 
 def _expression_distance(clips: Sequence[NDArray[np.float32]], setup: Setup) -> MetricResult:
@@ -168,6 +172,6 @@ def _expression_distance(clips: Sequence[NDArray[np.float32]], setup: Setup) -> 
         settings={
             "face": _FACES[kinds.pop()],
             "frame rate": f"{setup.face_rate:g} fps",
-            "distance": "root mean square over frames and weights, clips cut to the shortest",
+            "distance": f"root mean square over frames and weights, {_cut(clips, setup.face_rate)}",
         },
     )

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Final, TypeVar
+from typing import Final, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -182,6 +182,13 @@ class MeasuredClip:
     depths: Array | None = None
 
 
+class Onsets(NamedTuple):
+    """The onsets of an excerpt of speech, and its length, in seconds."""
+
+    times: FloatArray
+    speech_duration: float
+
+
 class Reader:
     """Reads the files of a run and lists those that cannot be used.
 
@@ -203,8 +210,8 @@ class Reader:
         """Return the data of a motion file; None if it is unusable."""
         return self.read_or_skip(self._measured, path)
 
-    def onsets(self, speech: Excerpt) -> FloatArray | None:
-        """Return the onsets of an excerpt in seconds; None if it is unusable."""
+    def onsets(self, speech: Excerpt) -> Onsets | None:
+        """Return the onsets of an excerpt; None if it is unusable."""
         return self.read_or_skip(self._onsets, speech)
 
     def read_or_skip(self, read: Callable[[_Source], _Data], source: _Source) -> _Data | None:
@@ -215,16 +222,15 @@ class Reader:
             self.skipped.append(error)
             return None
 
-    def _onsets(self, speech: Excerpt) -> FloatArray:
+    def _onsets(self, speech: Excerpt) -> Onsets:
         recording, start, end = speech
 
         def compute() -> Array:
-            audio = read_audio(recording)
-            excerpt = audio.cut(start, audio.duration if math.isinf(end) else end)
-            return speech_onsets(excerpt).astype(np.float32)
+            return speech_onsets(read_audio(recording).cut(start, last)).astype(np.float32)
 
-        onsets = self.kept.array(ONSETS, recording, f"{start!r} {end!r}", compute)
-        return onsets.astype(np.float64)
+        last = read_audio(recording).duration if math.isinf(end) else end
+        times = self.kept.array(ONSETS, recording, f"{start!r} {end!r}", compute)
+        return Onsets(times.astype(np.float64), last - start)
 
     def _measured(self, path: Path) -> MeasuredClip:
         setup, preset = self._setup, self._setup.preset

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analysis.evaluators.feature_networks import ClipFeatures
-from analysis.measurement.measured_clips import Excerpt, MeasuredClip, Reader, Setup
+from analysis.measurement.measured_clips import Excerpt, MeasuredClip, Onsets, Reader, Setup
 from analysis.measurement.recorded_spread import ClipExtent, RecordedSpread
 from analysis.metrics.beat_alignment import beat_alignment
 from analysis.metrics.correct_motion import (
@@ -185,7 +185,7 @@ def _clip_metrics(
     clip: MeasuredClip,
     setup: Setup,
     *,
-    onsets: FloatArray | None = None,
+    onsets: Onsets | None = None,
     recorded: MeasuredClip | None = None,
     semantics: tuple[SemanticSpan, ...] | None = None,
 ) -> Iterator[MetricResult]:
@@ -197,8 +197,8 @@ def _clip_metrics(
         The clip that is measured.
     setup : Setup
         The settings; without the spread of all recordings nothing is normalised by it.
-    onsets : ndarray or None
-        Onsets of the speech in seconds; None for no beat alignment.
+    onsets : Onsets or None
+        Of the speech; None for no beat alignment.
     recorded : MeasuredClip or None
         The recording of the same speech; None for no errors.
     semantics : tuple of SemanticSpan or None
@@ -238,11 +238,12 @@ def pose_settings(frame_rate: float) -> dict[str, str]:
     }
 
 
-def _beats(positions: FloatArray, onsets: FloatArray, setup: Setup) -> Iterator[MetricResult]:
+def _beats(positions: FloatArray, onsets: Onsets, setup: Setup) -> Iterator[MetricResult]:
     for settings in setup.preset.beats:
         yield from beat_alignment(
             select(positions, settings.joints),
-            onsets,
+            onsets.times,
+            speech_duration=onsets.speech_duration,
             frame_rate=setup.frame_rate,
             settings=settings,
             detector=DETECTOR,

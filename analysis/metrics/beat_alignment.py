@@ -17,6 +17,7 @@ from scipy.ndimage import minimum_filter1d
 from scipy.signal import find_peaks
 
 from analysis.metrics.kinematics import ARM_JOINTS
+from analysis.metrics.point_errors import LEAST_OVERLAP
 from analysis.metrics.scores import Better, Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
@@ -238,6 +239,7 @@ def beat_alignment(
     positions: FloatArray,
     onsets: FloatArray,
     *,
+    speech_duration: float,
     frame_rate: float,
     settings: BeatSettings,
     detector: str,
@@ -250,6 +252,8 @@ def beat_alignment(
         Positions of `settings.joints` in metres.
     onsets : ndarray, shape (N,)
         Onsets of the speech in seconds from the clip's start.
+    speech_duration : float
+        Seconds.
     frame_rate : float
         Frames per second of `positions`.
     settings : BeatSettings
@@ -260,7 +264,7 @@ def beat_alignment(
     Returns
     -------
     BeatAlignment
-        NaN with a reason if the motion or the speech has no beat.
+        NaN with a reason if the motion or the speech has no beat, or one is much shorter.
     """
     duration = len(positions) / frame_rate
     speeds = _speeds(positions, settings) * frame_rate
@@ -272,6 +276,8 @@ def beat_alignment(
     described = settings.described(frame_rate, detector)
     reason = "" if moving else "the motion has no beat"
     reason = reason if len(onsets) else "the speech has no onset"
+    if min(duration, speech_duration) < LEAST_OVERLAP * max(duration, speech_duration):
+        reason = f"the clip lasts {duration:.2f} s and its speech {speech_duration:.2f} s"
     to_audio, sigma = settings.direction == "motion to audio", settings.sigma
     other = "audio to motion" if to_audio else "motion to audio"
     pairs = [(beats, onsets) if to_audio else (onsets, beats) for beats in moving]

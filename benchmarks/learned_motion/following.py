@@ -92,7 +92,12 @@ def follow(clip: MotionClip, speech: Speech) -> Followed:
     def aligned(times: FloatArray, detector: str) -> float:
         heard = times[(times >= EDGE) & (times < inside.stop / rate)] - EDGE
         return beat_alignment(
-            arms, heard, frame_rate=rate, settings=BEATS, detector=detector
+            arms,
+            heard,
+            speech_duration=len(arms) / rate,
+            frame_rate=rate,
+            settings=BEATS,
+            detector=detector,
         ).above_chance.value
 
     return Followed(

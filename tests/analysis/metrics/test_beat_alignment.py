@@ -76,9 +76,18 @@ def test_holds_and_the_deeper_of_close_dips_are_beats_and_noise_is_not() -> None
     assert len(motion_beats(falling, 30.0, 7 / 30)) == 0
 
 
-def aligned(positions: FloatArray, onsets: FloatArray, settings: BeatSettings) -> BeatAlignment:
-    """Return the scores of a clip at 30 frames per second."""
-    return beat_alignment(positions, onsets, frame_rate=30.0, settings=settings, detector="ears")
+def aligned(
+    positions: FloatArray, onsets: FloatArray, settings: BeatSettings, missing: float = 0.0
+) -> BeatAlignment:
+    """Return the scores of a clip at 30 fps that is `missing` seconds shorter than its speech."""
+    return beat_alignment(
+        positions,
+        onsets,
+        speech_duration=len(positions) / 30 + missing,
+        frame_rate=30.0,
+        settings=settings,
+        detector="ears",
+    )
 
 
 def swinging() -> FloatArray:
@@ -110,17 +119,24 @@ def test_a_wide_kernel_inflates_scores_but_not_the_difference_from_chance() -> N
 
 
 @pytest.mark.parametrize(
-    ("positions", "onsets", "reason", "rate"),
+    ("positions", "onsets", "missing", "reason", "rate"),
     [
-        (np.zeros((60, 6, 3)), np.array([0.5]), "the motion has no beat", 0),
-        (swinging(), np.zeros(0), "the speech has no onset", 2),
+        (np.zeros((60, 6, 3)), np.array([0.5]), 0, "the motion has no beat", 0),
+        (swinging(), np.zeros(0), 0, "the speech has no onset", 2),
+        (swinging(), np.array([0.5]), 2, "the clip lasts 10.00 s and its speech 12.00 s", 2),
+        (swinging(), np.array([0.5]), -2, "the clip lasts 10.00 s and its speech 8.00 s", 2),
     ],
 )
 @pytest.mark.parametrize("settings", [AMUSE, TALKSHOW], ids=lambda settings: settings.name)
-def test_without_beats_there_is_a_reason_instead_of_a_score(
-    positions: FloatArray, onsets: FloatArray, reason: str, rate: float, settings: BeatSettings
+def test_without_beats_or_without_speech_as_long_there_is_a_reason_instead_of_a_score(
+    positions: FloatArray,
+    onsets: FloatArray,
+    missing: float,
+    reason: str,
+    rate: float,
+    settings: BeatSettings,
 ) -> None:
-    alignment = aligned(positions, onsets, settings)
+    alignment = aligned(positions, onsets, settings, missing)
     for result in (alignment.score, alignment.chance, alignment.above_chance, alignment.opposite):
         assert math.isnan(result.value)
         assert result.reason == reason
