@@ -62,7 +62,7 @@ def clear_of_body(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
     share, most = max(1, round(100 * changed.mean())), np.degrees(angles.max())
     return clip, (
         f"hands were moved out of trunk and thighs in {share}% of the frames, by up to {most:.0f} "
-        "degrees at the shoulder (--as-recorded leaves them)",
+        "degrees at the shoulder (import --as-recorded leaves them)",
     )
 
 

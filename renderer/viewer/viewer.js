@@ -8,7 +8,7 @@
 "use strict";
 (() => {
 const SKELETON = 0x0072b2;
-const NARROW = 500;  // pixels, in which two figures stand side by side, else three
+const NARROW = 500;  // pixels, in which at most two figures stand side by side, else three
 const LARGEST_ANGLE = 0.56 * Math.PI;  // from straight above to a little below the ground
 let running = null;
 
@@ -256,8 +256,8 @@ class Player {
       clip => new Performer(avatar, geometry, clip, scene.background));
     const seconds = Math.max(...this.performers.map(performer => performer.seconds));
     this.clock = speech ? new SpeechClock(seconds, speech) : new Clock(seconds);
-    this.columns = Math.min(clips.length, figure.clientWidth < NARROW ? 2 : 3);
-    this.rows = Math.ceil(clips.length / this.columns);
+    this.rows = Math.ceil(clips.length / (figure.clientWidth < NARROW ? 2 : 3));
+    this.columns = Math.ceil(clips.length / this.rows);
     this.view = scene.camera;
     this.camera = new THREE.PerspectiveCamera(scene.camera.field_of_view, 1, 0.1, 60);
     this.renderer = new THREE.WebGLRenderer({ antialias: true });
