@@ -12,7 +12,7 @@ from playwright.sync_api import ViewportSize
 
 from tests.functional.browsing import commanded, launched, watched_page
 from tests.functional.desk_way import Stop, walk_the_desk, write_recordings
-from tests.functional.looking import resize
+from tests.functional.page_checks import resize
 from tools.pictures import DOCS
 
 PICTURES: Final = DOCS / "desk-way"

@@ -24,7 +24,7 @@ from studyapp.database.engine import sqlite_url
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from tests.functional.browsing import commanded, launched
-from tests.functional.looking import LAPTOP
+from tests.functional.page_checks import LAPTOP
 from tools.avatars.sheet import everyone
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"

@@ -15,7 +15,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, Request, expect, sync_playwright
 
 from studyapp.rehearsal.server import free_port
-from tests.functional.looking import LAPTOP
+from tests.functional.page_checks import LAPTOP
 
 CHROMIUM = Path("/usr/bin/chromium")
 PATIENCE_MS = 60_000

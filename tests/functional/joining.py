@@ -8,7 +8,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.researchers.links import first_owner_link
 from tests.functional.browsing import follow
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.researcher_accounts import PASSWORD
 
 NAME = "Ada Lovelace"
 

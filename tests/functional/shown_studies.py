@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from tests.support.studies.asked_forms import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
 from tests.support.studies.finished_study import (
     REASONS,
     Keys,
@@ -20,6 +19,7 @@ from tests.support.studies.finished_study import (
     question,
     write_finished_study,
 )
+from tests.support.studies.form_questions import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
 from tests.support.studies.redefining import redefine
 from tests.support.studies.tiny_study import (
     BACKGROUND,

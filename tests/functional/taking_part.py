@@ -20,7 +20,7 @@ from studyapp.session.enrolment import enrol
 from studyapp.session.form_answers import start_trials
 from studyapp.web.app import create_app
 from studyapp.web.site import site_of
-from tests.functional.looking import expect_videos
+from tests.functional.page_checks import expect_videos
 from tests.support.servers.local_server import listening
 
 WATCHED = "Watched ✓"

@@ -28,10 +28,10 @@ from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.site import attach, site_of
 from tests.functional.adversary import unlike_videos
+from tests.functional.adversary.facts import facts_of, stimulus_facts, trial_facts
 from tests.functional.adversary.guessing import Guess, Received, guesses
-from tests.functional.adversary.listening import Exchange, HeardTrial, Listener
+from tests.functional.adversary.recording import Exchange, RecordedTrial, RecordingParticipant
 from tests.functional.adversary.studies import STUDIES, instructs, write_study
-from tests.functional.adversary.telling import facts_of, stimulus_facts, trial_facts
 from tests.support.studies.taking_part_steps import SetClock
 
 pytestmark = pytest.mark.slow
@@ -44,13 +44,13 @@ CHANCE: Final = 0.01
 GUESSES: Final = len(STUDIES) * 2 * 2
 """Of conditions and of kinds, each half of every study's sessions."""
 
-Trials = list[HeardTrial]
+Trials = list[RecordedTrial]
 Change = Callable[[Exchange, Trial, Content | None], Exchange]
 """Changes what was received, given the trial and, for a video, its content."""
 
 
 @dataclass(frozen=True)
-class HeardStudy:
+class RecordedStudy:
     """A study, and everything that was received by those who took part in it."""
 
     folder: StudyFolder
@@ -65,11 +65,11 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], StudyFo
 
 
 @pytest.fixture(scope="module")
-def heard(written: Callable[[str], StudyFolder]) -> Callable[[str], HeardStudy]:
+def recorded(written: Callable[[str], StudyFolder]) -> Callable[[str], RecordedStudy]:
     """Return a function that has each study taken part in once."""
 
     @cache
-    def take_part(name: str) -> HeardStudy:
+    def take_part(name: str) -> RecordedStudy:
         folder = written(name)
         clock = SetClock()
         app = create_app(folder.root)
@@ -78,9 +78,9 @@ def heard(written: Callable[[str], StudyFolder]) -> Callable[[str], HeardStudy]:
             # The same tokens, and so the same guesses, each time.
             patch.setattr("secrets.token_urlsafe", seeded_tokens())
             attach(app, replace(site, clock=clock))
-            sessions = [Listener(app, clock).hear() for _ in range(SESSIONS)]
+            sessions = [RecordingParticipant(app, clock).take_part() for _ in range(SESSIONS)]
         site.database.close()
-        return HeardStudy(folder, sessions, questions=not instructs(name))
+        return RecordedStudy(folder, sessions, questions=not instructs(name))
 
     return take_part
 
@@ -130,7 +130,7 @@ def _sound(stimulus: TrialStimulus) -> str:
     return "own" if stimulus.speech == stimulus.segment else "other"
 
 
-def better_than_chance(study: HeardStudy, change: Change | None = None) -> Iterator[Guess]:
+def better_than_chance(study: RecordedStudy, change: Change | None = None) -> Iterator[Guess]:
     """Yield guesses better than chance from what was received, optionally changed."""
     sessions = study.sessions
     if change is not None:
@@ -143,9 +143,9 @@ def better_than_chance(study: HeardStudy, change: Change | None = None) -> Itera
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_an_adversary_does_no_better_than_chance(
-    heard: Callable[[str], HeardStudy], name: str
+    recorded: Callable[[str], RecordedStudy], name: str
 ) -> None:
-    assert list(better_than_chance(heard(name))) == []
+    assert list(better_than_chance(recorded(name))) == []
 
 
 @pytest.mark.parametrize("name", STUDIES)
@@ -165,7 +165,7 @@ def test_blinded_files_do_not_differ_in_size_time_or_metadata(
         assert all(facts == of_segment[0] for facts in of_segment)
 
 
-def _changed(trial: HeardTrial, change: Change) -> HeardTrial:
+def _changed(trial: RecordedTrial, change: Change) -> RecordedTrial:
     shown = {
         label: tuple(
             Stimulus(condition=s.condition, segment=s.segment, speech=s.speech)
@@ -219,16 +219,16 @@ def by_an_encoder_that_follows_the_picture(_: StudyFolder, folder: Path) -> Mapp
     [without_padding, as_other_tools_wrote_them, by_an_encoder_that_follows_the_picture],
 )
 def test_the_adversary_finds_revealing_files(
-    heard: Callable[[str], HeardStudy], tmp_path: Path, files: Files
+    recorded: Callable[[str], RecordedStudy], tmp_path: Path, files: Files
 ) -> None:
-    others = files(heard("players").folder, tmp_path)
+    others = files(recorded("players").folder, tmp_path)
 
     def replaced(exchange: Exchange, _: Trial, content: Content | None) -> Exchange:
         if content is None or exchange.name != "whole":
             return exchange
         return replace(exchange, body=others[content])
 
-    assert any(better_than_chance(heard("players"), replaced))
+    assert any(better_than_chance(recorded("players"), replaced))
 
 
 def in_a_header(exchange: Exchange, trial: Trial, content: Content | None) -> Exchange:
@@ -257,6 +257,6 @@ def in_one_byte_of_catch_trials(
 
 @pytest.mark.parametrize("leak", [in_a_header, in_tokens, in_one_byte_of_catch_trials])
 def test_the_adversary_finds_planted_leaks(
-    heard: Callable[[str], HeardStudy], leak: Change
+    recorded: Callable[[str], RecordedStudy], leak: Change
 ) -> None:
-    assert any(better_than_chance(heard("players"), leak))
+    assert any(better_than_chance(recorded("players"), leak))

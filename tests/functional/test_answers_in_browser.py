@@ -13,7 +13,7 @@ from playwright.sync_api import Browser, Locator, Page, expect
 from studyapp.web.language import language_of, speak
 from studyapp.web.site import site_of
 from tests.functional.browsing import IN_A_BROWSER, watched_page
-from tests.functional.looking import video_sizes
+from tests.functional.page_checks import video_sizes
 from tests.functional.shown_studies import write_shown_study
 from tests.functional.taking_part import answer, first_trial, shown
 from tests.studyapp.web.brackets import bracketed, left_in_english

@@ -18,8 +18,8 @@ from studyapp.web.worker import REQUEST_SECONDS
 from tests.functional.proxies import HOST, PATIENCE, Proxied, any_certificate, behind, program
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import filled
-from tests.support.hanging_lines import hanging, slow_body, whole_video
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.hanging_connections import hanging, slow_body, whole_video
+from tests.support.researcher_accounts import PASSWORD
 
 pytestmark = pytest.mark.slow
 

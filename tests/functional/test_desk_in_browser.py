@@ -26,7 +26,7 @@ from tests.functional.browsing import (
 from tests.functional.conftest import SECONDS
 from tests.functional.desk_way import STUDY, walk_the_desk, write_recordings
 from tests.functional.joining import join
-from tests.functional.looking import (
+from tests.functional.page_checks import (
     LAPTOP,
     SIZES,
     examination,

@@ -17,7 +17,7 @@ from studyapp.database.tables import Response, StudySession, WatchRecord
 from tests.functional.engines import PROGRAMS, Window, missing, window
 from tests.functional.joining import NAME, link_for_owner
 from tests.functional.test_way_in_browser import WAY
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.researcher_accounts import PASSWORD
 from tests.support.studies.redefining import redefine
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]

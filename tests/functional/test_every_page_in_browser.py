@@ -25,7 +25,7 @@ from studyapp.session.state import current_trial, find_study_session, update_row
 from studyapp.web.language import language_of, speak
 from studyapp.web.site import attach, site_of
 from tests.functional.browsing import IN_A_BROWSER, follow, press, watched_page
-from tests.functional.looking import (
+from tests.functional.page_checks import (
     LAPTOP,
     SIZES,
     barriers,

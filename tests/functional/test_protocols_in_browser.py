@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page, expect
 from studyapp.database.engine import Database
 from studyapp.web.site import site_of
 from tests.functional.browsing import IN_A_BROWSER, watched_page
-from tests.functional.looking import video_sizes
+from tests.functional.page_checks import video_sizes
 from tests.functional.taking_part import (
     answers_of,
     begin_study,

@@ -30,9 +30,9 @@ from studyapp.rehearsal.visit import Visit, study_client
 from studyapp.study.folder import StudyFolder
 from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, watched_page
 from tests.functional.joining import NAME, join
-from tests.functional.looking import examination, photograph
+from tests.functional.page_checks import examination, photograph
 from tests.functional.taking_part import answer
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.researcher_accounts import PASSWORD
 from tests.support.studies.redefining import redefine
 from tests.support.studies.stored import opened
 

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, Route, expect
 
 from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, launched, serving
-from tests.functional.looking import LAPTOP
+from tests.functional.page_checks import LAPTOP
 from tests.functional.taking_part import shown, take_trial
 from tests.support.studies.redefining import redefine
 

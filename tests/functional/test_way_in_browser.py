@@ -19,7 +19,7 @@ from tests.functional.taking_part import (
     study_session_of,
     take_trial,
 )
-from tests.support.studies.asked_forms import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
+from tests.support.studies.form_questions import CLOSING, CONSENT, DEMOGRAPHICS, ELIGIBILITY, SCALE
 from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER

@@ -23,7 +23,7 @@ from studyapp.study.study_file import new_study
 from studyapp.web.app import create_app
 from studyapp.web.site import attach, site_of
 from tests.support.fast_applications import fast_applications
-from tests.support.figures_at_hand import FiguresAtHand
+from tests.support.in_process_figures import InProcessFigures
 from tests.support.servers.s3_stand_in import Store, s3_stand_in, use_keys
 from tests.support.servers.throwaway_postgresql import (
     ThrowawayPostgresql,
@@ -181,7 +181,7 @@ def app(tiny_study: Path, clock: SetClock, empty_sqlite: Path) -> Iterator[Flask
     made = create_app(tiny_study)
     site = site_of(made)
     url = sqlite_url(tiny_study / "responses.db")
-    attach(made, replace(site, clock=clock, figures=FiguresAtHand(site.folder, url)))
+    attach(made, replace(site, clock=clock, figures=InProcessFigures(site.folder, url)))
     yield made
     site.database.close()
 

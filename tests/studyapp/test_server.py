@@ -20,7 +20,7 @@ from studyapp.database.engine import sqlite_url
 from studyapp.rehearsal.server import free_port
 from studyapp.web.server import run_server
 from studyapp.web.worker import DELAY_SECONDS, REQUEST_SECONDS, StudyWorker
-from tests.support.hanging_lines import hanging, slow_body, whole_video
+from tests.support.hanging_connections import hanging, slow_body, whole_video
 from tests.support.servers.page_scan import seen_videos
 from tests.support.servers.study_server import HOST, study_server
 from tests.support.servers.visitor import Ledger, Visitor

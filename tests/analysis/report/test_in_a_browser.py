@@ -13,7 +13,7 @@ from analysis.report import write_report
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import pairwise_table, report_of
 from tests.functional.browsing import IN_A_BROWSER, launched
-from tests.functional.looking import LAPTOP, SIZES, resize
+from tests.functional.page_checks import LAPTOP, SIZES, resize
 
 pytestmark = IN_A_BROWSER
 

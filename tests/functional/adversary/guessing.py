@@ -23,7 +23,7 @@ from sklearn.neighbors import KNeighborsClassifier
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
-from tests.functional.adversary.telling import Facts
+from tests.functional.adversary.facts import Facts
 
 EXCHANGES: Final = 19_999
 """How often truths are exchanged; the smallest p is one in one more."""

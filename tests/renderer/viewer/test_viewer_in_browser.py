@@ -26,7 +26,7 @@ from tests.functional.browsing import (
     wait_until,
     watched_page,
 )
-from tests.functional.looking import SCHEMES, barriers, photograph
+from tests.functional.page_checks import SCHEMES, barriers, photograph
 
 pytestmark = IN_A_BROWSER
 

@@ -12,7 +12,7 @@ from studyapp.researchers.credentials import enable_second_factor, new_secret
 from studyapp.researchers.links import choose_password, first_owner_link, join
 from studyapp.researchers.logins import log_in
 from tests.support.command_line import run
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.researcher_accounts import PASSWORD
 
 pytestmark = pytest.mark.usefixtures("cheap_passwords")
 

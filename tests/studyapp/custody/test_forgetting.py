@@ -26,8 +26,8 @@ from studyapp.session.versions import open_study
 from tests.support.read_once import read_once
 from tests.support.servers.both_databases import BOTH
 from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
-from tests.support.studies.asked_forms import ADULT, FORM
 from tests.support.studies.exported import responses_table, study_sessions_table
+from tests.support.studies.form_questions import ADULT, FORM
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 PERSON = "5f3c1d9e7a2b4c6d8e0f1a2b"

@@ -18,7 +18,7 @@ from studyapp.researchers.links import first_owner_link, invite, join
 from studyapp.session.arrivals import Arrival
 from studyapp.session.enrolment import enrol
 from tests.studyapp.web.research.research_browser import ResearchBrowser
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.researcher_accounts import PASSWORD
 
 Researcher = Callable[..., ResearchBrowser]
 Joined = Callable[[Role], ResearchBrowser]

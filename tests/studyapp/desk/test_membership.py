@@ -13,7 +13,7 @@ from studyapp.researchers.account import list_accounts, remove_access
 from studyapp.researchers.links import invite, join
 from tests.studyapp.desk.conftest import Researcher
 from tests.studyapp.web.research.research_browser import ResearchBrowser
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.researcher_accounts import PASSWORD
 
 TINY = "/research/studies/tiny/"
 INSIDE = "/tiny/research/"

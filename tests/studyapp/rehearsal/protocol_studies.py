@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from studyapp.study.folder import StudyFolder
-from tests.support.studies.asked_forms import CLOSING, DEMOGRAPHICS, ELIGIBILITY, SCALE
 from tests.support.studies.finished_study import (
     EVERY_STUDY,
     REASONS,
@@ -17,6 +16,7 @@ from tests.support.studies.finished_study import (
     study_file,
     write_finished_study,
 )
+from tests.support.studies.form_questions import CLOSING, DEMOGRAPHICS, ELIGIBILITY, SCALE
 
 PERMISSION = """
 [[form.consent]]

@@ -10,7 +10,7 @@ from studyapp.database.engine import Database
 from studyapp.researchers.account import Account, Role
 from studyapp.researchers.links import choose_password, find_link, invite, join, offer_new_password
 from studyapp.researchers.logins import WrongLoginError, find_account_by_login, log_in
-from tests.support.researchers_at_hand import HERE, PASSWORD, joined
+from tests.support.researcher_accounts import HERE, PASSWORD, joined
 from tests.support.studies.taking_part_steps import SetClock
 
 NEW = "seven quiet bicycles"

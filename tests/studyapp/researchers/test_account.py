@@ -17,7 +17,7 @@ from studyapp.researchers.links import (
     revoke_link,
 )
 from tests.studyapp.researchers.conftest import NEW, Door
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.researcher_accounts import PASSWORD
 from tests.support.studies.taking_part_steps import SetClock
 
 

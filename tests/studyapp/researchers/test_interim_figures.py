@@ -26,7 +26,7 @@ from studyapp.researchers.interim_figures import (
 from studyapp.results.looks import agreement_so_far
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
-from tests.support.figures_at_hand import FiguresAtHand
+from tests.support.in_process_figures import InProcessFigures
 from tests.support.servers.both_databases import BOTH
 from tests.support.studies.answered_study import answer_study
 from tests.support.studies.taking_part_steps import Participant, SetClock
@@ -36,7 +36,7 @@ Ask = Callable[[], StoredFigures]
 
 
 @dataclass(frozen=True)
-class CountedFigures(FiguresAtHand):
+class CountedFigures(InProcessFigures):
     """Figures that say how often they were computed, when a test has them computed."""
 
     computed: list[FigureKind] = field(default_factory=list)

@@ -28,7 +28,7 @@ from studyapp.researchers.credentials import (
 )
 from studyapp.researchers.logins import MAX_DURATION, MAX_IDLE, WrongLoginError, change_password
 from tests.studyapp.researchers.conftest import NEW, Door
-from tests.support.researchers_at_hand import HERE, PASSWORD
+from tests.support.researcher_accounts import HERE, PASSWORD
 
 ELSEWHERE = "192.0.2.9"
 

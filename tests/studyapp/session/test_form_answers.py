@@ -15,7 +15,7 @@ from studyapp.session.refusal import (
 )
 from tests.studyapp.session.conftest import Open
 from tests.support.read_once import read_once
-from tests.support.studies.asked_forms import ABOUT, ADULT, COMPREHENSION, FORM
+from tests.support.studies.form_questions import ABOUT, ADULT, COMPREHENSION, FORM
 from tests.support.studies.taking_part_steps import Participant
 
 

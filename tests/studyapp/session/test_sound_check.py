@@ -17,8 +17,8 @@ from studyapp.session.refusal import (
 from studyapp.study.design.trial import Stimulus
 from tests.studyapp.session.conftest import Open
 from tests.support.read_once import read_once
-from tests.support.studies.asked_forms import ABOUT, ADULT, FORM
 from tests.support.studies.exported import study_sessions_table
+from tests.support.studies.form_questions import ABOUT, ADULT, FORM
 from tests.support.studies.taking_part_steps import Participant
 
 SOUND_CHECK = ("[page]\n", "[page]\nsound_check = true\n")

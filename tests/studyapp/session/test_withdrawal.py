@@ -22,8 +22,8 @@ from studyapp.session.refusal import ConflictError, log_refusal
 from studyapp.session.served_study import ServedStudy
 from tests.studyapp.session.conftest import Open
 from tests.support.read_once import read_once
-from tests.support.studies.asked_forms import ADULT, ELIGIBILITY
 from tests.support.studies.exported import responses_table
+from tests.support.studies.form_questions import ADULT, ELIGIBILITY
 from tests.support.studies.redefining import redefine
 from tests.support.studies.taking_part_steps import Participant
 

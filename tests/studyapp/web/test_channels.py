@@ -16,7 +16,7 @@ from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor, is_nobody_stored, stored_in, submit
-from tests.support.studies.asked_forms import COMPREHENSION, FORM
+from tests.support.studies.form_questions import COMPREHENSION, FORM
 from tests.support.studies.taking_part_steps import SetClock
 
 CODES = {

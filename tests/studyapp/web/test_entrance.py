@@ -19,7 +19,7 @@ from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import is_nobody_stored, stored_in, submit
-from tests.support.studies.asked_forms import CONSENT, FORM
+from tests.support.studies.form_questions import CONSENT, FORM
 
 IPAD = "Mozilla/5.0 (iPad; CPU OS 16_5 like Mac OS X) Version/16.5 Mobile/15E148 Safari/604.1"
 ANDROID = "Mozilla/5.0 (Linux; Android 14; Pixel 8) Chrome/126.0 Mobile Safari/537.36"

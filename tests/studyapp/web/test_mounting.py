@@ -11,7 +11,7 @@ from studyapp.web.mounting import checked_prefix
 from studyapp.web.site import site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.researcher_accounts import PASSWORD
 from tests.support.studies.taking_part_steps import SetClock
 
 PREFIX = "/studies/one"

@@ -19,7 +19,7 @@ from tests.studyapp.conftest import OwnStudy
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor, filled, stored_in, submit
-from tests.support.studies.asked_forms import FORM, SCALE
+from tests.support.studies.form_questions import FORM, SCALE
 from tests.support.studies.taking_part_steps import SetClock
 
 Arrive = Callable[..., Visitor]

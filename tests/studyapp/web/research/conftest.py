@@ -10,7 +10,7 @@ from flask import Flask
 from studyapp.database.engine import Database
 from studyapp.web.site import site_of
 from tests.studyapp.web.research.research_browser import ResearchBrowser
-from tests.support.researchers_at_hand import joined
+from tests.support.researcher_accounts import joined
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 NAMES = {"owner": "Ada", "analyst": "Charles", "viewer": "Mary"}

@@ -7,7 +7,7 @@ from flask.testing import FlaskClient
 from werkzeug.test import TestResponse
 
 from tests.studyapp.web.page_reader import PageReader
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.researcher_accounts import PASSWORD
 
 LOGIN = "/research/log-in"
 

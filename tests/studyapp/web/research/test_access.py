@@ -17,7 +17,7 @@ from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import LOGIN, ResearchBrowser
 from tests.studyapp.web.visitor import Visitor
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.researcher_accounts import PASSWORD
 
 ROLES = ("nobody", "viewer", "analyst", "owner")
 

@@ -18,7 +18,7 @@ from studyapp.web.site import attach, client_address, site_of
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import LOGIN, ResearchBrowser
-from tests.support.researchers_at_hand import PASSWORD
+from tests.support.researcher_accounts import PASSWORD
 from tests.support.studies.taking_part_steps import SetClock
 
 NAME = COOKIE.name("tiny")

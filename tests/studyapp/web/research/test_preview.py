@@ -20,7 +20,7 @@ from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.studyapp.web.visitor import Visitor
-from tests.support.researchers_at_hand import joined
+from tests.support.researcher_accounts import joined
 from tests.support.studies.finished_study import PROTOCOLS
 from tests.support.studies.stored import opened
 from tests.support.studies.taking_part_steps import SetClock

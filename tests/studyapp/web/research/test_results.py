@@ -12,16 +12,16 @@ from studyapp.web.research.page import figure, interval
 from studyapp.web.site import site_of
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
-from tests.support.figures_at_hand import FiguresAtHand
+from tests.support.in_process_figures import InProcessFigures
 from tests.support.studies.taking_part_steps import Participant
 
 RESULTS = "/research/results"
 
 
 @pytest.fixture
-def figures(app: Flask, monkeypatch: pytest.MonkeyPatch) -> FiguresAtHand:
+def figures(app: Flask, monkeypatch: pytest.MonkeyPatch) -> InProcessFigures:
     monkeypatch.delenv("DATABASE_URL", raising=False)
-    return cast(FiguresAtHand, site_of(app).figures)
+    return cast(InProcessFigures, site_of(app).figures)
 
 
 def let_finish(log_in: LogIn, *names: str) -> Participant:
@@ -37,7 +37,7 @@ def let_finish(log_in: LogIn, *names: str) -> Participant:
 
 
 def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
-    log_in: LogIn, figures: FiguresAtHand
+    log_in: LogIn, figures: InProcessFigures
 ) -> None:
     let_finish(log_in, "one", "two")
     analyst = log_in("analyst")
@@ -72,7 +72,7 @@ def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
     assert events == ["results looked at", "results looked at", "results unblinded"]
 
 
-def test_at_the_end_results_need_no_reason(log_in: LogIn, figures: FiguresAtHand) -> None:
+def test_at_the_end_results_need_no_reason(log_in: LogIn, figures: InProcessFigures) -> None:
     last = let_finish(log_in, "one", "two", "three").another().enrol("four").begin()
     analyst = log_in("analyst")
     analyst.post("/research/newcomers/state", state="closed", reason="enough")
@@ -96,7 +96,7 @@ def test_at_the_end_results_need_no_reason(log_in: LogIn, figures: FiguresAtHand
 
 
 def test_without_answers_nothing_is_computed_and_no_look_is_logged(
-    log_in: LogIn, figures: FiguresAtHand
+    log_in: LogIn, figures: InProcessFigures
 ) -> None:
     owner = log_in("owner")
     owner.post(RESULTS, reason="curious")

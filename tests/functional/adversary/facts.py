@@ -1,4 +1,4 @@
-"""Everything a browser received of a trial as numbers and words that somebody could guess from."""
+"""Everything a browser received in a trial, as numbers and words to guess from."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import Final
 
-from tests.functional.adversary.listening import Exchange, HeardTrial
+from tests.functional.adversary.recording import Exchange, RecordedTrial
 
 Facts = dict[str, float | str]
 """Numbers by name, and texts that are only compared for equality."""
@@ -35,7 +35,7 @@ QUESTION: Final = re.compile(r"<legend>.*?</legend>", re.DOTALL)
 """The words of a question: those of an attention check say by their nature what it is."""
 
 
-def trial_facts(trial: HeardTrial, *, questions: bool) -> Facts:
+def trial_facts(trial: RecordedTrial, *, questions: bool) -> Facts:
     """Return the facts of a whole trial, those of its videos under their labels.
 
     Parameters
@@ -49,7 +49,7 @@ def trial_facts(trial: HeardTrial, *, questions: bool) -> Facts:
     return facts
 
 
-def page_facts(trial: HeardTrial, *, questions: bool) -> Facts:
+def page_facts(trial: RecordedTrial, *, questions: bool) -> Facts:
     """Return the facts of a trial except its videos."""
     facts: Facts = {}
     seen: Counter[str] = Counter()
@@ -66,7 +66,7 @@ def page_facts(trial: HeardTrial, *, questions: bool) -> Facts:
     return facts
 
 
-def stimulus_facts(trial: HeardTrial, *, questions: bool) -> dict[int, Facts]:
+def stimulus_facts(trial: RecordedTrial, *, questions: bool) -> dict[int, Facts]:
     """Return what was received of each stimulus: its video, beside the others, and the page.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Figures that are computed in this process, when a test says so."""
+"""Figures that a test computes in this process, on demand."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from studyapp.study.folder import StudyFolder
 
 
 @dataclass(frozen=True)
-class FiguresAtHand(FigureProcess):
+class InProcessFigures(FigureProcess):
     begun: list[Callable[[], None]] = field(default_factory=list)
 
     def begin(self, job: Callable[[], None]) -> None:

@@ -1,4 +1,4 @@
-"""Looking at a page: in every size, light and dark, and with axe-core's eyes."""
+"""Checks of a page: in every size, light and dark, and with axe-core."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ COLOURS = """[...document.querySelectorAll('*')].map(element => {
 })"""
 CHOICES = "button, select, .scale label, .reasons label, .place, .slider input"
 LOOKS = 10
-"""How often at most a page's colours are compared before they are said to differ."""
+"""The most comparisons of a page's colours before they count as different."""
 LEAST_HEIGHT = 44
-"""Pixels of a telephone that a finger does not miss."""
+"""Smallest height of a touch target on a phone, in pixels."""
 
 LOW_CHOICES = """(choices, least) => choices
   .filter(choice => choice.checkVisibility({ visibilityProperty: true }))
@@ -39,7 +39,7 @@ LOW_CHOICES = """(choices, least) => choices
 
 
 def resize(page: Page, size: ViewportSize) -> None:
-    """Show the page in a window of another size, and wait until it has come to know of it."""
+    """Resize the window, and wait until the page has noticed."""
     page.set_viewport_size(size)
     expect(page.locator("html")).to_have_js_property("clientWidth", size["width"])
 

@@ -45,7 +45,7 @@ class Exchange:
 
 
 @dataclass
-class HeardTrial:
+class RecordedTrial:
     """What was received for one trial, and its truth.
 
     Attributes
@@ -66,7 +66,7 @@ class HeardTrial:
     numbers: dict[str, list[int]] = field(default_factory=dict)
 
 
-class Listener:
+class RecordingParticipant:
     """Takes part in the study of an application whose clock the test moves."""
 
     def __init__(self, app: Flask, clock: SetClock) -> None:
@@ -74,10 +74,10 @@ class Listener:
         self.clock = clock
         self.client: FlaskClient = app.test_client()
 
-    def hear(self) -> list[HeardTrial]:
+    def take_part(self) -> list[RecordedTrial]:
         """Take part from the first page to the completion code; return the trials in order."""
         address = self._enrol()
-        trials: list[HeardTrial] = []
+        trials: list[RecordedTrial] = []
         before: list[Exchange] = []
         trial_of_token = {trial.token: trial for trial in self._trials(address.rpartition("/")[2])}
         for _ in range(MOST_STEPS):
@@ -89,11 +89,11 @@ class Listener:
                 ]
                 return trials
             if not page.soup.select("#answers"):
-                before.append(_kept("before", answer))
+                before.append(_exchange("before", answer))
                 self._send("between", page)
                 continue
-            trial = HeardTrial(trial_of_token[page.trial])
-            trial.pages += [*before, _kept("page", answer)]
+            trial = RecordedTrial(trial_of_token[page.trial])
+            trial.pages += [*before, _exchange("page", answer)]
             before = self._take(trial, page)
             trials.append(trial)
         raise AssertionError(f"no end after {MOST_STEPS} pages")
@@ -102,14 +102,14 @@ class Listener:
         sent = self._send("enrol", PageReader(self.client.get("/").text))
         return str(dict(sent.headers)["Location"])
 
-    def _take(self, trial: HeardTrial, page: PageReader) -> list[Exchange]:
+    def _take(self, trial: RecordedTrial, page: PageReader) -> list[Exchange]:
         """Watch and answer one trial; return what came ahead of the next one."""
         numbers = {video.token: [s.number for s in video.stimuli] for video in trial.truth.videos}
         answers = filled(page)
         refused = self.client.post(
             page.action, data=answers, headers={"Accept": "application/json"}
         )
-        trial.pages.append(_kept("refused", refused))
+        trial.pages.append(_exchange("refused", refused))
         assert refused.status_code == 422, "answers were taken before anything was played"
         ahead: list[Exchange] = []
         for video in page.soup.select("video"):
@@ -121,21 +121,21 @@ class Listener:
             self.clock.advance(seconds=seconds + 1)
             report = {"batch": 0, "intervals": [[0.0, seconds]]}
             watched = self.client.post(str(video["data-watched-url"]), json=report)
-            trial.videos[label].append(_kept("watched", watched))
+            trial.videos[label].append(_exchange("watched", watched))
             for following in str(video.get("data-following") or "").split():
-                ahead.append(_kept("ahead", self.client.get(following, buffered=True)))
+                ahead.append(_exchange("ahead", self.client.get(following, buffered=True)))
         trial.pages.append(self._send("answered", page))
         return ahead
 
     def _fetched(self, address: str) -> Iterator[Exchange]:
         for name, method, headers in ASKED:
             answer = self.client.open(address, method=method, headers=headers, buffered=True)
-            yield _kept(name, answer)
+            yield _exchange(name, answer)
 
     def _send(self, name: str, page: PageReader) -> Exchange:
         answer = self.client.post(page.action, data=filled(page))
         assert answer.status_code == 303, page.heading
-        return _kept(name, answer)
+        return _exchange(name, answer)
 
     def _trials(self, token: str) -> list[Trial]:
         with site_of(self.app).database.reading() as session:
@@ -145,5 +145,5 @@ class Listener:
             return list(session.scalars(trials.order_by(Trial.position)))
 
 
-def _kept(name: str, answer: TestResponse) -> Exchange:
+def _exchange(name: str, answer: TestResponse) -> Exchange:
     return Exchange(name, answer.status_code, tuple(answer.headers.items()), answer.data)

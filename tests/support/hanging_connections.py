@@ -1,4 +1,4 @@
-"""Lines that a server is left hanging on: requests that never end, answers that nobody reads."""
+"""Connections that a server is left hanging on: endless requests and unread responses."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ def hanging(
     tls: ssl.SSLContext | None = None,
     host: str = "",
 ) -> Iterator[None]:
-    """Send `request` on `count` lines and read nothing; then `trickle` again and again."""
+    """Send `request` on `count` connections and read nothing; then keep sending `trickle`."""
     with ExitStack() as opened:
-        lines = []
+        connections = []
         for _ in range(count):
-            line = socket.socket()
-            opened.callback(line.close)
-            line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-            line.bind((ATTACKER, 0))
-            line.settimeout(10)
+            connection = socket.socket()
+            opened.callback(connection.close)
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            connection.bind((ATTACKER, 0))
+            connection.settimeout(10)
             # A server may refuse some of so many.
             with suppress(OSError):
-                line.connect(("127.0.0.1", port))
+                connection.connect(("127.0.0.1", port))
                 if tls is not None:
-                    line = tls.wrap_socket(line, server_hostname=host)
-                    opened.callback(line.close)
-                line.sendall(request)
-                lines.append(line)
-        assert len(lines) > count // 4
+                    connection = tls.wrap_socket(connection, server_hostname=host)
+                    opened.callback(connection.close)
+                connection.sendall(request)
+                connections.append(connection)
+        assert len(connections) > count // 4
         over = threading.Event()
-        feeder = threading.Thread(target=_feed, args=(lines, trickle, over))
+        feeder = threading.Thread(target=_feed, args=(connections, trickle, over))
         feeder.start()
         try:
             yield
@@ -53,7 +53,7 @@ def hanging(
 
 
 def slow_body(path: str, host: str) -> bytes:
-    """Return a request that announces more than it sends."""
+    """Return a request that is shorter than its announced length."""
     head = f"POST {path} HTTP/1.1\r\nHost: {host}\r\nContent-Length: 60000\r\n"
     return f"{head}Content-Type: application/x-www-form-urlencoded\r\n\r\nvisit=".encode()
 
@@ -63,8 +63,8 @@ def whole_video(path: str, host: str) -> bytes:
     return f"GET {path} HTTP/1.1\r\nHost: {host}\r\nRange: bytes=0-\r\n\r\n".encode()
 
 
-def _feed(lines: list[socket.socket], trickle: bytes, over: threading.Event) -> None:
+def _feed(connections: list[socket.socket], trickle: bytes, over: threading.Event) -> None:
     while not over.wait(EVERY_SECONDS):
-        for line in lines:
+        for connection in connections:
             with suppress(OSError):
-                line.sendall(trickle)
+                connection.sendall(trickle)
