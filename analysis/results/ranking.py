@@ -134,15 +134,16 @@ def ranking_results(
 def _heterogeneity(table: AnswerTable, answers: pd.DataFrame) -> Iterator[ConditionHeterogeneity]:
     """Yield the mean ranks of one question by emotion, speaker and segment."""
     count = len(shown_conditions(answers))
-    ranks = answers.groupby(RANKING, observed=True, dropna=False)["value"].rank()
-    for key, part in split_by_key(table, answers.assign(rank=ranks)):
+    by_ranking = answers.groupby(RANKING, observed=True, dropna=False)["value"]
+    ranked = answers.assign(rank=by_ranking.rank(), middle=(by_ranking.transform("size") + 1) / 2)
+    for key, part in split_by_key(table, ranked):
         yield from heterogeneity(
             ConditionHeterogeneity,
             key,
             part,
             part["rank"].to_numpy(np.float64),
             measure="mean_rank",
-            null=(count + 1) / 2,
+            null=float(part["middle"].mean()),
             limits=(1.0, count),
         )
 

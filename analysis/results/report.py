@@ -117,6 +117,10 @@ class TableReport:
         Looks at results before the answers that are reported.
     metrics_against_people : mapping of question to AgainstPeople
         See `ByQuestion`; empty where no motion was measured.
+    segments : int
+        How many the analysed answers are about; not in `results.json`.
+    kinds : frozenset of str
+        Of all trials in the table; not in `results.json`.
     results : Results
         What the protocol gives.
     """
@@ -138,12 +142,14 @@ class TableReport:
     sensitivity: tuple[Sensitivity, ...]
     looks: LooksBefore = NOT_LOGGED
     metrics_against_people: ByQuestion[AgainstPeople] = field(default_factory=ByQuestion)
+    segments: int
+    kinds: frozenset[str]
     results: Results
 
     def keys(self) -> dict[str, object]:
         """Return what `results.json` holds, the protocol's results beside everything else."""
         document: dict[str, object] = {**vars(self)}
-        del document["results"]
+        del document["results"], document["segments"], document["kinds"]
         return document | vars(self.results)
 
 
@@ -271,6 +277,8 @@ def analyse_answers(
         sensitivity=sensitivity(table, left_out),
         looks=looks,
         metrics_against_people=beside,
+        segments=left_out.analysed["segment"].nunique(),
+        kinds=frozenset(table.answers["kind"].unique()),
         results=results,
     )
 

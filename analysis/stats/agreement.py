@@ -285,7 +285,8 @@ def kendall_w(rankings: Placements, *, resamples: int = RESAMPLES, seed: int = 0
         few = "one segment gives no interval" if known else "no segment was ranked by two"
         return replace(concordance, reason=overall.reason or few)
     drawn = resampled_concordance(rankings, resamples=resamples, seed=seed)
-    low, high = percentile_interval(drawn)
+    # What a few participants leave after the correction may lie below zero, where W cannot.
+    low, high = percentile_interval(np.clip(drawn, 0.0, 1.0))
     return replace(
         concordance,
         low=low,

@@ -141,7 +141,7 @@ class RankSummary:
         Rankings that place it.
     mean_rank : Estimate
         Mean rank, 1 is best, tied conditions sharing the mean of their places; tested against
-        the middle rank.
+        the middle rank of the conditions that were ranked together.
     first_share : Estimate
         Share of the rankings in which it is best, conditions tied for it sharing one ranking;
         tested against what chance would give each.
@@ -180,6 +180,8 @@ def _summary(rankings: Placements, column: int, condition: str) -> RankSummary:
     n = int(placed.sum())
     percent = (100 * shares.mean(axis=0)).tolist() if n else [math.nan] * count
     partial = int((placed & ~rankings.complete).sum())
+    # A ranking of fewer conditions has fewer places that chance can give.
+    ranked = (~np.isnan(rankings.given[placed])).sum(axis=1)
     return RankSummary(
         condition=condition,
         n=n,
@@ -187,10 +189,15 @@ def _summary(rankings: Placements, column: int, condition: str) -> RankSummary:
             rankings.ranks[placed, column],
             participants,
             segments,
-            null=(count + 1) / 2,
+            null=float((ranked + 1).mean() / 2) if n else math.nan,
             limits=(1, count),
         ),
-        first_share=clustered_mean(shares[:, 0], participants, segments, null=1 / count),
+        first_share=clustered_mean(
+            shares[:, 0],
+            participants,
+            segments,
+            null=float((1 / ranked).mean()) if n else math.nan,
+        ),
         rank_percent=dict(enumerate(percent, start=1)),
         remark=f"{partial} of {n} rankings leave conditions out" if partial else "",
     )

@@ -28,6 +28,7 @@ from analysis.report.figures.style import (
     Drawing,
     fit_text,
     make_picture,
+    missing_glyphs,
 )
 
 _LINE_HEIGHT: Final = 0.135
@@ -240,7 +241,8 @@ def _add_legend(figure: Figure, handles: Sequence[Artist], sheet: Format) -> Non
 
 def _fit_height(figure: Figure, layout: ConstrainedLayoutEngine, panel_height: float) -> None:
     """Lay the figure out once, then give every panel its height."""
-    layout.execute(figure)
+    with missing_glyphs():
+        layout.execute(figure)
     figure.set_layout_engine("none")
     before = figure.get_figheight()
     growth = panel_height - figure.axes[0].get_position().height * before

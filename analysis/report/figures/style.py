@@ -168,13 +168,13 @@ def fit_text(text: str, inches: float, *, size: float, lines: int = 1, bold: boo
 def _width(character: str, bold: bool) -> float:
     """Return the width of a character as a multiple of the font size."""
     font = FontProperties(family="DejaVu Sans", size=100, weight="bold" if bold else "normal")
-    with _missing_glyphs():
+    with missing_glyphs():
         width, _, _ = TextToPath().get_text_width_height_descent(character, font, ismath=False)
     return float(width) / 100
 
 
 @contextmanager
-def _missing_glyphs() -> Iterator[None]:
+def missing_glyphs() -> Iterator[None]:
     """Draw letters that no installed font has as boxes; on a page the browser has its own fonts."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=r"Glyph .* missing from font")
@@ -300,7 +300,7 @@ def inline_svg(
 ) -> Markup:
     """Return a drawing as an ``svg`` element for an HTML page; its ids begin with `name`."""
     stream = io.StringIO()
-    with mpl.rc_context({**STYLE, "svg.hashsalt": name}), _missing_glyphs():
+    with mpl.rc_context({**STYLE, "svg.hashsalt": name}), missing_glyphs():
         drawing.figure.savefig(
             stream,
             format="svg",
@@ -329,7 +329,7 @@ def inline_svg(
 def as_file(figure: Figure, extension: str) -> bytes:
     """Return a figure as a file of `FORMATS`, without a date; PNG has 200 dots per inch."""
     stream = io.BytesIO()
-    with mpl.rc_context({**STYLE, "svg.hashsalt": extension}), _missing_glyphs():
+    with mpl.rc_context({**STYLE, "svg.hashsalt": extension}), missing_glyphs():
         figure.savefig(
             stream,
             format=extension,

@@ -206,7 +206,7 @@ def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
         "equivalent": [pair for pair in equivalence if pair.verdict.startswith("equivalent")],
         "excluded": report.participants.recruited - report.participants.attentive,
         "exploratory": sum(rule.removed for rule in report.rules if rule.exploratory),
-        "segments": len(subject.excerpts),
+        "segments": report.segments,
         "speakers": len(subject.speakers),
         "places": places_words(report, subject),
         "looks": looks_sentence(report),

@@ -70,9 +70,9 @@ _MEASURES: Final = {
 
 
 def heterogeneity_section(report: TableReport, subject: Subject) -> Section | None:
-    """Return forest plots and tests; None for one emotion, one speaker and one segment."""
+    """Return forest plots and tests; None for one segment, or one participant."""
     all_effects = effects(report.results, subject.reference)
-    if not all_effects:
+    if not all_effects or report.participants.attentive < 2:
         return None
     by_kind = {
         by: chosen for by in KINDS if (chosen := [e for e in all_effects if e.result.by == by])

@@ -246,11 +246,15 @@ def _pairwise_section(
         fitted = _fitted(results, group)
         return (*drawn, *strength_pictures(fitted, "strength in logits", text))
 
-    tables = _tables(group, "preferences")
+    tables = _tables(group, "preferences", decisive=results.decided_by == "comparisons")
     if strengths:
         tables.append(standings_table(strengths, "strengths"))
         if len({name for contrast in contrasts for name in contrast.names}) > 2:
-            tables.append(contrasts_table(contrasts, strengths, "strengths"))
+            tables.append(
+                contrasts_table(
+                    contrasts, strengths, "strengths", decisive=results.decided_by == "strengths"
+                )
+            )
     return headline_section(
         group.set,
         suffix,
@@ -289,12 +293,12 @@ def mismatch_sections(results: MismatchResults, subject: Subject) -> tuple[Secti
     )
 
 
-def _tables(group: PreferenceGroup, name: str) -> list[Table]:
+def _tables(group: PreferenceGroup, name: str, *, decisive: bool = True) -> list[Table]:
     answers = levels(group.first, group.second)
     return [
         table("preferences", group.rows, group=group, name=name),
         *(
-            table(kind, group.rows, group=group, levels=answers)
+            table(kind, group.rows, group=group, levels=answers, decisive=decisive)
             for kind in ("win-shares", "counts", "as-published")
         ),
     ]

@@ -186,7 +186,11 @@ def standings_table(standings: Mapping[str, StrengthModel], kind: str) -> Table:
 
 
 def contrasts_table(
-    contrasts: Sequence[StrengthDifference], standings: Mapping[str, StrengthModel], kind: str
+    contrasts: Sequence[StrengthDifference],
+    standings: Mapping[str, StrengthModel],
+    kind: str,
+    *,
+    decisive: bool = True,
 ) -> Table:
     """Return how much stronger the first condition of every pair is.
 
@@ -198,9 +202,18 @@ def contrasts_table(
         What they are differences of, by question.
     kind : {'strengths', 'worths'}
         What those are.
+    decisive : bool
+        Whether the report decides by them.
     """
     shared = any(_share_ranks(contrast, standings[contrast.question]) for contrast in contrasts)
-    return table("contrasts", contrasts, fitted=standings, estimates=kind, shared=shared)
+    return table(
+        "contrasts",
+        contrasts,
+        fitted=standings,
+        estimates=kind,
+        shared=shared,
+        decisive=decisive,
+    )
 
 
 def _share_ranks(contrast: StrengthDifference, standings: StrengthModel) -> bool:

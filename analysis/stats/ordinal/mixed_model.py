@@ -262,8 +262,6 @@ def _remark(
     if not converged:
         return "The model did not converge: its estimates must not be used."
     if zero:
-        return (
-            f"The variance between groups of {', '.join(zero)} is at its boundary, zero: the "
-            "model is the one without it."
-        )
+        names = " and that between ".join(f"{name}s" for name in zero)
+        return f"The variance between {names} is estimated as zero."
     return ""

@@ -59,6 +59,14 @@ def test_shares_of_places_worked_by_hand() -> None:
     assert a.first_share.estimate == pytest.approx(0.5)
 
 
+def test_a_ranking_that_leaves_conditions_out_is_tested_against_the_chance_of_the_others() -> None:
+    pairs = ({"a": 1, "b": 2}, {"a": 2, "b": 1}, {"b": 1, "c": 2}, {"b": 2, "c": 1})
+    for summary in rank_summaries(placements(ranking(*pairs, *pairs), ABC)):
+        assert summary.mean_rank.estimate == 1.5
+        assert summary.mean_rank.p_value == pytest.approx(1)
+        assert summary.first_share.p_value == pytest.approx(1)
+
+
 def test_the_two_way_interval_of_a_mean_rank_stays_within_the_ranks() -> None:
     table = ranking_table()
     result = rank_summaries(placements(table, CONDITIONS))[1]
@@ -140,6 +148,8 @@ def test_the_interval_of_kendalls_w_contains_its_mean() -> None:
 
     assert result.low < result.estimate < result.high
     assert resampled_concordance(rankings).mean() == pytest.approx(result.estimate, abs=0.02)
+    few = kendall_w(placements(ranking_table(participants=3, segments=3, seed=3), CONDITIONS))
+    assert 0 <= few.low < few.high <= 1
     alone = kendall_w(placements(ranking_table(segments=1), CONDITIONS))
     assert alone.reason == "one segment gives no interval"
     assert alone.estimate > 0

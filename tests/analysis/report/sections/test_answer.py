@@ -49,7 +49,7 @@ def test_a_preference_is_stated_with_the_deciding_estimate_and_its_sample(
     assert effect.startswith(
         f"Participants preferred ours to other on emotion (win share {share}, 95% interval [."
     )
-    assert "14 of 14 participants and 1 segment of 1 speaker; nobody was excluded" in basis
+    assert "14 of 14 participants and 8 segments of 1 speaker; nobody was excluded" in basis
     assert limits.startswith("This says nothing about other systems")
 
     table = pairwise_table(("ours", "other"), effects=(1.0, 0.0), participants=20, segments=20)

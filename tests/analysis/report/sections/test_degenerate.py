@@ -95,7 +95,9 @@ def test_effects_are_split_by_emotion_and_few_segments_are_descriptive(
     assert [row[2].text for row in tests.rows] == ["emotion", "segment"]
     assert not tests.secondary
     alone = analyse("pairwise", table[table["participant"] == "p00"])
-    untested = heterogeneity_section(alone, subject_of(alone))
+    assert heterogeneity_section(alone, subject_of(alone)) is None
+    alike = analyse("pairwise", all_alike(table, "pairwise"))
+    untested = heterogeneity_section(alike, subject_of(alike))
     assert untested is not None
     assert untested.tables[0].secondary == "No test could be run"
     assert any("no test" in note for note in untested.tables[0].notes)

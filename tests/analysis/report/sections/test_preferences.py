@@ -10,6 +10,7 @@ from analysis.report.sections import preferences
 from analysis.report.sections.preferences import pairwise_groups
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.report import TableReport
+from tests.analysis.report.sections.conftest import Analyse
 from tests.analysis.report.sections.reading import (
     bar,
     hints,
@@ -19,6 +20,7 @@ from tests.analysis.report.sections.reading import (
     words,
 )
 from tests.analysis.report.subjects import headline
+from tests.analysis.results.made_tables import pairwise_table
 
 Sections = Mapping[str, tuple[Section, ...]]
 Reports = Mapping[str, TableReport]
@@ -102,6 +104,21 @@ def test_comparisons_are_oriented_to_their_common_condition(
     assert [picture.name for picture in section.pictures] == ["preferences"]
     (of_all,) = pairwise_groups(results(reports["all pairs"]), "ours")
     assert of_all.first == "the first"
+
+
+def test_tests_beside_those_that_the_report_decides_by_are_called_secondary(
+    analyse: Analyse, sections: Sections
+) -> None:
+    conditions = ("truth", "ours", "other", "static")
+    effects = (1.0, 0.6, 0.3, 0.0)
+    table = pairwise_table(conditions, effects=effects, participants=5, segments=4)
+    for (shown,), decisive in (
+        (sections["all pairs"], "win-shares"),
+        (headline(analyse("pairwise", table)), "contrasts"),
+    ):
+        for name in ("win-shares", "contrasts"):
+            notes = " ".join(named_table(shown, name).notes)
+            assert ("These tests are secondary" in notes) == (name != decisive)
 
 
 def test_table_a5_sums_and_published_p_values_match_the_results(

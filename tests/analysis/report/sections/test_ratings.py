@@ -10,6 +10,7 @@ from analysis.report.sections.ratings import distribution_pictures
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
+from tests.analysis.report.sections.conftest import Analyse
 from tests.analysis.report.sections.reading import (
     SCALE,
     bar,
@@ -18,6 +19,8 @@ from tests.analysis.report.sections.reading import (
     told,
     words,
 )
+from tests.analysis.report.subjects import headline
+from tests.analysis.results.made_tables import rating_table
 
 Sections = Mapping[str, tuple[Section, ...]]
 
@@ -84,6 +87,20 @@ def test_contrasts_start_with_paired_differences_corrected_by_holm(
         [c.difference.estimate, c.difference.p_holm] for c in found
     ]
     assert named_picture(sections["rating"][0], "contrasts-set-1")
+
+
+def test_a_table_says_which_differences_are_not_of_pairs_and_which_intervals_of_one_segment(
+    analyse: Analyse,
+) -> None:
+    table = rating_table(participants=8, segments=4)
+    unpaired = table[(table["condition"] == "ours") == (table["participant"] < "p04")]
+    for rated, name, note in (
+        (unpaired, "contrasts", "difference of all ratings, since few participants"),
+        (table[table["segment"] == "s0"], "means", "interval clustered by participant; of this"),
+        (table[table["segment"] == "s0"], "contrasts", "clustered by participant; of this segment"),
+    ):
+        (section,) = headline(analyse("rating", rated))
+        assert note in " ".join(named_table(section, name).notes)
 
 
 def test_score_labels_are_in_the_legend_or_if_they_differ_in_the_caption(

@@ -46,7 +46,7 @@ def test_the_methods_text_says_what_was_done_and_with_what(tmp_path: Path) -> No
     text = words(methods_section(report, subject_of(report, notes=("A note.",), frozen=("face",))))
 
     for part in (
-        "Of 6 participants who answered, 5 were analysed.",
+        "Of 6 participants who answered, 5 were analysed. Practice trials were dropped; those that",
         "failed more than 1 catch trial (1)",
         "Holm's method over 3 tests",
         "two one-sided tests against a margin of 0.1",
@@ -73,10 +73,19 @@ def test_every_protocol_has_its_method_its_diagnostics_and_its_limits(
     ]
 
     assert "{" not in " ".join(texts)
+    assert ("Practice trials" in texts[0]) == (protocol == "pairwise")
+
     assert "nan" not in " ".join(texts).split()
     assert ("Kendall's W" if protocol == "ranking" else "Krippendorff's α") in texts[1]
     assert ("Side bias" in texts[1]) == (protocol in ("pairwise", "mismatch"))
     assert "One speaker says nothing about other speakers." in texts[2]
+
+
+def test_of_one_segment_no_report_claims_anything_about_other_speech(tmp_path: Path) -> None:
+    table = TABLES["rating"](participants=5, segments=1)
+    report = report_of(table, "rating", tmp_path)
+    limits = words(limits_section(report, subject_of(report)))
+    assert "Speech: one segment; the intervals apply to further participants, and to no" in limits
 
 
 def test_a_rehearsals_truth_is_compared_with_estimates_in_either_direction(tmp_path: Path) -> None:

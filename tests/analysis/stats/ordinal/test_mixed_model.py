@@ -81,7 +81,7 @@ def test_a_variance_at_its_boundary_is_reported() -> None:
     result = fit(np.tile(made.values, 2), {"side": np.tile(made.side, 2)}, [alike])
 
     assert result.converged
-    assert "The variance between groups of item is at its boundary" in result.remark
+    assert "The variance between items is estimated as zero" in result.remark
     assert result.standard_errors["side"] > 0
 
 
