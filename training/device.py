@@ -21,8 +21,8 @@ def check_device(device: str) -> None:
         raise InputError(f"unknown device {device!r}", remedy=f"Use {' or '.join(DEVICES)}")
     if device == "cuda" and not torch.cuda.is_available():
         raise InputError(
-            "there is no graphics processor that torch can use here",
-            remedy="Use the processor (cpu), or install torch with CUDA",
+            "torch finds no GPU on this machine",
+            remedy="Use the device cpu, or install torch with CUDA",
         )
 
 

@@ -65,7 +65,7 @@ def require_one_device(monkeypatch: pytest.MonkeyPatch, learn: Callable[[], obje
     """Require that what `learn` begins to train brings no tensor of another device to its own.
 
     torch's device ``meta`` holds shapes without values. Beside tensors of the processor it refuses
-    to compute, as a graphics processor does.
+    to compute, as a GPU does.
     """
 
     def compute(task: WindowTask, config: TrainingConfig, *_: object, **__: object) -> None:

@@ -38,7 +38,7 @@ class Group:
     Raises
     ------
     InputError
-        If a process of this machine finds no graphics processor for itself.
+        If a machine has fewer GPUs than processes.
     """
 
     def __init__(self, device: str) -> None:
@@ -58,9 +58,9 @@ class Group:
             )
         if device == "cuda" and self._state.local_process_index >= torch.cuda.device_count():
             raise InputError(
-                f"there are {torch.cuda.device_count()} graphics processors for at least "
-                f"{self._state.local_process_index + 1} processes",
-                remedy="Start as many processes on each machine as it has graphics processors",
+                f"at least {self._state.local_process_index + 1} processes were started on a "
+                f"machine with GPUs for {torch.cuda.device_count()}",
+                remedy="Start one process for each GPU of a machine",
             )
 
     @property

@@ -153,7 +153,7 @@ def test_a_nan_loss_and_a_missing_gpu_are_reported(
         train(Line(factor=float("inf")), CONFIG, RunFolder(tmp_path))
     assert not (tmp_path / "checkpoint.safetensors").exists()
     if not torch.cuda.is_available():
-        with pytest.raises(InputError, match="no graphics processor"):
+        with pytest.raises(InputError, match="finds no GPU"):
             train(Line(device="cuda"), CONFIG, RunFolder(tmp_path))
 
 
