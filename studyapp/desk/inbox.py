@@ -15,6 +15,7 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from stat import S_ISREG
 from typing import Annotated, Final
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -181,25 +182,27 @@ class Inbox:
         """Remove a file, and its unfinished uploads."""
         complete, _ = self._paths(Upload(condition=condition, name=name, size=1, changed=0))
         complete.unlink(missing_ok=True)
-        for path, file in self._partial(complete.parent):
-            if file.name == name:
+        for path in complete.parent.glob(".*.part"):
+            if (match := PARTIAL.fullmatch(path.name)) and match["name"] == name:
                 path.unlink(missing_ok=True)
 
     def _listed(self, folder: Path) -> Iterator[InboxFile]:
         for path in sorted(folder.iterdir()):
-            if path.is_file() and not path.name.startswith("."):
-                yield self._file(path, path.name, path.stat().st_size)
-        yield from (file for _, file in self._partial(folder))
-
-    def _partial(self, folder: Path) -> Iterator[tuple[Path, InboxFile]]:
-        for path in sorted(folder.glob(".*.part")):
-            if match := PARTIAL.fullmatch(path.name):
-                yield path, self._file(path, match["name"], int(match["size"]))
-
-    def _file(self, path: Path, name: str, size: int) -> InboxFile:
-        condition = "" if path.parent == self._root else path.parent.name
-        received = path.stat().st_size
-        return InboxFile(condition=condition, name=name, received=received, size=size)
+            match = PARTIAL.fullmatch(path.name)
+            if match is None and path.name.startswith("."):
+                continue
+            try:
+                state = path.stat()
+            except FileNotFoundError:
+                # It has just been imported, or completed under its own name.
+                continue
+            if S_ISREG(state.st_mode):
+                yield InboxFile(
+                    condition="" if folder == self._root else folder.name,
+                    name=match["name"] if match else path.name,
+                    received=state.st_size,
+                    size=int(match["size"]) if match else state.st_size,
+                )
 
     def _paths(self, upload: Upload) -> tuple[Path, Path]:
         """Return where a file lies when it is complete, and until then."""

@@ -54,6 +54,8 @@ def test_an_upload_resumes_even_after_a_crash(folder: StudyFolder) -> None:
     # The server died while it wrote a piece.
     with partial.open("ab") as written:
         written.write(CONTENT[5000:5100])
+    # Another file was moved away while the page is made.
+    (folder.inbox / "ours" / ".gone.npz.9.5.part").symlink_to("nowhere")
     assert again.files() == [
         InboxFile(condition="ours", name="take.npz", received=5100, size=len(CONTENT))
     ]
