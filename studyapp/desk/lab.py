@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Final, cast
 
 from flask import current_app
+from sqlalchemy.exc import SQLAlchemyError
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
@@ -68,15 +69,24 @@ class Lab(Site):
         return [study for study in studies if study is not None]
 
     def opened_study(self, name: str, account: Account) -> OpenedStudy | None:
-        """Return the study `name` as the holder of a desk's account sees it, None where not."""
+        """Return the study `name` as the holder of a desk's account sees it, None where not.
+
+        Raises
+        ------
+        InputError
+            If the study's database, which tells their rights, cannot be read.
+        """
         study = self.study(name)
         if study is None or account.identity is None:
             return None
         try:
             in_study = find_account_by_identity(study.database, account.identity)
-        except InputError:
-            # A database that cannot be read tells nobody's rights.
-            return None
+        except SQLAlchemyError as error:
+            raise InputError(
+                f"the database of {name} cannot be read",
+                where=study.folder.responses,
+                remedy="Try again; if it stays so, restore a backup of the study",
+            ) from error
         return None if in_study is None else OpenedStudy(study=study, account=in_study)
 
 

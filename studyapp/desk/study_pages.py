@@ -5,8 +5,9 @@ from __future__ import annotations
 from functools import partial
 from typing import Final, cast
 
-from flask import Response, abort, redirect, request
+from flask import Response, abort, current_app, redirect, request
 from flask.typing import ResponseReturnValue
+from sqlalchemy.exc import SQLAlchemyError
 
 from motion.errors import InputError
 from studyapp.desk import job_page, material_page
@@ -14,7 +15,6 @@ from studyapp.desk.job_kinds import RUN, TAKE_HOME
 from studyapp.desk.lab import OpenedStudy, current_lab, study_token
 from studyapp.desk.membership import enter_study
 from studyapp.desk.page import page
-from studyapp.desk.studies import LabStudy
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.researchers.account import Right, has_owner
 from studyapp.session.served_study import ServedStudy
@@ -25,27 +25,20 @@ from studyapp.web.research.pages import Page
 
 
 def overview() -> ResponseReturnValue:
-    """List the researcher's studies, and to owners those that nobody owns."""
-    lab = current_lab()
-    studies = [
-        study
-        for each in lab.studies()
-        if (study := lab.opened_study(each.name, researcher())) is not None
-    ]
-    unowned = [
-        study.name
-        for study in lab.studies()
-        if researcher().may(Right.MANAGE) and _is_unowned(study)
-    ]
-    rows = [(study, _title(study), study.study.standing()) for study in studies]
-    return page("overview", rows=rows, unowned=unowned)
-
-
-def _is_unowned(study: LabStudy) -> bool:
-    try:
-        return not has_owner(study.database)
-    except InputError:
-        return False
+    """List the researcher's studies; to owners also those that nobody owns or that are damaged."""
+    lab, is_owner = current_lab(), researcher().may(Right.MANAGE)
+    rows, unowned, damaged = [], [], []
+    for study in lab.studies():
+        try:
+            opened_study = lab.opened_study(study.name, researcher())
+            if opened_study is not None:
+                rows.append((opened_study, _title(opened_study), study.standing()))
+            elif is_owner and not has_owner(study.database):
+                unowned.append(study.name)
+        except (InputError, SQLAlchemyError) as error:
+            current_app.logger.error("%s cannot be listed: %s", study.name, error)
+            damaged.append(study.name)
+    return page("overview", rows=rows, unowned=unowned, damaged=damaged if is_owner else ())
 
 
 def _title(study: OpenedStudy) -> str:

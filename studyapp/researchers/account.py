@@ -229,7 +229,7 @@ def _require_another_owner(session: Session, leaving: Researcher) -> None:
     others = OWNERS.where(Researcher.id != leaving.id)
     if leaving.role == "owner" and session.scalar(others.limit(1)) is None:
         raise InputError(
-            f"{leaving.name!r} is the only owner of the study, which needs one",
+            f"{leaving.name!r} is the only owner, and one is needed",
             remedy="Make somebody else an owner first",
         )
 

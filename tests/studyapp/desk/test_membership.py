@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import shutil
+import sqlite3
+from contextlib import closing
 
 from flask import Flask
 
@@ -53,6 +55,19 @@ def test_an_owner_of_the_desk_does_not_see_others_studies(
     grace.get(TINY, 404)
     assert grace.post(f"{TINY}open").status_code == 404
     assert grace.client.get(INSIDE, follow_redirects=True).status_code == 404
+
+
+def test_a_damaged_study_is_named_to_owners_and_hides_no_other(
+    lab: Lab, tiny: LabStudy, ada: ResearchBrowser, researcher: Researcher
+) -> None:
+    shutil.copytree(tiny.folder.root, lab.folder / "other")
+    with closing(sqlite3.connect(tiny.folder.responses)) as database:
+        database.execute("DROP TABLE researchers")
+    page = ada.get("/research/")
+    assert "other" in page.text
+    assert "The database of tiny cannot be read" in page.text
+    assert "restore a backup" in ada.get(TINY, 409).text
+    assert "tiny" not in researcher("Mary", "viewer").get("/research/").text
 
 
 def test_an_owners_link_admits_a_logged_in_member_of_the_desk(
