@@ -200,6 +200,9 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
             self._drop(conn)
         elif conn.is_complete or piece == b"" or self._is_too_large(conn):
             self._unwatch(conn)
+            if not conn.is_complete:
+                # So that the response says that the connection ends with it.
+                conn.received = conn.received.replace(b"\r\n", b"\r\nConnection: close\r\n", 1)
             # Only of these bytes: no thread ever reads from the connection.
             conn.parser = get_parser(self.cfg, [bytes(conn.received)], conn.client)
             super().enqueue_req(conn)

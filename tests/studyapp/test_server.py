@@ -78,9 +78,11 @@ def test_two_workers_serve_pages_and_stop_soon_on_request(tiny_study: Path) -> N
             # Not even a proxy on this machine names a path in a header.
             forged = {"SCRIPT_NAME": "/evil", "PATH_INFO": "/evil", "X-Forwarded-Prefix": "/evil"}
             as_before = client.get(f"http://{HOST}:{port}/", headers=forged)
+            too_large = client.post(f"http://{HOST}:{port}/", content=bytes(1 << 22))
         assert (answer.status_code, as_before.status_code) == (200, 200)
         assert "I agree" in answer.text
         assert "/evil" not in as_before.text
+        assert (too_large.status_code, too_large.headers["Connection"]) == (413, "close")
         assert (tiny_study / "responses.db").exists()
     finally:
         # Some proxies open lines ahead, on which nothing comes.
