@@ -3,53 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cache
 from pathlib import Path, PurePosixPath
-from types import MappingProxyType
 from typing import Final
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from motion.errors import InputError
 from studyapp.custody.deployment import Deployment
-
-
-def escape_unit(text: str) -> str:
-    """Escape a quoted value of a systemd unit, where ``%`` starts a specifier."""
-    return escape_proxy(" ".join(text.split())).replace("%", "%%")
-
-
-def escape_proxy(text: str) -> str:
-    """Escape a quoted value of a Caddy or nginx file."""
-    return text.replace("\\", "\\\\").replace('"', '\\"')
-
-
-def escape_script(text: str) -> str:
-    """Escape a single-quoted value of a shell script."""
-    return text.replace("'", "'\\''")
-
-
-def escape_sql(text: str) -> str:
-    """Escape a quoted name or string of SQL."""
-    return text.replace('"', '""').replace("'", "''")
-
-
-ESCAPES: Final[Mapping[str, Callable[[str], str]]] = MappingProxyType(
-    {
-        **dict.fromkeys((".service", ".timer"), escape_unit),
-        **dict.fromkeys((".caddy", ".nginx"), escape_proxy),
-        ".sh": escape_script,
-        ".sql": escape_sql,
-        # Values in these files have a restricted alphabet.
-        **dict.fromkeys((".env", ".conf", ".container"), str),
-    }
-)
-"""How values are escaped, by the ending of a template.
-
-Templates put arbitrary values in double quotes (in scripts, single quotes).
-"""
 
 TEMPLATES: Final = Path(__file__).parent / "templates"
 
@@ -141,15 +103,18 @@ def _render(
 
 @cache
 def _environment(ending: str) -> Environment:
-    """Return the environment that escapes values for files with this ending."""
-    escape = ESCAPES[ending]
+    """Return the environment for templates with this ending.
+
+    What could not be quoted in every file is in no `Deployment`; only systemd's units read ``%``.
+    """
+    is_unit = ending in (".service", ".timer")
     return Environment(
         loader=FileSystemLoader(TEMPLATES),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        finalize=lambda value: escape(str(value)),
+        finalize=lambda value: str(value).replace("%", "%%") if is_unit else value,
         autoescape=False,  # noqa: S701 - none of the files is HTML
     )
 

@@ -27,7 +27,7 @@ from studyapp.custody.deployment import (
 from studyapp.custody.server_files import deployed_files, write_deployment
 from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 
-HOSTILE = PurePosixPath("/srv/50% {x};# of it/%n/my-study")
+HOSTILE = PurePosixPath("/srv/50%  {x};# of it/%n/my-study")
 """A folder with special characters of every kind of file in its name."""
 
 
