@@ -38,6 +38,9 @@ KEYS_LAST: Final = 24 * 3600
 ASKED_AGAIN: Final = 60.0
 """Seconds after which keys may be fetched again for a token whose key is unknown."""
 
+FAILED_SECONDS: Final = 30.0
+"""How long nobody waits for keys again that could not be fetched."""
+
 GRACE_SECONDS: Final = 3600
 """How long a token counts after it expires, while its holder reads the first pages."""
 
@@ -51,12 +54,24 @@ class ProlificKeys:
     def __init__(self) -> None:
         self._client = jwt.PyJWKClient(KEYS, lifespan=KEYS_LAST, timeout=5)
         self._lock = threading.Lock()
-        self._fetched = float("-inf")
+        self._fetched = self._failed = float("-inf")
 
     def find(self, kid: str) -> jwt.PyJWK | None:
-        """Return the key with this id, None if Prolific has no such key."""
+        """Return the key with this id, None if Prolific has no such key.
+
+        Raises
+        ------
+        PyJWKClientError
+            If the keys cannot be fetched, or could not a moment ago.
+        """
         with self._lock:
-            key = self._named(kid, refresh=False)
+            if time.monotonic() - self._failed < FAILED_SECONDS:
+                raise jwt.PyJWKClientError("the keys could not be fetched a moment ago")
+            try:
+                key = self._named(kid, refresh=False)
+            except jwt.PyJWKClientError:
+                self._failed = time.monotonic()
+                raise
             if key is None and time.monotonic() - self._fetched > ASKED_AGAIN:
                 self._fetched = time.monotonic()
                 key = self._named(kid, refresh=True)
