@@ -113,7 +113,7 @@ def said(rendered: Path) -> list[tuple[object, ...]]:
 
 
 @pytest.mark.slow
-def test_participants_can_be_added_and_depend_on_the_seed_alone(
+def test_participants_can_be_added_without_touching_real_answers(
     folder: StudyFolder, said: list[tuple[object, ...]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Raters who leave are replaced, and answers do not depend on the order of arrival."""
