@@ -171,7 +171,7 @@ def _poses_of_parts(arrays: Arrays) -> NDArray[Any]:
     """Return poses (T, 55, 3) that a file holds in parts; a missing part is at rest."""
     if "root_orient" not in arrays or "pose_body" not in arrays:
         raise InputError(
-            f"the file has no 'poses' but {', '.join(sorted(arrays)) or 'nothing known'}",
+            f"the file has no 'poses', only {', '.join(sorted(arrays)) or 'unknown arrays'}",
             remedy="Give SMPL-X axis-angle poses of shape (T, 165) under the key 'poses', or "
             "'root_orient', 'pose_body' and 'pose_hand'",
         )

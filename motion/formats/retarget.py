@@ -22,6 +22,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats.bvh_motion import BvhMotion
 from motion.formats.joint_maps import JointMap
+from motion.points.turning import frame_rotations, smallest_rotations
 from motion.skeleton import FINGER_NAMES, JOINT_NAMES, PARENTS, REST_JOINTS, joint_index
 
 FloatArray = NDArray[np.float64]
@@ -185,17 +186,9 @@ def _follow(
         target_direction = source[child] - source[joint]
         current_direction = turn.apply(target[child] - target[joint])
         if np.linalg.norm(target_direction) > 0:
-            turn = _smallest_rotation(current_direction, target_direction) * turn
+            turn = smallest_rotations(current_direction[None], target_direction[None])[0] * turn
         corrections[joint] = turn
     return turn
-
-
-def _smallest_rotation(current: FloatArray, target: FloatArray) -> Rotation:
-    """Return the smallest turn that takes one direction to the other."""
-    axis = np.cross(current, target)
-    sine = np.linalg.norm(axis)
-    angle = np.arctan2(sine, current @ target)
-    return Rotation.from_rotvec(axis / sine * angle if sine > 0 else np.zeros(3))
 
 
 def _figure_rotation(source: JointPositions, target: JointPositions) -> Rotation:
@@ -213,7 +206,7 @@ def _figure_rotation(source: JointPositions, target: JointPositions) -> Rotation
                 "the skeleton's rest pose (all rotations zero) is not a standing figure",
                 remedy="Export the BVH with a T-pose or A-pose as its rest pose",
             )
-    turn = _align((up, left), _axes(target))
+    turn = frame_rotations(_axes(target), (up[None], left[None]))[0]
     along_axes = np.rint(turn.as_matrix())
     if np.array_equal(along_axes @ along_axes.T, np.eye(3)):
         nearest = Rotation.from_matrix(along_axes)
@@ -241,21 +234,13 @@ def _hand_rotation(side: str, source: JointPositions, target: JointPositions) ->
     )
     if not {wrist, middle, index, ring} <= set(source):
         return None
-    frames = [
+    hand, rest = (
         (places[middle] - places[wrist], places[index] - places[ring])
         for places in (source, target)
-    ]
-    if any(np.linalg.norm(np.cross(*frame)) == 0 for frame in frames):
+    )
+    if any(np.linalg.norm(np.cross(*directions)) == 0 for directions in (hand, rest)):
         return None
-    return _align(*frames)
-
-
-def _align(
-    target: tuple[FloatArray, FloatArray], current: tuple[FloatArray, FloatArray]
-) -> Rotation:
-    """Return the rotation that aligns one direction exactly and another as closely as possible."""
-    turn, _ = Rotation.align_vectors(np.stack(target), np.stack(current), weights=[np.inf, 1])
-    return turn
+    return frame_rotations(rest, (hand[0][None], hand[1][None]))[0]
 
 
 def _limb_length(places: JointPositions) -> float:

@@ -122,7 +122,7 @@ BAD_POSES[2, 7] = np.nan
 @pytest.mark.parametrize(
     ("arrays", "complaint"),
     [
-        ({"poses": None}, "no 'poses' but betas, gender"),
+        ({"poses": None}, "no 'poses', only betas, gender"),
         ({"poses": np.zeros((4, 75))}, r"poses has shape \(4, 75\)"),
         ({"poses": None} | PARTS | {"pose_body": np.zeros((4, 60))}, r"pose_body has shape"),
         ({"poses": np.array([["a"] * 165])}, "'poses' holds no numbers"),
