@@ -1,7 +1,7 @@
 """Bringing speech, motion and videos into a study in the browser: uploading, then importing.
 
-A script sends large files piece by piece, each with where it begins; without scripts, a form sends
-small ones. Importing is a job, see `studyapp.desk.job_kinds`.
+A script sends files piece by piece, each with where it begins. Importing is a job, see
+`studyapp.desk.job_kinds`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from motion.segment import EMOTIONS, SEGMENTS_FILE
 from studyapp.desk.inbox import LARGEST_FILE, LARGEST_PIECE, Inbox, Upload, WrongOffsetError
 from studyapp.desk.job_page import MOST_SHOWN
 from studyapp.desk.jobs import job_log, job_standings
-from studyapp.desk.lab import OpenedStudy, current_lab
+from studyapp.desk.lab import OpenedStudy
 from studyapp.desk.page import page
 from studyapp.researchers.account import Right
 from studyapp.study.folder import IMPORTABLE_ENDINGS
@@ -32,7 +32,29 @@ REFUSED: Final = "refused: "
 
 def bring_in(study: OpenedStudy) -> ResponseReturnValue:
     """Show the inbox, and how the last import went."""
-    return _page(study)
+    files = Inbox(study.folder).files()
+    log = job_log(study.folder.jobs, IMPORT, most=MOST_SHOWN)
+    # Files may have been removed since.
+    waiting = tuple(f"{REFUSED}{study.folder.inbox.name}/{file.path}" for file in files)
+    return page(
+        "bring_in",
+        study=study,
+        files=files,
+        # A table of segments says all of it.
+        asks_about_speech=any(file.condition == "" for file in files)
+        and not any(file.name == SEGMENTS_FILE for file in files),
+        conditions=_conditions(study),
+        emotions=EMOTIONS,
+        endings=IMPORTABLE_ENDINGS,
+        piece=LARGEST_PIECE,
+        largest=LARGEST_FILE,
+        last=job_standings(study.folder.jobs).get(IMPORT),
+        refusals=[
+            line.removeprefix(f"{REFUSED}{study.folder.inbox.name}/")
+            for line in log.splitlines()
+            if line.startswith(waiting)
+        ],
+    )
 
 
 def uploaded(study: OpenedStudy) -> ResponseReturnValue:
@@ -57,27 +79,6 @@ def take_piece(study: OpenedStudy) -> ResponseReturnValue:
     return jsonify(offset=received)
 
 
-def take_files(study: OpenedStudy) -> ResponseReturnValue:
-    """Take small files from a form."""
-    inbox = Inbox(study.folder)
-    now = round(current_lab().clock.now().timestamp() * 1000)
-    try:
-        for file in request.files.getlist("files"):
-            content = file.read()
-            upload = Upload(
-                condition=request.form.get("condition", "").strip(),
-                name=file.filename or "",
-                size=len(content),
-                changed=now,
-            )
-            inbox.append(upload, 0, content)
-    except WrongOffsetError:
-        abort(409)
-    except InputError as error:
-        return _page(study, error), 422
-    return redirect(url_for("research.bring_in", study=study.name), 303)
-
-
 def remove_upload(study: OpenedStudy) -> ResponseReturnValue:
     """Remove a file from the inbox."""
     Inbox(study.folder).remove(request.form.get("condition", ""), request.form.get("name", ""))
@@ -96,33 +97,6 @@ def _refusal(error: InputError) -> ResponseReturnValue:
     return jsonify(problem=f"{error.what[:1].upper()}{error.what[1:]}. {error.remedy}."), 422
 
 
-def _page(study: OpenedStudy, problem: InputError | None = None) -> str:
-    files = Inbox(study.folder).files()
-    log = job_log(study.folder.jobs, IMPORT, most=MOST_SHOWN)
-    # Files may have been removed since.
-    waiting = tuple(f"{REFUSED}{study.folder.inbox.name}/{file.path}" for file in files)
-    return page(
-        "bring_in",
-        study=study,
-        problem=problem,
-        files=files,
-        # A table of segments says all of it.
-        asks_about_speech=any(file.condition == "" for file in files)
-        and not any(file.name == SEGMENTS_FILE for file in files),
-        conditions=_conditions(study),
-        emotions=EMOTIONS,
-        endings=IMPORTABLE_ENDINGS,
-        piece=LARGEST_PIECE,
-        largest=LARGEST_FILE,
-        last=job_standings(study.folder.jobs).get(IMPORT),
-        refusals=[
-            line.removeprefix(f"{REFUSED}{study.folder.inbox.name}/")
-            for line in log.splitlines()
-            if line.startswith(waiting)
-        ],
-    )
-
-
 def _conditions(study: OpenedStudy) -> list[str]:
     """Return the conditions that take files; none where the study file is wrong."""
     try:
@@ -135,7 +109,6 @@ def _conditions(study: OpenedStudy) -> list[str]:
 
 PAGES: Final = (
     Page("GET", "/bring-in", bring_in, Right.STEER),
-    Page("POST", "/bring-in/files", take_files, Right.STEER),
     Page("POST", "/bring-in/remove", remove_upload, Right.STEER),
     Page("GET", "/uploads", uploaded, Right.STEER),
     Page("POST", "/uploads", take_piece, Right.STEER),

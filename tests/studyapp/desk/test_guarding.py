@@ -27,7 +27,7 @@ IN_A_STUDY: dict[Role, set[str]] = {
     },
     "analyst": {
         *("settings", "save_settings", "start_job", "stop_running_job", "remove_clip"),
-        *("bring_in", "take_files", "remove_upload", "uploaded", "take_piece"),
+        *("bring_in", "remove_upload", "uploaded", "take_piece"),
     },
     "owner": {"begin_new_version"},
 }

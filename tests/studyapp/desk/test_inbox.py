@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -195,23 +194,6 @@ def test_refusals_give_a_reason(ada: ResearchBrowser) -> None:
     assert send_piece(ada, b"x", offset=0, size=10**11)[0] == 422
     assert ada.client.get(UPLOADS, query_string={"name": "a.wav"}).status_code == 400
     assert send_piece(ada, b"x" * 2 * LARGEST_PIECE, offset=0, size=2 * LARGEST_PIECE)[0] == 413
-
-
-def test_small_files_are_uploaded_by_form(lab: Lab, ada: ResearchBrowser, motion: bytes) -> None:
-    def post(*names: str) -> int:
-        data = {
-            "form_code": ada.code(),
-            "condition": "ours",
-            "files": [(io.BytesIO(motion), name) for name in names],
-        }
-        return ada.client.post(f"{PAGE}/files", data=data).status_code
-
-    assert post("take-0.npz", "take-1.npz") == 303
-    assert post("take-2.exe") == 422
-    inbox = lab.folder / "tiny" / "inbox" / "ours"
-    assert sorted(path.name for path in inbox.iterdir()) == ["take-0.npz", "take-1.npz"]
-    ada.post(f"{PAGE}/remove", condition="ours", name="take-0.npz")
-    assert [path.name for path in inbox.iterdir()] == ["take-1.npz"]
 
 
 def test_the_import_takes_valid_files_and_explains_the_others(
