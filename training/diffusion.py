@@ -72,7 +72,13 @@ class Diffusion:
         alpha_bar = torch.as_tensor(self.alpha_bar, dtype=torch.float32, device=motion.device)[t]
         return alpha_bar.reshape(-1, *([1] * (motion.ndim - 1)))
 
-    def ddim(self, x_t: Tensor, eps_of: Callable[[Tensor, Tensor], Tensor], steps: int) -> Tensor:
+    def ddim(
+        self,
+        x_t: Tensor,
+        eps_of: Callable[[Tensor, Tensor], Tensor],
+        steps: int,
+        clip: float | None = None,
+    ) -> Tensor:
         """Return the result of removing the noise of `x_t` in evenly spaced steps.
 
         Song et al. 2021, equation 12 without new noise (eta = 0). As in latent diffusion, steps
@@ -87,6 +93,8 @@ class Diffusion:
             Told the noisy value and its step, (1,); returns the noise in it.
         steps : int
             From 1 to the schedule's number of steps.
+        clip : float, optional
+            Largest absolute value of the clean values that each step estimates.
         """
         stride = self.steps // steps
         for step in reversed(range(steps)):
@@ -98,7 +106,8 @@ class Diffusion:
                 )
             )
             eps = eps_of(x_t, t)
-            x_t = self.x_t(self.x0_hat(x_t, eps, t), eps, t_next)
+            x0_hat = self.x0_hat(x_t, eps, t)
+            x_t = self.x_t(x0_hat if clip is None else x0_hat.clamp(-clip, clip), eps, t_next)
         return x_t
 
 

@@ -58,6 +58,9 @@ class MotionConfig:
         Ho 2022, of which the noise follows. A small error of the noise is a large one of the
         latent where little but noise is left: after some hundred steps, sampled latents are
         several times too large by the one, and of the right size by the other.
+    clip : float or None
+        Largest absolute value of the latent that a step of DDIM estimates. The release has 1, the
+        default of its scheduler (diffusers); the paper names no limit.
     longest : int
         Places that the learned positions know.
     dropout : float
@@ -76,6 +79,7 @@ class MotionConfig:
     tokens: int = 1
     log_variance: float = 0.0
     predicts: Literal["eps", "v"] = "eps"
+    clip: float | None = None
     longest: int = 500
     dropout: float = 0.1
 

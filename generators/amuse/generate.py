@@ -34,7 +34,7 @@ class Amuse(NetworkGenerator[AmuseSettings]):
     """Moves as the speech's content, emotion and style say (Chhatre et al. 2024)."""
 
     name = "amuse"
-    version = "1"
+    version = "2"
 
     @torch.inference_mode()
     def make_motion(

@@ -168,4 +168,6 @@ class MotionModel(nn.Module):
         steps : int
             Of DDIM.
         """
-        return SCALED_LINEAR.ddim(noise, lambda z_t, t: self.denoiser(z_t, t, *speech), steps)
+        return SCALED_LINEAR.ddim(
+            noise, lambda z_t, t: self.denoiser(z_t, t, *speech), steps, self.config.clip
+        )

@@ -116,7 +116,7 @@ def read_motion_model(file: Path) -> MotionModel:
     content = read_saved(file)
     if not isinstance(content, Mapping) or not {"prior", "denoiser"} <= content.keys():
         raise not_weights_error(file, "it has no 'prior' and 'denoiser'")
-    model = MotionModel(MotionConfig())
+    model = MotionModel(MotionConfig(clip=1.0))
     for part, description in (("prior", "motion prior"), ("denoiser", "latent denoiser")):
         weights = _forward_pass_weights(content[part], file)
         fill(model.get_submodule(part), weights, file, f"AMUSE's {description}", _REMEDY)

@@ -38,3 +38,11 @@ def test_noise_of_a_known_motion_is_removed_in_evenly_spaced_steps() -> None:
     assert steps_asked == list(range(981, 0, -20))
     left = 1 - SCALED_LINEAR.alpha_bar[0]
     assert torch.allclose(result, clean, atol=3 * math.sqrt(left))
+    limited = SCALED_LINEAR.ddim(noise, eps_of, steps=50, clip=1.0)
+    # Each step keeps its noise, and replaces the clean values of 2 by their limit of 1.
+    expected = noise
+    for step in range(981, 0, -20):
+        alpha_bar = SCALED_LINEAR.alpha_bar[[step, max(step - 20, 0)]]
+        eps = (expected - math.sqrt(alpha_bar[0]) * clean) / math.sqrt(1 - alpha_bar[0])
+        expected = math.sqrt(alpha_bar[1]) * torch.ones(3) + math.sqrt(1 - alpha_bar[1]) * eps
+    assert torch.allclose(limited, expected, atol=1e-4)

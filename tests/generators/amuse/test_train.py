@@ -102,7 +102,7 @@ def test_an_ablation_trains_in_stages_and_is_measured_by_all_losses(
     assert set(result.training["held_out"]) == {"loss", *measured}
     alone = ablation == "without_prior"
     assert result.model.prior.latent_shape == ((FRAMES, 333) if alone else (2, 16))
-    assert ("reconstruction" in outcome.sentences[1]) != alone
+    assert ("reconstructed" in outcome.sentences[1]) != alone
 
 
 def test_training_runs_on_the_chosen_device(
