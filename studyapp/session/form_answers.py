@@ -28,7 +28,12 @@ from studyapp.session.participation import sound_check_due
 from studyapp.session.places import regain_place
 from studyapp.session.refusal import ConflictError, IneligibleError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.state import find_study_session, form_due, state_of
+from studyapp.session.state import (
+    find_study_session,
+    form_due,
+    has_tried_comprehension,
+    state_of,
+)
 from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
@@ -205,6 +210,7 @@ def start_trials(
     clock: Clock,
     *,
     answers: Mapping[str, str] | None = None,
+    is_second_try: bool = False,
 ) -> None:
     """Start the trials; starting twice or too early changes nothing.
 
@@ -212,6 +218,9 @@ def start_trials(
     ----------
     answers : mapping of question name to text, optional
         Answers to the comprehension questions. Those of the first try are stored.
+    is_second_try : bool
+        Whether the page knew of the first try. A first try that is sent again, by a double click
+        or a reload, is still the first one.
 
     Raises
     ------
@@ -228,16 +237,18 @@ def start_trials(
             return
         now = clock.now()
         rows = read_form_answers(study, "comprehension", answers, now)
-        has_tried = any(answer.stage == "comprehension" for answer in study_session.form_answers)
+        has_tried = has_tried_comprehension(study_session)
+        is_repeated = has_tried and not is_second_try
         if not has_tried:
             study_session.form_answers.extend(rows)
         study_session.last_active_at = now
-        if is_eligible(study, "comprehension", answers):
+        if not is_repeated and is_eligible(study, "comprehension", answers):
             study_session.started_at = now
             return
-        if has_tried:
+        is_out = has_tried and is_second_try
+        if is_out:
             _screen_out_and_delete(session, study, study_session)
-    if has_tried:
+    if is_out:
         raise _ineligible_error()
     raise UnacceptableError(
         "At least one answer does not fit the instructions.",

@@ -33,6 +33,7 @@ from studyapp.session.state import (
     durations_of,
     find_study_session,
     form_due,
+    has_tried_comprehension,
     load_videos,
     state_of,
     update_row,
@@ -74,6 +75,8 @@ class Situation:
         Questions about the participant that must be answered now.
     offered_break : Break or None
         A break that is offered now.
+    has_tried_comprehension : bool
+        Whether one of the two tries at the questions about the instructions is over.
     exit : Exit or None
         The completion code and the way back; None before the end is stored.
     trial : ShownTrial or None
@@ -88,6 +91,7 @@ class Situation:
     sound_tries: int | None = None
     form: Stage | None = None
     offered_break: Break | None = None
+    has_tried_comprehension: bool = False
     exit: Exit | None = None
     trial: ShownTrial | None = None
     left_at_sound_check: bool = False
@@ -124,7 +128,8 @@ def load_situation(database: Database, served: ServedStudy, token: str, clock: C
         form = form_due(study_session, served.study)
         trial = current_trial(study_session)
         if form is not None or situation.state == "instructed" or trial is None:
-            return replace(situation, form=form)
+            has_tried = has_tried_comprehension(study_session)
+            return replace(situation, form=form, has_tried_comprehension=has_tried)
         minutes = _minutes_left(session, study_session, served.study)
         if (position := break_due(study_session, served.study)) is not None:
             offered_break = Break(position=position, done=position - 1, minutes_left=minutes)

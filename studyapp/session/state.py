@@ -96,6 +96,11 @@ def form_due(study_session: StudySession, study: Study) -> Stage | None:
     return stage if asked - answered else None
 
 
+def has_tried_comprehension(study_session: StudySession) -> bool:
+    """Tell whether the questions about the instructions were answered wrongly once."""
+    return any(answer.stage == "comprehension" for answer in study_session.form_answers)
+
+
 def require_current_trial(study_session: StudySession, trial: Trial) -> datetime:
     """Return when `trial` was first shown; `ConflictError` unless it is the current one."""
     state = state_of(study_session)

@@ -20,7 +20,8 @@ identifies the participant. What programs may rely on:
                                 spoken in the ``src`` of its page's ``<audio>``; after three
                                 others, the page has a form to leave (``/unheard``).
 ``POST /take/<token>/form/<stage>``  more such questions, ``demographics`` or ``closing``.
-``POST /take/<token>/begin``    the instructions' form.
+``POST /take/<token>/begin``    the instructions' form; after a wrong first try it holds a hidden
+                                ``second-try``, without which a try is the first one, sent again.
 ``POST /take/<token>/break``    the form ``<form id="break">``: ``position`` alone, of the trial
                                 that comes after the break.
 ``POST /take/<token>/answers``  the trial's form ``<form id="answers">``: a hidden ``trial`` and

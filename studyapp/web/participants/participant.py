@@ -34,6 +34,13 @@ def stand(token: str) -> ResponseReturnValue:
     return current_page(token)
 
 
+@pages.get("/take/<token>/<path:form>")
+def turn_back(token: str, form: str) -> ResponseReturnValue:
+    """Lead from the address of a form, which a browser may open anew, to the current page."""
+    del form
+    return redirect_to_current_page(token)
+
+
 @pages.post("/take/<token>/form/<any(demographics, closing):stage>")
 def form(token: str, stage: Stage) -> ResponseReturnValue:
     """Store answers about the participant."""
@@ -53,7 +60,14 @@ def begin_trials(token: str) -> ResponseReturnValue:
     site = study_site()
     comprehension = form_fields()
     try:
-        start_trials(site.database, site.served, token, site.clock, answers=comprehension)
+        start_trials(
+            site.database,
+            site.served,
+            token,
+            site.clock,
+            answers=comprehension,
+            is_second_try="second-try" in request.form,
+        )
     except UnacceptableError as refusal:
         problem = note_and_explain(refusal)
         return current_page(token, problem=problem, comprehension=comprehension), 422

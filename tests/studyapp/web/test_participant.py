@@ -172,6 +172,8 @@ def test_questions_are_asked_before_the_instructions_and_can_be_corrected(serve:
     assert refused.status_code == 422
     assert refused_page.value('[name="form:age"]', "value") == "12"
     assert refused_page.checked() == {"form:often": "3"}
+    # A browser may open the address of a refused form anew.
+    assert client.get(page.action).location == address
 
     assert submit(client, page, age="21", work=lines, often="3").status_code == 303
     stored = {answer.question: answer.value for answer in stored_in(app, select(FormAnswer))}
