@@ -255,7 +255,7 @@ def _explain_failures(url: str) -> Iterator[None]:
     """Turn failures of opening the database at `url` into `InputError`."""
     try:
         yield
-    except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
+    except (NoSuchModuleError, ModuleNotFoundError) as error:
         raise InputError(
             f"the database address cannot be used: {error}",
             where=display_address(url),
@@ -276,19 +276,35 @@ def _explain_failures(url: str) -> Iterator[None]:
 
 
 def _address(url: str) -> URL:
-    """Parse an address, and give PostgreSQL's the driver's name."""
-    address = make_url(url)
+    """Parse an address, and give PostgreSQL's the driver's name; `InputError` if that fails."""
+    try:
+        address = make_url(url)
+        usable = _is_usable(address)
+    except (ArgumentError, ValueError):
+        usable = False
+    if not usable:
+        raise InputError(
+            "the database address cannot be used",
+            where="DATABASE_URL",
+            remedy="Give an address such as sqlite:////folder/responses.db or "
+            "postgresql://user:password@host/database, with %40 for an @ in the password",
+        )
     if address.drivername in ("postgres", "postgresql"):
         return address.set(drivername="postgresql+psycopg")
     return address
 
 
+def _is_usable(address: URL) -> bool:
+    if address.get_backend_name() == "sqlite":
+        # Each process would have a database of its own in its memory.
+        return address.database not in (None, "", ":memory:")
+    # No host has an '@': it is one of the password, and the rest of that would be shown.
+    return "@" not in (address.host or "")
+
+
 def display_address(url: str) -> str:
     """Return the address without its password."""
-    try:
-        return _address(url).render_as_string(hide_password=True)
-    except ArgumentError:
-        return "DATABASE_URL"
+    return _address(url).render_as_string(hide_password=True)
 
 
 def sqlite_file(url: str) -> Path | None:

@@ -138,7 +138,12 @@ def test_a_database_with_another_schema_is_refused_unchanged(
 @pytest.mark.parametrize(
     ("url", "problem"),
     [
-        ("nonsense", "database address cannot be used"),
+        *(
+            (url, "address cannot be used")
+            for url in ("nonsense", "sqlite://", "sqlite:///:memory:")
+        ),
+        ("postgresql://someone:secret@host:port/study", "database address cannot be used"),
+        ("postgresql://someone:top@secret@host/study", "cannot be used.*%40"),
         ("unknowndatabase://someone:secret@host/name", "database address cannot be used"),
         *(
             # Hosting writes the scheme in several ways; the installed driver is used for all.
