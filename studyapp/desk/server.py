@@ -19,6 +19,7 @@ from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.desk.lab import ACCOUNTS, Lab
 from studyapp.desk.pages import desk_pages
 from studyapp.monitoring.alarms import LOG, AlarmChannels, raise_alarms, watch_for_alarms
+from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.recruitment import Recruitment
 from studyapp.web.app import LARGEST_REQUEST, StudyWeb, health_pages
 from studyapp.web.protection import protect
@@ -95,8 +96,8 @@ def run_desk(
     Raises
     ------
     InputError
-        Before anything is served: if there is no such folder, its database cannot be used, or the
-        address is taken.
+        Before anything is served: if `folder` is itself a study, the desk's database cannot be
+        used, or the address is taken.
     """
     if os.environ.get("DATABASE_URL"):
         raise InputError(
@@ -104,9 +105,11 @@ def run_desk(
             where="the environment variable DATABASE_URL",
             remedy="Unset it; a study in PostgreSQL is served alone, with 'motionjury serve'",
         )
-    if not folder.is_dir():
+    if StudyFolder(folder).definition.exists():
         raise InputError(
-            "there is no such folder", where=folder, remedy="Make it; studies are its sub-folders"
+            "this is a study, not a folder of studies",
+            where=folder,
+            remedy="Name the folder that holds it, or serve it alone, with 'motionjury serve'",
         )
     require_free(host, port)
     # The workers find the newest schema and need not make it all at once.

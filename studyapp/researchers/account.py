@@ -113,7 +113,7 @@ def find_researcher(session: Session, name: str) -> Researcher:
     if researcher is None:
         raise InputError(
             f"there is no researcher {name!r}",
-            remedy="List all researchers with 'motionjury researchers STUDY list'",
+            remedy="Check the name; 'motionjury researchers STUDY list' lists those of a study",
         )
     return researcher
 

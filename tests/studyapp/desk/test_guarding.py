@@ -107,10 +107,10 @@ def test_oversized_requests_are_refused(ada: ResearchBrowser) -> None:
 
 
 def test_an_unservable_desk_is_refused_and_its_database_is_private(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, tiny_study_template: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with pytest.raises(InputError, match="no such folder"):
-        run_desk(tmp_path / "none", "127.0.0.1", 1)
+    with pytest.raises(InputError, match="this is a study"):
+        run_desk(tiny_study_template, "127.0.0.1", 1)
     open_desk(tmp_path).database.close()
     assert (tmp_path / "desk.db").stat().st_mode & 0o077 == 0
     monkeypatch.setenv("DATABASE_URL", "postgresql://somewhere/else")
