@@ -211,7 +211,15 @@ def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
         "places": places_words(report, subject),
         "looks": looks_sentence(report),
         "omnibus": _omnibus_tests(report),
-        "stand_ins": [*Counter((v.measure, v.why.rstrip(".")) for v in replaced).items()],
+        "stand_ins": [
+            *Counter(
+                (
+                    "win share" if v.measure == _MEASURES["win_share"] else "exact sign test",
+                    v.why.rstrip("."),
+                )
+                for v in replaced
+            ).items()
+        ],
         "unequal": [
             f"{wording.against(*names)}: {effect.remark}"
             for (_, _, names), effect in overall_effects(results).items()

@@ -84,7 +84,7 @@ def test_if_everybody_agrees_the_sign_test_decides_and_is_mentioned_once(
     effect, certainty_words = answered(fewer, "pairwise")
 
     assert effect.startswith("Participants preferred ours to other on emotion (share of ")
-    replaced = "tests use the share of participants, because the usual test cannot be used"
+    replaced = "tests use the exact sign test, because the usual test cannot be used"
     assert certainty_words.count(replaced) == 1
 
 
@@ -151,7 +151,7 @@ def test_a_dominant_participant_raises_a_warning(answered: Answered) -> None:
     [
         ((3.0, 3.0, 0.0), "; 1 of the other 2 tests is also significant."),
         ((0.0, 0.0, 3.0), "; 1 of the other 2 tests is also significant."),
-        ((4.0, 0.0, -4.0), "; 2 of the other 2 tests are also significant."),
+        ((4.0, 0.0, -4.0), "; all of the other 2 tests are also significant."),
     ],
 )
 def test_the_first_sentence_names_the_largest_effect_and_counts_the_others(
