@@ -174,7 +174,7 @@ def end_withdrawn(session: Session, study_session: StudySession, now: datetime) 
 def _require_unfinished(study_session: StudySession) -> None:
     if study_session.unproven_at is not None and study_session.withdrawn_at is None:
         raise ConflictError(
-            "This study was continued by somebody who only knew the participant's name, so nobody "
+            "This study was continued by somebody who only knew the participant ID, so nobody "
             "can withdraw here.",
             "To stop, just close this page. To have your answers removed, please write to the "
             "people who run the study.",

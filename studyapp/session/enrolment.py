@@ -119,12 +119,12 @@ def _is_proven(existing: StudySession, arrival: Arrival) -> bool:
 def _require_inactive(existing: StudySession, served: ServedStudy, now: datetime) -> None:
     if _is_over(existing):
         raise UnprovenError(
-            "Somebody with this participant name has already taken part.",
+            "Somebody with this participant ID has already taken part.",
             "If it was you, everything is stored: your last page is in the browser you used.",
         )
     if existing.last_active_at > stale_before(served, now):
         raise UnprovenError(
-            "Somebody with this participant name has begun in another browser.",
+            "Somebody with this participant ID has begun in another browser.",
             "Please go on there. If you cannot, come back to this page {minutes} minutes after you "
             "last did anything there: then you can go on here.",
             minutes=served.study.lease_minutes,

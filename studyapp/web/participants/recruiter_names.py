@@ -174,7 +174,7 @@ def read_names(values: Mapping[str, str]) -> dict[str, str]:
     names = {name: values[name] for name in NAMES[channel] if values.get(name)}
     if any(not NAME.fullmatch(value) for value in names.values()):
         raise UnacceptableError(
-            "The link holds a participant name that cannot be used.",
+            "The link holds a participant ID that cannot be used.",
             "Please open the study once more from the page that sent you here.",
         )
     if _is_complete(channel, names):

@@ -79,7 +79,7 @@ def test_a_name_alone_has_to_wait_and_never_gets_the_code(
     silent = participant.another().arrive(other)
     clock.advance(minutes=46)
     assert participant.another().arrive(other).token == silent.token
-    with pytest.raises(ConflictError, match="only knew the participant's name"):
+    with pytest.raises(ConflictError, match="only knew the participant ID"):
         silent.withdraw()
 
 

@@ -182,7 +182,7 @@ def test_a_malformed_recruiter_name_is_refused(serve_with: ServeWith, name: str)
     answer = serve_with(PROLIFIC).test_client().get(f"/?PROLIFIC_PID={name}")
 
     assert answer.status_code == 422
-    assert "participant name that cannot be used" in answer.text
+    assert "participant ID that cannot be used" in answer.text
 
 
 def test_a_recruiters_preview_cannot_be_started(serve_with: ServeWith) -> None:
