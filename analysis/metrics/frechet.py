@@ -75,7 +75,6 @@ def frechet(
     *,
     name: str = "Fréchet distance",
     settings: Mapping[str, str] | None = None,
-    resamples: int | None = None,
 ) -> MetricResult:
     """Return how far the embeddings of generated motion lie from those of recorded motion.
 
@@ -88,9 +87,6 @@ def frechet(
         landmarks).
     settings : mapping, optional
         The feature network and its hash, representation, frame rate, window and stride.
-    resamples : int, optional
-        Bootstrap samples for the interval; 0 for none. By default `RESAMPLES`, or
-        `RESAMPLES_OF_MANY`.
 
     Returns
     -------
@@ -109,9 +105,8 @@ def frechet(
         return metric.missing("a covariance needs two samples", described)
     value = frechet_of_samples(x.values, y.values)
     interval = None
-    if resamples is None:
+    if min(len(np.unique(sample.clips)) for sample in (x, y)) >= FEWEST_CLIPS:
         resamples = RESAMPLES if count <= MANY else RESAMPLES_OF_MANY
-    if resamples and min(len(np.unique(sample.clips)) for sample in (x, y)) >= FEWEST_CLIPS:
         described["interval"] = f"± 1.96 SD over {resamples} bootstrap samples of clips"
         margin_of_error = 1.96 * _bootstrap_error(x, y, resamples)
         interval = (max(0.0, value - margin_of_error), value + margin_of_error)

@@ -109,17 +109,20 @@ class TextVectors:
         return vector
 
 
-def read_word_vectors(path: Path) -> TextVectors:
-    """Return the vectors of a FastText file in text form.
+def load_word_vectors(file: Path | str | None) -> WordVectors:
+    """Return the vectors of a FastText file in text form, or a stand-in without one.
 
     Raises
     ------
     InputError
         If the file is no such file.
     """
+    if file is None:
+        return StandIn()
+    path = Path(file)
     try:
-        with path.open(encoding="utf-8", errors="replace") as file:
-            count, width = (int(number) for number in next(file).split())
+        with path.open(encoding="utf-8", errors="replace") as lines:
+            count, width = (int(number) for number in next(lines).split())
         if count < 1 or width < 1:
             raise ValueError("no words")
     except (OSError, ValueError, StopIteration) as error:
@@ -157,11 +160,6 @@ def slice_rows(rows: FloatArray | None, first: int, frames: int, width: int) -> 
         inside = rows[first : first + frames]
         excerpt[: len(inside)] = inside
     return excerpt
-
-
-def load_word_vectors(path: Path | str | None) -> WordVectors:
-    """Return the vectors of a file, or a stand-in without one."""
-    return StandIn() if path is None else read_word_vectors(Path(path))
 
 
 def matching_vectors(path: Path | None, description: str, width: int, network: Path) -> WordVectors:

@@ -71,12 +71,12 @@ def test_the_distance_has_the_invariances_of_a_distance(
 
 def test_small_samples_are_flagged_with_the_score_of_equal_distributions() -> None:
     one, other = np.random.default_rng(2).standard_normal((2, 72, 240))
-    found = frechet(embeddings(one), embeddings(other), name="FGD", resamples=0)
+    found = frechet(embeddings(one), embeddings(other), name="FGD")
     assert found.value == pytest.approx(273, rel=0.05)
     stated = float(found.remark.split("would score ")[1].split(";")[0])
     assert stated == pytest.approx(found.value, rel=0.05)
     one, other = np.random.default_rng(3).standard_normal((2, 500, 32))
-    enough = frechet(embeddings(one), embeddings(other), resamples=0)
+    enough = frechet(embeddings(one), embeddings(other))
     assert not enough.remark
     assert enough.value == pytest.approx(32 * 37 / 1000, rel=0.2)
 
@@ -97,8 +97,9 @@ def test_the_interval_matches_the_variation_between_samples() -> None:
         one, other = chance.standard_normal((2, 100, 5))
         return embeddings(one + np.array([1.0, 0, 0, 0, 0])), embeddings(other)
 
-    scores = [frechet(*drawn(), resamples=0).value for _ in range(200)]
-    widths = [width_of(frechet(*drawn(), resamples=50)) for _ in range(10)]
+    samples = [drawn() for _ in range(200)]
+    scores = [frechet_of_samples(one.values, other.values) for one, other in samples]
+    widths = [width_of(frechet(*sides)) for sides in samples[:10]]
     assert 1 < np.mean(widths) / (2 * 1.96 * np.std(scores)) < 1.4
 
 

@@ -31,7 +31,7 @@ from training.speech_features.spectra import (
     mel_bands,
     mfcc,
 )
-from training.speech_features.word_vectors import StandIn, read_word_vectors, word_rows
+from training.speech_features.word_vectors import StandIn, load_word_vectors, word_rows
 
 
 def _tone(hertz: float, seconds: float) -> NDArray[np.float32]:
@@ -216,7 +216,7 @@ def test_the_stand_in_is_deterministic_and_depends_on_spelling() -> None:
 def test_fasttext_vectors_are_read_for_the_requested_words(tmp_path: Path) -> None:
     path = tmp_path / "wiki.vec"
     path.write_text("3 2\nhello 1 2\nbroken 1\nhi 3 4\n")
-    vectors = read_word_vectors(path)
+    vectors = load_word_vectors(path)
     assert vectors.width == 2
     assert vectors.description.startswith("wiki.vec (sha256 ")
     rows = word_rows(WORDS, vectors, 6, 15.0)
@@ -224,11 +224,11 @@ def test_fasttext_vectors_are_read_for_the_requested_words(tmp_path: Path) -> No
     with pytest.raises(InputError, match="line 3: the line holds no vector of 2 numbers"):
         vectors.lookup(["broken"])
     path.write_text("1 2\nhello 2 1\n")
-    assert read_word_vectors(path).description != vectors.description
+    assert load_word_vectors(path).description != vectors.description
 
 
 @pytest.mark.parametrize("content", ["", "hello 1 2\n", "0 0\n"])
 def test_a_file_without_vectors_is_refused(tmp_path: Path, content: str) -> None:
     (tmp_path / "a.vec").write_text(content)
     with pytest.raises(InputError, match="holds no vectors of words"):
-        read_word_vectors(tmp_path / "a.vec")
+        load_word_vectors(tmp_path / "a.vec")
