@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 from difflib import get_close_matches
 from importlib import import_module, metadata
@@ -98,7 +99,13 @@ class _LazyCommands(click.Group):
                 raise
             raise click.ClickException(str(error)) from error
         except OSError as error:
-            if ctx.params["debug"] or error.filename is None:
+            if ctx.params["debug"]:
+                raise
+            if error.errno in (errno.ENOSPC, errno.EDQUOT):
+                raise click.ClickException(
+                    f"{error.strerror}. Free up space, and run the same command again."
+                ) from error
+            if error.filename is None:
                 raise
             raise click.ClickException(
                 f"{error.filename}: {error.strerror}. Check the path, and that it is readable and "

@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+import errno
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import click
 import pytest
 
 from motion.errors import InputError
@@ -60,6 +62,18 @@ def test_bad_input_is_one_sentence_without_a_traceback(refused: Refused, tmp_pat
     assert status == 1
     assert error.startswith(f"Error: {tmp_path / 'study.toml'}: Is a directory.")
     assert "Traceback" not in error
+
+
+def test_a_full_disk_is_one_sentence_too(refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fill_the_disk(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(click.Group, "invoke", fill_the_disk)
+
+    assert refused("export", "study") == (
+        1,
+        "Error: No space left on device. Free up space, and run the same command again.\n",
+    )
 
 
 def test_debug_shows_a_traceback(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
