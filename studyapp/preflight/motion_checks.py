@@ -115,6 +115,7 @@ def _body_findings(material: Material, clips: ConditionClips) -> Iterator[Findin
         where = error.where.removeprefix(f"{material.folder.root}/")
         yield finding_of_error("body-unusable", error, where=where)
         return
+    yield from _shape_findings(clips, body.shapes)
     frozen = [
         (name, freeze(clip, study.freeze))
         for name, condition_clips in clips.items()
@@ -124,6 +125,19 @@ def _body_findings(material: Material, clips: ConditionClips) -> Iterator[Findin
         yield make_finding("motion-not-shown", sentence.rstrip("."))
     if frozen:
         yield from _framing_findings(material, body, [clip for _, clip in frozen])
+
+
+def _shape_findings(clips: ConditionClips, known: int) -> Iterator[Finding]:
+    """Yield the conditions whose betas, the first `known`, differ from those of the first one."""
+    shapes = {
+        condition: {tuple(np.trim_zeros(clip.betas[:known].round(2), "b")) for clip in its_clips}
+        for condition, its_clips in clips.items()
+        if its_clips
+    }
+    first = next(iter(shapes), "")
+    others = [condition for condition in shapes if shapes[condition] != shapes[first]]
+    if others:
+        yield make_finding("shape-tells-apart", conditions=listed(others), other=first)
 
 
 def _framing_findings(

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from motion.formats import read_clip, write_clip
+from renderer.look import default_body
 from studyapp.preflight.check import check
 from studyapp.preflight.design_checks import balance_findings
 from studyapp.preflight.finding import SEVERITIES, Finding, Severity
@@ -197,6 +198,22 @@ def test_a_channel_that_moves_in_only_some_conditions_is_reported_until_frozen(
     assert count(check(ready), "warning", "face never moves in rule_based") == 1
     change(ready, {"freeze": ["face"]})
     assert count(check(ready), "warning", "never moves") == 0
+
+
+def test_bodies_of_another_shape_in_some_conditions_are_reported(ready: StudyFolder) -> None:
+    arrays = dict(np.load(default_body()))
+    arrays["shapedirs"][:, :, :2] = 0.01
+    np.savez(ready.root / "smplx.npz", **arrays)
+    change(ready, {"video.body": "smplx.npz"})
+    shaped = {"rule_based": [0.0, 1.0, 0.0], "mismatched": [0.0, 1.0]}
+    for betas, reported in ((shaped, 0), (shaped | {"mismatched": [0.0, -1.0]}, 1)):
+        for segment in ready.segments():
+            clip = read_clip(ready.clip("rule_based", segment.name))
+            for condition, values in betas.items():
+                path = ready.clip(condition, segment.name)
+                write_clip(path, replace(clip, betas=np.array(values, np.float32)))
+        findings = check(ready)
+        assert count(findings, "warning", "bodies of mismatched have another shape") == reported
 
 
 def test_every_broken_clip_is_an_error_among_other_findings(
