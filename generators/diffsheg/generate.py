@@ -80,17 +80,13 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         }
 
     def stream(
-        self,
-        pieces: Iterable[NDArray[np.float32]],
-        *,
-        seed: int,
-        window: StreamWindow | None = None,
+        self, pieces: Iterable[NDArray[np.float32]], *, seed: int
     ) -> Iterator[NDArray[np.float64]]:
         """Yield motion of live speech as soon as it is final.
 
         The motion does not depend on how the speech is cut into pieces.
-        A frame is settled at the latest when a window of motion and what `window` looks ahead have
-        been heard; memory is bounded by both, however long the speech.
+        A frame is settled at the latest when a window of motion and what `StreamWindow` looks ahead
+        have been heard; memory is bounded by both, however long the speech.
 
         Parameters
         ----------
@@ -98,8 +94,6 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             Samples at 16 kHz, in order.
         seed : int
             Not negative.
-        window : StreamWindow, optional
-            Context of each second; by default four seconds before and one ahead.
 
         Yields
         ------
@@ -114,16 +108,11 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         """
         seeded_stream(seed)
         config = self._network.denoiser.config
-        window = StreamWindow() if window is None else window
-        speech_frames = stream_frames(pieces, int(config.frame_rate), self._hubert, window)
+        speech_frames = stream_frames(pieces, int(config.frame_rate), self._hubert, StreamWindow())
         return self._denormalised_motion(speech_frames, seed, self._speaker_number(None))
 
     def stream_clips(
-        self,
-        pieces: Iterable[NDArray[np.float32]],
-        *,
-        seed: int,
-        window: StreamWindow | None = None,
+        self, pieces: Iterable[NDArray[np.float32]], *, seed: int
     ) -> Iterator[MotionClip]:
         """Yield clips of live speech as soon as they are final.
 
@@ -131,7 +120,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
 
         Parameters
         ----------
-        pieces, seed, window
+        pieces, seed
             See `stream`.
 
         Yields
@@ -144,11 +133,11 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             "generator": self.name,
             "seed": str(seed),
             "segment": "",
-            "heard": str(StreamWindow() if window is None else window),
+            "heard": str(StreamWindow()),
         }
         frame_rate = self._network.denoiser.config.frame_rate
         twists: ForearmTwists | None = None
-        for motion in self.stream(pieces, seed=seed, window=window):
+        for motion in self.stream(pieces, seed=seed):
             if self._network.dataset == "beat":
                 clip, twists = beat_clip_piece(motion, frame_rate, twists)
             else:

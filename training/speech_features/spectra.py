@@ -92,9 +92,6 @@ BANDS: Final = 128
 WINDOW: Final = 2048
 """Samples of a frame's window, centred on the frame; before and after the speech is silence."""
 
-SUPPORT: Final = 0.06
-"""Seconds of sound on either side that affect a frame: half a window and the resampling filter."""
-
 
 def mel_bands(audio: Audio, frame_rate: float, frames: int | None = None) -> FloatArray:
     """Return the power of `audio` in 128 mel bands.

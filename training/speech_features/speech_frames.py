@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from motion.audio import SPEECH_RATE, Audio
-from motion.errors import InputError
 from training.speech_features.hubert import (
     RATE,
     Hubert,
     interpolate_features,
     resample_to_frames,
 )
-from training.speech_features.spectra import SUPPORT, mel_bands
+from training.speech_features.spectra import mel_bands
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,14 +70,6 @@ class StreamWindow:
     past: int = 4
     ahead: float = 1.0
     at_once: int = 1
-
-    def __post_init__(self) -> None:
-        if self.past < 1 or self.ahead < max(0.1, SUPPORT) or self.at_once < 1:
-            raise InputError(
-                f"speech cannot be heard {self.at_once} s at once with {self.past} s before and "
-                f"{self.ahead:g} s ahead",
-                remedy="Give whole seconds from 1 at once and before, and at least 0.1 s ahead",
-            )
 
     def __str__(self) -> str:
         return f"{self.at_once} s at once with {self.past} s before and {self.ahead:g} s ahead"
