@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import difflib
 import re
+from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import Final, Self
+from typing import Final
 
 from flask import redirect, request, url_for
 from flask.typing import ResponseReturnValue
@@ -35,34 +35,6 @@ class NewVersionError(InputError):
             remedy="Undo that, or save it as a new version: earlier answers are kept apart, and "
             "unfinished participants of what has changed cannot go on",
         )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Finding:
-    """Something that is wrong with the text, before and after the words ``line 3``.
-
-    Attributes
-    ----------
-    number : int
-        Of the line; 0 if the message names none.
-    line : str
-        The line itself.
-    """
-
-    before: str
-    after: str = ""
-    number: int = 0
-    line: str = ""
-
-    @classmethod
-    def of(cls, message: str, lines: list[str]) -> Self:
-        """Return what a message says of `lines`."""
-        match = LINE.search(message)
-        number = int(match[1]) if match else 0
-        if match is None or not 1 <= number <= len(lines):
-            return cls(before=message)
-        before, after = message[: match.start()], message[match.end() :]
-        return cls(before=before, after=after, number=number, line=lines[number - 1])
 
 
 def settings(study: OpenedStudy) -> ResponseReturnValue:
@@ -131,16 +103,14 @@ def _page(
     other: str = "",
 ) -> str:
     lines = text.split("\n")
-    findings = (
-        [_Finding.of(message, lines) for message in problem.what.split("; ")] if problem else []
-    )
     return page(
         "settings",
         study=study,
         text=text,
         digest=digest,
         problem=problem,
-        findings=sorted(findings, key=lambda finding: finding.number),
+        lines=lines,
+        findings=sorted(_findings(problem, len(lines))) if problem else [],
         difference=list(difflib.unified_diff(other.split("\n"), lines, n=1, lineterm=""))[2:]
         if other
         else [],
@@ -149,6 +119,16 @@ def _page(
         changeable=changeable_keys(),
         saved="saved" in request.args,
     )
+
+
+def _findings(problem: InputError, line_count: int) -> Iterator[tuple[int, str, str]]:
+    """Yield the line that each message names, 0 for none, and the words before and after it."""
+    for message in problem.what.split("; "):
+        match = LINE.search(message)
+        if match and 1 <= int(match[1]) <= line_count:
+            yield int(match[1]), message[: match.start()], message[match.end() :]
+        else:
+            yield 0, message, ""
 
 
 PAGES: Final = (
