@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -245,5 +246,8 @@ def _ending_notes(path: Path, format_names: tuple[str, ...]) -> tuple[str, ...]:
 
 def write_wav(path: Path, audio: Audio) -> None:
     """Write `audio` to `path` as 16-bit PCM WAV, whole or not at all."""
+    # Not straight into the file: soundfile does not say that a disk is full.
+    content = io.BytesIO()
+    soundfile.write(content, audio.samples, audio.sample_rate, format="WAV", subtype="PCM_16")
     with replacing(path) as draft:
-        soundfile.write(draft, audio.samples, audio.sample_rate, format="WAV", subtype="PCM_16")
+        draft.write_bytes(content.getbuffer())

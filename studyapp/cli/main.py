@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import errno
 import sys
 from difflib import get_close_matches
+from errno import EDQUOT, ENOSPC
 from importlib import import_module, metadata
 from typing import Any, Final
 
@@ -101,16 +101,17 @@ class _LazyCommands(click.Group):
         except OSError as error:
             if ctx.params["debug"]:
                 raise
-            if error.errno in (errno.ENOSPC, errno.EDQUOT):
-                raise click.ClickException(
-                    f"{error.strerror}. Free up space, and run the same command again."
-                ) from error
-            if error.filename is None:
-                raise
-            raise click.ClickException(
-                f"{error.filename}: {error.strerror}. Check the path, and that it is readable and "
-                "writable."
-            ) from error
+            raise click.ClickException(_explain(error)) from error
+
+
+def _explain(error: OSError) -> str:
+    where = f"{error.filename}: " if error.filename else ""
+    remedy = (
+        "Free up space, and run the same command again."
+        if error.errno in (ENOSPC, EDQUOT)
+        else "Check the path, and that it is readable and writable."
+    )
+    return f"{where}{error.strerror or error}. {remedy}"
 
 
 @click.group(cls=_LazyCommands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -1,12 +1,12 @@
 from __future__ import annotations
 
 import errno
+import os
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import click
 import pytest
 
 from motion.errors import InputError
@@ -64,15 +64,17 @@ def test_bad_input_is_one_sentence_without_a_traceback(refused: Refused, tmp_pat
     assert "Traceback" not in error
 
 
-def test_a_full_disk_is_one_sentence_too(refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fill_the_disk(*_: object) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
+def test_a_full_disk_is_one_sentence_that_names_the_file(
+    refused: Refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(click.Group, "invoke", fill_the_disk)
-
-    assert refused("export", "study") == (
+    monkeypatch.setattr(Path, "write_text", fail)
+    path = tmp_path / "study" / "study.toml"
+    assert refused("init", str(path.parent)) == (
         1,
-        "Error: No space left on device. Free up space, and run the same command again.\n",
+        f"Error: {path}: No space left on device. Free up space, and run the same command again.\n",
     )
 
 
