@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -22,7 +23,7 @@ def existing_study(root: Path) -> StudyFolder:
         raise InputError(
             "this is not a study folder: study.toml is missing",
             where=folder.root,
-            remedy=f"Create one with 'motionjury init {folder.root}'",
+            remedy=f"Check the path, or create a study with 'motionjury init {folder.root}'",
         )
     return folder
 
@@ -40,6 +41,17 @@ def refuse_options(options: Mapping[str, object], context: str) -> None:
         raise InputError(
             f"{', '.join(given)} cannot be given with {context}", remedy="Omit one or the other"
         )
+
+
+class Number(click.FloatRange):
+    """A number within bounds; click itself lets NaN pass them."""
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Return the number, or fail with click's error."""
+        number: float = super().convert(value, param, ctx)
+        return number if math.isfinite(number) else self.fail(f"{value!r} is not a number.")
 
 
 class _StudyFolderType(click.ParamType[StudyFolder]):
@@ -109,12 +121,13 @@ def public_address(
         show_default=default is not None,
         metavar="URL",
         envvar="MOTIONJURY_ADDRESS",
-        callback=lambda context, parameter, value: _check_address(value or ""),
+        callback=lambda context, parameter, value: check_address(value or ""),
         help=help,
     )
 
 
-def _check_address(address: str) -> str:
+def check_address(address: str) -> str:
+    """Return a public address without a final slash; `InputError` if it is none."""
     parts = urlsplit(address)
     has_host = parts.scheme in ("http", "https") and parts.hostname
     if address and (not has_host or parts.query or parts.fragment):

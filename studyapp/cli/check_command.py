@@ -8,7 +8,7 @@ import click
 
 from motion.errors import InputError
 from motion.files import write_text
-from studyapp.cli.arguments import study_folder
+from studyapp.cli.arguments import check_address, study_folder
 from studyapp.cli.output import counted, sign_of_life
 from studyapp.preflight.check import check
 from studyapp.preflight.finding import make_record, text_lines
@@ -34,6 +34,7 @@ from studyapp.study.folder import StudyFolder
 @click.option(
     "--address",
     metavar="URL",
+    callback=lambda context, parameter, value: value and check_address(value),
     help="The study's public address; also checks that the study answers there.",
 )
 @click.option(

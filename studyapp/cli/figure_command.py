@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from renderer.figures.strip import MAX_MOMENTS, Moment
-from studyapp.cli.arguments import study_folder
+from studyapp.cli.arguments import Number, study_folder
 from studyapp.cli.output import progress
 from studyapp.study.folder import StudyFolder
 
@@ -88,7 +88,7 @@ def inches(default: float) -> Callable[..., Any]:
     """Return the option of a figure's printed width."""
     return click.option(
         "--inches",
-        type=click.FloatRange(1, 14),
+        type=Number(1, 14),
         default=default,
         show_default=True,
         help="Width in print, at 300 dots per inch.",
@@ -107,7 +107,7 @@ def command() -> None:
 @study_folder
 @segment
 @click.option("--condition", required=True, help="The condition to show.")
-@click.option("--at", "seconds", type=click.FloatRange(0), required=True, help="The moment.")
+@click.option("--at", "seconds", type=Number(0), required=True, help="The moment.")
 @click.option("--size", type=click.IntRange(64, 2160), default=1440, show_default=True)
 @skeleton
 @clear
@@ -200,7 +200,7 @@ def overlay(
 @click.option(
     "--slow",
     "speed",
-    type=click.FloatRange(0.1, 1),
+    type=Number(0.1, 1),
     default=1.0,
     metavar="SPEED",
     help="Slow motion without sound, such as 0.25 for a quarter of the speed.",

@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any, Final, Literal, get_args, get_origin
 
 import click
+from click.core import ParameterSource
 
 from generators.registry import Device, generator_names, settings_type
 from generators.settings import File, Folder, Setting, settings_of
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from motion.segment import EMOTIONS
-from studyapp.cli.arguments import optional_study_folder
+from studyapp.cli.arguments import Number, current_study, optional_study_folder
 from studyapp.cli.arguments import processes as processes_option
 from studyapp.cli.output import counted, progress
 from studyapp.study.folder import StudyFolder
@@ -90,7 +91,7 @@ _folder = click.Path(file_okay=False, path_type=Path)
 )
 @click.option(
     "--fps",
-    type=click.FloatRange(MIN_FRAME_RATE, MAX_FRAME_RATE),
+    type=Number(MIN_FRAME_RATE, MAX_FRAME_RATE),
     default=30.0,
     show_default=True,
     help="Frame rate of the clips of --speech.",
@@ -120,12 +121,20 @@ def command(
     # Imported here: generators take a second to load, which --help should not wait for.
     from studyapp.stimuli.generation import generate, generate_files
 
+    if folder is None and generator is None:
+        folder = current_study()
     if folder is not None:
-        if generator or speech or out or any(value is not None for value in settings.values()):
+        context = click.get_current_context()
+        given = {
+            name
+            for name in context.params
+            if context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        }
+        if given - {"folder", "device"}:
             raise InputError(
-                "the generators of a study are set in its study.toml",
+                "the generators of a study are set in its study.toml, and so is the seed",
                 where=folder.definition,
-                remedy="Set generator, checkpoint and the like there, or omit the folder",
+                remedy="Leave these options out, or omit the folder",
             )
         with progress("generate", "clip") as show:
             count = generate(folder, device=device, on_clip=show)
@@ -196,7 +205,7 @@ def command(
 )
 @click.option(
     "--fps",
-    type=click.FloatRange(MIN_FRAME_RATE, MAX_FRAME_RATE),
+    type=Number(MIN_FRAME_RATE, MAX_FRAME_RATE),
     default=30.0,
     show_default=True,
     help="Frames per second of the body; the face has 60, as in BEAT.",

@@ -9,7 +9,7 @@ import click
 from motion.errors import InputError
 from motion.formats.joint_maps import JointMap
 from motion.segment import EMOTIONS
-from studyapp.cli.arguments import existing_study, joints_option
+from studyapp.cli.arguments import Number, existing_study, joints_option
 from studyapp.cli.output import counted, progress
 from studyapp.stimuli.imported_folder import folder_items
 from studyapp.stimuli.recordings import RecordingFacts, Take, import_clips, import_take
@@ -35,13 +35,13 @@ _FILE_OR_FOLDER = click.Path(exists=True, path_type=Path)
 )
 @click.option(
     "--fps",
-    type=click.FloatRange(0, 1000, min_open=True),
+    type=Number(0, 1000, min_open=True),
     help="Frame rate, overriding the files' own.",
 )
 @click.option(
     "--segment",
     "segment_seconds",
-    type=click.FloatRange(0, 600, min_open=True),
+    type=Number(0, 600, min_open=True),
     help="Cut the take into segments of this many seconds.",
 )
 @click.option("--speaker", help="The speaker of the take.")

@@ -15,7 +15,7 @@ from analysis.metrics.score_tables import check_ending, write_scores
 from analysis.metrics.scores import ConditionScore
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
-from studyapp.cli.arguments import current_study, optional_study_folder
+from studyapp.cli.arguments import Number, current_study, optional_study_folder
 from studyapp.cli.arguments import processes as processes_option
 from studyapp.cli.output import echo_skipped, echo_table, progress
 from studyapp.results.metrics import measure_folders, measure_study
@@ -56,7 +56,7 @@ _folder = click.Path(path_type=Path, file_okay=False)
 )
 @click.option(
     "--fps",
-    type=click.FloatRange(MIN_FRAME_RATE, MAX_FRAME_RATE),
+    type=Number(MIN_FRAME_RATE, MAX_FRAME_RATE),
     help="With --generated: frame rate of all motion files, overriding their own.",
 )
 @processes_option

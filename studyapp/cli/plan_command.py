@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from studyapp.cli.arguments import processes, study_folder
+from studyapp.cli.arguments import Number, processes, study_folder
 from studyapp.cli.output import progress
 from studyapp.rehearsal import SPEED
 from studyapp.study.folder import StudyFolder
@@ -49,7 +49,7 @@ class _NumberListType(click.ParamType[tuple[Any, ...]]):
 @click.option(
     "--effect",
     "effects",
-    type=_NumberListType(click.FloatRange(0, 10)),
+    type=_NumberListType(Number(0, 10)),
     default=(0.2, 0.4, 0.6),
     metavar="X,…",
     help="Differences between conditions to try, in logits.  [default: 0.2,0.4,0.6]",
@@ -62,7 +62,7 @@ class _NumberListType(click.ParamType[tuple[Any, ...]]):
 )
 @click.option(
     "--pay",
-    type=click.FloatRange(0, min_open=True),
+    type=Number(0, min_open=True),
     metavar="AMOUNT",
     help="Cost of one participant, fees included; adds the cost of each design.",
 )
@@ -95,7 +95,7 @@ def command(folder: StudyFolder, processes: int, **options: Any) -> None:
 @click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=1, show_default=True)
 @click.option(
     "--speed",
-    type=click.FloatRange(1, 1000),
+    type=Number(1, 1000),
     default=SPEED,
     show_default=True,
     help="How many times faster than real time the clock runs. Rules about time need a slow clock.",

@@ -11,8 +11,14 @@ import click
 from motion.errors import InputError
 from motion.formats.joint_maps import JointMap
 from renderer.look import AVATARS, FIRST_AVATAR, FRAMINGS, VIEWS, Look
+from studyapp.cli.arguments import (
+    Number,
+    joints_option,
+    named_study_folder,
+    public_address,
+    study_folder,
+)
 from studyapp.cli.arguments import cluster as cluster_option
-from studyapp.cli.arguments import joints_option, named_study_folder, public_address, study_folder
 from studyapp.cli.arguments import processes as processes_option
 from studyapp.cli.output import counted, progress
 from studyapp.stimuli.publishing import allow_origin, publish, remove
@@ -83,7 +89,7 @@ _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.option("--speech", type=_FILE, help="The speech.")
 @click.option(
     "--fps",
-    type=click.FloatRange(0, 1000, min_open=True),
+    type=Number(0, 1000, min_open=True),
     help="Frame rate, overriding the files' own.",
 )
 @joints_option

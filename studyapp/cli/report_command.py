@@ -12,7 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 from analysis.answers.participants import MAX_CATCH_FAILURES
 from analysis.answers.table import LAYOUTS
 from motion.errors import InputError
-from studyapp.cli.arguments import current_study, optional_study_folder, refuse_options
+from studyapp.cli.arguments import Number, current_study, optional_study_folder, refuse_options
 from studyapp.cli.output import sign_of_life
 from studyapp.researchers.audit import read_reason
 from studyapp.results.report import report, report_table
@@ -44,7 +44,7 @@ from studyapp.study.settings.sections import explain_errors
 )
 @click.option(
     "--margin",
-    type=click.FloatRange(0, min_open=True),
+    type=Number(0, min_open=True),
     help="With a table: the equivalence margin, chosen before the answers were seen; the largest "
     "irrelevant difference of a win share from one half (such as 0.05), or of two mean ratings. A "
     "study states it as 'margin' in study.toml.",

@@ -23,6 +23,7 @@ from generators.registry import (
 )
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
+from studyapp.cli.arguments import Number
 from studyapp.cli.output import echo_skipped, progress
 from studyapp.study.settings.study import GROUND_TRUTH
 from training.data.take import KINDS
@@ -88,12 +89,12 @@ def command() -> None:
 )
 @click.option("--steps", type=click.IntRange(1), help="Number of updates.")
 @click.option("--batch-size", type=click.IntRange(2), help="Windows per update.")
-@click.option("--learning-rate", type=click.FloatRange(0, 1, min_open=True))
+@click.option("--learning-rate", type=Number(0, 1, min_open=True))
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", show_default=True)
 @click.option(
     "--fps",
-    type=click.FloatRange(MIN_FRAME_RATE, MAX_FRAME_RATE),
+    type=Number(MIN_FRAME_RATE, MAX_FRAME_RATE),
     help="With a folder: frame rate of all motion files, overriding their own.",
 )
 @click.option(
@@ -286,7 +287,7 @@ def generator_command(name: str) -> click.Command:
         ),
         click.Option(["--steps"], type=click.IntRange(1), help="Number of updates."),
         click.Option(["--batch-size"], type=click.IntRange(1), help="Windows per update."),
-        click.Option(["--learning-rate"], type=click.FloatRange(0, 1, min_open=True)),
+        click.Option(["--learning-rate"], type=Number(0, 1, min_open=True)),
         click.Option(
             ["--accumulate"],
             type=click.IntRange(1),

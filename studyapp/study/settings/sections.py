@@ -38,7 +38,7 @@ Name = Annotated[str, Field(pattern=NAME)]
 class Section(BaseModel):
     """A section of a study file: unknown keys are errors, and instances are immutable."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 MESSAGES: Final = {

@@ -12,10 +12,12 @@ from tests.support.command_line import refused
 from tests.support.studies.takes import write_motion, write_speech
 
 REFUSED: dict[str, dict[str, str]] = {
+    "check": {"study --address study.example.org": "not the address of a study"},
     "generate": {
         "": "give a study folder, or all of --generator",
         "--generator static": "give a study folder, or all of --generator",
         "study --generator static": "the generators of a study are set in its study.toml",
+        "study --seed 2": "and so is the seed",
         "--generator static --speech a.wav --speech more/a.wav --out new": "two files of speech",
         "--generator diffsheg --speech a.wav --out new": "'diffsheg' needs a checkpoint",
         "--generator broken --speech a.wav --out new": "changes another condition's motion",
@@ -54,6 +56,7 @@ REFUSED: dict[str, dict[str, str]] = {
     },
     "plan": {
         "study --participants 6": "(--items, such as",
+        "study --items 8 --effect 0.2,nan": "'nan' is not a number",
         "study --participants 90000 --items 100": "more than 400,000 answers",
     },
     "publish-media": {
