@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import math
-import multiprocessing
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Self, TypeVar
-
-from threadpoolctl import threadpool_limits
 
 from analysis.evaluators.feature_networks import Source, networks
 from analysis.measurement.conditions import condition_scores, network_scores, recorded_conditions
@@ -38,6 +34,7 @@ from analysis.metrics.self_penetration import self_penetration
 from motion.errors import InputError
 from motion.formats import read_motion
 from motion.formats.clip_npz import read_frame_rate
+from motion.processes import ProcessPool
 
 
 def study_metrics(
@@ -269,12 +266,7 @@ class Workers:
     """
 
     def __init__(self, processes: int, steps: int, on_progress: Progress | None) -> None:
-        self._pool = None
-        if processes > 1:
-            context = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(
-                processes, mp_context=context, initializer=_one_thread_each
-            )
+        self._pool = ProcessPool(processes) if processes > 1 else None
         self._done, self._steps = 0, steps
         self._on_progress = on_progress
 
@@ -295,8 +287,3 @@ class Workers:
             if self._on_progress is not None:
                 self._on_progress(self._done, self._steps)
         return results
-
-
-def _one_thread_each() -> None:
-    """Give each process one thread for matrix products; together they use all processors."""
-    threadpool_limits(1)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -17,6 +16,7 @@ from threadpoolctl import threadpool_limits
 from analysis.planning.part import Opinions, Part, Size
 from analysis.planning.power import FEWEST_EXACT, Effort, Power, simulate_power
 from motion.files import write_text
+from motion.processes import ProcessPool
 
 VERSION: Final = "2"
 """Raised whenever the same task is simulated otherwise."""
@@ -182,15 +182,10 @@ class Runner:
             return
         # The longest first, so that no process is left with one at the end.
         order = sorted(waiting, key=lambda number: -tasks[number].seconds)
-        # New processes, not forks: OpenMP's threads do not survive a fork.
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(min(self.processes, len(waiting)), context) as pool:
+        with ProcessPool(min(self.processes, len(waiting))) as pool:
             running = {pool.submit(simulate_cell, tasks[number]): number for number in order}
-            try:
-                for future in as_completed(running):
-                    yield running[future], future.result()
-            finally:
-                pool.shutdown(wait=False, cancel_futures=True)
+            for future in as_completed(running):
+                yield running[future], future.result()
 
 
 def limit_effort(tasks: Sequence[Task], minutes: float) -> list[Task]:

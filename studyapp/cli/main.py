@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from difflib import get_close_matches
 from errno import EDQUOT, ENOSPC
@@ -123,6 +124,8 @@ def group(debug: bool) -> None:
 
 def main() -> None:
     """Run the command line; an interruption says how to continue."""
+    # Ended like this, a command stops what it has started, as it does at Ctrl-C.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         group(standalone_mode=False, prog_name="motionjury")
     except click.ClickException as error:

@@ -14,7 +14,6 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import FrameType
 from typing import IO, Final
 
 import httpx
@@ -57,7 +56,7 @@ def rehearsal_server(folder: StudyFolder, *, speed: float) -> Iterator[str]:
         If it does not start; the message contains its last output.
     """
     port = free_port()
-    with tempfile.TemporaryFile() as output, _exit_on_sigterm():
+    with tempfile.TemporaryFile() as output:
         process = subprocess.Popen(  # noqa: S603 - its own interpreter and module
             [sys.executable, "-m", __name__, str(folder.root), str(port), repr(speed)],
             # Held open by this process; its end tells the server to stop.
@@ -121,23 +120,6 @@ def _stop(process: subprocess.Popen[bytes]) -> None:
         except subprocess.TimeoutExpired:
             # This includes its worker processes, which share its session.
             os.killpg(process.pid, signal.SIGKILL)
-
-
-@contextmanager
-def _exit_on_sigterm() -> Iterator[None]:
-    """Let SIGTERM leave the block like Ctrl-C, so that the server is stopped."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def exit_(number: int, _frame: FrameType | None) -> None:
-        raise SystemExit(128 + number)
-
-    before = signal.signal(signal.SIGTERM, exit_)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _serve(arguments: list[str]) -> None:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
-import multiprocessing
-import signal
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Final
 
-from threadpoolctl import threadpool_limits
-
 from motion.files import write_text
+from motion.processes import ProcessPool
 from training.corpus.plan import PlannedTake, planned_takes
 from training.corpus.recording import RecordingFiles, record
 from training.corpus.request import CorpusRequest, claim_folder
@@ -87,21 +84,9 @@ def _record(
             record_take(take)
             yield
         return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(
-        min(processes, len(takes)), mp_context=context, initializer=_prepare_process
-    ) as pool:
-        try:
-            for future in as_completed([pool.submit(record_take, take) for take in takes]):
-                yield future.result()
-        finally:
-            pool.shutdown(cancel_futures=True)
-
-
-def _prepare_process() -> None:
-    """Leave interruptions to the parent, which lets started takes finish."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threadpool_limits(1)
+    with ProcessPool(min(processes, len(takes))) as pool:
+        for future in as_completed([pool.submit(record_take, take) for take in takes]):
+            yield future.result()
 
 
 def _splits(takes: Sequence[PlannedTake]) -> str:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import errno
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -84,11 +85,12 @@ def test_debug_shows_a_traceback(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
         main()
 
 
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_command_says_how_to_resume(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], sign: signal.Signals
 ) -> None:
     def interrupted(**_: object) -> None:
-        raise KeyboardInterrupt
+        signal.raise_signal(sign)
 
     monkeypatch.setattr(front, "group", interrupted)
     with pytest.raises(SystemExit) as exit_:

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from functools import partial
 from itertools import chain, count, product
 from pathlib import Path
 
@@ -169,7 +168,7 @@ def kill_the_server(folder: StudyFolder) -> None:
         rehearse(folder, seed=3, workers=2, on_done=kill)
 
 
-def kill(folder: StudyFolder, how: signal.Signals) -> None:
+def kill(folder: StudyFolder) -> None:
     """Kill the rehearsing program once somebody has answered."""
     program = (
         "import sys; from pathlib import Path; "
@@ -183,7 +182,7 @@ def kill(folder: StudyFolder, how: signal.Signals) -> None:
         wait_for("a server", happens=lambda: servers(folder))
         wait_for("an answer", happens=lambda: stored(folder) > known)
     finally:
-        os.kill(rehearsing.pid, how)
+        rehearsing.kill()
         rehearsing.wait(120)
 
 
@@ -192,12 +191,7 @@ def test_a_stopped_rehearsal_leaves_no_server_and_can_be_finished(
     folder: StudyFolder, said: list[tuple[object, ...]]
 ) -> None:
     before: set[tuple[object, ...]] = set()
-    for stop in (
-        partial(kill, how=signal.SIGKILL),
-        partial(kill, how=signal.SIGTERM),
-        kill_the_server,
-        interrupt,
-    ):
+    for stop in (kill, kill_the_server, interrupt):
         stop(folder)
         wait_for("the server's end", happens=lambda: not servers(folder))
         after = set(what_was_answered(folder))
