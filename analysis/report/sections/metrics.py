@@ -81,8 +81,8 @@ def metric_tables(metrics: StudyMetrics, protocol: str, subject: Subject) -> tup
         metric_table(
             PAPER_TABLES[paper],
             systems,
-            caption=f"Automatic metrics in the shape of the table of {TITLES[paper]}, computed "
-            "as there.",
+            caption=f"Automatic metrics in the shape of the table of {TITLES[paper]}; the notes "
+            "say how each is computed.",
             name=f"metrics-{paper}",
             marks_generative=paper == "diffsheg",
         )

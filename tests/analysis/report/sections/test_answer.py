@@ -29,7 +29,7 @@ Answered = Callable[..., tuple[str, str]]
 def answered(tmp_path: Path) -> Answered:
     """Return a table's answer in one sentence, and the remarks on its certainty."""
 
-    def read(table: pd.DataFrame, protocol: str, **settings: float) -> tuple[str, str]:
+    def read(table: pd.DataFrame, protocol: str, **settings: float | str) -> tuple[str, str]:
         report = report_of(table, protocol, tmp_path, **settings)
         subject = subject_of(report)
         return answer(report, subject)[0], " ".join(certainty(report, subject))
@@ -132,7 +132,7 @@ def test_an_interval_that_does_not_decide_is_explained(tmp_path: Path) -> None:
     assert "(difference of strengths in logits " in answer(report, subject_of(report))[0]
     assert (
         "Intervals are not corrected for multiple tests: 1 of them excludes no difference, "
-        "although p, corrected over 6 tests, is not significant."
+        "although the corrected p is not significant."
     ) in certainty(seen, subject_of(report))
 
 
@@ -163,6 +163,13 @@ def test_the_first_sentence_names_the_largest_effect_and_counts_the_others(
     assert effect.endswith(end)
     assert effect.count(" preferred ") == 1
     assert certainty_words.startswith("Also preferred: ")
+
+
+def test_only_the_tests_of_the_family_are_counted(answered: Answered) -> None:
+    table = pairwise_table("abcdef", effects=(3.0, 0, 0, 0, 0, 0), participants=20, segments=10)
+    effect, certainty_words = answered(table, "pairwise", family="against=b")
+    assert effect.endswith("; none of the other 4 tests is significant.")
+    assert "4 of 5 tests are not significant" in certainty_words
 
 
 def test_open_places_unwatched_study_sessions_and_people_screened_out_are_counted(
