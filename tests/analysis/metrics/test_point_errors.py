@@ -45,7 +45,7 @@ def test_a_shift_on_one_axis_counts_a_third_in_millimetres() -> None:
     assert maje(shifted, motion(), scale=0.5) == pytest.approx(50)
 
 
-def test_arms_clear_of_the_body_are_unchanged() -> None:
+def test_a_constant_shift_has_no_error_of_velocity_or_acceleration() -> None:
     shifted = motion() + np.array([0.3, -1, 2])
     assert mace(shifted, motion()) == pytest.approx(0, abs=1e-6)
     assert velocity(shifted, motion()) == pytest.approx(0, abs=1e-9)
