@@ -32,7 +32,6 @@ from scipy.signal import find_peaks
 
 from motion.audio import Audio
 from motion.audio_analysis import load_librosa
-from motion.errors import InputError
 
 FloatArray = NDArray[np.float64]
 
@@ -95,20 +94,8 @@ def prosody(audio: Audio, frame_rate: float) -> Prosody:
     -------
     Prosody
         Silent audio has energy 0 and no accent.
-
-    Raises
-    ------
-    InputError
-        If `frame_rate` is not positive or the audio is shorter than one frame.
     """
-    if not frame_rate > 0:
-        raise InputError(f"frame rate {frame_rate} is not usable", remedy="Give a rate above 0")
     frames = round(audio.duration * frame_rate)
-    if frames < 1:
-        raise InputError(
-            f"speech of {audio.duration:.4f} s is shorter than one frame at {frame_rate} fps",
-            remedy="Give a longer excerpt",
-        )
     samples = audio.samples_at(_ANALYSIS_RATE)
     energy = _energy(samples)
     nuclei = _nuclei(energy)

@@ -38,6 +38,7 @@ from motion.audio_analysis import DETECTOR
 from motion.errors import InputError
 from motion.formats.beat_tracks import SemanticSpan, read_semantic_scores, semantic_weights
 from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
+from motion.resample import frame_positions
 
 FloatArray = NDArray[np.float64]
 Array = NDArray[np.float32]
@@ -330,11 +331,6 @@ def _landmark_errors(
 
 def _at_lower_rate(points: FloatArray, frame_rate: float, lower: float) -> FloatArray:
     """Return points at a lower frame rate, linearly interpolated."""
-    if lower == frame_rate:
-        return points
-    time = np.arange(max(1, round(len(points) * lower / frame_rate))) * frame_rate / lower
-    time = np.minimum(time, len(points) - 1)
-    before = time.astype(int)
-    after = np.minimum(before + 1, len(points) - 1)
-    share = (time - before)[:, None, None]
-    return np.asarray((1 - share) * points[before] + share * points[after])
+    before, after, share = frame_positions(len(points), frame_rate, lower)
+    weight = share[:, None, None]
+    return np.asarray((1 - weight) * points[before] + weight * points[after])

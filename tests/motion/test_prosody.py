@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motion.audio import Audio
-from motion.errors import InputError
 from motion.prosody import prosody
 
 RATE = 16000
@@ -82,9 +81,3 @@ def test_energy_has_one_value_per_frame(samples: int, frame_rate: float, seed: i
     assert len(result.energy) == frames
     assert result.energy.min() >= 0 and result.energy.max() <= 1
     assert (np.diff(result.accents) > 0).all()
-
-
-@pytest.mark.parametrize("frame_rate", [0.0, -1.0, float("nan"), 2.0])
-def test_an_invalid_frame_rate_is_refused(frame_rate: float) -> None:
-    with pytest.raises(InputError):
-        prosody(audio(np.zeros(1000)), frame_rate)
