@@ -38,9 +38,8 @@ def _section(results: RankingResults, set_name: str | None, mark: str, suffix: s
     contrasts = [c for c in results.contrasts if c.set == set_name]
     posthoc = [c for c in results.posthoc if c.set == set_name]
     worths = results.plackett_luce.of_set(set_name)
-    agreed, tested = results.kendall_w.of_set(set_name), results.friedman.of_set(set_name)
     tables = [
-        table("ranks", conditions, agreed=agreed, tested=tested),
+        table("ranks", conditions, tested=results.friedman.of_set(set_name)),
         table("places", conditions, places=_place_count(conditions)),
         standings_table(worths, "worths"),
     ]
