@@ -224,6 +224,11 @@ def _read_table(path: Path) -> _Recording:
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             heading, *rows = csv.reader(file)
+        if {len(row) for row in rows if row} != {len(heading)}:
+            raise InputError(
+                f"the table has {len(heading)} headings and rows of other lengths, or no row",
+                remedy="Give a number in every cell",
+            )
         values = np.array([[float(cell or "nan") for cell in row] for row in rows if row])
     except (OSError, UnicodeDecodeError, ValueError, csv.Error) as error:
         raise InputError(
@@ -231,11 +236,6 @@ def _read_table(path: Path) -> _Recording:
             remedy="Give a heading, then numbers with a point, as many in every row",
         ) from error
     joints = _joints_of(heading)
-    if values.ndim != 2 or values.shape[1] != len(heading):
-        raise InputError(
-            f"the table has {len(heading)} headings and rows of other lengths, or no row",
-            remedy="Give a number in every cell",
-        )
     places = np.array(list(joints.values()))
     time = next((i for i, name in enumerate(heading) if name.strip().lower() in _TIMES), None)
     rate = None

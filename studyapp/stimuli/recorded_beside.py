@@ -20,7 +20,7 @@ from motion.formats.beat_tracks import (
     read_semantic_scores,
 )
 from motion.formats.transcript import preferred_transcript, read_transcript
-from motion.segment import Segment
+from motion.segment import CUT_TOLERANCE, Segment
 
 _PLAIN = ".lab"
 _SEMANTIC = ".txt"
@@ -48,7 +48,11 @@ def _add_face(clip: MotionClip, path: Path) -> tuple[MotionClip, list[str]]:
     except InputError as error:
         return clip, _left_out(companion, path, error)
     frames = face[np.minimum(np.arange(len(clip)), len(face) - 1)]
-    return replace(clip, arkit=frames), [f"{path.name}: the face is from {companion.name}"]
+    note = f"{path.name}: the face is from {companion.name}"
+    missing = (len(clip) - len(face)) / clip.frame_rate
+    if missing > CUT_TOLERANCE:
+        note += f" and stays still for the last {missing:.1f} s, which that file lacks"
+    return replace(clip, arkit=frames), [note]
 
 
 def add_transcripts(

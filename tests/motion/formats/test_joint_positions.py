@@ -137,6 +137,7 @@ HEADING = ",".join(f"{joint}_{axis}" for joint in JOINT_NAMES for axis in "xyz")
         (NAMED | {"joints": np.zeros((3, 1, 3)), "names": ["pelvis"]}, "lack left_shoulder"),
         (f"{HEADING}\n1,2,3,1,2,3,1,2,word\n", "cannot be read"),
         (HEADING, "rows of other lengths, or no row"),
+        (f"{HEADING}\n1,2,3,1,2,3,1,2,3\n1,2\n", "rows of other lengths, or no row"),
     ],
 )
 def test_an_unusable_file_is_refused_with_the_reason(
