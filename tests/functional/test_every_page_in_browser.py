@@ -34,6 +34,7 @@ from tests.functional.page_checks import (
     expect_videos,
     participants_barriers,
     photograph,
+    resize,
     too_small_to_touch,
     video_sizes,
 )
@@ -288,6 +289,12 @@ def test_every_error_page_is_accessible(browser: Browser, tmp_path: Path) -> Non
         expect(page.locator(".fault").first).to_be_visible()
         page.locator(".trouble summary").click()
         examine(page, "trial-fault")
+        refused = {"status": 422, "json": {"problem": "There is no sign yet."}}
+        page.route("**/unplayable", lambda route: route.fulfill(**refused))
+        resize(page, SIZES["phone"])
+        page.get_by_role("button", name="This video does not play").first.click()
+        expect(page.locator("#problem")).to_be_in_viewport()
+        resize(page, LAPTOP)
         first = page.url
         page.goto(address)
         page.get_by_role("button", name="Go on with the study").click()

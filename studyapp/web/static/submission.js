@@ -72,5 +72,6 @@ export class Submission {
     this.saved.textContent = saved && ` · ${saved}`;
     this.problem.textContent = problem;
     this.problem.hidden = !problem;
+    if (problem) this.problem.scrollIntoView({ block: "nearest" });
   }
 }
