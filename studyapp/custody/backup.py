@@ -6,8 +6,7 @@ import hashlib
 import os
 import re
 import tempfile
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -35,7 +34,7 @@ from studyapp.database.copies import count_rows, find_flaws, schema_of_copy, wri
 from studyapp.database.engine import database_url_of, display_address
 from studyapp.study.folder import StudyFolder
 
-_UNFINISHED: Final = "unfinished-backup-"
+_UNFINISHED: Final = ".unfinished-backup-"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,7 +99,10 @@ def back_up(
         )
     made_at = clock.now()
     url = database_url_of(folder.root)
-    with _work_folder(out if into_folder else out.parent) as work:
+    # On the disk of the backup, and private.
+    disk = out if into_folder else out.parent
+    with tempfile.TemporaryDirectory(prefix=_UNFINISHED, dir=disk) as name:
+        work = Path(name)
         copy = work / DATABASE
         write_copy(url, copy)
         included = [*small_files(folder), (copy, stored_file(copy, DATABASE))]
@@ -157,22 +159,6 @@ def _require_new_file(out: Path) -> None:
             where=out.parent,
             remedy="Create it, or mount its disk",
         )
-
-
-@contextmanager
-def _work_folder(parent: Path) -> Iterator[Path]:
-    """Yield a private folder on the disk of the backup."""
-    try:
-        with tempfile.TemporaryDirectory(prefix=f".{_UNFINISHED}", dir=parent) as name:
-            yield Path(name)
-    except OSError as error:
-        if error.filename is not None:
-            raise
-        raise InputError(
-            f"the backup could not be written: {error.strerror or error}",
-            where=parent,
-            remedy="Free up space; nothing was left behind",
-        ) from error
 
 
 def _publish(draft: Path, path: Path) -> None:

@@ -175,7 +175,7 @@ def test_a_failed_restore_leaves_nothing_or_everything(
 def test_a_full_disk_leaves_no_half_backup(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(backup, "write_archive", fail)
 
-    with pytest.raises(InputError, match="No space left on device"):
+    with pytest.raises(OSError, match="No space left on device"):
         study.back_up()
 
     assert list(study.backups.iterdir()) == []
