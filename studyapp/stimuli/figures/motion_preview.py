@@ -24,7 +24,7 @@ from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.framing import frame_clips
 from renderer.look import Look, default_body
 from renderer.loudness import at_common_loudness
-from renderer.shown_clip import as_shown
+from renderer.shown_clip import LENGTH_TOLERANCE, as_shown
 from renderer.viewer.page import MAX_CLIPS, Scene, write_motion_page
 from studyapp.stimuli.recorded_beside import read_recorded
 
@@ -101,6 +101,9 @@ def read_previewed(
     if speech is not None:
         audio = read_audio(speech, sample_rate=SOUND_RATE)
         seconds = min(audio.duration, clip.duration)
+        if abs(audio.duration - clip.duration) > LENGTH_TOLERANCE:
+            lengths = f"the motion lasts {clip.duration:.2f} s, the speech {audio.duration:.2f} s"
+            notes = [*notes, f"{path.name}: {lengths}; cut to the common {seconds:.2f} s"]
         audio, clip = at_common_loudness(audio.cut(0.0, seconds)), cut(clip, 0.0, seconds)
     return PreviewedMotion(path=path, name=name, clip=clip, speech=audio, notes=tuple(notes))
 

@@ -78,11 +78,11 @@ def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
         assert {stream.type for stream in video.streams} == {"video", "audio"}
 
 
-def test_a_motion_is_cut_to_its_speech(tmp_path: Path) -> None:
+def test_a_motion_is_cut_to_its_speech_with_a_note(tmp_path: Path) -> None:
     motion = write_motion(tmp_path / "a.npz", 1.0)
     speech = write_speech(tmp_path / "a.wav", 0.5)
     given = ("--speech", speech, "--as", "video", "--size", 64)
-    run("preview", motion, *given, "--out", tmp_path)
+    assert "cut to the common 0.50 s" in run("preview", motion, *given, "--out", tmp_path)
     with av.open(str(tmp_path / "a.mp4")) as video:
         assert len(list(video.decode(video=0))) == 15
 
