@@ -21,16 +21,15 @@ def _run(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_a_missing_offscreen_library_names_the_package_to_install() -> None:
+@pytest.mark.parametrize(
+    ("platform", "remark"),
+    [("osmesa", "apt-get install libosmesa6"), ("glx", "looked for glx")],
+)
+def test_a_missing_offscreen_library_names_what_to_install(platform: str, remark: str) -> None:
     code = "import ctypes.util; ctypes.util.find_library = lambda n: None; import renderer.opengl"
-    done = _run(code)
+    done = _run(code, PYOPENGL_PLATFORM=platform)
     assert done.returncode != 0
-    assert "apt-get install libosmesa6" in done.stderr
-
-
-def test_a_missing_requested_platform_is_named() -> None:
-    done = _run("import renderer.opengl", PYOPENGL_PLATFORM="glx")
-    assert "looked for glx" in done.stderr
+    assert remark in done.stderr
 
 
 def test_planning_videos_needs_no_opengl_and_drawing_them_no_window_library() -> None:

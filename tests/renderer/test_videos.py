@@ -171,15 +171,6 @@ def test_motion_much_shorter_than_its_speech_is_refused_without_a_file(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_pair_is_twice_as_wide_with_the_left_clip_on_the_left(
-    pair: Path, moving: Path, still: Path
-) -> None:
-    frames_of_pair = _pictures(pair).astype(int)
-    assert frames_of_pair.shape[1:3] == (160, 320)
-    for part, frames in ((frames_of_pair[:, :, :160], moving), (frames_of_pair[:, :, 160:], still)):
-        assert np.abs(part - _pictures(frames))[:, 24:].mean() < 2  # below the labels
-
-
 def test_labels_are_the_same_in_both_orders(
     pair: Path, moving: Path, still: Path, studio: Studio, tmp_path: Path
 ) -> None:
