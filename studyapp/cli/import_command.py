@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import click
@@ -14,7 +15,7 @@ from studyapp.cli.output import counted, progress
 from studyapp.stimuli.imported_folder import folder_items
 from studyapp.stimuli.recordings import RecordingFacts, Take, import_clips, import_take
 from studyapp.stimuli.video_takes import import_video
-from studyapp.study.folder import StudyFolder
+from studyapp.study.folder import StudyFolder, lock_folder
 
 _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 _FILE_OR_FOLDER = click.Path(exists=True, path_type=Path)
@@ -96,7 +97,9 @@ def command(
     if len(motion) == 1 and motion[0].is_dir():
         if speech is not None:
             raise click.UsageError("The speech of a folder must be in the folder: omit --speech.")
-        _import_folder(existing_study(folder), motion[0], facts, move=move)
+        study = existing_study(folder)
+        with _locked(study):
+            _import_folder(study, motion[0], facts, move=move)
         return
     if move or any(path.is_dir() for path in motion):
         raise click.UsageError("Give one folder, or files without --move.")
@@ -108,17 +111,29 @@ def command(
             raise click.UsageError(
                 "--segment, --speaker and --emotion describe --speech: give it too."
             )
-        notes = import_clips(study, motion, condition, facts)
+        with _locked(study):
+            notes = import_clips(study, motion, condition, facts)
         imported = f"{counted(len(motion), 'clip')} of condition {condition!r}"
     else:
         if len(motion) != 1 or speaker is None or emotion is None:
             raise click.UsageError("--speech needs one motion file, --speaker and --emotion.")
         take = Take(**vars(facts), motion=motion[0], speech=speech)
-        segments, notes = import_take(study, take)
+        with _locked(study):
+            segments, notes = import_take(study, take)
         imported = f"{counted(len(segments), 'segment')} with condition {condition!r}"
     for note in notes:
         click.echo(f"note: {note}")
     click.echo(f"Imported {imported} into {folder}.")
+
+
+def _locked(study: StudyFolder) -> AbstractContextManager[None]:
+    """Keep other imports out, which would overwrite the table of segments with theirs."""
+    busy = InputError(
+        "something else is being imported into this study, or it is being rehearsed",
+        where=study.root,
+        remedy="Wait until that command ends, and run this one again",
+    )
+    return lock_folder(study.root, busy=busy)
 
 
 def _import_folder(study: StudyFolder, source: Path, facts: RecordingFacts, *, move: bool) -> None:

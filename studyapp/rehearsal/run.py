@@ -92,9 +92,9 @@ def rehearse(
     study = ServedStudy.read(folder.root).study
     count = _count_participants(folder, study, participants)
     busy = InputError(
-        "this study is already being rehearsed",
+        "this study is already being rehearsed, or something is being imported into it",
         where=folder.root,
-        remedy="Wait until the other 'motionjury rehearse' ends, or stop it",
+        remedy="Wait until that command ends, or stop it",
     )
     with lock_folder(folder.root, busy=busy), ExitStack() as opened:
         truth, note = prepare(folder, seed=seed, population=population)
