@@ -33,6 +33,7 @@ _HEAD_METRES: Final = 0.26
 """From the chin to the top of the hair."""
 
 ConditionClips = Mapping[str, Sequence[MotionClip]]
+ClipsBySegment = Mapping[str, Mapping[str, MotionClip]]
 
 
 def motion_findings(material: Material) -> Iterator[Finding]:
@@ -50,7 +51,7 @@ def motion_findings(material: Material) -> Iterator[Finding]:
         yield make_finding("freeze-without-effect", conditions=listed(finished))
     yield from _frame_rate_findings(study, compared)
     yield from _channel_findings(study, compared)
-    yield from _body_findings(material, compared)
+    yield from _body_findings(material, {name: clips[name] for name in compared})
     yield from catch_motion_findings(study, clips)
 
 
@@ -106,7 +107,7 @@ def _channel_findings(study: Study, clips: ConditionClips) -> Iterator[Finding]:
             )
 
 
-def _body_findings(material: Material, clips: ConditionClips) -> Iterator[Finding]:
+def _body_findings(material: Material, clips: ClipsBySegment) -> Iterator[Finding]:
     """Yield what the study's body or its camera does not show of the motion."""
     study = material.study
     try:
@@ -118,8 +119,8 @@ def _body_findings(material: Material, clips: ConditionClips) -> Iterator[Findin
     yield from _shape_findings(clips, body.shapes)
     frozen = [
         (name, freeze(clip, study.freeze))
-        for name, condition_clips in clips.items()
-        for clip in condition_clips
+        for name, by_segment in clips.items()
+        for clip in by_segment.values()
     ]
     for sentence in left_out(frozen, body):
         yield make_finding("motion-not-shown", sentence.rstrip("."))
@@ -127,15 +128,21 @@ def _body_findings(material: Material, clips: ConditionClips) -> Iterator[Findin
         yield from _framing_findings(material, body, [clip for _, clip in frozen])
 
 
-def _shape_findings(clips: ConditionClips, known: int) -> Iterator[Finding]:
-    """Yield the conditions whose betas, the first `known`, differ from those of the first one."""
+def _shape_findings(clips: ClipsBySegment, known: int) -> Iterator[Finding]:
+    """Yield the conditions whose betas, the first `known`, differ from the first condition's."""
     shapes = {
-        condition: {tuple(np.trim_zeros(clip.betas[:known].round(2), "b")) for clip in its_clips}
-        for condition, its_clips in clips.items()
-        if its_clips
+        condition: {
+            segment: tuple(np.trim_zeros(clip.betas[:known].round(2), "b"))
+            for segment, clip in by_segment.items()
+        }
+        for condition, by_segment in clips.items()
     }
     first = next(iter(shapes), "")
-    others = [condition for condition in shapes if shapes[condition] != shapes[first]]
+    others = [
+        condition
+        for condition, by_segment in shapes.items()
+        if any(shape != shapes[first].get(segment, shape) for segment, shape in by_segment.items())
+    ]
     if others:
         yield make_finding("shape-tells-apart", conditions=listed(others), other=first)
 

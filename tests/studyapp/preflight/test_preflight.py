@@ -205,13 +205,14 @@ def test_bodies_of_another_shape_in_some_conditions_are_reported(ready: StudyFol
     arrays["shapedirs"][:, :, :2] = 0.01
     np.savez(ready.root / "smplx.npz", **arrays)
     change(ready, {"video.body": "smplx.npz"})
-    shaped = {"rule_based": [0.0, 1.0, 0.0], "mismatched": [0.0, 1.0]}
-    for betas, reported in ((shaped, 0), (shaped | {"mismatched": [0.0, -1.0]}, 1)):
-        for segment in ready.segments():
-            clip = read_clip(ready.clip("rule_based", segment.name))
-            for condition, values in betas.items():
-                path = ready.clip(condition, segment.name)
-                write_clip(path, replace(clip, betas=np.array(values, np.float32)))
+    segments = [segment.name for segment in ready.segments()]
+    thin, stout = [0.0, 1.0, 0.0], [0.0, -1.0]
+    for others, reported in (([[0.0, 1.0], stout], 0), ([stout, thin], 1)):
+        for condition, shapes in (("rule_based", [thin, stout]), ("mismatched", others)):
+            for number, segment in enumerate(segments):
+                clip = read_clip(ready.clip("rule_based", segment))
+                shaped = replace(clip, betas=np.array(shapes[number % 2], np.float32))
+                write_clip(ready.clip(condition, segment), shaped)
         findings = check(ready)
         assert count(findings, "warning", "bodies of mismatched have another shape") == reported
 
