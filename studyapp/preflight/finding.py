@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import textwrap
 import tomllib
 from collections import Counter
@@ -182,7 +183,7 @@ def text_lines(findings: Sequence[Finding], *, everything: bool = False) -> Iter
 def _wrap(sentence: str, indent: str) -> list[str]:
     return textwrap.wrap(
         f"{sentence}." if sentence else "",
-        WIDTH,
+        min(WIDTH, shutil.get_terminal_size((WIDTH, 0)).columns),
         initial_indent=indent,
         subsequent_indent=" " * len(indent),
         break_long_words=False,

@@ -41,7 +41,7 @@ def test_the_nearest_command_is_suggested_for_a_misspelt_one(refused: Refused) -
     assert "No such command 'reprot'. Did you mean 'report'?" in error
 
 
-@pytest.mark.parametrize("command", ["export", "report", "metrics"])
+@pytest.mark.parametrize("command", ["export", "report", "metrics", "generate"])
 def test_a_command_without_a_folder_uses_the_working_directory(
     refused: Refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: str
 ) -> None:

@@ -9,6 +9,8 @@ from itertools import chain
 from pathlib import Path
 from string import Formatter
 
+import pytest
+
 from studyapp import preflight
 from studyapp.preflight.finding import Finding, catalogue, kinds, make_record, text_lines
 from studyapp.stimuli import media_probe
@@ -79,6 +81,11 @@ def test_a_finding_is_printed_with_name_place_and_remedy_and_those_of_a_kind_tog
     assert "and 6 more like these" in text
     assert output(*many, everything=True).count("is missing.") == 9
     assert "it is known." in output(NOTE, everything=True)
+
+
+def test_findings_fit_a_narrow_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    assert max(map(len, output(missing("many words " * 30)).splitlines())) <= 60
 
 
 def test_the_json_record_has_all_findings_and_counts() -> None:
