@@ -100,7 +100,8 @@ class _LazyCommands(click.Group):
                 raise
             raise click.ClickException(str(error)) from error
         except OSError as error:
-            if ctx.params["debug"]:
+            # A reader such as 'head' may close the pipe: click then ends the command quietly.
+            if ctx.params["debug"] or isinstance(error, BrokenPipeError):
                 raise
             raise click.ClickException(_explain(error)) from error
 

@@ -79,6 +79,15 @@ def test_a_full_disk_is_one_sentence_that_names_the_file(
     )
 
 
+def test_a_closed_pipe_ends_a_command_without_a_word() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-m", "studyapp.cli.main", "check", "--help"]
+    with os.fdopen(writing, "w") as closed:
+        done = subprocess.run(command, stdout=closed, stderr=subprocess.PIPE, check=False)
+    assert done.stderr == b""
+
+
 def test_debug_shows_a_traceback(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(sys, "argv", ["motionjury", "--debug", "check", str(tmp_path)])
     with pytest.raises(InputError, match=r"study\.toml is missing"):
