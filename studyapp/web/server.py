@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import logging
-import os
 import resource
 import socket
 import time
@@ -219,7 +218,8 @@ def require_free(host: str, port: int) -> None:
         socket.create_server((host.strip("[]"), port), family=family).close()
     except OSError as error:
         raise InputError(
-            f"the server cannot listen there ({os.strerror(error.errno or 0)})",
+            # Python adds the address in parentheses.
+            f"the server cannot listen there ({str(error.strerror).partition(' (')[0]})",
             where=f"{host}:{port}",
             remedy="Choose another --port or --host, or stop what listens there",
         ) from error
