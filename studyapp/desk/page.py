@@ -12,10 +12,10 @@ from studyapp.researchers.account import Role
 from studyapp.web.research.page import rendered
 
 DUTIES: Final[Mapping[Role, str]] = {
-    "viewer": "open the studies that you belong to",
-    "analyst": "make studies, and open those that you belong to",
+    "viewer": "open studies as a member",
+    "analyst": "make studies, and open others as a member",
     "owner": "invite researchers to the desk, change their roles, remove their access, take over "
-    "studies that nobody owns, make studies, and open those that you belong to",
+    "studies that nobody owns, make studies, and open others as a member",
 }
 """What each role may do at the desk; in a study, the role there counts."""
 
