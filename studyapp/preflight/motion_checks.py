@@ -32,7 +32,6 @@ LEAST_HEAD_PIXELS: Final = 120
 _HEAD_METRES: Final = 0.26
 """From the chin to the top of the hair."""
 
-ConditionClips = Mapping[str, Sequence[MotionClip]]
 ClipsBySegment = Mapping[str, Mapping[str, MotionClip]]
 
 
@@ -41,17 +40,13 @@ def motion_findings(material: Material) -> Iterator[Finding]:
     study = material.study
     clips, broken = _read_clips(material)
     yield from broken
-    compared = {
-        name: list(by_segment.values())
-        for name, by_segment in clips.items()
-        if name in study.conditions
-    }
+    compared = {name: by_segment for name, by_segment in clips.items() if name in study.conditions}
     finished = [name for name in study.conditions if study.is_finished(name)]
     if study.freeze and finished:
         yield make_finding("freeze-without-effect", conditions=listed(finished))
     yield from _frame_rate_findings(study, compared)
     yield from _channel_findings(study, compared)
-    yield from _body_findings(material, {name: clips[name] for name in compared})
+    yield from _body_findings(material, compared)
     yield from catch_motion_findings(study, clips)
 
 
@@ -76,9 +71,10 @@ def _read_clips(material: Material) -> tuple[dict[str, dict[str, MotionClip]], l
     return clips, broken
 
 
-def _frame_rate_findings(study: Study, clips: ConditionClips) -> Iterator[Finding]:
-    for condition, condition_clips in clips.items():
-        rate = min((clip.frame_rate for clip in condition_clips), default=study.video.frame_rate)
+def _frame_rate_findings(study: Study, clips: ClipsBySegment) -> Iterator[Finding]:
+    for condition, by_segment in clips.items():
+        rates = (clip.frame_rate for clip in by_segment.values())
+        rate = min(rates, default=study.video.frame_rate)
         if rate < study.video.frame_rate:
             yield make_finding(
                 "motion-interpolated",
@@ -89,12 +85,12 @@ def _frame_rate_findings(study: Study, clips: ConditionClips) -> Iterator[Findin
             )
 
 
-def _channel_findings(study: Study, clips: ConditionClips) -> Iterator[Finding]:
+def _channel_findings(study: Study, clips: ClipsBySegment) -> Iterator[Finding]:
     """Yield channels that move in some conditions only."""
     moving = {
-        condition: frozenset().union(*map(moving_channels, condition_clips))
-        for condition, condition_clips in clips.items()
-        if any(np.ptp(clip.poses, axis=0).any() for clip in condition_clips)
+        condition: frozenset().union(*map(moving_channels, by_segment.values()))
+        for condition, by_segment in clips.items()
+        if any(np.ptp(clip.poses, axis=0).any() for clip in by_segment.values())
     }
     for channel in CHANNELS:
         still = [condition for condition, channels in moving.items() if channel not in channels]
