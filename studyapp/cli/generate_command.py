@@ -134,7 +134,8 @@ def command(
             raise InputError(
                 "the generators of a study are set in its study.toml, and so is the seed",
                 where=folder.definition,
-                remedy="Leave these options out, or omit the folder",
+                remedy="Leave these options out, or give no folder but --generator, --speech "
+                "and --out",
             )
         with progress("generate", "clip") as show:
             count = generate(folder, device=device, on_clip=show)
