@@ -99,6 +99,18 @@ def write_report(
     return path
 
 
+def report_table(results: TableReport, folder: Path) -> Path:
+    """Write the report of a table from any platform and return its page; see `write_report`."""
+    subject = Subject(
+        title=f"Answers in {results.source.file}",
+        origin="table",
+        protocol=results.protocol,
+        conditions=results.conditions_shown,
+        questions=dict.fromkeys(results.questions, ""),
+    )
+    return write_report(results, subject, folder)
+
+
 def paper_text(page: Page) -> str:
     """Return the page's mark, the answer, the participant flow and the methods as paragraphs."""
     methods = [section for section in page.sections if section.anchor == METHODS_ANCHOR]

@@ -15,7 +15,6 @@ from motion.errors import InputError
 from studyapp.cli.arguments import Number, current_study, optional_study_folder, refuse_options
 from studyapp.cli.output import sign_of_life
 from studyapp.researchers.audit import read_reason
-from studyapp.results.report import report, report_table
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.exclusions import EXCLUSION_SECTIONS, Exclusion, ExclusionSection
 from studyapp.study.settings.sections import explain_errors
@@ -117,7 +116,11 @@ def command(
     }
     if folder is None and all(value is None for value in table_options.values()):
         folder = current_study()
+    # Imported below: statistics take seconds to load, which --help should not wait for, and the
+    # report of a table needs nothing of a study.
     if folder is not None:
+        from studyapp.results.report import report
+
         refuse_options(table_options, "a study folder, whose study.toml states all that")
         remarks: list[str] = []
         with sign_of_life("report") as show:
@@ -146,10 +149,12 @@ def command(
                 remedy="Give a study folder, or a table with --responses FILE --protocol NAME "
                 "--out DIR",
             )
-        page = report_table(
+        from analysis.report import report_table
+        from analysis.results.report import analyse_table
+
+        results = analyse_table(
             responses,
             protocol,
-            out,
             max_catch_failures=(
                 MAX_CATCH_FAILURES if max_catch_failures is None else max_catch_failures
             ),
@@ -158,6 +163,7 @@ def command(
             scale=None if scale is None else _parse_scale(scale, protocol),
             exclude=[parse_exclusion(rule, where="--exclude").to_rule() for rule in rules],
         )
+        page = report_table(results, out)
     click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
 
 

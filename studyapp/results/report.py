@@ -1,4 +1,4 @@
-"""The report of a study, or of a table of answers from any platform."""
+"""The report of a study."""
 
 from __future__ import annotations
 
@@ -12,14 +12,13 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from analysis.answers.exclusion_rules import ExclusionRule
 from analysis.answers.participants import LeftOut
 from analysis.metrics.score_tables import metrics_document
 from analysis.report import Subject, wording, write_report
 from analysis.report.content import PlayableMotion
 from analysis.report.page import TASKS
 from analysis.results.preferred_pairs import PreferredPair, preferred_pairs
-from analysis.results.report import Settings, Source, TableReport, analyse_answers, analyse_table
+from analysis.results.report import Settings, Source, TableReport, analyse_answers
 from motion.files import harmless_frame, replacing
 from motion.segment import Segment
 from renderer.viewer.page import MotionFigures, scripts, style
@@ -187,37 +186,6 @@ def _segments(folder: StudyFolder, study: Study) -> tuple[Segment, ...]:
     if is_finished and not has_speech and not any(folder.videos.glob("*/*.mp4")):
         return ()
     return tuple(folder.segments_of(study))
-
-
-def report_table(
-    responses: Path,
-    protocol: str,
-    out: Path,
-    *,
-    max_catch_failures: int,
-    margin: float | None,
-    family: str = "all",
-    scale: tuple[int, int] | None = None,
-    exclude: Sequence[ExclusionRule] = (),
-) -> Path:
-    """Write the report of a table into `out` and return its page; see `analyse_table`."""
-    results = analyse_table(
-        responses,
-        protocol,
-        max_catch_failures=max_catch_failures,
-        margin=margin,
-        family=family,
-        scale=scale,
-        exclude=exclude,
-    )
-    subject = Subject(
-        title=f"Answers in {responses.name}",
-        origin="table",
-        protocol=protocol,
-        conditions=results.conditions_shown,
-        questions=dict.fromkeys(results.questions, ""),
-    )
-    return write_report(results, subject, out)
 
 
 def _with_exclusions(rows: pd.DataFrame, left_out: LeftOut) -> bytes:

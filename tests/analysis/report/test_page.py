@@ -9,9 +9,8 @@ from pathlib import Path
 import pytest
 from bs4 import BeautifulSoup
 
-from analysis.report import write_report
+from analysis.report import report_table, write_report
 from analysis.report.figures import style
-from studyapp.results.report import report_table
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table, report_of
 
@@ -132,15 +131,16 @@ def test_reports_do_not_depend_on_the_hash_seed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(style.STYLE, "pdf.fonttype", 42)
-    TABLES["pairwise"](participants=4, segments=4).to_csv(tmp_path / "answers.csv", index=False)
     code = (
         "import sys; from pathlib import Path;"
-        "from studyapp.results.report import report_table;"
-        "report_table(Path(sys.argv[1]), 'pairwise', Path(sys.argv[2]),"
-        " max_catch_failures=1, margin=0.1)"
+        "from analysis.report import report_table;"
+        "from analysis.results.report import analyse_table;"
+        "results = analyse_table(Path(sys.argv[1]), 'pairwise', margin=0.1);"
+        "report_table(results, Path(sys.argv[2]))"
     )
     here, there = tmp_path / "here", tmp_path / "there"
-    report_table(tmp_path / "answers.csv", "pairwise", here, max_catch_failures=1, margin=0.1)
+    table = TABLES["pairwise"](participants=4, segments=4)
+    report_table(report_of(table, "pairwise", tmp_path, margin=0.1), here)
     another = "2" if os.environ.get("PYTHONHASHSEED") == "1" else "1"
     subprocess.run(
         [sys.executable, "-c", code, str(tmp_path / "answers.csv"), str(there)],

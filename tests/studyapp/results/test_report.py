@@ -7,7 +7,9 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from studyapp.results.report import report, report_table
+from analysis.report import report_table
+from analysis.results.report import analyse_table
+from studyapp.results.report import report
 from studyapp.results.report_subject import report_presets
 from studyapp.study.study_file import new_study
 from tests.studyapp.results.conftest import Answered
@@ -59,9 +61,7 @@ def test_a_study_and_its_reports_table_give_the_same_results(
         )
         rows.to_csv(table, index=False)
 
-    of_table = results_of(
-        report_table(table, protocol, tmp_path / "again", max_catch_failures=1, margin=None)
-    )
+    of_table = results_of(report_table(analyse_table(table, protocol), tmp_path / "again"))
 
     assert of_study["study"]["origin"] == "participants"
     assert of_study["participants"] == of_table["participants"] == {"recruited": 3, "attentive": 2}
