@@ -184,6 +184,11 @@ def test_each_person_on_a_list_is_invited_once_and_only_its_owner_reads_the_tabl
     other = ("--count", "1", *address, "--out", str(people))
     assert "not a table of invitations" in recruit(tiny_study, "invite", *other, status=1)
     assert people.read_text("utf-8") == before
+    # Otherwise half the links, or all of them, would lead to the old address.
+    moved = ("--list", str(people), "--address", "https://new.example.org")
+    refusal = recruit(tiny_study, "invite", *moved, status=1)
+    assert "it has links to another address" in refusal
+    assert "begin with https://new.example.org/?invitation=, as" in refusal
 
 
 def test_a_code_that_differs_from_prolifics_is_found(folder: Path, stand_in: StandIn) -> None:
