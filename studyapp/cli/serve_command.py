@@ -122,6 +122,12 @@ def command(
             where=f"address {address!r}, prefix {prefix!r}",
             remedy="Make the path of the address the same as the prefix",
         )
+    if accel_redirect is not None and not accel_redirect.startswith("/"):
+        raise InputError(
+            "this is not an internal location of nginx",
+            where=f"accel-redirect {accel_redirect!r}",
+            remedy="Begin it with /, such as /videos-of-one/",
+        )
     url = address or f"http://{host}:{port}{path}"
     run_server(
         folder.root,

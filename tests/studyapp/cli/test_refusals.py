@@ -86,6 +86,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "study --prefix /one --address x.org/one": "not the address of a study",
         "study --prefix /one --address https://x.org/one?a=b": "not the address of a study",
         "study --prefix /one --address ftp://x.org/one": "not the address of a study",
+        "study --accel-redirect videos/": "not an internal location of nginx",
     },
     "export": {
         "study --out new.xlsx": "neither in .csv nor in .parquet",
