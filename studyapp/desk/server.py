@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flask import Flask, redirect, url_for
 from flask.typing import ResponseReturnValue
 from sqlalchemy.exc import SQLAlchemyError
+from werkzeug.exceptions import HTTPException
 
 from motion.errors import InputError
 from studyapp.clock import Clock
@@ -23,6 +24,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.recruitment import Recruitment
 from studyapp.web.app import LARGEST_REQUEST, StudyWeb, health_pages
 from studyapp.web.protection import protect
+from studyapp.web.research.pages import fail
 from studyapp.web.server import THREADS, WORKERS, require_free, serve_application
 from studyapp.web.site import attach
 from studyapp.web.worker import StudyWorker
@@ -45,6 +47,7 @@ def create_desk(lab: Lab) -> Flask:
     app.register_blueprint(desk_pages())
     app.register_blueprint(health_pages)
     app.add_url_rule("/", "root", _go_to_desk)
+    app.register_error_handler(HTTPException, fail)
     protect(app, recruitment=Recruitment())
     app.wsgi_app = _with_studies(app.wsgi_app, lab)  # type: ignore[assignment, method-assign]
     return app

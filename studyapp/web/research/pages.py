@@ -230,7 +230,9 @@ def fail(error: HTTPException) -> ResponseReturnValue:
         recognise()
     status = error.code or OUR_FAULT
     if status == NOT_FOUND:
-        return problem_page("There is no such page", "Go on from the overview.", status)
+        return problem_page(
+            "There is no such page", "Check the address, or go on from the overview.", status
+        )
     return problem_page(
         error.name, "Open the page again; if this comes again, look at the server's log.", status
     )

@@ -138,7 +138,9 @@ def test_participants_take_part_below_the_studys_name(desk: Flask) -> None:
     arrived = participant.get("/tiny/", follow_redirects=True)
     assert arrived.request.path.startswith("/tiny/")
     assert arrived.status_code == 200
-    assert participant.get("/none/").status_code == 404
+    unknown = participant.get("/none/")
+    assert unknown.status_code == 404
+    assert "There is no such page" in unknown.text
     assert participant.get("/tiny").status_code == 308
 
 
