@@ -65,18 +65,32 @@ def test_bad_input_is_one_sentence_without_a_traceback(refused: Refused, tmp_pat
     assert "Traceback" not in error
 
 
-def test_a_full_disk_is_one_sentence_that_names_the_file(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+@pytest.mark.parametrize(
+    ("number", "sentences"),
+    [
+        (
+            errno.ENOSPC,
+            "No space left on device. Free up space, and run the same command again.",
+        ),
+        (
+            errno.EIO,
+            "Input/output error. Check the path, and that it is readable and writable.",
+        ),
+    ],
+)
+def test_a_full_or_failing_disk_is_reported_without_a_traceback_and_with_the_file(
+    refused: Refused,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    number: int,
+    sentences: str,
 ) -> None:
     def fail(*_: object, **__: object) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        raise OSError(number, os.strerror(number))
 
     monkeypatch.setattr(Path, "write_text", fail)
     path = tmp_path / "study" / "study.toml"
-    assert refused("init", str(path.parent)) == (
-        1,
-        f"Error: {path}: No space left on device. Free up space, and run the same command again.\n",
-    )
+    assert refused("init", str(path.parent)) == (1, f"Error: {path}: {sentences}\n")
 
 
 def test_a_closed_pipe_ends_a_command_without_a_word() -> None:
