@@ -26,7 +26,12 @@ from studyapp.database.tables import FormAnswer, ScreenOut, StudySession, StudyV
 from studyapp.session.ending import advance
 from studyapp.session.participation import sound_check_due
 from studyapp.session.places import regain_place
-from studyapp.session.refusal import ConflictError, IneligibleError, UnacceptableError
+from studyapp.session.refusal import (
+    ConflictError,
+    IneligibleError,
+    UnacceptableError,
+    UnknownAddressError,
+)
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import (
     find_study_session,
@@ -210,7 +215,7 @@ def start_trials(
     clock: Clock,
     *,
     answers: Mapping[str, str] | None = None,
-    is_second_try: bool = False,
+    tries: int = 0,
 ) -> None:
     """Start the trials; starting twice or too early changes nothing.
 
@@ -218,9 +223,9 @@ def start_trials(
     ----------
     answers : mapping of question name to text, optional
         Answers to the comprehension questions. Those of the first try are stored.
-    is_second_try : bool
-        Whether the page knew of the first try. A first try that is sent again, by a double click
-        or a reload, is still the first one.
+    tries : int
+        Number of tries that the page knew of. A try that is sent again, by a double click or a
+        reload, counts once.
 
     Raises
     ------
@@ -231,21 +236,27 @@ def start_trials(
     """
     study, answers = served.study, answers or {}
     with database.writing() as session:
-        study_session = find_study_session(session, token)
+        try:
+            study_session = find_study_session(session, token)
+        except UnknownAddressError:
+            # The second try, sent again. People with names get their code by their own link alone.
+            if tries and not study.recruitment.names_participants:
+                raise _ineligible_error() from None
+            raise
         waiting = sound_check_due(study_session, served) or form_due(study_session, study)
         if state_of(study_session) != "instructed" or waiting:
             return
         now = clock.now()
         rows = read_form_answers(study, "comprehension", answers, now)
         has_tried = has_tried_comprehension(study_session)
-        is_repeated = has_tried and not is_second_try
+        is_repeated = has_tried and not tries
         if not has_tried:
             study_session.form_answers.extend(rows)
         study_session.last_active_at = now
         if not is_repeated and is_eligible(study, "comprehension", answers):
             study_session.started_at = now
             return
-        is_out = has_tried and is_second_try
+        is_out = has_tried and not is_repeated
         if is_out:
             _screen_out_and_delete(session, study, study_session)
     if is_out:

@@ -187,7 +187,7 @@ def digits_to_speak(database: Database, served: ServedStudy, token: str) -> str:
 
 
 def check_sound(
-    database: Database, served: ServedStudy, token: str, typed: str, clock: Clock
+    database: Database, served: ServedStudy, token: str, typed: str, clock: Clock, *, tries: int
 ) -> bool:
     """Tell whether the participant typed the spoken digits, and store the result.
 
@@ -197,6 +197,9 @@ def check_sound(
     ----------
     typed : str
         Digits of any width, with anything between them.
+    tries : int
+        Number of wrong tries that the page knew of. A try that is sent again, by a double click or
+        a reload, counts once.
 
     Raises
     ------
@@ -221,7 +224,8 @@ def check_sound(
         if digits == study_session.sound_digits:
             study_session.sound_checked_at = clock.now()
             return True
-        study_session.sound_tries += 1
+        if tries == study_session.sound_tries:
+            study_session.sound_tries += 1
         return False
 
 

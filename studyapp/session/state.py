@@ -52,7 +52,7 @@ def find_study_session(session: Session, token: str, *, to_change: bool = True) 
     if study_session is None:
         raise UnknownAddressError(
             "This address belongs to no participant of this study.",
-            "Please open the link you were given once more; nothing you answered is lost.",
+            "Please open the link you were given once more.",
         )
     parameters = {"id": study_session.id}
     place = session.scalars(PLACE, parameters).one_or_none()

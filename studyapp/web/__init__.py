@@ -17,11 +17,13 @@ identifies the participant. What programs may rely on:
 ``GET /take/<token>``           where the participant stands: sound check, questions,
                                 instructions, a trial, a break, the end.
 ``POST /take/<token>/sound-check``  the form ``<form id="sound-check">``: ``digits`` as they are
-                                spoken in the ``src`` of its page's ``<audio>``; after three
-                                others, the page has a form to leave (``/unheard``).
+                                spoken in the ``src`` of its page's ``<audio>``, and a hidden
+                                ``tries``, the wrong tries so far, by which one that is sent again
+                                counts once; after three, the page has a form to leave
+                                (``/unheard``).
 ``POST /take/<token>/form/<stage>``  more such questions, ``demographics`` or ``closing``.
 ``POST /take/<token>/begin``    the instructions' form; after a wrong first try it holds a hidden
-                                ``second-try``, without which a try is the first one, sent again.
+                                ``tries`` too.
 ``POST /take/<token>/break``    the form ``<form id="break">``: ``position`` alone, of the trial
                                 that comes after the break.
 ``POST /take/<token>/answers``  the trial's form ``<form id="answers">``: a hidden ``trial`` and

@@ -66,7 +66,7 @@ def begin_trials(token: str) -> ResponseReturnValue:
             token,
             site.clock,
             answers=comprehension,
-            is_second_try="second-try" in request.form,
+            tries=known_tries(),
         )
     except UnacceptableError as refusal:
         problem = note_and_explain(refusal)
@@ -280,6 +280,11 @@ def problems_of(stage: Stage, form_answers: Mapping[str, str]) -> dict[str, str]
     """Return in words why answers to questions of `stage` cannot be accepted, by question."""
     problems = find_problems(study_site().study, stage, form_answers)
     return {name: say(problem) for name, problem in problems.items()}
+
+
+def known_tries() -> int:
+    """Return the number of tries that the submitted form's page knew of."""
+    return request.form.get("tries", 0, type=int)
 
 
 def form_fields() -> dict[str, str]:

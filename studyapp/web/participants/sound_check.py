@@ -16,7 +16,11 @@ from studyapp.session.refusal import UnacceptableError
 from studyapp.study.settings.presentation import Language
 from studyapp.web.errors import note_and_explain
 from studyapp.web.language import _
-from studyapp.web.participants.participant import current_page, redirect_to_current_page
+from studyapp.web.participants.participant import (
+    current_page,
+    known_tries,
+    redirect_to_current_page,
+)
 from studyapp.web.site import study_site
 
 RECORDINGS: Final = Path(__file__).parents[1] / "digit_recordings"
@@ -85,7 +89,9 @@ def check(token: str) -> ResponseReturnValue:
     site = study_site()
     typed = request.form.get("digits", "")
     try:
-        is_right = check_sound(site.database, site.served, token, typed, site.clock)
+        is_right = check_sound(
+            site.database, site.served, token, typed, site.clock, tries=known_tries()
+        )
         problem = _("Those are not the digits that were spoken. Please try once more.")
     except UnacceptableError as refusal:
         is_right, problem = False, note_and_explain(refusal)

@@ -261,6 +261,8 @@ def test_an_invitation_admits_one_person_and_viewing_it_does_not_use_it_up(
     # People who did not understand the instructions cannot come back by it.
     tries = [submit(first.client, first.page(), judged="the clothes") for _ in range(2)]
     assert [answer.status_code for answer in tries] == [422, 403]
+    forged = {"form:judged": "the clothes", "tries": "1"}
+    assert first.client.post(f"{first.address}/begin", data=forged).status_code == 404
     assert app.test_client().get(f"/{query}").status_code == 403
     assert stored_in(app, select(StudyVersion.screened_by_comprehension)) == [1]
 

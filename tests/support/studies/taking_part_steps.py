@@ -86,8 +86,8 @@ class Participant:
         """Ask a service in this participant's name."""
         return service(self.database, self.served, self.token, *asked, clock=self.clock, **more)
 
-    def begin(self, *, is_second_try: bool = False, **answers: str) -> Participant:
-        self.do(start_trials, answers=answers, is_second_try=is_second_try)
+    def begin(self, *, tries: int = 0, **answers: str) -> Participant:
+        self.do(start_trials, answers=answers, tries=tries)
         return self
 
     def look(self) -> Situation:
