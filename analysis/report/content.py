@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Literal
 from markupsafe import Markup
 
 from analysis.metrics.scores import StudyMetrics
+from analysis.results.heterogeneity import PreferredPair
 from analysis.results.known_values import KnownValue
-from analysis.results.preferred_pairs import PreferredPair
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,9 +1,9 @@
-"""Whether an effect is the same for every emotion, segment and speaker, for `results.json`."""
+"""Where an effect lies: in emotions, speakers and segments, and in single pairs of clips."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeVar
 
@@ -12,7 +12,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.answers.table import AnswerTable
-from analysis.results.grouping import ConditionKey, PairKey, ResultKey, codes, split_by_key
+from analysis.results.grouping import (
+    ConditionKey,
+    PairKey,
+    ResultKey,
+    codes,
+    shown_codes,
+    split_by_key,
+)
 from analysis.results.net_preference import sided
 from analysis.stats.clustered_mean import UNTESTED, Estimate, clustered_mean
 from analysis.stats.f_tests import FTest, between_groups, between_segments
@@ -229,4 +236,113 @@ def correct_tests(results: Sequence[AnyHeterogeneity]) -> tuple[AnyHeterogeneity
             test=replace(result.test, p_holm=p_holm),
         )
         for result, p_holm in zip(results, tests, strict=True)
+    )
+
+
+MOST_PAIRS: Final = 12
+"""Pairs that a reader looks at; of more, those at both ends of the order are kept."""
+
+_CLIPS: Final = ["first", "second", "segment"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PreferredPair:
+    """Two clips of one segment, and how often the first was preferred.
+
+    Attributes
+    ----------
+    segment, first, second : str
+        Segment and conditions; the first is the one that comes first in the table.
+    win_shares : mapping of str to float
+        By question, in [0, 1], ties counting one half.
+    answers : mapping of str to int
+        How many each share rests on.
+    """
+
+    segment: str
+    first: str
+    second: str
+    win_shares: Mapping[str, float]
+    answers: Mapping[str, int]
+
+
+def preferred_pairs(table: AnswerTable, analysed: pd.DataFrame) -> tuple[PreferredPair, ...]:
+    """Return, for every two conditions, the segments in which the first won most and least.
+
+    They are sorted by the win share on the table's first question, the highest first. Of ratings
+    and rankings, the clip that a participant placed higher won. A mismatch task has no pairs,
+    since nobody compares conditions there.
+
+    Parameters
+    ----------
+    table : AnswerTable
+        The answers.
+    analysed : DataFrame
+        Those of them that are analysed.
+    """
+    if table.protocol == "mismatch" or analysed.empty:
+        return ()
+    wins = (
+        _pair_wins(analysed)
+        if table.protocol == "pairwise"
+        else _placed_wins(table.protocol, analysed)
+    )
+    shares = wins.groupby([*_CLIPS, "question"], sort=False)["win"].agg(["mean", "size"])
+    shares = shares.reset_index()
+    first_question = shares[shares["question"] == table.questions[0]]
+    ordered = first_question.sort_values(["mean", *_CLIPS], ascending=[False, True, True, True])
+    by_pair = ordered.groupby(["first", "second"])
+    ends = ordered[ordered.index.isin([*by_pair.head(1).index, *by_pair.tail(1).index])]
+    if len(ends) > MOST_PAIRS:
+        ends = pd.concat([ends.head(MOST_PAIRS // 2), ends.tail(MOST_PAIRS // 2)])
+    return tuple(_pair(table, clips, shares) for clips in ends[_CLIPS].itertuples(index=False))
+
+
+def _pair(table: AnswerTable, clips: tuple[int, int, str], shares: pd.DataFrame) -> PreferredPair:
+    first, second, segment = clips
+    rows = shares[(shares[_CLIPS] == list(clips)).all(axis=1)]
+    questions = rows["question"].tolist()
+    return PreferredPair(
+        segment=segment,
+        first=table.conditions[first],
+        second=table.conditions[second],
+        win_shares=dict(zip(questions, rows["mean"].tolist(), strict=True)),
+        answers=dict(zip(questions, rows["size"].tolist(), strict=True)),
+    )
+
+
+def _pair_wins(answers: pd.DataFrame) -> pd.DataFrame:
+    """Return whether the first of two videos shown together won, a row for each answer."""
+    pair = shown_codes(answers)
+    return pd.DataFrame(
+        {
+            "first": pair["a"],
+            "second": pair["b"],
+            "segment": answers["segment"].astype(str),
+            "question": answers["question"].astype(str),
+            "win": sided(answers).wins,
+        }
+    )
+
+
+def _placed_wins(protocol: str, answers: pd.DataFrame) -> pd.DataFrame:
+    """Return whether the first won of every two clips that a participant rated or ranked."""
+    together = ["participant", "set", "segment", "question"]
+    placed = pd.DataFrame(
+        {
+            **{name: answers[name].astype(str) for name in together},
+            "condition": shown_codes(answers)["condition"],
+            "value": answers["value"].to_numpy(float) * (-1 if protocol == "ranking" else 1),
+        }
+    )
+    both = placed.merge(placed, on=together, suffixes=("_first", "_second"))
+    both = both[both["condition_first"] < both["condition_second"]]
+    return pd.DataFrame(
+        {
+            "first": both["condition_first"],
+            "second": both["condition_second"],
+            "segment": both["segment"],
+            "question": both["question"],
+            "win": (np.sign(both["value_first"] - both["value_second"]) + 1) / 2,
+        }
     )

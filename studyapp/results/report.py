@@ -17,7 +17,7 @@ from analysis.metrics.score_tables import metrics_document
 from analysis.report import Subject, wording, write_report
 from analysis.report.content import PlayableMotion
 from analysis.report.page import TASKS
-from analysis.results.preferred_pairs import PreferredPair, preferred_pairs
+from analysis.results.heterogeneity import PreferredPair, preferred_pairs
 from analysis.results.report import Settings, Source, TableReport, analyse_answers
 from motion.files import harmless_frame, replacing
 from motion.segment import Segment

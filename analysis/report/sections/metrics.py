@@ -17,7 +17,7 @@ from analysis.report import wording
 from analysis.report.content import PlayablePair, Section, Subject, Table
 from analysis.report.sections.metric_table import ARROWS, Systems, TableColumn, metric_table
 from analysis.report.texts import table, template_file
-from analysis.results.preferred_pairs import PreferredPair
+from analysis.results.heterogeneity import PreferredPair
 from analysis.results.report import TableReport
 
 _PAPERS: Final = tomllib.loads(template_file("papers.toml"))
