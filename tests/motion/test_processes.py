@@ -4,7 +4,10 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
+
+from motion.processes import ProcessPool
 
 # Each process runs the head of this program while it loads.
 PROGRAM = """
@@ -37,3 +40,9 @@ def test_processes_that_are_interrupted_while_they_load_end_without_a_word(tmp_p
         assert process.stdout.read(3) == "..."
         os.killpg(process.pid, signal.SIGINT)
         assert process.communicate() == ("interrupted\n", "")
+
+
+def test_leaving_a_pool_cancels_the_tasks_that_wait() -> None:
+    with ProcessPool(1) as pool:
+        tasks = [pool.submit(time.sleep, 0.2) for _ in range(9)]
+    assert tasks[-1].cancelled()

@@ -28,7 +28,7 @@ class Pass:
     learning_rate : float or None
         None for the training's. It decays as the training's does.
     every : int
-        It is made in each so-manieth step, the first one among them.
+        Its interval in steps, counted from `first`.
     first : int
         The step at which it starts, from 0.
     end : int or None

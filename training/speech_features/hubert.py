@@ -226,7 +226,7 @@ def load_hubert(folder: Path) -> Hubert:
 
 
 def check_hubert(folder: Path) -> None:
-    """Return the problem of a HuBERT folder; nothing is loaded."""
+    """Raise `InputError` unless a folder holds HuBERT; nothing is loaded."""
     width = _HUBERT_FOLDER.check(folder).get("hidden_size")
     if width != FEATURES:
         raise _HUBERT_FOLDER.error(
