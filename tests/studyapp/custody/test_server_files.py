@@ -122,6 +122,7 @@ def test_the_unit_quotes_the_folder() -> None:
 
     words = [word.replace("%%", "%") for word in shlex.split(command)]
 
+    assert "%" not in command.replace("%%", "")
     assert words[1:] == ["serve", str(HOSTILE), "--port", "8000"]
 
 

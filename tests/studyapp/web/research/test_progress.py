@@ -80,7 +80,7 @@ def test_only_owners_search_and_sort_by_recruiters_names(
     with log_in.stored.writing() as session:
         session.get_one(StudySession, 2).recruiter_participant = "5d33f9"
     owner, analyst = log_in("owner"), log_in("analyst")
-    called, order = f"{LIST}?called=5d33f9", f"{LIST}?order=recruiter"
+    called, order = f"{LIST}?called=5D33F9", f"{LIST}?order=recruiter"
 
     assert owner.client.get(called).location == f"{LIST}/2"
     assert "No study session is called" in analyst.get(called).text
