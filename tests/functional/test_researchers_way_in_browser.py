@@ -219,7 +219,7 @@ def exclude(page: BrowserPage, pseudonym: str, look_at: LookAt) -> None:
     """Find a participant by the pseudonym of an export, and leave them out of the analysis."""
     go_to(page, "Study sessions")
     look_at("study-sessions")
-    page.get_by_label("Number or pseudonym").fill(pseudonym)
+    page.get_by_role("searchbox").fill(pseudonym)
     follow(page.get_by_role("button", name="Find"))
     expect(page.get_by_role("heading", level=1)).to_have_text("Study session 3")
     expect(page.locator(".facts").first).to_contain_text(pseudonym)

@@ -54,7 +54,7 @@ each_study = pytest.mark.parametrize("folder", STUDIES, indirect=True)
 @pytest.mark.parametrize(
     ("pattern", "spoilt", "problem"),
     [
-        (r"/begin", "/begun", r"/begun.*status 404"),
+        (r"/begin", "/begun", r"/begun.*status 405"),
         (r"<video(?!.*<video).*?</video>", "", "shows 1 video"),
         (r'src="/media/', 'src="/media/x', "a video that is not of this rehearsal"),
     ],
