@@ -39,7 +39,7 @@ _Data = TypeVar("_Data")
 
 JOINTS: Final = Kind("joints", "1", (None, JOINT_COUNT + 1, 3))
 FEATURES: Final = Kind("features", "1", (None, None))
-ONSETS: Final = Kind("onsets", "1", (None,))
+ONSETS: Final = Kind("onsets", "2", (None,))
 LANDMARKS: Final = Kind("landmarks", "1", (None, None, 3))
 DEPTHS: Final = Kind("depths", "1", (None,))
 
@@ -226,11 +226,12 @@ class Reader:
         recording, start, end = speech
 
         def compute() -> Array:
-            return speech_onsets(read_audio(recording).cut(start, last)).astype(np.float32)
+            audio = read_audio(recording)
+            excerpt = audio.cut(start, audio.duration if math.isinf(end) else end)
+            return np.append(speech_onsets(excerpt), excerpt.duration).astype(np.float32)
 
-        last = read_audio(recording).duration if math.isinf(end) else end
-        times = self.kept.array(ONSETS, recording, f"{start!r} {end!r}", compute)
-        return Onsets(times.astype(np.float64), last - start)
+        *times, duration = self.kept.array(ONSETS, recording, f"{start!r} {end!r}", compute)
+        return Onsets(np.array(times, np.float64), float(duration))
 
     def _measured(self, path: Path) -> MeasuredClip:
         setup, preset = self._setup, self._setup.preset

@@ -26,7 +26,7 @@ from tests.support.fingerprint import fingerprint
 
 # After an intended change, raise the version in the module and update the numbers here.
 JOINTS = {"1": [-0.7307, 0.09075]}
-ONSETS = {"1": [-3.59122]}
+ONSETS = {"2": [-3.59122]}
 FEATURES = {"1": {"gesture": [-0.016127], "body": [0.174932, -0.160979], "both": [0.005965]}}
 LANDMARKS = {"1": [0.006724]}
 DEPTHS = {"1": [-0.041798]}
