@@ -29,7 +29,7 @@ from studyapp.database.tables import (
 )
 from studyapp.researchers.audit import ERASED, log_change
 from studyapp.researchers.exclusion_decisions import erase_decisions
-from studyapp.researchers.pseudonyms import PseudonymKey
+from studyapp.researchers.pseudonyms import PseudonymKey, fold_name
 from studyapp.session.state import state_of
 from studyapp.session.trial_rows import new_token
 
@@ -163,21 +163,16 @@ def _find_sessions(
 
 
 def _match(study_session: StudySession, name: str, key: PseudonymKey | None) -> str:
-    name = _folded(name)
+    name = fold_name(name)
     if not name:
         return ""
-    if _folded(study_session.recruiter_participant or "") == name:
+    if fold_name(study_session.recruiter_participant or "") == name:
         return "recruiter id"
-    if _folded(study_session.completion_code or "") == name:
+    if fold_name(study_session.completion_code or "") == name:
         return "completion code"
     if key is not None and key.is_called(study_session, name):
         return "pseudonym"
     return ""
-
-
-def _folded(name: str) -> str:
-    """Return the same text for all ways to write a name: recruiters' ids ignore case."""
-    return name.strip().lower()
 
 
 def _count_rows(session: Session, number: int) -> dict[str, int]:
@@ -247,7 +242,7 @@ def _erase_screen_outs(session: Session, names: Sequence[str]) -> int:
 
 
 def _is_screen_out_of(names: Sequence[str]) -> ColumnElement[bool]:
-    return func.lower(ScreenOut.participant).in_(map(_folded, names))
+    return func.lower(ScreenOut.participant).in_(map(fold_name, names))
 
 
 def _names(study_session: StudySession, key: PseudonymKey | None) -> Iterator[str]:

@@ -170,11 +170,16 @@ def find_number_by_name(session: Session, key: PseudonymKey | None, name: str) -
     return next((number for number, pseudonym in named.items() if pseudonym == name), None)
 
 
+def fold_name(name: str) -> str:
+    """Return the same text for all ways to write a name: recruiters' ids ignore case."""
+    return name.strip().lower()
+
+
 def find_number_by_recruiter(session: Session, name: str) -> int | None:
     """Return the last study session of the participant whom a recruiter calls `name`, or None."""
     return session.scalar(
         select(func.max(StudySession.id)).where(
-            func.lower(StudySession.recruiter_participant) == name.strip().lower()
+            func.lower(StudySession.recruiter_participant) == fold_name(name)
         )
     )
 
