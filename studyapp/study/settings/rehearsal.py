@@ -13,7 +13,7 @@ EVERY_QUESTION: Final = "*"
 """Stands for all questions not listed."""
 
 Share = Annotated[float, Field(ge=0, le=1, strict=False)]
-Logits = Annotated[float, Field(ge=-20, le=20, allow_inf_nan=False, strict=False)]
+Logits = Annotated[float, Field(ge=-20, le=20, strict=False)]
 
 
 def _by_question(value: Any) -> Any:

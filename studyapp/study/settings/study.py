@@ -156,7 +156,7 @@ class Study(Section, ABC):
     catch: Catch = Catch()
     attention: Attention = Attention()
     exclusions: tuple[Exclusion, ...] | None = Field(None, max_length=20, strict=False)
-    margin: float | None = Field(None, gt=0, allow_inf_nan=False, strict=False)
+    margin: float | None = Field(None, gt=0, strict=False)
     evaluator: Annotated[tuple[Evaluator, ...], BeforeValidator(_as_tuple)] = Field(
         (), strict=False
     )

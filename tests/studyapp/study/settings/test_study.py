@@ -46,6 +46,7 @@ def changed(path: Path, **changes: Any) -> Path:
         ({"family": "the main ones"}, "not a family"),
         ({"evaluator": {"preset": "genea", "file": "x"}}, "preset"),
         ({"reference": "amuse"}, "reference 'amuse' is not a condition"),
+        ({"margin": float("inf")}, "margin: Input should be a finite number"),
         ({"practice": 20, "trials": 10}, "practice (20) is more than trials (10)"),
         ({"freeze": ["nose"]}, "freeze: unknown nose"),
         ({"conditions__rule_based__generator": "magic"}, "unknown generator 'magic'"),
