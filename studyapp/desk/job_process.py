@@ -43,7 +43,7 @@ STOPPING: Final = (
 def main(arguments: Sequence[str]) -> int:
     """Run the job in a folder to its end."""
     folder, lock = Path(arguments[0]), int(arguments[1])
-    os.nice(LESS_URGENT)
+    lower_priority()
     # A server that a script started in the background ignores it, and so would its children.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     job = Job.model_validate_json((folder / DESCRIPTION).read_bytes())
@@ -73,6 +73,19 @@ def main(arguments: Sequence[str]) -> int:
         update={"status": status, "ended_at": datetime.now(UTC), "stopped_by": stopped_by}
     ).write(folder)
     return 0
+
+
+def lower_priority() -> None:
+    """Let this session of processes come after the server's.
+
+    Linux may share the processors equally among sessions, whatever their processes' priorities
+    (autogroup, see sched(7)). A processor that only runs idle work counts as free for a request.
+    """
+    os.nice(LESS_URGENT)
+    with suppress(AttributeError, OSError):
+        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+    with suppress(OSError):
+        Path("/proc/self/autogroup").write_text("19", encoding="ascii")
 
 
 def _wait(process: subprocess.Popen[bytes], stop: Path) -> int:

@@ -98,6 +98,9 @@ def test_a_job_outlives_the_server_that_started_it(jobs: Path, tiny_study: Path)
     assert wait_for(jobs, "running").job.by == "Ada"
     running = running_processes(tiny_study)
     assert all(os.getpriority(os.PRIO_PROCESS, each) >= 10 for each in running)
+    assert all(os.sched_getscheduler(each) == os.SCHED_IDLE for each in running)
+    groups = [Path(f"/proc/{each}/autogroup") for each in running]
+    assert all(group.read_text().endswith("nice 19\n") for group in groups if group.exists())
     left = f"{PROCESSES}={max(1, len(os.sched_getaffinity(0)) - 1)}\0".encode()
     assert all(left in Path(f"/proc/{each}/environ").read_bytes() for each in running)
     wait_until_under_way(jobs)
