@@ -1,7 +1,9 @@
-"""A simulated participant, who takes the served study page by page."""
+"""A simulated participant and its browser, which take the served study page by page."""
 
 from __future__ import annotations
 
+import ssl
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import Event
@@ -11,13 +13,146 @@ import httpx
 
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.pages import BrokenPageError, FormFields, Page
+from studyapp.rehearsal.pages import BrokenPageError, Form, FormFields, Page, Player
 from studyapp.rehearsal.simulation.judgement import Conduct, Judgement, judge
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.rehearsal.simulation.raters import Rater, Sight
-from studyapp.rehearsal.visit import Departure, Visit
+from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.study.settings.study import Study
 from studyapp.web.participants.participant import FORM_FIELD
+
+REQUEST_SECONDS: Final = 60.0
+
+
+def study_client(server: str) -> httpx.Client:
+    """Return a client for one participant of the server at address `server`.
+
+    Every request opens a new connection. A server closes idle connections after some seconds, as
+    long as a participant may watch. A request sent at that moment would be lost, and only browsers
+    retry it.
+    """
+    return httpx.Client(
+        base_url=server,
+        follow_redirects=True,
+        timeout=REQUEST_SECONDS,
+        limits=httpx.Limits(max_keepalive_connections=0),
+        trust_env=False,
+        # The loopback needs no certificates, and loading them takes longer than a visit.
+        verify=ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT),
+        headers={"Accept": "text/html"},
+    )
+
+
+class Departure(Exception):  # noqa: N818 - not an error
+    """A participant has left.
+
+    Attributes
+    ----------
+    returns : bool
+        Whether the participant comes back later.
+    """
+
+    def __init__(self, *, returns: bool) -> None:
+        super().__init__()
+        self.returns = returns
+
+
+class InterruptedRehearsal(Exception):  # noqa: N818 - not an error
+    """The rehearsal stops; stored answers are kept."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Visit:
+    """A browser window of a participant.
+
+    Attributes
+    ----------
+    client : httpx.Client
+        Follows redirects.
+    stop : Event
+        Set when the rehearsal stops.
+    speed : float
+        Speed of the rehearsal's clock.
+    watches : float
+        Watched share of each video, in [0, 1].
+    thinks : float
+        Seconds on that clock between the last video and the answers.
+    clicks_twice : bool
+        Whether every button is pressed twice at once.
+    """
+
+    client: httpx.Client
+    stop: Event
+    speed: float
+    watches: float = 1.0
+    thinks: float = 0.0
+    clicks_twice: bool = False
+
+    def wait(self, seconds: float) -> None:
+        """Wait for `seconds` on the rehearsal's clock."""
+        if self.stop.wait(seconds / self.speed):
+            raise InterruptedRehearsal
+
+    def open(self, address: str) -> Page:
+        """Return the page at `address`, after redirects."""
+        return _page(self.client.get(address))
+
+    def send(self, page: Page, form: Form, answers: FormFields) -> Page:
+        """Send `form` of `page` with `answers` and return the page that follows.
+
+        Raises
+        ------
+        BrokenPageError
+            If it is not accepted; of two clicks, both must be.
+        """
+        data = page.fill(form, answers)
+        if self.stop.is_set():
+            raise InterruptedRehearsal
+        target = page.target(form)
+        if not self.clicks_twice:
+            return _page(self.client.post(target, data=data))
+        with ThreadPoolExecutor(2) as pool:
+            clicks = [pool.submit(self.client.post, target, data=data) for _ in range(2)]
+            return [_page(click.result()) for click in clicks][-1]
+
+    def watch(self, page: Page) -> None:
+        """Play the videos on `page` one after the other on the rehearsal's clock, and think."""
+        for player in page.players:
+            self._stream(page, player.source, "video")
+            self.wait(player.duration * self.watches)
+            self._report(page, player)
+        self.wait(self.thinks)
+
+    def listen(self, page: Page) -> None:
+        """Fetch the sounds on `page`."""
+        for source in page.sounds:
+            self._stream(page, source, "audio")
+
+    def _stream(self, page: Page, source: str, kind: str) -> None:
+        partial = self.client.get(source, headers={"Range": "bytes=0-1023"})
+        content_type = partial.headers.get("content-type", "")
+        is_kind = content_type.startswith(f"{kind}/")
+        if partial.status_code != httpx.codes.PARTIAL_CONTENT or not is_kind:
+            raise BrokenPageError(
+                page,
+                f"has {'a video' if kind == 'video' else 'a sound'} that cannot be streamed "
+                f"(status {partial.status_code}, {content_type or 'no'} content type)",
+            )
+
+    def _report(self, page: Page, player: Player) -> None:
+        played = {"batch": 0, "intervals": [[0.0, player.duration * self.watches]]}
+        response = self.client.post(player.watched_address, json=played)
+        if response.is_error:
+            raise BrokenPageError(
+                page, f"does not accept a report of watching (status {response.status_code})"
+            )
+
+
+def _page(response: httpx.Response) -> Page:
+    page = Page(str(response.url), response.text)
+    if response.is_error:
+        raise BrokenPageError(page, f"answered with status {response.status_code}")
+    return page
+
 
 MAX_REPEATS: Final = 3
 """How often an answered page may come back."""
@@ -41,8 +176,8 @@ class Participant:
         Speed of the rehearsal's clock.
     stop : Event
         Set when the rehearsal stops.
-    ledger : Ledger or None
-        The record of acknowledged answers.
+    ledger : Ledger
+        The record of what was acknowledged to participants.
     """
 
     name: str
@@ -52,15 +187,15 @@ class Participant:
     eyes: Eyes
     speed: float
     stop: Event
-    ledger: Ledger | None = None
+    ledger: Ledger
 
     @property
-    def entrance(self) -> str:
+    def _entrance(self) -> str:
         """Its link to the study."""
         return f"/?PROLIFIC_PID={self.name}&STUDY_ID=rehearsal&SESSION_ID={self.name}"
 
     @cached_property
-    def about(self) -> FormFields:
+    def _about(self) -> FormFields:
         """Its answers to all forms."""
         return {
             f"{FORM_FIELD}{question.name}": (question.example,)
@@ -71,7 +206,8 @@ class Participant:
     def take_part(self, client: httpx.Client, *, is_back: bool = False) -> str:
         """Take part from the link to the end, and return the completion code.
 
-        An earlier study session is continued if the server knows the link.
+        An earlier study session is continued if the server knows the link. The ledger records
+        each acknowledgement.
 
         Parameters
         ----------
@@ -87,8 +223,10 @@ class Participant:
         InterruptedRehearsal
             If the rehearsal was stopped.
         """
+        if is_back:
+            self.ledger.returned(self.name)
         visit = Visit(client=client, stop=self.stop, speed=self.speed)
-        page = visit.open(self.entrance)
+        page = visit.open(self._entrance)
         before: tuple[str, str] | None = None
         same = 0
         reopened = False
@@ -100,15 +238,19 @@ class Participant:
                 raise BrokenPageError(page, "comes back although it was answered")
             before = step
             if not page.is_trial:
-                page = self.fill(visit, page, self.form_answers(visit, page))
+                page = self.fill(visit, page, self._form_answers(visit, page))
                 continue
             sight = self.eyes.look(page)
             position = sight.trial.position
-            conduct = self.conduct(sight)
+            rater = Rater(population=self.population, seed=self.seed, name=sight.rater)
+            coverage = self.study.watching.coverage
+            conduct = Conduct(rater=rater, trials=sight.trials, coverage=coverage)
             if conduct.leaves_at == position and not is_back:
+                if conduct.returns:
+                    self.ledger.left(self.name)
                 raise Departure(returns=conduct.returns)
             if conduct.clicks_twice and not reopened:
-                page, reopened = visit.open(self.entrance), True
+                page, reopened = visit.open(self._entrance), True
                 continue
             visit = replace(
                 visit,
@@ -116,12 +258,10 @@ class Participant:
                 thinks=conduct.thinks(position),
                 clicks_twice=conduct.clicks_twice,
             )
-            judgement = self.judgement(sight)
+            judgement = judge(self.study, rater, sight.trial)
             page = self.answer(visit, page, judgement)
-            if self.ledger is not None:
-                self.ledger.answered(self.name, trial, judgement.values)
-        if self.ledger is not None:
-            self.ledger.completed(self.name, code)
+            self.ledger.answered(self.name, trial, judgement.values)
+        self.ledger.completed(self.name, code)
         return code
 
     def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
@@ -133,24 +273,11 @@ class Participant:
         """Send the form of `page` and return the page that follows."""
         return visit.send(page, page.next_form, answers)
 
-    def form_answers(self, visit: Visit, page: Page) -> FormFields:
+    def _form_answers(self, visit: Visit, page: Page) -> FormFields:
         """Listen to the sounds of `page`, and return this participant's answers to its form."""
         visit.listen(page)
         questions = page.next_form.questions
-        known = {name: answer for name, answer in self.about.items() if name in questions}
+        known = {name: answer for name, answer in self._about.items() if name in questions}
         if not page.sounds:
             return known
-        return known | dict.fromkeys(sorted(questions - set(known)), (self.eyes.hear(page),))
-
-    def judgement(self, sight: Sight) -> Judgement:
-        """Return this participant's answers to a trial."""
-        return judge(self.study, self._rater(sight), sight.trial)
-
-    def conduct(self, sight: Sight) -> Conduct:
-        """Return how this participant takes part, given a trial."""
-        return Conduct(
-            rater=self._rater(sight), trials=sight.trials, coverage=self.study.watching.coverage
-        )
-
-    def _rater(self, sight: Sight) -> Rater:
-        return Rater(population=self.population, seed=self.seed, name=sight.rater)
+        return known | dict.fromkeys(questions - set(known), (self.eyes.hear(page),))

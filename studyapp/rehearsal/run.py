@@ -16,11 +16,10 @@ from studyapp.database.engine import Database, sqlite_url
 from studyapp.rehearsal import SPEED
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.participant import Departure, Participant, study_client
 from studyapp.rehearsal.resumption import Roster, expire_leases, prepare, read_roster
 from studyapp.rehearsal.server import rehearsal_server
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.rehearsal.visit import Departure, study_client
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder, lock_folder
 from studyapp.study.settings.study import Study
@@ -107,7 +106,7 @@ def rehearse(
         # An exclusion or a dropout may release a place for another participant.
         while roster.remaining:
             expire_leases(database, roster, study.lease_minutes)
-            template = Participant(
+            anybody = Participant(
                 name="",
                 study=study,
                 population=truth.population,
@@ -115,9 +114,9 @@ def rehearse(
                 eyes=Eyes(database),
                 speed=speed,
                 stop=Event(),
+                ledger=Ledger(folder.acknowledged),
             )
-            crowd = Crowd(template=template, ledger=Ledger(folder.acknowledged), server=server)
-            crowd.take_part(roster, workers=workers, on_done=on_done)
+            _let_take_part(roster, anybody, server, workers=workers, on_done=on_done)
             roster = read_roster(database, count, truth)
         expire_leases(database, roster, study.lease_minutes)
     return RehearsalResult(
@@ -148,88 +147,70 @@ STAGGER_SECONDS: Final = 0.05
 """Between the first arrivals."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Crowd:
-    """The participants of one run.
+def _let_take_part(
+    roster: Roster,
+    anybody: Participant,
+    server: str,
+    *,
+    workers: int,
+    on_done: Callable[[int, int], None],
+) -> None:
+    """Let the remaining participants of `roster` take part; the first error stops all.
 
-    Attributes
+    Participants who leave and come back do so after all others have arrived.
+
+    Parameters
     ----------
-    template : Participant
+    anybody : Participant
         A participant without a name.
-    ledger : Ledger
-        The record of acknowledged answers.
     server : str
         Address of the study's server.
+
+    Raises
+    ------
+    InputError
+        If a page lacks something, or the server does not answer.
     """
+    away = anybody.ledger.read().away
+    done = roster.total - len(roster.remaining)
+    with ThreadPoolExecutor(workers, thread_name_prefix="participant") as pool:
 
-    template: Participant
-    ledger: Ledger
-    server: str
+        def submit(name: str, *, delay: float, is_back: bool) -> Future[bool]:
+            person = replace(anybody, name=name)
+            return pool.submit(_visit, person, server, delay=delay, is_back=is_back)
 
-    def take_part(
-        self, roster: Roster, *, workers: int, on_done: Callable[[int, int], None]
-    ) -> None:
-        """Let the remaining participants of `roster` take part; the first error stops all.
-
-        Participants who leave and come back do so after all others have arrived.
-
-        Parameters
-        ----------
-        roster : Roster
-            The state of the participants.
-        workers : int
-            Number of participants at the same time.
-        on_done : callable
-            Called with (finished or dropped out, total) after each.
-
-        Raises
-        ------
-        InputError
-            If a page lacks something, or the server does not answer.
-        """
-        away = self.ledger.read().away
-        done = roster.total - len(roster.remaining)
-        with ThreadPoolExecutor(workers, thread_name_prefix="participant") as pool:
-
-            def submit(name: str, *, delay: float, is_back: bool) -> Future[bool]:
-                return pool.submit(self._take_part, name, delay=delay, is_back=is_back)
-
-            try:
-                visits = {
-                    submit(
-                        name, delay=min(index, workers) * STAGGER_SECONDS, is_back=name in away
-                    ): name
-                    for index, name in enumerate(roster.remaining)
-                }
-                while visits:
-                    for visit in wait(visits, return_when=FIRST_COMPLETED).done:
-                        name = visits.pop(visit)
-                        if visit.result():
-                            done += 1
-                            on_done(done, roster.total)
-                        else:
-                            visits[submit(name, delay=0.0, is_back=True)] = name
-            finally:
-                self.template.stop.set()
-                pool.shutdown(cancel_futures=True)
-
-    def _take_part(self, name: str, *, delay: float, is_back: bool) -> bool:
-        """Let one participant take part; return whether they are finished or gone."""
-        self.template.stop.wait(delay)
-        participant = replace(self.template, name=name, ledger=self.ledger)
-        if is_back:
-            self.ledger.returned(name)
         try:
-            with study_client(self.server) as client:
-                participant.take_part(client, is_back=is_back)
-        except Departure as departure:
-            if departure.returns:
-                self.ledger.left(name)
-            return not departure.returns
-        except httpx.TransportError as error:
-            raise InputError(
-                f"the study's server no longer answers ({error})",
-                where=self.server,
-                remedy="Run the command again to continue",
-            ) from error
-        return True
+            visits = {
+                submit(
+                    name, delay=min(index, workers) * STAGGER_SECONDS, is_back=name in away
+                ): name
+                for index, name in enumerate(roster.remaining)
+            }
+            while visits:
+                for visit in wait(visits, return_when=FIRST_COMPLETED).done:
+                    name = visits.pop(visit)
+                    if visit.result():
+                        done += 1
+                        on_done(done, roster.total)
+                    else:
+                        visits[submit(name, delay=0.0, is_back=True)] = name
+        finally:
+            anybody.stop.set()
+            pool.shutdown(cancel_futures=True)
+
+
+def _visit(person: Participant, server: str, *, delay: float, is_back: bool) -> bool:
+    """Let somebody take part; return whether they are finished or gone."""
+    person.stop.wait(delay)
+    try:
+        with study_client(server) as client:
+            person.take_part(client, is_back=is_back)
+    except Departure as departure:
+        return not departure.returns
+    except httpx.TransportError as error:
+        raise InputError(
+            f"the study's server no longer answers ({error})",
+            where=server,
+            remedy="Run the command again to continue",
+        ) from error
+    return True

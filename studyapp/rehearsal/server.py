@@ -19,7 +19,6 @@ from typing import IO, Final
 import httpx
 
 from motion.errors import InputError
-from studyapp.rehearsal.visit import study_client
 from studyapp.study.folder import StudyFolder
 from studyapp.web.mounting import HEALTH
 from studyapp.web.server import run_server
@@ -102,7 +101,7 @@ def free_port() -> int:
 def _is_up(process: subprocess.Popen[bytes], address: str) -> bool:
     """Wait until the server answers; return False if it ended or takes too long."""
     deadline = time.monotonic() + START_SECONDS
-    with study_client(address) as client:
+    with httpx.Client(base_url=address, trust_env=False) as client:
         while time.monotonic() < deadline and process.poll() is None:
             with suppress(httpx.TransportError):
                 if client.get(HEALTH).is_success:

@@ -21,12 +21,12 @@ import pytest
 from playwright.sync_api import Browser, expect
 from playwright.sync_api import Page as BrowserPage
 
+from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.pages import FormFields, Page
-from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.participant import Participant, Visit, study_client
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.population import default_population
-from studyapp.rehearsal.visit import Visit, study_client
 from studyapp.study.folder import StudyFolder
 from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, watched_page
 from tests.functional.joining import NAME, join
@@ -325,6 +325,7 @@ def arriving_crowd(
             eyes=Eyes(database),
             speed=AS_REAL,
             stop=stop,
+            ledger=Ledger(study.parent / "acknowledged.jsonl"),
             remark=remark,
         )
 

@@ -8,10 +8,8 @@ from threading import Event
 
 import httpx
 from flask import Flask
-from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant
@@ -57,23 +55,8 @@ def participant_of(folder: StudyFolder, database: Database, name: str = "p1") ->
         eyes=Eyes(database),
         speed=SPEED,
         stop=Event(),
+        ledger=Ledger(folder.acknowledged),
     )
-
-
-def require_stored_as_acknowledged(database: Database, ledger: Ledger, people: int = 1) -> None:
-    """Require that this many finished, and that every acknowledged answer is stored once."""
-    told = ledger.read().answers
-    with database.reading() as session:
-        study_sessions = session.scalars(select(StudySession)).all()
-        assert [each.completed_at is not None for each in study_sessions] == [True] * people
-        stored = [
-            ((trial.token, response.question, response.stimulus or 0), response.value)
-            for each in study_sessions
-            for trial in each.trials
-            for response in trial.responses
-        ]
-    assert len(stored) == len(told) > 0
-    assert dict(stored) == told
 
 
 def seen_of(planned: PlannedTrial) -> SeenTrial:

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
 from flask import Flask
+from sqlalchemy import select
 
-from studyapp.rehearsal.bookkeeping import Ledger
+from studyapp.database.tables import StudySession, Trial
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.participant import Departure, Participant
 from studyapp.rehearsal.simulation.judgement import Judgement, judge
 from studyapp.rehearsal.simulation.population import Kind, Population, default_population
 from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
-from studyapp.rehearsal.visit import Departure
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.settings.study import Study
 from tests.studyapp.rehearsal.protocol_studies import definition
-from tests.studyapp.rehearsal.steps import browser, require_stored_as_acknowledged, seen_of
+from tests.studyapp.rehearsal.steps import browser, seen_of
 from tests.support.studies.made_study import make_segments
 
 SEGMENTS = make_segments(["anger", "fear", "sadness"])
@@ -97,11 +97,10 @@ def test_side_biased_raters_prefer_one_end_of_the_page(study: Study) -> None:
 
 @pytest.mark.parametrize("kind", ["returning", "double_clicking", "hasty"])
 def test_every_answer_of_every_kind_of_participant_is_stored_once(
-    app: Flask, participant: Participant, eyes: Eyes, kind: Kind, tmp_path: Path
+    app: Flask, participant: Participant, eyes: Eyes, kind: Kind
 ) -> None:
     people = replace(participant.population, kinds={kind: 1.0})
-    ledger = Ledger(tmp_path / "told" / "acknowledged.jsonl")
-    person = replace(participant, population=people, ledger=ledger)
+    person = replace(participant, population=people)
     is_back = kind == "returning"
     if is_back:
         with browser(app) as client, pytest.raises(Departure) as departure:
@@ -109,5 +108,15 @@ def test_every_answer_of_every_kind_of_participant_is_stored_once(
         assert departure.value.returns
     with browser(app) as client:
         code = person.take_part(client, is_back=is_back)
-    assert ledger.read().codes == {person.name: code}
-    require_stored_as_acknowledged(eyes.database, ledger)
+    acknowledged = person.ledger.read()
+    assert acknowledged.codes == {person.name: code}
+    assert acknowledged.left == acknowledged.returned == Counter([person.name] * is_back)
+    with eyes.database.reading() as session:
+        assert session.scalars(select(StudySession.completed_at)).one() is not None
+        stored = [
+            ((trial.token, response.question, response.stimulus or 0), response.value)
+            for trial in session.scalars(select(Trial))
+            for response in trial.responses
+        ]
+    assert len(stored) == len(acknowledged.answers) > 0
+    assert dict(stored) == acknowledged.answers

@@ -12,13 +12,12 @@ from motion.errors import InputError
 from studyapp.database.tables import Response, StudySession
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.participant import Departure, Participant
 from studyapp.rehearsal.recovered import Recovery, recover
 from studyapp.rehearsal.recovery_page import write_recovery
 from studyapp.rehearsal.resumption import expire_leases, read_roster
 from studyapp.rehearsal.simulation.population import Kind
 from studyapp.rehearsal.simulation.truth import Truth, expectations, write_truth
-from studyapp.rehearsal.visit import Departure
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.rehearsal.steps import browser
 from tests.support.studies.stored import writing
@@ -38,11 +37,8 @@ def rehearsed(
         ),
     )
     write_truth(folder.rehearsal_truth, truth)
-    ledger = Ledger(folder.acknowledged)
     for number in range(4):
-        person = replace(
-            participant, name=f"rehearsal-{number:05d}", population=people, ledger=ledger
-        )
+        person = replace(participant, name=f"rehearsal-{number:05d}", population=people)
         with browser(app) as client:
             try:
                 person.take_part(client)

@@ -20,6 +20,7 @@ from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import StudySession
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.run import rehearse
+from studyapp.rehearsal.server import rehearsal_server
 from studyapp.rehearsal.simulation.judgement import Conduct, judge
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.simulation.raters import Rater
@@ -208,3 +209,12 @@ def test_a_rehearsal_with_more_participants_than_places_is_refused(folder: Study
     with pytest.raises(InputError, match=r"4 participants .* 3 places.*study\.toml|study\.toml.*4"):
         rehearse(folder, participants=4)
     assert not folder.rehearsal.exists()
+
+
+def test_a_server_that_cannot_start_says_why(folder: StudyFolder) -> None:
+    folder.stimuli.write_text("{")
+    with (
+        pytest.raises(InputError, match=r"did not start.*stimuli\.json"),
+        rehearsal_server(folder, speed=100),
+    ):
+        raise AssertionError("it is served")

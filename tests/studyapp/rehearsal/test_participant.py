@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import shutil
+import socket
+import threading
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -17,7 +19,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.rehearsal.eyes import Eyes, read_trial
 from studyapp.rehearsal.pages import BrokenPageError
-from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.participant import Participant, study_client
 from studyapp.rehearsal.simulation.judgement import judge
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.study.folder import StudyFolder
@@ -106,3 +108,24 @@ def test_a_simulated_participant_completes_all_pages_and_its_answers_are_stored(
     with browser(app) as client:
         assert participant.take_part(client) == code
     require_stored_as_said(eyes.database, participant)
+
+
+REQUESTS = 3
+
+
+def test_a_connection_closed_between_requests_loses_no_request() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        listener.settimeout(60)
+
+        def serve() -> None:
+            """Serve one request of each connection, and close it on the second one."""
+            for _ in range(REQUESTS):
+                connection, _address = listener.accept()
+                with connection:
+                    connection.recv(65536)
+                    connection.sendall(b"HTTP/1.1 200 OK\r\nContent-Length: 3\r\n\r\nyes")
+                    connection.recv(65536)
+
+        threading.Thread(target=serve, daemon=True).start()
+        with study_client(f"http://127.0.0.1:{listener.getsockname()[1]}") as client:
+            assert [client.get("/").status_code for _ in range(REQUESTS)] == [200] * REQUESTS
