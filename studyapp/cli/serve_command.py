@@ -20,10 +20,10 @@ from studyapp.custody.deployment import (
     PORT,
     PROXIES,
     DatabaseKind,
+    Deployment,
     Proxy,
-    plan_deployment,
+    write_deployment,
 )
-from studyapp.custody.server_files import write_deployment
 from studyapp.database.engine import Database, database_url_of
 from studyapp.desk.server import open_desk, run_desk
 from studyapp.recruitment.invitations import make_test_participation
@@ -275,7 +275,7 @@ def deploy_command(
 
     docs/deploy.md explains step by step what to do with them.
     """
-    deployment = plan_deployment(
+    deployment = Deployment(
         title=folder.study().title,
         folder=PurePosixPath(folder_there) if folder_there else folder.root.resolve(),
         host=host,

@@ -1,11 +1,16 @@
-"""The validated names, addresses and paths in the files of a server."""
+"""The files that a public server needs to serve a study."""
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path, PurePosixPath
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from pydantic import AfterValidator, BaseModel, ConfigDict
 
 from motion.errors import InputError
 from studyapp.web.mounting import checked_prefix
@@ -19,32 +24,77 @@ DATABASES: Final[tuple[DatabaseKind, ...]] = ("sqlite", "postgresql")
 STUDIES: Final = PurePosixPath("/srv/motionjury")
 """The folder of studies on a server."""
 
-INSTALLED: Final = PurePosixPath("/opt/motionjury")
-"""The installation of Motion Jury on a server."""
-
 PORT: Final = 8000
 
-LABEL: Final = r"[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?"
-HOST: Final = re.compile(rf"({LABEL}\.)*{LABEL}")
-MAX_HOST_LENGTH: Final = 253
-NAME: Final = re.compile(r"[a-z0-9]([a-z0-9-]{0,30}[a-z0-9])?")
-MAIL: Final = re.compile(r"[A-Za-z0-9._+-]{1,64}@(.+)")
-UNSAFE: Final = re.compile(r"""[\x00-\x1f\x7f"'`$\\]""")
+_LABEL: Final = r"[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?"
+_HOST: Final = re.compile(rf"({_LABEL}\.)*{_LABEL}")
+_MAX_HOST_LENGTH: Final = 253
+_NAME: Final = re.compile(r"[a-z0-9]([a-z0-9-]{0,30}[a-z0-9])?")
+_MAIL: Final = re.compile(r"[A-Za-z0-9._+-]{1,64}@(.+)")
+_UNSAFE: Final = re.compile(r"""[\x00-\x1f\x7f"'`$\\]""")
 """Characters that a folder's name must not contain, since not every file can quote them."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Deployment:
-    """One study on one server.
+def _one_line(title: str) -> str:
+    """Return `title` in a form that systemd can show within quotes."""
+    words = " ".join(title.split())
+    return "".join(c for c in words if c.isprintable()).replace('"', "'").replace("\\", "/")
+
+
+def _check_folder(folder: PurePosixPath) -> PurePosixPath:
+    if not folder.is_absolute() or ".." in folder.parts or _UNSAFE.search(str(folder)):
+        raise InputError(
+            "a service cannot use this folder",
+            where=f"folder {str(folder)!r}",
+            remedy="Give the absolute path on the server, without quotes, $ and \\",
+        )
+    if _NAME.fullmatch(_service_name(folder)) is None:
+        raise InputError(
+            "no service or database can be named after this folder",
+            where=f"folder {str(folder)!r}",
+            remedy="On the server, use a name of up to 32 letters a to z, digits and '-', such as "
+            f"{STUDIES}/gestures-2",
+        )
+    return folder
+
+
+def _service_name(folder: PurePosixPath) -> str:
+    return folder.name.lower().replace("_", "-").replace(" ", "-")
+
+
+def _check_host(text: str) -> str:
+    host = text.lower()
+    is_number = host.rpartition(".")[2].isdigit()
+    if _HOST.fullmatch(host) is None or len(host) > _MAX_HOST_LENGTH or is_number:
+        raise InputError(
+            "this is not a host name",
+            where=f"host {text!r}",
+            remedy="Give only the name, such as study.example.org, without https://, port and "
+            "path; write letters other than a to z in the form xn--…",
+        )
+    return host
+
+
+def _check_mail(text: str) -> str:
+    match = _MAIL.fullmatch(text)
+    if text and (match is None or _HOST.fullmatch(match[1].lower()) is None):
+        raise InputError(
+            "this is not an e-mail address",
+            where=f"contact {text!r}",
+            remedy="Give one such as ada@example.org",
+        )
+    return text
+
+
+class Deployment(BaseModel):
+    """One study on one server; `InputError` if a value does not fit into the server's files.
 
     Attributes
     ----------
-    name : str
-        Names the study's service, files and database on the server.
     title : str
-        The study's title in one line.
+        The study's title, made one line.
     folder : PurePosixPath
-        The study folder on the server.
+        The study folder on the server, which names the study's service, files and database.
     host : str
         The server's name on the internet.
     prefix : str
@@ -59,16 +109,22 @@ class Deployment:
         Motion Jury's virtual environment on the server.
     """
 
-    name: str
-    title: str
-    folder: PurePosixPath
-    host: str
-    prefix: str = ""
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    title: Annotated[str, AfterValidator(_one_line)]
+    folder: Annotated[PurePosixPath, AfterValidator(_check_folder)]
+    host: Annotated[str, AfterValidator(_check_host)]
+    prefix: Annotated[str, AfterValidator(checked_prefix)] = ""
     proxy: Proxy = "caddy"
     database: DatabaseKind = "sqlite"
-    contact: str = ""
+    contact: Annotated[str, AfterValidator(_check_mail)] = ""
     port: int = PORT
-    installed: PurePosixPath = INSTALLED
+    installed: PurePosixPath = PurePosixPath("/opt/motionjury")
+
+    @property
+    def name(self) -> str:
+        """Names the study's service, files and database on the server."""
+        return _service_name(self.folder)
 
     @property
     def address(self) -> str:
@@ -91,82 +147,95 @@ class Deployment:
         return f"/study-files/{self.name}"
 
 
-def plan_deployment(
-    *,
-    title: str,
-    folder: Path | PurePosixPath,
-    host: str,
-    prefix: str = "",
-    proxy: Proxy = "caddy",
-    database: DatabaseKind = "sqlite",
-    contact: str = "",
-    port: int = PORT,
-) -> Deployment:
-    """Return the deployment of a study whose folder on the server is `folder`.
+@dataclass(frozen=True, kw_only=True)
+class DeployedFile:
+    """A file for a server.
+
+    Attributes
+    ----------
+    name, text : str
+    place : str
+        Its path on the server; empty if it is used from the folder of these files.
+    """
+
+    name: str
+    text: str
+    place: str
+
+    @property
+    def mode(self) -> int:
+        """Its permissions."""
+        return {"environment": 0o600, "command": 0o755, "install": 0o755}.get(self.name, 0o644)
+
+
+def deployed_files(study: Deployment) -> tuple[DeployedFile, ...]:
+    """Return all files of a deployment."""
+    unit = f"/etc/systemd/system/{study.unit}"
+    places = {
+        "serve.service": f"{unit}.service",
+        "environment": f"/etc/motionjury/{study.name}.env",
+        "backup.service": f"{unit}-backup.service",
+        "backup.timer": f"{unit}-backup.timer",
+        "journald.conf": "/etc/systemd/journald.conf.d/motionjury.conf",
+        "command": f"/usr/local/sbin/{study.unit}",
+    }
+    if study.proxy == "caddy":
+        places["Caddyfile"] = "/etc/caddy/Caddyfile"
+        places["study.caddy"] = f"/etc/caddy/motionjury/{study.name}.caddy"
+    else:
+        places["host.nginx"] = f"/etc/nginx/conf.d/{study.host}.conf"
+        places["study.nginx"] = f"/etc/nginx/motionjury/{study.host}/{study.name}.conf"
+    if study.database == "postgresql":
+        places["database.sql"] = ""
+    places |= {"Containerfile": "", "install": ""}
+    files: list[DeployedFile] = []
+    for name, place in places.items():
+        # The last one, which installs the others, lists them.
+        text = _templates(Path(name).suffix).get_template(name).render(study=study, files=files)
+        files.append(DeployedFile(name=name, text=text, place=place))
+    return tuple(files)
+
+
+@cache
+def _templates(ending: str) -> Environment:
+    """Return the templates with this ending.
+
+    What could not be quoted in every file is in no `Deployment`; only systemd's units read ``%``.
+    """
+    is_unit = ending in (".service", ".timer")
+    return Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        finalize=lambda value: str(value).replace("%", "%%") if is_unit else value,
+        autoescape=False,  # noqa: S701 - none of the files is HTML
+    )
+
+
+def write_deployment(study: Deployment, out: Path) -> tuple[DeployedFile, ...]:
+    """Write all files of a deployment into the folder `out`, and return them.
+
+    Each is created with the permissions that it needs on the server.
 
     Raises
     ------
     InputError
-        If the host, the prefix or the contact is invalid, or no service can be named after the
-        folder.
+        If the folder is not empty: files that were edited are never overwritten.
     """
-    path = PurePosixPath(folder)
-    return Deployment(
-        name=_service_name(path),
-        title=_one_line(title),
-        folder=path,
-        host=_check_host(host),
-        prefix=checked_prefix(prefix),
-        proxy=proxy,
-        database=database,
-        contact=_check_mail(contact),
-        port=port,
-    )
-
-
-def _service_name(folder: PurePosixPath) -> str:
-    if not folder.is_absolute() or ".." in folder.parts or UNSAFE.search(str(folder)):
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise InputError(
-            "a service cannot use this folder",
-            where=f"folder {str(folder)!r}",
-            remedy="Give the absolute path on the server, without quotes, $ and \\",
+            "the folder is not empty",
+            where=out,
+            remedy="Choose a new folder (--out), and compare the two",
         )
-    name = folder.name.lower().replace("_", "-").replace(" ", "-")
-    if NAME.fullmatch(name) is None:
-        raise InputError(
-            "no service or database can be named after this folder",
-            where=f"folder {str(folder)!r}",
-            remedy="On the server, use a name of up to 32 letters a to z, digits and '-', such as "
-            f"{STUDIES}/gestures-2",
-        )
-    return name
-
-
-def _one_line(title: str) -> str:
-    """Return `title` in a form that systemd can show within quotes."""
-    words = " ".join(title.split())
-    return "".join(c for c in words if c.isprintable()).replace('"', "'").replace("\\", "/")
-
-
-def _check_host(text: str) -> str:
-    host = text.lower()
-    is_number = host.rpartition(".")[2].isdigit()
-    if HOST.fullmatch(host) is None or len(host) > MAX_HOST_LENGTH or is_number:
-        raise InputError(
-            "this is not a host name",
-            where=f"host {text!r}",
-            remedy="Give only the name, such as study.example.org, without https://, port and "
-            "path; write letters other than a to z in the form xn--…",
-        )
-    return host
-
-
-def _check_mail(text: str) -> str:
-    match = MAIL.fullmatch(text)
-    if text and (match is None or HOST.fullmatch(match[1].lower()) is None):
-        raise InputError(
-            "this is not an e-mail address",
-            where=f"contact {text!r}",
-            remedy="Give one such as ada@example.org",
-        )
-    return text
+    out.mkdir(parents=True, exist_ok=True)
+    files = deployed_files(study)
+    for file in files:
+        path = out / file.name
+        handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, file.mode)
+        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+            stream.write(file.text)
+        path.chmod(file.mode)
+    return files

@@ -19,8 +19,7 @@ from pathlib import Path, PurePosixPath
 
 import httpx
 
-from studyapp.custody.deployment import Deployment, Proxy, plan_deployment
-from studyapp.custody.server_files import deployed_files
+from studyapp.custody.deployment import Deployment, Proxy, deployed_files
 from studyapp.rehearsal.server import free_port
 
 HOST = "study.example.org"
@@ -100,7 +99,7 @@ def program(proxy: Proxy) -> str | None:
 @contextmanager
 def behind(proxy: Proxy, study: Path, root: Path, *, prefix: str) -> Iterator[Proxied]:
     """Serve `study` behind `proxy`, with `root` in place of the root of the server's disk."""
-    deployment = plan_deployment(
+    deployment = Deployment(
         title="A study",
         folder=PurePosixPath(study),
         host=HOST,
@@ -109,7 +108,7 @@ def behind(proxy: Proxy, study: Path, root: Path, *, prefix: str) -> Iterator[Pr
         port=free_port(),
     )
     secure, plain = free_port(), free_port()
-    placed = {str(file.place): file for file in deployed_files(deployment) if file.place}
+    placed = {file.place: file for file in deployed_files(deployment) if file.place}
     for place, file in placed.items():
         path = root / place.lstrip("/")
         path.parent.mkdir(parents=True, exist_ok=True)

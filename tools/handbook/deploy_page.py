@@ -8,20 +8,18 @@ A block says behind its language that it is a file, which one, and of which depl
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
 from motion.files import write_text
-from studyapp.custody.deployment import STUDIES, Deployment, plan_deployment
-from studyapp.custody.server_files import deployed_files
+from studyapp.custody.deployment import STUDIES, Deployment, deployed_files
 from tools.handbook.fenced import Fenced, fenced_blocks, with_body
 
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "deploy.md"
 MARK: Final = "file"
 
-FIRST: Final = plan_deployment(
+FIRST: Final = Deployment(
     title="Gestures and speech",
     folder=STUDIES / "my-study",
     host="study.example.org",
@@ -31,7 +29,9 @@ FIRST: Final = plan_deployment(
 DEPLOYMENTS: Final[Mapping[str, Deployment]] = MappingProxyType(
     {
         "": FIRST,
-        "second": replace(FIRST, proxy="nginx", database="postgresql", prefix="/studies/one"),
+        "second": FIRST.model_copy(
+            update={"proxy": "nginx", "database": "postgresql", "prefix": "/studies/one"}
+        ),
     }
 )
 """What the page deploys, by the word behind a file's name."""

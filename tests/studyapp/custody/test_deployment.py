@@ -1,21 +1,61 @@
-"""Values in the files of a server are validated."""
+"""The files of a server hold only valid values, and the programs that read them accept them."""
 
 from __future__ import annotations
 
-from pathlib import PurePosixPath
+import os
+import re
+import shlex
+import shutil
+import subprocess
+from collections.abc import Sequence
+from itertools import product
+from pathlib import Path, PurePosixPath
 from typing import Any
 
+import psycopg
 import pytest
 
 from motion.errors import InputError
-from studyapp.custody.deployment import plan_deployment
+from studyapp.custody.deployment import (
+    DATABASES,
+    PROXIES,
+    DatabaseKind,
+    Deployment,
+    Proxy,
+    deployed_files,
+    write_deployment,
+)
+from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 
-GIVEN: dict[str, Any] = {
+HOSTILE = PurePosixPath("/srv/50%  {x};# of it/%n/my-study")
+"""A folder with special characters of every kind of file in its name."""
+
+
+def deployment(
+    proxy: Proxy = "nginx", database: DatabaseKind = "postgresql", prefix: str = "/studies/one"
+) -> Deployment:
+    return Deployment(
+        title='100% "gestures";\n{a} #b $c \\',
+        folder=HOSTILE,
+        host="study.example.org",
+        prefix=prefix,
+        proxy=proxy,
+        database=database,
+        contact="ada@example.org",
+    )
+
+
+ALL = [
+    deployment(proxy, database, prefix)
+    for proxy, database, prefix in product(PROXIES, DATABASES, ("", "/studies/one"))
+]
+
+
+PLAIN: dict[str, Any] = {
     "title": "Gestures",
     "folder": PurePosixPath("/srv/motionjury/my-study"),
     "host": "study.example.org",
 }
-
 
 REFUSED = {
     "host": [
@@ -38,12 +78,12 @@ REFUSED = {
 def test_values_that_a_file_cannot_hold_are_refused(field: str, value: str) -> None:
     given = PurePosixPath(value) if field == "folder" else value
     with pytest.raises(InputError, match=rf"{field} .*\. (Give|On the server)"):
-        plan_deployment(**GIVEN | {field: given})
+        Deployment(**PLAIN | {field: given})
 
 
 def test_default_names_come_from_folder_and_host() -> None:
-    deployment = plan_deployment(
-        **GIVEN
+    deployment = Deployment(
+        **PLAIN
         | {
             "folder": PurePosixPath("/srv/My_Study 2"),
             "host": "Study.xn--exmple-cua.org",
@@ -54,3 +94,134 @@ def test_default_names_come_from_folder_and_host() -> None:
     assert (deployment.name, deployment.unit) == ("my-study-2", "motionjury-my-study-2")
     assert deployment.database_name == "motionjury_my_study_2"
     assert deployment.address == "https://study.xn--exmple-cua.org/studies/one/"
+
+
+def output_of(*command: str | Path, cwd: Path | None = None) -> str:
+    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True)
+    return f"{done.stdout}{done.stderr}" + (
+        f"\nexit status {done.returncode}" if done.returncode else ""
+    )
+
+
+def text_of(study: Deployment, name: str) -> str:
+    (text,) = (file.text for file in deployed_files(study) if file.name == name)
+    return text
+
+
+def needs(program: str) -> pytest.MarkDecorator:
+    return pytest.mark.skipif(shutil.which(program) is None, reason=f"{program} is not installed")
+
+
+@pytest.mark.parametrize("study", ALL, ids=lambda d: f"{d.proxy}-{d.database}-{d.prefix}")
+def test_every_file_is_complete_and_no_proxy_forbids_frames_or_logs_addresses(
+    study: Deployment,
+) -> None:
+    files = deployed_files(study)
+
+    texts = {file.name: file.text for file in files}
+    places = [file.place for file in files if file.place]
+    assert len(set(places)) == len(places)
+    for name, text in texts.items():
+        assert text.endswith("\n")
+        assert not re.search(r"\{\{|\{%|None|\t\n| \n|X-Frame-Options", text), name
+    if study.proxy == "nginx":
+        assert texts["host.nginx"].count("access_log off;") == texts["host.nginx"].count("server {")
+    else:
+        assert "exclude http.log.error" in texts["Caddyfile"]
+
+
+@needs("systemd-analyze")
+def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path) -> None:
+    program = tmp_path / "bin" / "motionjury"
+    program.parent.mkdir()
+    program.write_text("#!/bin/sh\n", "utf-8")
+    program.chmod(0o755)
+    study = deployment().model_copy(update={"installed": tmp_path})
+    units = [file for file in deployed_files(study) if "systemd/system" in file.place]
+    names = [tmp_path / Path(file.place).name for file in units]
+    for file, name in zip(units, names, strict=True):
+        name.write_text(file.text, "utf-8")
+
+    output = output_of("systemd-analyze", "verify", "--man=no", *names)
+
+    assert len(units) == 3
+    # Messages about other units of this machine do not count.
+    assert [line for line in output.splitlines() if str(tmp_path) in line] == []
+    for service in (name for name in names if name.suffix == ".service"):
+        strict = ["--offline=true", "--threshold=20", "--no-pager"]
+        assert "exit status" not in output_of("systemd-analyze", "security", *strict, service)
+
+
+@needs("systemd-analyze")
+def test_the_server_may_start_processes_of_lower_priority() -> None:
+    service = text_of(deployment(), "serve.service")
+    denied = re.findall(r"^SystemCallFilter=~(.+)$", service, re.MULTILINE)
+
+    for group in " ".join(denied).split():
+        assert "setpriority" not in output_of("systemd-analyze", "syscall-filter", group)
+
+
+def test_the_unit_quotes_the_folder() -> None:
+    (command,) = re.findall(r"^ExecStart=(.*)$", text_of(deployment(), "serve.service"), re.M)
+
+    words = [word.replace("%%", "%") for word in shlex.split(command)]
+
+    assert "%" not in command.replace("%%", "")
+    assert words[1:] == ["serve", str(HOSTILE), "--port", "8000"]
+
+
+@pytest.mark.parametrize("study", (ALL[0], ALL[-1]), ids=lambda d: d.proxy)
+def test_scripts_pass_shellcheck(tmp_path: Path, study: Deployment) -> None:
+    write_deployment(study, tmp_path / "out")
+    scripts: Sequence[Path] = [tmp_path / "out" / name for name in ("install", "command")]
+
+    for script in scripts:
+        assert output_of("sh", "-n", script) == ""
+        if shutil.which("shellcheck"):
+            assert output_of("shellcheck", script) == ""
+
+
+def test_postgresql_setup_is_idempotent_and_utf_8(
+    tmp_path: Path, postgresql: ThrowawayPostgresql
+) -> None:
+    if shutil.which("psql") is None:
+        pytest.skip("psql is not installed")
+    study = deployment().model_copy(update={"folder": PurePosixPath("/srv/deployed-here")})
+    script = tmp_path / "database.sql"
+    # The role is another one here: the tests' role exists already, and owns everything.
+    text = text_of(study, "database.sql")
+    script.write_text(re.sub(r"\bmotionjury\b", "deployed_role", text), "utf-8")
+    address = postgresql.url.replace("+psycopg", "")
+    try:
+        for _run in range(2):
+            output = output_of("psql", address, "--set", "ON_ERROR_STOP=1", "--file", script)
+            assert "exit status" not in output, output
+        with psycopg.connect(address) as connection:
+            row = connection.execute(
+                "SELECT pg_get_userbyid(datdba), pg_encoding_to_char(encoding), datcollate, "
+                "has_database_privilege('public', datname, 'CONNECT') FROM pg_database "
+                "WHERE datname = 'motionjury_deployed_here'"
+            ).fetchone()
+    finally:
+        with psycopg.connect(address, autocommit=True) as connection:
+            connection.execute("DROP DATABASE IF EXISTS motionjury_deployed_here")
+            connection.execute("DROP ROLE IF EXISTS deployed_role")
+
+    assert row == ("deployed_role", "UTF8", "C.UTF-8", False)
+
+
+def test_files_have_fixed_modes_and_are_never_overwritten(tmp_path: Path) -> None:
+    out = tmp_path / "new" / "out"
+    before = os.umask(0)
+    try:
+        files = write_deployment(deployment(PROXIES[0]), out)
+    finally:
+        os.umask(before)
+
+    modes = {path.name: path.stat().st_mode & 0o777 for path in out.iterdir()}
+    assert modes == {file.name: file.mode for file in files}
+    assert (modes["environment"], modes["install"], modes["Caddyfile"]) == (0o600, 0o755, 0o644)
+    (out / "environment").write_text("PROLIFIC_TOKEN=secret\n", "utf-8")
+    with pytest.raises(InputError, match="the folder is not empty"):
+        write_deployment(deployment(), out)
+    assert (out / "environment").read_text("utf-8") == "PROLIFIC_TOKEN=secret\n"

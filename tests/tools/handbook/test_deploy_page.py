@@ -10,7 +10,7 @@ import click
 import pytest
 
 from studyapp.cli.serve_command import deploy_command
-from studyapp.custody.server_files import KINDS
+from studyapp.custody.deployment import deployed_files
 from tools.handbook.deploy_page import DEPLOYMENTS, PAGE, shown_files, up_to_date
 from tools.handbook.fenced import fenced_blocks
 
@@ -19,7 +19,9 @@ TEXT = PAGE.read_text("utf-8")
 
 def test_the_page_shows_every_file_as_it_is_written() -> None:
     assert up_to_date(TEXT) == TEXT
-    assert {block.words[1] for block in shown_files(TEXT)} == {kind.name for kind in KINDS}
+    assert {block.words[1] for block in shown_files(TEXT)} == {
+        file.name for deployment in DEPLOYMENTS.values() for file in deployed_files(deployment)
+    }
 
 
 def commands_on_the_page() -> list[list[str]]:
