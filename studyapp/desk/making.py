@@ -11,10 +11,9 @@ from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
 from motion.files import write_text
-from studyapp.desk.lab import current_lab
+from studyapp.desk.lab import check_study_name, current_lab
 from studyapp.desk.membership import own_study
 from studyapp.desk.page import page
-from studyapp.desk.studies import check_study_name
 from studyapp.researchers.account import Right
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import (

@@ -14,9 +14,8 @@ from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
 from studyapp.database.tables import Event
-from studyapp.desk.lab import OpenedStudy, current_lab, study_token
+from studyapp.desk.lab import LabStudy, OpenedStudy, current_lab, study_token
 from studyapp.desk.page import page
-from studyapp.desk.studies import LabStudy
 from studyapp.researchers.account import Account, Right, link_identity
 from studyapp.researchers.audit import log_change
 from studyapp.researchers.credentials import new_token

@@ -1,29 +1,39 @@
-"""All pages of the desk, with the right that each needs, which one guard asks for."""
+"""All pages of the desk, with the right that each needs, which one guard asks for.
+
+The views here list the studies, show one, and lead into it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, Final
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final, cast
 
-from flask import Blueprint, g, request
+from flask import Blueprint, Response, abort, current_app, redirect, request
 from flask.typing import ResponseReturnValue
+from sqlalchemy.exc import SQLAlchemyError
 from werkzeug.exceptions import HTTPException
 
 from motion.errors import InputError
-from studyapp.desk import (
-    bring_in_page,
-    job_page,
-    making,
-    material_page,
-    membership,
-    settings_page,
-    study_pages,
-)
-from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import DUTIES, at_the_desk, problem_at_the_desk
-from studyapp.researchers.account import Right
+from studyapp.desk import inbox, job_page, making, material_page, membership, settings_page
+from studyapp.desk.job_kinds import RUN, TAKE_HOME
+from studyapp.desk.lab import OpenedStudy, current_lab, study_token
+from studyapp.desk.membership import enter_study
+from studyapp.desk.page import DUTIES, at_the_desk, page, problem_at_the_desk
+from studyapp.recruitment.invitations import make_test_participation
+from studyapp.researchers.account import Right, has_owner
+from studyapp.session.served_study import ServedStudy
+from studyapp.study.settings.reading import read_study
+from studyapp.web.mounting import path_to_try
 from studyapp.web.research import own_account
-from studyapp.web.research.page import PREFIX, keep_visitor, problem_page, researcher
+from studyapp.web.research.page import (
+    COOKIE,
+    PREFIX,
+    keep_visitor,
+    problem_page,
+    researcher,
+    visitor_cookie,
+)
 from studyapp.web.research.pages import (
     NAME,
     NOWHERE,
@@ -36,13 +46,108 @@ from studyapp.web.research.pages import (
     refuse,
 )
 
+
+def overview() -> ResponseReturnValue:
+    """List the researcher's studies; to owners also those that nobody owns or that are damaged."""
+    lab, is_owner = current_lab(), researcher().may(Right.MANAGE)
+    rows, unowned, damaged = [], [], []
+    for study in lab.studies():
+        try:
+            opened_study = lab.opened_study(study.name, researcher())
+            if opened_study is not None:
+                rows.append((opened_study, _title(opened_study), study.standing()))
+            elif is_owner and not has_owner(study.database):
+                unowned.append(study.name)
+        except (InputError, SQLAlchemyError) as error:
+            current_app.logger.error("%s cannot be listed: %s", study.name, error)
+            damaged.append(study.name)
+    return page("overview", rows=rows, unowned=unowned, damaged=damaged if is_owner else ())
+
+
+def _title(study: OpenedStudy) -> str:
+    """Return the study's title; its folder's name where the study file cannot be read."""
+    try:
+        return read_study(study.folder.definition).title
+    except InputError:
+        return study.name
+
+
+def study_page(study: OpenedStudy) -> ResponseReturnValue:
+    """Show how far a study is, and what can be done with it."""
+    served = study.study.served()
+    address = f"{current_lab().origin}/{study.name}/"
+    return page(
+        "study",
+        study=study,
+        title=_title(study),
+        standing=study.study.standing(),
+        link="" if served is None else served.study.recruitment.link(address),
+        sections=[
+            (template, title, context(study))
+            for template, title, needs, context in (
+                ("material", "Material", Right.WATCH, material_page.summary),
+                ("jobs", "Run", Right.WATCH, partial(job_page.section, kinds=RUN)),
+                (
+                    "take_home",
+                    "Take home",
+                    Right.UNBLIND,
+                    partial(job_page.section, kinds=TAKE_HOME),
+                ),
+            )
+            if study.account.may(needs)
+        ],
+    )
+
+
+WAYS: Final = ("", "preview", "study-sessions", "newcomers", "results", "researchers", "changes")
+"""Pages of the study itself that its page at the desk leads to."""
+
+
+def open_study_pages(study: OpenedStudy) -> ResponseReturnValue:
+    """Go on to the study's own pages, logged in there."""
+    way, token = request.form.get("way", ""), visitor_cookie()
+    served = _require_served(study)
+    if token is None:
+        abort(403)
+    enter_study(study, token)
+    page_address = f"/{study.name}/research/{way if way in WAYS else ''}"
+    response = cast(Response, redirect(page_address, 303))
+    study_login = study_token(token, study.name)
+    COOKIE.send(response, served.study.name, study_login, below=f"/{study.name}")
+    return response
+
+
+def take_part_as_test(study: OpenedStudy) -> ResponseReturnValue:
+    """Let the researcher take part in the study; nothing of it counts."""
+    invitation = make_test_participation(
+        study.folder.root, _require_served(study), current_lab().clock, by=study.account.name
+    )
+    return redirect(f"/{study.name}{path_to_try(invitation)}", 303)
+
+
+def begin_new_version(study: OpenedStudy) -> ResponseReturnValue:
+    """Serve what the study file says as a new version."""
+    study.study.begin_new_version()
+    return redirect(request.path.removesuffix("new-version"), 303)
+
+
+def _require_served(study: OpenedStudy) -> ServedStudy:
+    served = study.study.served()
+    if served is None:
+        raise InputError(
+            "the study cannot be opened yet",
+            remedy="Its page at the desk says what is missing",
+        )
+    return served
+
+
 STUDY: Final = "/studies/<study>"
 
 PAGES: Final = (
     *(page for page in OWN_PAGES if page.view is not own_account.log_out),
     *RESEARCHERS_PAGES,
     *VIEWER_FILES,
-    *study_pages.LIST_PAGES,
+    Page("GET", "/", overview, Right.KEEP_ACCOUNT),
     *membership.PAGES,
     *making.PAGES,
     NOWHERE,
@@ -50,10 +155,13 @@ PAGES: Final = (
 """Pages for which the role at the desk counts."""
 
 STUDY_PAGES: Final[tuple[Page, ...]] = (
-    *study_pages.PAGES,
+    Page("GET", "/", study_page, Right.KEEP_ACCOUNT),
+    Page("POST", "/open", open_study_pages, Right.WATCH),
+    Page("POST", "/try", take_part_as_test, Right.WATCH),
+    Page("POST", "/new-version", begin_new_version, Right.MANAGE),
     *settings_page.PAGES,
     *job_page.PAGES,
-    *bring_in_page.PAGES,
+    *inbox.PAGES,
     *material_page.PAGES,
 )
 """Pages of one study, below its page, for which the role in the study counts.
@@ -66,15 +174,14 @@ def desk_pages() -> Blueprint:
     """Return the pages, each behind the guard."""
     pages = Blueprint(NAME, __name__, url_prefix=PREFIX, template_folder="templates")
     needed: dict[str, Right | None] = {}
-    for page in PAGES:
-        pages.add_url_rule(page.rule, view_func=page.view, methods=[page.method])
-        needed[page.endpoint] = page.needs
-    for page in STUDY_PAGES:
-        view = _with_study(page.view)
-        pages.add_url_rule(STUDY + page.rule, page.view.__name__, view, methods=[page.method])
-        needed[page.endpoint] = Right.KEEP_ACCOUNT
+    for each in PAGES:
+        pages.add_url_rule(each.rule, view_func=each.view, methods=[each.method])
+        needed[each.endpoint] = each.needs
+    for each in STUDY_PAGES:
+        view, name = _in_study(each), each.view.__name__
+        pages.add_url_rule(STUDY + each.rule, name, view, methods=[each.method])
+        needed[each.endpoint] = Right.KEEP_ACCOUNT
     pages.before_request(guard(needed))
-    pages.before_request(_guard_studies({page.endpoint: page.needs for page in STUDY_PAGES}))
     pages.after_request(keep_visitor)
     pages.context_processor(lambda: {"duties": DUTIES})
     pages.add_app_template_filter(at_the_desk)
@@ -83,41 +190,24 @@ def desk_pages() -> Blueprint:
     return pages
 
 
-def _guard_studies(
-    needed: Mapping[str, Right | None],
-) -> Callable[[], ResponseReturnValue | None]:
-    """Return what lets a request for a study's page through, or answers it."""
+def _in_study(guarded: Page) -> Callable[..., ResponseReturnValue]:
+    """Return the view of a study's page, shown to those whose role in the study allows it."""
 
-    def check_membership() -> ResponseReturnValue | None:
-        right = needed.get(request.endpoint or "")
-        if right is None:
-            return None
-        name = (request.view_args or {})["study"]
-        g.opened_study = study = current_lab().opened_study(name, researcher())
-        if study is None:
+    def show(study: str, **arguments: Any) -> ResponseReturnValue:
+        opened_study = current_lab().opened_study(study, researcher())
+        if opened_study is None:
             return problem_page(
                 "There is no such study among yours",
                 "Go on from the list of studies. An owner of the study can make a link by which "
                 "you join.",
                 404,
             )
-        if not study.account.may(right):
+        if guarded.needs is None or not opened_study.account.may(guarded.needs):
             return problem_page(
                 "This page is not for your role in the study",
                 "An owner of the study can give you another.",
                 403,
             )
-        return None
-
-    return check_membership
-
-
-def _with_study(view: Callable[..., ResponseReturnValue]) -> Callable[..., ResponseReturnValue]:
-    """Return `view` as Flask calls it, with the study that the guard has opened."""
-
-    def show(study: str, **arguments: Any) -> ResponseReturnValue:
-        del study
-        opened_study: OpenedStudy = g.opened_study
-        return view(opened_study, **arguments)
+        return guarded.view(opened_study, **arguments)
 
     return show

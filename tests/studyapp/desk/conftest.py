@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 from flask import Flask
 
-from studyapp.desk.lab import ACCOUNTS, Lab
+from studyapp.desk.lab import ACCOUNTS, Lab, LabStudy
 from studyapp.desk.server import create_desk, open_desk
-from studyapp.desk.studies import LabStudy
 from studyapp.researchers.account import Role
 from studyapp.researchers.links import first_owner_link, invite, join
 from studyapp.session.arrivals import Arrival

@@ -9,7 +9,6 @@ import pytest
 from flask import Flask
 
 from motion.errors import InputError
-from studyapp.desk.inbox import LARGEST_PIECE
 from studyapp.desk.pages import PAGES
 from studyapp.desk.server import open_desk, run_desk
 from studyapp.researchers.account import Role
@@ -98,12 +97,6 @@ def test_each_role_at_the_desk_is_limited_to_its_pages(
         assert (answer.status_code == 403) is (page in refused), page
     answer = browser.post("/research/make/study", template="pairwise")
     assert (answer.status_code == 403) is ("make/study" in refused)
-
-
-def test_oversized_requests_are_refused(ada: ResearchBrowser) -> None:
-    text = "#" * 2 * LARGEST_PIECE
-    answer = ada.post("/research/studies/tiny/settings", text=text, seen="")
-    assert answer.status_code == 413
 
 
 def test_an_unservable_desk_is_refused_and_its_database_is_private(

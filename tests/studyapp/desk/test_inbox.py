@@ -11,7 +11,15 @@ from types import SimpleNamespace
 import pytest
 
 from motion.errors import InputError
-from studyapp.desk.inbox import KEPT_FREE, LARGEST_PIECE, Inbox, InboxFile, Upload, WrongOffsetError
+from studyapp.desk.inbox import (
+    KEPT_FREE,
+    LARGEST_FILE,
+    LARGEST_PIECE,
+    Inbox,
+    InboxFile,
+    Upload,
+    WrongOffsetError,
+)
 from studyapp.desk.lab import Lab
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.desk.job_watching import wait_until_ended
@@ -37,7 +45,7 @@ def folder(tmp_path: Path) -> StudyFolder:
 
 @pytest.fixture
 def inbox(folder: StudyFolder) -> Inbox:
-    return Inbox(folder, largest=100_000)
+    return Inbox(folder)
 
 
 def files(folder: StudyFolder) -> list[str]:
@@ -110,7 +118,7 @@ def test_a_chunk_sent_twice_at_once_is_stored_once(
         ("name", ("run.py", "take.pkl", "take.wav.exe"), "neither speech, motion nor a video"),
         ("condition", ("..", "../../elsewhere", "/etc"), "not a usable condition name"),
         ("size", (0,), "is empty"),
-        ("size", (100_001,), "is too large"),
+        ("size", (LARGEST_FILE + 1,), "is too large"),
     ],
 )
 def test_files_that_can_never_be_imported_are_refused_at_once(

@@ -8,7 +8,7 @@ from zipfile import ZipFile
 
 from studyapp.desk.job_kinds import RUN, TAKE_HOME
 from studyapp.desk.jobs import Job
-from studyapp.desk.studies import LabStudy
+from studyapp.desk.lab import LabStudy
 from studyapp.researchers.audit import latest_changes, latest_looks
 from tests.studyapp.desk.conftest import Joined
 from tests.studyapp.desk.job_watching import SLOW, begin, wait_until_ended

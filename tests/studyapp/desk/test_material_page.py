@@ -9,8 +9,7 @@ import shutil
 import pytest
 
 from studyapp.desk.job_kinds import RECORD
-from studyapp.desk.lab import Lab
-from studyapp.desk.studies import LabStudy
+from studyapp.desk.lab import Lab, LabStudy
 from studyapp.researchers.audit import latest_changes
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, read_stimuli, write_stimuli

@@ -9,8 +9,7 @@ from contextlib import closing
 from flask import Flask
 
 from studyapp.database.engine import Database
-from studyapp.desk.lab import Lab
-from studyapp.desk.studies import LabStudy
+from studyapp.desk.lab import Lab, LabStudy
 from studyapp.researchers.account import list_accounts, remove_access
 from studyapp.researchers.links import invite, join
 from tests.studyapp.desk.conftest import Researcher

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.desk.lab import Lab
-from studyapp.desk.studies import LabStudy
+from studyapp.desk.lab import Lab, LabStudy
 from studyapp.researchers.audit import latest_changes
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.research_browser import ResearchBrowser
@@ -81,7 +80,7 @@ def test_changing_the_design_while_people_take_part_makes_a_new_version(
     now = taken.served()
     assert now is not None
     assert now.study.questions[0].text.endswith("follow the speech better?")
-    assert taken.problem is None
+    assert taken.standing().problem is None
 
 
 def test_the_number_of_participants_may_change_while_people_take_part(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from studyapp.desk.lab import Lab
-from studyapp.desk.studies import LabStudy
+from studyapp.desk.lab import Lab, LabStudy
 from tests.support.studies.redefining import redefine
 
 AGAIN = ("fit the rhythm of the speech better", "follow the speech better")
@@ -37,10 +36,11 @@ def test_participants_continue_with_the_old_study_if_a_file_is_invalid(tiny: Lab
     before = tiny.application()
     redefine(tiny.folder.root, ("trials = 4", "trails = 4"))
     assert tiny.application() is before
-    assert tiny.problem is not None
-    assert tiny.standing().state == "ready"
+    standing = tiny.standing()
+    assert standing.state == "ready"
+    assert standing.problem is not None
     redefine(tiny.folder.root, ("trails = 4", "trials = 4"))
-    assert tiny.problem is None
+    assert tiny.standing().problem is None
 
 
 def test_another_process_waits_for_a_new_version_and_then_serves_it(
@@ -54,7 +54,7 @@ def test_another_process_waits_for_a_new_version_and_then_serves_it(
     taken.begin_new_version()
     for study in (taken, other):
         assert first_question(study).endswith("follow the speech better?")
-        assert study.problem is None
+        assert study.standing().problem is None
 
 
 def test_only_folders_of_studies_with_plain_names_are_studies(lab: Lab, tiny: LabStudy) -> None:
