@@ -33,7 +33,7 @@ from studyapp.researchers.logins import (
     find_account_by_login,
     log_in,
 )
-from studyapp.web.research import own_account
+from studyapp.web.research import accounts
 from studyapp.web.research.page import refusal_page, researcher, visitor_cookie
 from studyapp.web.research.pages import Page
 from studyapp.web.site import client_address
@@ -62,7 +62,7 @@ def log_out() -> ResponseReturnValue:
     if token is not None:
         lab = current_lab()
         end_login(lab.database, *(study_token(token, study.name) for study in lab.studies()))
-    return own_account.log_out()
+    return accounts.log_out()
 
 
 def own_study(study: LabStudy, account: Account) -> None:

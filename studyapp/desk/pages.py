@@ -25,7 +25,7 @@ from studyapp.researchers.account import Right, has_owner
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.reading import read_study
 from studyapp.web.mounting import path_to_try
-from studyapp.web.research import own_account
+from studyapp.web.research import accounts
 from studyapp.web.research.page import (
     COOKIE,
     PREFIX,
@@ -144,7 +144,7 @@ def _require_served(study: OpenedStudy) -> ServedStudy:
 STUDY: Final = "/studies/<study>"
 
 PAGES: Final = (
-    *(page for page in OWN_PAGES if page.view is not own_account.log_out),
+    *(page for page in OWN_PAGES if page.view is not accounts.log_out),
     *RESEARCHERS_PAGES,
     *VIEWER_FILES,
     Page("GET", "/", overview, Right.KEEP_ACCOUNT),

@@ -13,14 +13,7 @@ from werkzeug.exceptions import HTTPException
 
 from motion.errors import InputError
 from studyapp.researchers.account import Right
-from studyapp.web.research import (
-    motion_scenes,
-    own_account,
-    preview,
-    progress,
-    researchers,
-    results,
-)
+from studyapp.web.research import accounts, motion_scenes, preview, progress, results
 from studyapp.web.research.page import (
     PREFIX,
     PREFIXES,
@@ -127,27 +120,27 @@ TRIAL: Final = f"/preview/{ROW}:arm>/{ROW}:place>/{ROW}:position>"
 TAKE: Final = f"{TRIAL}/take/preview"
 
 OWN_PAGES: Final = (
-    Page("GET", "/log-in", own_account.login, None),
-    Page("POST", "/log-in", own_account.enter, None),
-    Page("GET", "/join/<token>", own_account.link, None),
-    Page("POST", "/join/<token>", own_account.use_link, None),
-    Page("POST", "/log-out", own_account.log_out, Right.KEEP_ACCOUNT),
-    Page("GET", "/account", own_account.own_account, Right.KEEP_ACCOUNT),
-    Page("POST", "/account", own_account.change_own_password, Right.KEEP_ACCOUNT),
-    Page("GET", SECOND_FACTOR, own_account.second_factor, Right.KEEP_ACCOUNT),
-    Page("POST", SECOND_FACTOR, own_account.turn_on_second_factor, Right.KEEP_ACCOUNT),
-    Page("POST", f"{SECOND_FACTOR}/off", own_account.turn_off_second_factor, Right.KEEP_ACCOUNT),
+    Page("GET", "/log-in", accounts.login, None),
+    Page("POST", "/log-in", accounts.enter, None),
+    Page("GET", "/join/<token>", accounts.link, None),
+    Page("POST", "/join/<token>", accounts.use_link, None),
+    Page("POST", "/log-out", accounts.log_out, Right.KEEP_ACCOUNT),
+    Page("GET", "/account", accounts.own_account, Right.KEEP_ACCOUNT),
+    Page("POST", "/account", accounts.change_own_password, Right.KEEP_ACCOUNT),
+    Page("GET", SECOND_FACTOR, accounts.second_factor, Right.KEEP_ACCOUNT),
+    Page("POST", SECOND_FACTOR, accounts.turn_on_second_factor, Right.KEEP_ACCOUNT),
+    Page("POST", f"{SECOND_FACTOR}/off", accounts.turn_off_second_factor, Right.KEEP_ACCOUNT),
 )
 """Logging in, links, and one's own account."""
 
 RESEARCHERS_PAGES: Final = (
-    Page("GET", "/researchers", researchers.researchers, Right.MANAGE),
-    Page("POST", "/researchers/invite", researchers.invite_researcher, Right.MANAGE),
-    Page("POST", f"/links/{ROW}:link_id>/take-back", researchers.take_link_back, Right.MANAGE),
-    Page("POST", f"{RESEARCHER}/password", researchers.offer_password, Right.MANAGE),
-    Page("POST", f"{RESEARCHER}/role", researchers.give_role, Right.MANAGE),
-    Page("POST", f"{RESEARCHER}/shut-out", researchers.shut_researcher_out, Right.MANAGE),
-    Page("POST", f"{RESEARCHER}/let-in", researchers.let_researcher_in, Right.MANAGE),
+    Page("GET", "/researchers", accounts.researchers, Right.MANAGE),
+    Page("POST", "/researchers/invite", accounts.invite_researcher, Right.MANAGE),
+    Page("POST", f"/links/{ROW}:link_id>/take-back", accounts.take_link_back, Right.MANAGE),
+    Page("POST", f"{RESEARCHER}/password", accounts.offer_password, Right.MANAGE),
+    Page("POST", f"{RESEARCHER}/role", accounts.give_role, Right.MANAGE),
+    Page("POST", f"{RESEARCHER}/shut-out", accounts.shut_researcher_out, Right.MANAGE),
+    Page("POST", f"{RESEARCHER}/let-in", accounts.let_researcher_in, Right.MANAGE),
 )
 """The researchers of a study or a desk."""
 

@@ -142,7 +142,7 @@ def test_no_secret_is_logged(
     browser.get(link)
     browser.log_in("Ada", "a wrong secret phrase")
     # A failure of ours.
-    monkeypatch.setattr("studyapp.web.research.own_account.find_link", lambda *_: 1 / 0)
+    monkeypatch.setattr("studyapp.web.research.accounts.find_link", lambda *_: 1 / 0)
     log_in.app.config["PROPAGATE_EXCEPTIONS"] = False
 
     assert "ZeroDivisionError" not in browser.get(link, status=500).text
