@@ -34,7 +34,7 @@ from studyapp.rehearsal.simulation.population import (
     Population,
     default_population,
 )
-from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
+from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import parse_text
@@ -132,16 +132,8 @@ def simulated(
                 settled = len(plan) if stays else (conduct.leaves_at or 1) - 1
                 failed: Counter[str] = Counter()
                 for trial in plan[:settled]:
-                    seen = SeenTrial(
-                        position=trial.position,
-                        kind=trial.kind,
-                        segment=trial.segment.name,
-                        stimuli=trial.stimuli,
-                        expected=trial.expected,
-                        instructed=trial.instructed,
-                    )
-                    args = judge(study, rater, seen).values
-                    failed[trial.kind] += study.failed(seen, args)
+                    answers = judge(study, rater, trial).values
+                    failed[trial.kind] += study.failed(trial, answers)
                     left, right = trial.conditions
                     rows.extend(
                         {
@@ -155,7 +147,7 @@ def simulated(
                             "response": str(value + 3),
                             "correct_side": {None: "", 1: "left", 2: "right"}[trial.expected],
                         }
-                        for (question, _), value in args.items()
+                        for (question, _), value in answers.items()
                     )
                 kinds[rater.name] = rater.kind
                 known[rater.name] = KnownFacts(

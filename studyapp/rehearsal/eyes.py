@@ -10,8 +10,25 @@ from sqlalchemy.orm import Session, joinedload, selectinload
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial, Video
 from studyapp.rehearsal.pages import BrokenPageError, Page, token_candidates
-from studyapp.rehearsal.simulation.raters import SeenTrial, Sight
+from studyapp.rehearsal.simulation.raters import Sight
 from studyapp.study.design.trial import Stimulus
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredTrial:
+    """A stored trial as raters see it."""
+
+    position: int
+    kind: str
+    part: str
+    stimuli: tuple[Stimulus, ...]
+    expected: int | None
+    instructed: int | None
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """The conditions judged, number 1 first."""
+        return tuple(stimulus.condition for stimulus in self.stimuli)
 
 
 @dataclass(frozen=True)
@@ -79,13 +96,12 @@ class Eyes:
         return digits
 
 
-def read_trial(trial: Trial) -> SeenTrial:
+def read_trial(trial: Trial) -> StoredTrial:
     """Return the content of `trial`."""
-    return SeenTrial(
+    return StoredTrial(
         position=trial.position,
         kind=trial.kind,
         part=trial.part,
-        segment=trial.segment,
         stimuli=tuple(
             Stimulus(condition=shown.condition, segment=shown.segment, speech=shown.speech)
             for shown in trial.stimuli

@@ -6,7 +6,7 @@ import hashlib
 import json
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from studyapp.rehearsal.simulation.population import (
     rating_thresholds,
     step,
 )
-from studyapp.study.design.trial import Ask, Stimulus
+from studyapp.study.design.trial import Ask, Stimulus, Trial
 
 
 def stream(seed: int, *event: str | int) -> np.random.Generator:
@@ -49,38 +49,16 @@ def standard_normal(seed: int, *event: str | int) -> float:
     return float(stream(seed, *event).standard_normal())
 
 
-@dataclass(frozen=True, kw_only=True)
-class SeenTrial:
-    """One presentation, with what its page hides.
-
-    Attributes
-    ----------
-    position : int
-        Which presentation of the study session it is.
-    kind, part : str
-        As they were planned.
-    segment : str
-        The speech it is about.
-    stimuli : tuple of Stimulus
-        What is judged, number 1 (A) first.
-    expected : int or None
-        Of a catch trial: the number of the plainly better stimulus.
-    instructed : int or None
-        The answer that the page asks for, on an attention check.
-    """
-
-    position: int
-    kind: str = "main"
-    part: str = ""
-    segment: str
-    stimuli: tuple[Stimulus, ...]
-    expected: int | None = None
-    instructed: int | None = None
+class SeenTrial(Trial, Protocol):
+    """A trial, planned or stored, with what its page hides."""
 
     @property
-    def conditions(self) -> tuple[str, ...]:
-        """The conditions judged, number 1 first."""
-        return tuple(stimulus.condition for stimulus in self.stimuli)
+    def position(self) -> int:
+        """Which presentation of the study session it is."""
+
+    @property
+    def stimuli(self) -> tuple[Stimulus, ...]:
+        """What is judged, number 1 (A) first."""
 
 
 @dataclass(frozen=True, kw_only=True)

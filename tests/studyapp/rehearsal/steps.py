@@ -14,8 +14,6 @@ from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.population import default_population
-from studyapp.rehearsal.simulation.raters import SeenTrial
-from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.folder import StudyFolder
 
 SPEED = 200.0
@@ -56,17 +54,4 @@ def participant_of(folder: StudyFolder, database: Database, name: str = "p1") ->
         speed=SPEED,
         stop=Event(),
         ledger=Ledger(folder.acknowledged),
-    )
-
-
-def seen_of(planned: PlannedTrial) -> SeenTrial:
-    """Return what a rater sees of a planned trial."""
-    return SeenTrial(
-        position=planned.position,
-        kind=planned.kind,
-        part=planned.part,
-        segment=planned.segment.name,
-        stimuli=planned.stimuli,
-        expected=planned.expected,
-        instructed=planned.instructed,
     )

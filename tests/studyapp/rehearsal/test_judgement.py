@@ -16,11 +16,12 @@ from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Departure, Participant
 from studyapp.rehearsal.simulation.judgement import Judgement, judge
 from studyapp.rehearsal.simulation.population import Kind, Population, default_population
-from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
+from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.settings.study import Study
 from tests.studyapp.rehearsal.protocol_studies import definition
-from tests.studyapp.rehearsal.steps import browser, seen_of
+from tests.studyapp.rehearsal.steps import browser
 from tests.support.studies.made_study import make_segments
 
 SEGMENTS = make_segments(["anger", "fear", "sadness"])
@@ -33,13 +34,12 @@ each_study = pytest.mark.parametrize("study", STUDIES.values(), ids=STUDIES.keys
 
 def judged(
     study: Study, raters: int = 40, **people: Any
-) -> Iterator[tuple[Rater, SeenTrial, Judgement]]:
+) -> Iterator[tuple[Rater, PlannedTrial, Judgement]]:
     """Yield what raters answer to all trials of their places."""
     population: Population = replace(default_population(study), **people)
     for number in range(raters):
         rater = Rater(population=population, seed=6, name=str(number))
-        for planned in study.plan(study.arms[0], number % study.arms[0].places, SEGMENTS):
-            trial = seen_of(planned)
+        for trial in study.plan(study.arms[0], number % study.arms[0].places, SEGMENTS):
             yield rater, trial, judge(study, rater, trial)
 
 

@@ -28,7 +28,6 @@ from studyapp.rehearsal.simulation.truth import read_truth
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.conditions import comparison_name
-from tests.studyapp.rehearsal.steps import seen_of
 from tests.support.read_once import read_once
 from tests.support.studies.exported import responses_table
 from tests.support.studies.made_study import pair_plan
@@ -102,7 +101,7 @@ def said(rendered: Path) -> list[tuple[object, ...]]:
             conduct = Conduct(rater=rater, trials=len(plan), coverage=1)
             leaves_at = None if conduct.returns else conduct.leaves_at
             for trial in plan[: leaves_at and leaves_at - 1]:
-                given = judge(study, rater, seen_of(trial)).values
+                given = judge(study, rater, trial).values
                 rows.extend(
                     (name, trial.position, question, *trial.conditions, value)
                     for (question, _), value in given.items()

@@ -14,13 +14,12 @@ from hypothesis import strategies as st
 
 from studyapp.rehearsal.simulation.judgement import judge
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.rehearsal.simulation.raters import Rater, SeenTrial
+from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.truth import expectations, win_share
-from studyapp.study.design.trial import AnswerKey
+from studyapp.study.design.trial import AnswerKey, PlannedTrial
 from studyapp.study.settings.conditions import comparison_name
 from studyapp.study.settings.reading import parse_study
 from studyapp.study.settings.study import Study
-from tests.studyapp.rehearsal.steps import seen_of
 from tests.support.studies.made_study import make_segments
 
 CONDITIONS = ("ours", "theirs", "real")
@@ -58,7 +57,7 @@ def made(protocol: str, **keys: object) -> Study:
     return parse_study(common | keys, where="test")
 
 
-def score(trial: SeenTrial, key: AnswerKey, value: int) -> tuple[str, float]:
+def score(trial: PlannedTrial, key: AnswerKey, value: int) -> tuple[str, float]:
     """Return the subject of an answer, and its value."""
     if key[1] is not None:
         return trial.conditions[key[1] - 1], float(value)
@@ -75,8 +74,7 @@ def said(study: Study, *, seed: int, raters: int) -> Mapping[tuple[str, str], Se
     found: dict[tuple[str, str], list[float]] = defaultdict(list)
     for number in range(raters):
         rater = Rater(population=PEOPLE, seed=seed, name=str(number))
-        for planned in study.plan(study.arms[0], number % PLACES, SEGMENTS):
-            trial = seen_of(planned)
+        for trial in study.plan(study.arms[0], number % PLACES, SEGMENTS):
             for key, value in judge(study, rater, trial).values.items():
                 about, counts = score(trial, key, value)
                 found[trial.part, about].append(counts)
