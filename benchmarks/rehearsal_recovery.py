@@ -38,7 +38,7 @@ from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import parse_text
-from studyapp.study.template_language import render_template
+from studyapp.study.study_file import render_template
 from tools.markdown import write_part
 
 REHEARSALS: Final = 200
@@ -98,7 +98,7 @@ class Tally:
 
 def template_study() -> tuple[PairwiseStudy, tuple[Segment, ...]]:
     """Return the pairwise template, with as many segments as its published design has."""
-    text = render_template("pairwise.toml")
+    text = render_template("pairwise")
     study = parse_text(text, where="pairwise.toml")
     if not isinstance(study, PairwiseStudy):
         raise TypeError("the template is of another protocol")

@@ -16,7 +16,7 @@ from studyapp.recruitment.record import FILE, count_places, read_record
 from studyapp.study.settings.presentation import Language, reaches_somebody
 from studyapp.study.settings.recruitment import MIN_FAILED_CHECKS, format_amount, hourly_rate
 from studyapp.study.settings.study import Study
-from studyapp.study.template_language import template_texts, untranslated_keys
+from studyapp.study.study_file import TEMPLATE_LANGUAGE, TEMPLATES, read_template
 
 
 def recruiting_findings(study: Study) -> Iterator[Finding]:
@@ -173,20 +173,30 @@ def page_findings(study: Study) -> Iterator[Finding]:
 
 
 def _text_findings(study: Study) -> Iterator[Finding]:
-    file = f"{study.protocol}.toml"
-    texts = [template_texts([file], language) for language in get_args(Language)]
-    titles = {_normalise_space(title) for found, _, _ in texts for title in found}
-    consents = {_normalise_space(consent) for _, found, _ in texts for consent in found}
-    if not study.page.consent.strip():
+    own = [read_template(study.protocol, language) for language in get_args(Language)]
+    consent, title = _normalise_space(study.page.consent), _normalise_space(study.title)
+    if not consent:
         yield make_finding("consent-blank")
-    elif _normalise_space(study.page.consent) in consents:
+    elif consent in {_normalise_space(template["page"]["consent"]) for template in own}:
         yield make_finding("consent-from-template")
-    if _normalise_space(study.title) in titles:
+    if title in {_normalise_space(template["title"]) for template in own}:
         yield make_finding("title-from-template", title=study.title)
-    if english := untranslated_keys(study):
+    if study.page.language != TEMPLATE_LANGUAGE and (english := _untranslated_keys(study)):
         yield make_finding(
             "texts-untranslated", language=study.page.language, texts=listed(english)
         )
+
+
+def _untranslated_keys(study: Study) -> list[str]:
+    """Return the keys with the text of an English template; other texts cannot be judged."""
+    templates = [read_template(template) for template in TEMPLATES]
+    texts = {question["text"] for template in templates for question in template["questions"]}
+    keys = [f"the question {each.name!r}" for each in study.questions if each.text in texts]
+    if study.page.consent in {template["page"]["consent"] for template in templates}:
+        keys.insert(0, "page.consent")
+    if study.title in {template["title"] for template in templates}:
+        keys.insert(0, "title")
+    return keys
 
 
 def _normalise_space(text: str) -> str:

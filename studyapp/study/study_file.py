@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import Any, Final
 
 import tomlkit
+from jinja2 import ChainableUndefined, Environment, PackageLoader, Undefined
 
 from generators.registry import generator_names, needs_model
 from motion.errors import InputError
@@ -21,10 +22,48 @@ from studyapp.study.settings.reading import ALIASES, parse_study, parse_text, re
 from studyapp.study.settings.recruitment import Pay, Prolific, draw_code, format_amount
 from studyapp.study.settings.study import Study
 from studyapp.study.study_options import StudyOptions, condition_variables, conditions_text
-from studyapp.study.template_language import render_template, translate_study_file
 
 TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch", *ALIASES, "three-systems")
 """The protocols, the papers whose studies they follow, and all three papers' systems together."""
+
+TEMPLATE_LANGUAGE: Final = "en"
+"""The language of the templates themselves."""
+
+_FILES: Final = Environment(
+    loader=PackageLoader("studyapp.study"),
+    undefined=ChainableUndefined,
+    trim_blocks=True,
+    keep_trailing_newline=True,
+    autoescape=False,  # noqa: S701  (study files are TOML, not HTML)
+)
+
+
+def _key(name: str, example: object, value: object) -> str:
+    """Return a key as a line of a study file, commented out if it has no value."""
+    if isinstance(value, Undefined):
+        return f"# {name} = {example}"
+    return f"{name} = {_toml(value)}"
+
+
+def _toml(value: object) -> str:
+    return tomlkit.item(value).as_string()
+
+
+_FILES.globals["key"] = _key
+_FILES.filters["toml"] = _toml
+
+
+def render_template(template: str, language: str = TEMPLATE_LANGUAGE, **variables: object) -> str:
+    """Return one of `TEMPLATES` filled with `variables`, or its texts in another language."""
+    file = f"{ALIASES.get(template, template)}.toml"
+    folder = "" if language == TEMPLATE_LANGUAGE else f"{language}/"
+    return _FILES.get_template(f"{folder}{file}").render(variables)
+
+
+def read_template(template: str, language: str = TEMPLATE_LANGUAGE) -> dict[str, Any]:
+    """Return the keys of one of `TEMPLATES`, or its texts in another language."""
+    return tomllib.loads(render_template(template, language))
+
 
 _AS_STATED: Final = (
     *("title", "participants", "channel", "minutes"),
@@ -59,12 +98,8 @@ def new_study(path: Path, **options: Any) -> Study:
 
 def template_participants(template: str) -> int:
     """Return a template's number of participants; of pairwise studies, for each comparison."""
-    defaults = tomllib.loads(render_template(_template_file(template)))
+    defaults = read_template(template)
     return next(int(defaults[key]) for key in _PARTICIPANTS if key in defaults)
-
-
-def _template_file(template: str) -> str:
-    return f"{ALIASES.get(template, template)}.toml"
 
 
 def require_new_file(path: Path) -> None:
@@ -96,8 +131,7 @@ def render_study_file(options: StudyOptions, *, where: object) -> str:
         raise InputError(
             f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
         )
-    file = _template_file(template)
-    defaults = tomllib.loads(render_template(file))
+    defaults = read_template(template)
     is_ranking = defaults["protocol"] == "ranking"
     variables = _template_variables(options)
     if reference is not None:
@@ -123,11 +157,48 @@ def render_study_file(options: StudyOptions, *, where: object) -> str:
     if options.trials is not None:
         variables["trials"] = options.trials
         variables["practice"] = min(int(defaults["practice"]), max(options.trials // 2, 0))
-    text = render_template(file, **variables)
-    text = translate_study_file(text, file, options.language, title=options.title)
+    text = render_template(template, **variables)
+    if options.language != TEMPLATE_LANGUAGE:
+        text = _translated(text, read_template(template, options.language), options)
     text = _with_wording(text, options)
     parse_text(text, where=where)
     return text
+
+
+def _translated(text: str, texts: Mapping[str, Any], options: StudyOptions) -> str:
+    """Return a study file with `texts` and pages for participants in the language of `options`."""
+    document: Any = tomlkit.parse(text)
+    document["title"] = options.title or texts["title"]
+    document["page"]["language"] = options.language
+    document["page"]["consent"] = tomlkit.string(texts["page"]["consent"], multiline=True)
+    _replace_texts(document["questions"], texts["questions"])
+    for stage, questions in texts.get("form", {}).items():
+        _replace_texts(document["form"][stage], questions)
+    return tomlkit.dumps(document)
+
+
+def _replace_texts(questions: Any, texts: Sequence[Mapping[str, Any]]) -> None:
+    """Replace the texts of `questions` by the translated `texts` of the same names."""
+    by_name = {text["name"]: text for text in texts}
+    for question in questions:
+        for key, translation in by_name[question["name"]].items():
+            if key != "name":
+                question[key] = (
+                    _multiline_array(translation) if isinstance(translation, list) else translation
+                )
+
+
+def _multiline_array(items: list[Any]) -> tomlkit.items.Array:
+    """Return an array with one item a line."""
+    array = tomlkit.array()
+    for item in items:
+        if isinstance(item, dict):
+            table = tomlkit.inline_table()
+            table.update(item)
+            array.append(table)
+        else:
+            array.append(item)
+    return array.multiline(multiline=True)
 
 
 def _with_wording(text: str, options: StudyOptions) -> str:

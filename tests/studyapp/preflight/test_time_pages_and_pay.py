@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
-from motion.errors import InputError
+from motion.errors import InputError, listed
 from studyapp.preflight.material import Material
 from studyapp.preflight.recruiting_checks import (
     page_findings,
@@ -24,7 +24,9 @@ from studyapp.preflight.time_checks import (
     time_findings,
 )
 from studyapp.study.folder import StudyFolder
-from studyapp.study.study_file import new_study
+from studyapp.study.settings.presentation import Language
+from studyapp.study.settings.reading import ALIASES
+from studyapp.study.study_file import TEMPLATES, new_study
 from tests.support.studies.answered_study import answer_study
 from tests.support.studies.made_study import make_segments, make_study
 
@@ -58,14 +60,26 @@ def test_missing_page_settings_are_found(key: str, value: object, names: set[str
     assert {finding.name for finding in page_findings(make_study(page=page))} == names
 
 
-def test_texts_of_a_template_are_recognised_in_every_language(tmp_path: Path) -> None:
-    for language in ("en", "de", "ja"):
-        study = new_study(tmp_path / f"{language}.toml", name="s", language=language)
-        names = {finding.name for finding in page_findings(study)}
-        assert {"consent-from-template", "title-from-template"} <= names
-        english = study.page.model_copy(update={"language": "ja"})
-        mixed = {f.name for f in page_findings(study.model_copy(update={"page": english}))}
-        assert ("texts-untranslated" in mixed) == (language == "en")
+@pytest.mark.parametrize("template", [name for name in TEMPLATES if name not in ALIASES])
+def test_texts_of_a_template_are_recognised_in_every_language(
+    tmp_path: Path, template: str
+) -> None:
+    for language in get_args(Language):
+        study = new_study(
+            tmp_path / f"{language}.toml", name="s", template=template, language=language
+        )
+        questions = [f"the question {question.name!r}" for question in study.questions]
+        other = study.page.model_copy(update={"language": "en" if language == "de" else "de"})
+        unchanged, mixed = (
+            {finding.name: finding.what for finding in page_findings(made)}
+            for made in (study, study.model_copy(update={"page": other}))
+        )
+
+        assert {"consent-from-template", "title-from-template"} <= unchanged.keys()
+        assert "texts-untranslated" not in unchanged
+        english = listed(["title", "page.consent", *questions]) if language == "en" else ""
+        assert english in mixed.get("texts-untranslated", "")
+        assert bool(english) == ("texts-untranslated" in mixed)
 
 
 def test_time_covers_videos_questions_and_texts() -> None:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +11,8 @@ from motion.errors import InputError
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.settings.conditions import Condition
-from studyapp.study.settings.presentation import Framing
-from studyapp.study.settings.reading import read_study
+from studyapp.study.settings.presentation import Framing, Language
+from studyapp.study.settings.reading import ALIASES, read_study
 from studyapp.study.study_file import TEMPLATES, add_condition, new_study
 
 
@@ -66,9 +68,48 @@ def restricted(value: Any, like: Any) -> Any:
     return value
 
 
+def read_by_participants(text: str) -> dict[str, str]:
+    """Return every text for participants in a study file, by its role."""
+    study = tomllib.loads(text)
+    read = {"title": study["title"], "consent": study["page"]["consent"]}
+    for question in study["questions"]:
+        name = question["name"]
+        read[name] = question["text"]
+        read |= {f"{name} {n}": label for n, label in enumerate(question.get("labels", ()))}
+        read |= {f"{name} {r['name']}": r["text"] for r in question.get("reasons", ())}
+    for question in study.get("form", {}).get("eligibility", ()):
+        name = question["name"]
+        read |= {name: question["text"], f"{name} eligible": question["eligible"][0]}
+        read |= {f"{name} {n}": choice for n, choice in enumerate(question["choices"])}
+    return read
+
+
+@pytest.mark.parametrize("language", ["de", "ja"])
+@pytest.mark.parametrize("template", [name for name in TEMPLATES if name not in ALIASES])
+def test_a_translated_template_differs_only_in_its_language(
+    tmp_path: Path, template: str, language: Language
+) -> None:
+    files = [tmp_path / "en.toml", tmp_path / f"{language}.toml"]
+    english = new_study(files[0], template=template, name="study")
+    study = new_study(files[1], template=template, name="study", language=language)
+    source, text = (file.read_text("utf-8") for file in files)
+
+    before, after = read_by_participants(source), read_by_participants(text)
+    assert before.keys() == after.keys()
+    assert [name for name in before if before[name] == after[name]] == []
+    assert all(("{emotion}" in before[name]) is ("{emotion}" in after[name]) for name in before)
+    assert study.page.language == language
+    assert read_study(files[1]) == study
+    assert re.findall(r"^# .*", source, re.M) == re.findall(r"^# .*", text, re.M)
+    said: dict[str, Any] = {"title": ..., "questions": {"__all__": {"text", "labels", "reasons"}}}
+    said["page"] = {"language", "consent"}
+    said["form"] = {"eligibility": {"__all__": {"text", "choices", "eligible"}}}
+    assert study.model_dump(exclude=said) == english.model_dump(exclude=said)
+
+
 def test_the_chosen_settings_are_written_into_the_file(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
-    new_study(path, name="scott", title="T", reference="static", trials=6)
+    new_study(path, name="scott", title="T", reference="static", trials=6, language="ja")
     study = read_study(path)
     assert isinstance(study, PairwiseStudy)
     assert (study.name, study.title, study.reference, study.trials) == ("scott", "T", "static", 6)

@@ -14,7 +14,7 @@ from studyapp.study.settings.recruitment import (
     draw_code,
 )
 from studyapp.study.settings.rehearsal import Rehearsal, stated_strength
-from studyapp.study.template_language import render_template
+from studyapp.study.study_file import render_template
 from tests.support.studies.made_study import make_study
 
 
@@ -163,7 +163,7 @@ def test_generated_codes_are_strong_and_distinct() -> None:
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_every_template_states_the_defaults(protocol: str) -> None:
-    text = render_template(f"{protocol}.toml")
+    text = render_template(protocol)
     assert parse_text(text, where="study.toml").rehearsal == Rehearsal()
     commented = text[text.index("# [rehearsal.strength]") : text.index("# What participants read")]
     stated = "\n".join(

@@ -11,8 +11,8 @@ from motion.errors import InputError
 from renderer.look import AVATARS, FRAMINGS, VIEWS
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.presentation import Video
-from studyapp.study.settings.reading import read_study
-from studyapp.study.study_file import new_study
+from studyapp.study.settings.reading import parse_text, read_study
+from studyapp.study.study_file import new_study, render_template
 from tests.support.studies.redefining import edited
 
 
@@ -87,6 +87,42 @@ def test_a_wrong_key_is_named_with_its_file(
         read_study(changed(study_file, **changes))
     assert said in str(caught.value)
     assert str(study_file) in str(caught.value)
+
+
+STUDY = render_template("pairwise", name="lines")
+EXTRA = '\n[[questions]]\nname = "extra"\n'
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "line", "said"),
+    [
+        ("\ntrials = 24", "\ntrials = -24", "trials = -24", "(line {})"),
+        ('devices = ["computer", "tablet"]', 'devices = ["watch"]', "devices = ", "(line {})"),
+        ('title = "Expression of the emotion"', "title = 3", "title = 3", "(line {})"),
+        (
+            "sound_check = true",
+            'thanks = """\nbreak_every = 3\n[video]\n"""\nsound_check = 7',
+            "sound_check = 7",
+            "(line {})",
+        ),
+        # What is missing is named with the table that lacks it.
+        ("", EXTRA, "[[questions]]", "(line {})"),
+        (
+            "[catch]",
+            '[catch]\nagianst = "x"',
+            "agianst",
+            "agianst: unknown key in line {} (did you mean 'against'?)",
+        ),
+    ],
+)
+def test_mistakes_are_reported_with_their_line(
+    before: str, after: str, line: str, said: str
+) -> None:
+    text = STUDY.replace(before, after, 1) if before else STUDY + after
+    assert text != STUDY
+    number = max(number for number, words in enumerate(text.split("\n"), 1) if line in words)
+    with pytest.raises(InputError, match=re.escape(said.format(number))):
+        parse_text(text, where="study.toml")
 
 
 @pytest.mark.parametrize(
