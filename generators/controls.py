@@ -31,7 +31,7 @@ from generators.interface import (
     with_length,
 )
 from generators.rule_based.body_pose import Trunk, pose_body
-from generators.rule_based.hand_pose import POSES
+from generators.rule_based.vocabulary import POSES
 from motion.clip import ARKIT_NAMES, MotionClip
 from motion.errors import InputError
 from motion.resample import resample

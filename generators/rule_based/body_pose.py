@@ -16,13 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from generators.rule_based.hand_pose import (
+from generators.rule_based.vocabulary import (
+    CURLS,
     DEVIATION,
     ELBOW_OUT,
     FLEXION,
     PLACE,
     PRONATION,
-    finger_rotations,
+    SPREAD,
 )
 from motion.skeleton import JOINT_COUNT, REST_JOINTS, forward_kinematics, joint_index
 
@@ -126,6 +127,13 @@ _ADVANCE_WITH_ARM: Final = 8.0
 _SPINE: Final = ("spine1", "spine2", "spine3")
 _NECK_SHARE: Final = 0.45
 
+_FIST: Final = np.radians([78.0, 95.0, 60.0])
+_THUMB_CURL: Final = np.radians([[14.0, 18.0, 0.0], [0.0, 28.0, 0.0], [0.0, 45.0, 0.0]])
+_SPREAD_ANGLE: Final = np.radians([12.0, 1.0, -16.0, -8.0])
+_THUMB_ABDUCTION: Final = np.radians(16.0)
+_FINGERS: Final = ("index", "middle", "pinky", "ring")
+_CURL_ORDER: Final = ("thumb", "index", "middle", "ring", "pinky")
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trunk:
@@ -159,7 +167,7 @@ def pose_body(trunk: Trunk, hands: Mapping[str, FloatArray]) -> tuple[FloatArray
     ----------
     trunk : Trunk
     hands : mapping of str to ndarray, shape (T, 13)
-        Channels of `hand_pose` for ``left`` and ``right``.
+        Channels of `vocabulary.HandPose` for ``left`` and ``right``.
 
     Returns
     -------
@@ -237,7 +245,7 @@ def _pose_arm(
     in_wrist = Rotation.from_rotvec(twist * (1 - _TWIST_IN_FOREARM))
     poses[:, wrist] = (in_wrist * Rotation.from_rotvec(flex + deviate)).as_rotvec()
     first = joint_index(f"{side}_index1")
-    poses[:, first : first + 15] = finger_rotations(hand, sign)
+    poses[:, first : first + 15] = _finger_rotations(hand, sign)
 
 
 def _pose_leg(
@@ -260,6 +268,21 @@ def _pose_leg(
     poses[:, hip] = _matrix_rotvec(np.swapaxes(pelvis, 1, 2) @ upper)
     poses[:, knee] = _matrix_rotvec(np.swapaxes(upper, 1, 2) @ lower)
     poses[:, ankle] = _matrix_rotvec(np.swapaxes(lower, 1, 2))
+
+
+def _finger_rotations(hand: FloatArray, sign: float) -> FloatArray:
+    """Return the rotations of a hand's 15 joints, shape (T, 15, 3), in the skeleton's order."""
+    rotations = np.zeros((len(hand), 15, 3))
+    curls = hand[:, CURLS]
+    for number, finger in enumerate(_FINGERS):
+        curl = curls[:, _CURL_ORDER.index(finger)]
+        joints = rotations[:, 3 * number : 3 * number + 3]
+        joints[:, :, 2] = -sign * curl[:, None] * _FIST
+        joints[:, 0, 1] = -sign * hand[:, SPREAD] * _SPREAD_ANGLE[number] * (1 - curl)
+    thumb = curls[:, 0, None, None] * _THUMB_CURL
+    thumb[:, 0, 1] -= _THUMB_ABDUCTION * hand[:, SPREAD]
+    rotations[:, 12:15] = thumb * (1.0, sign, sign)
+    return rotations
 
 
 def _rotvec(turn: FloatArray) -> FloatArray:

@@ -10,8 +10,14 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import ShortTimeFFT
 
-from generators.rule_based.emotion_style import EmotionStyle
-from generators.rule_based.time_courses import Movement, follow, minimum_jerk, pulse, smooth_noise
+from generators.rule_based.time_courses import (
+    Movement,
+    follow,
+    minimum_jerk,
+    on_accents,
+    smooth_noise,
+)
+from generators.rule_based.vocabulary import EmotionStyle
 from motion.audio import Audio
 from motion.clip import ARKIT_NAMES
 from motion.prosody import Prosody
@@ -67,7 +73,8 @@ def move_face(
     for name, weight in style.face.steady.items():
         steady = weight * wavering * (talking if name.startswith(_LIP_SHAPES) else 1.0)
         _add_weights(arkit, name, steady)
-    accents = _accent_pulses(prosody, times)
+    # Brows lead the voice a little (Flecha-Garcia 2010).
+    accents = on_accents(prosody, times, rise=0.18, fall=0.45, lead=_BROW_LEAD)
     for name, weight in style.face.on_accent.items():
         _add_weights(arkit, name, weight * accents)
     for name, course in mouth.items():
@@ -81,15 +88,6 @@ def move_face(
     for name in _sides("eyeWide"):
         arkit[:, ARKIT_NAMES.index(name)] *= 1 - lid_closure
     return np.asarray(np.clip(arkit, 0, 1))
-
-
-def _accent_pulses(prosody: Prosody, times: FloatArray) -> FloatArray:
-    """Return 1 at the strongest accent; brows lead the voice a little (Flecha-Garcia 2010)."""
-    raised = np.zeros(len(times))
-    for accent, strength in zip(prosody.accents, prosody.prominence, strict=True):
-        hump = pulse(times, accent - _BROW_LEAD, 0.18, 0.45)
-        raised = np.maximum(raised, strength * hump)
-    return raised
 
 
 def _sides(name: str) -> tuple[str, ...]:

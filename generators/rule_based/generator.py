@@ -15,12 +15,10 @@ from generators.interface import (
     seeded_stream,
 )
 from generators.rule_based.body_pose import pose_body
-from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.face_motion import move_face
-from generators.rule_based.gesture_plan import HANDS, plan_gestures
-from generators.rule_based.hand_tracks import hand_track
-from generators.rule_based.posture import move_trunk, on_accents
-from generators.rule_based.resting import idle, plan_rests
+from generators.rule_based.hand_tracks import move_hands
+from generators.rule_based.posture import move_trunk
+from generators.rule_based.vocabulary import STYLES
 from motion.clip import MotionClip
 from motion.prosody import prosody
 
@@ -46,14 +44,7 @@ class RuleBased:
         style = STYLES[speech.segment.emotion]
         speech_prosody = prosody(speech.audio, frame_rate)
         rng = np.random.default_rng(seeded_stream(seed, self.name, speech.segment.name))
-        gestures = plan_gestures(speech_prosody, style.gestures, rng)
-        rests = plan_rests(style.gestures, gestures, frames / frame_rate, rng)
-        beats = on_accents(speech_prosody, times, rise=0.2, fall=0.35) * style.gestures.amplitude
-        idling = idle(times, beats, style.liveliness.restlessness, rng)
-        hands = {
-            hand: hand_track(hand, gestures, rests, style.gestures, times, idling, rng)
-            for hand in HANDS
-        }
+        hands = move_hands(style, speech_prosody, times, rng)
         trunk = move_trunk(style, speech_prosody, hands, times, rng)
         poses, trans = pose_body(trunk, hands)
         head_in_world = trunk.pelvis + trunk.spine + trunk.head

@@ -8,18 +8,14 @@ loudest moment, between its onset and that.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import TypeAdapter
 
-from generators.rule_based.emotion_style import GestureManner
-from generators.rule_based.hand_pose import RELATED_SHAPES, SHAPES, HandPose, NamedShape
+from generators.rule_based.vocabulary import FORMS, GestureForm, GestureManner
 from motion.prosody import Prosody
 
 FloatArray = NDArray[np.float64]
@@ -39,46 +35,6 @@ _UNIT_GAP: Final = 1.6
 _LONGEST_UNIT: Final = 3
 _FORM_CHANGES: Final = 0.4
 _STRONG_HAND: Final = 0.65
-_LARGEST_BLEND: Final = 0.5
-
-
-@dataclass(frozen=True, kw_only=True)
-class GestureForm:
-    """One kind of gesture.
-
-    Attributes
-    ----------
-    apex : HandPose
-        The hand at the end of the stroke, at amplitude 1.
-    stroke : tuple of float
-        The way of the wrist in the stroke (outward, up, forward), in arm lengths.
-    wind_up : tuple of float
-        Degrees by which pronation and flexion differ at the stroke's beginning.
-    wind_up_shape : HandShape
-        The fingers at the stroke's beginning.
-    one_hand, both_hands : bool
-        With what it can be done.
-    """
-
-    apex: HandPose
-    stroke: tuple[float, float, float]
-    wind_up: tuple[float, float]
-    wind_up_shape: NamedShape = SHAPES["relaxed"]
-    one_hand: bool = True
-    both_hands: bool = True
-
-    def fingers(self, rng: np.random.Generator) -> FloatArray:
-        """Return how one stroke ends, shape (6,): curls and spread, part way to a shape of kin."""
-        related = RELATED_SHAPES[self.apex.shape]
-        target = related[int(rng.integers(len(related)))]
-        blend = rng.uniform(0, _LARGEST_BLEND)
-        return (1 - blend) * np.array(astuple(self.apex.shape)) + blend * np.array(astuple(target))
-
-
-FORMS: Final = TypeAdapter(dict[str, GestureForm]).validate_python(
-    tomllib.loads(Path(__file__).with_name("forms.toml").read_text("utf-8"))
-)
-"""Gesture forms by name."""
 
 
 @dataclass(frozen=True, kw_only=True)

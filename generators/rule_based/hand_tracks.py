@@ -1,28 +1,34 @@
-"""The course of one hand through its planned gestures."""
+"""The courses of both hands: through the planned gestures, and at rest between them.
+
+Hands rest in changing poses, and are never quite still.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from generators.rule_based.emotion_style import GestureManner
-from generators.rule_based.gesture_plan import Gesture, endings
-from generators.rule_based.hand_pose import (
+from generators.rule_based.gesture_plan import HANDS, Gesture, endings, plan_gestures
+from generators.rule_based.time_courses import Movement, follow, on_accents, smooth_noise
+from generators.rule_based.vocabulary import (
     CHANNELS,
     CURLS,
+    DEVIATION,
     ELBOW_OUT,
     FLEXION,
     PLACE,
     POSES,
     PRONATION,
     SPREAD,
-    clip_to_joint_range,
+    EmotionStyle,
+    GestureManner,
+    HandPose,
 )
-from generators.rule_based.resting import SETTLING, Idling, Rest
-from generators.rule_based.time_courses import Movement, follow
+from motion.prosody import Prosody
 
 FloatArray = NDArray[np.float64]
 
@@ -36,43 +42,58 @@ _OVERLAP: Final = 0.2
 _REBOUND: Final = 0.14
 _REBOUND_SECONDS: Final = 0.35
 _SHORTEST_REBOUND: Final = 0.2
+_DETOUR: Final = (0.0, 0.0, 0.5)
+
 _ALONE: Final = CHANNELS
 _RESTING: Final = CHANNELS + 1
 _IS_ON_TOP: Final = CHANNELS + 2
-_DETOUR: Final = (0.0, 0.0, 0.5)
+"""Further channels of a course, from 0 to 1: whether the hand moves by itself or lies on the other,
+whether it rests, and whether it is the upper one."""
+
+_JOINT_LIMITS: Final = ((PRONATION, 80.0), (FLEXION, 70.0), (DEVIATION, 20.0))
+"""Degrees that a forearm and a wrist can turn either way."""
 
 
-def hand_track(
+def move_hands(
+    style: EmotionStyle, prosody: Prosody, times: FloatArray, rng: np.random.Generator
+) -> dict[str, FloatArray]:
+    """Return the pose of each hand at each time.
+
+    Parameters
+    ----------
+    style : EmotionStyle
+    prosody : Prosody
+        Its accents are gestured on.
+    times : ndarray, shape (T,)
+        Seconds, one for each frame of `prosody`.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    dict of str to ndarray, shape (T, 13)
+        The channels of `vocabulary.HandPose`, by hand.
+    """
+    manner = style.gestures
+    gestures = plan_gestures(prosody, manner, rng)
+    rests = plan_rests(manner, gestures, len(times) / prosody.frame_rate, rng)
+    beats = on_accents(prosody, times, rise=0.2, fall=0.35) * manner.amplitude
+    own, together = _drifts(times, style.liveliness.restlessness, rng)
+    tracks = {}
+    for hand in HANDS:
+        course = _course(hand, gestures, rests, manner, times, rng)
+        tracks[hand] = _within_joint_limits(_with_idling(course, own[hand], together[hand], beats))
+    return tracks
+
+
+def _course(
     hand: str,
     gestures: Sequence[Gesture],
     rests: Sequence[Rest],
     manner: GestureManner,
     times: FloatArray,
-    idling: Idling,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Return the pose of `hand` at each time.
-
-    Parameters
-    ----------
-    hand : str
-        ``left`` or ``right``.
-    gestures : sequence of Gesture
-        The plan for both hands.
-    rests : sequence of Rest
-        The resting poses of both.
-    manner : GestureManner
-    times : ndarray, shape (T,)
-        Seconds.
-    idling : Idling
-        The idle motion of both.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    ndarray, shape (T, 13)
-        The channels of `hand_pose`.
-    """
+    """Return the planned course of `hand`, shape (T, 16)."""
     habit = _variety(rng) * 0.5
     habit[ELBOW_OUT] += manner.elbows_out
     poses = [(rest.begin, _rest_pose(rest, hand, habit + _variety(rng) * 0.1)) for rest in rests]
@@ -116,11 +137,7 @@ def hand_track(
     # A hand goes round the one that it comes to lie on.
     on_top = course[:, _IS_ON_TOP, None]
     course[:, PLACE] += on_top * (1 - on_top) * _DETOUR
-    return clip_to_joint_range(
-        idling.add_to(
-            hand, course[:, :CHANNELS], alone=course[:, _ALONE], resting=course[:, _RESTING]
-        )
-    )
+    return course
 
 
 def _rest_pose(rest: Rest, hand: str, personal: FloatArray) -> FloatArray:
@@ -135,7 +152,7 @@ def _settling(
     poses: Sequence[tuple[float, FloatArray]], free: float, next_gesture: float, tempo: float
 ) -> list[Movement]:
     """Return the changes of pose of a hand that is `free` until its next gesture."""
-    duration = SETTLING / tempo
+    duration = _SETTLING / tempo
     return [
         Movement(start=begin, end=begin + duration, target=pose)
         for begin, pose in poses
@@ -157,16 +174,135 @@ def _key_poses(
     upbeat = apex.copy()
     upbeat[PLACE] -= size * np.array(gesture.form.stroke)
     upbeat[[PRONATION, FLEXION]] += np.array(gesture.form.wind_up) * min(size, 1.2)
-    shape = gesture.form.wind_up_shape
-    upbeat[CURLS] = (shape.thumb, shape.index, shape.middle, shape.ring, shape.pinky)
-    upbeat[SPREAD] = shape.spread
+    upbeat[CURLS.start :] = astuple(gesture.form.wind_up_shape)
     return np.array([*apex, 1.0, 0.0, 0.0]), np.array([*upbeat, 1.0, 0.0, 0.0])
 
 
 def _variety(rng: np.random.Generator) -> FloatArray:
     """Return small differences, shape (13,), for no two gestures are quite the same."""
-    variety = np.zeros(13)
+    variety = np.zeros(CHANNELS)
     variety[PLACE] = rng.normal(0, _PLACE_VARIETY)
     variety[[ELBOW_OUT, PRONATION, FLEXION]] = rng.normal(0, _TURN_VARIETY, 3) * (0.6, 1.0, 0.5)
     variety[CURLS] = rng.normal(0, 0.06) + rng.normal(0, 0.05, 5)
     return variety
+
+
+def _within_joint_limits(course: FloatArray) -> FloatArray:
+    for channel, limit in _JOINT_LIMITS:
+        course[:, channel] = np.clip(course[:, channel], -limit, limit)
+    course[:, CURLS] = np.clip(course[:, CURLS], 0, 1)
+    course[:, SPREAD] = np.clip(course[:, SPREAD], -0.6, 1)
+    return course
+
+
+_SETTLING: Final = 1.2
+"""Seconds that an unmoved speaker takes from one rest pose to the next."""
+
+_REST_SECONDS: Final = (1.8, 4.0)
+"""Seconds that a rest pose lasts, at least and at most."""
+
+_KEEPS_REST_POSE: Final = 0.3
+"""Probability that both hands are as the emotion holds them."""
+
+_CLASPED: Final = ("clasped_over", "clasped_under")
+_AT_THE_SIDES: Final = ("held_off", "held_off")
+_ONE_HANGS: Final = ("before_the_waist", "held_off")
+
+_ALTERNATIVES: Final[Mapping[HandPose, Sequence[tuple[str, str]]]] = {
+    POSES["before_the_waist"]: (_CLASPED, _AT_THE_SIDES, _ONE_HANGS),
+    POSES["held_off"]: (_CLASPED, _AT_THE_SIDES, _ONE_HANGS),
+    POSES["hanging_slack"]: (_CLASPED,),
+}
+"""What a feeling changes its own pose for: that of the hand that gestures next, and the other's."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rest:
+    """The resting pose of each hand from a moment on."""
+
+    begin: float
+    poses: Mapping[str, HandPose]
+
+    @property
+    def clasped(self) -> bool:
+        """Whether the hands lie on each other, so that they only move as one."""
+        return POSES["clasped_over"] in self.poses.values()
+
+
+def plan_rests(
+    manner: GestureManner, gestures: Sequence[Gesture], seconds: float, rng: np.random.Generator
+) -> tuple[Rest, ...]:
+    """Return the resting poses of a clip of so many seconds in time order, the first from 0 on.
+
+    Clenched and drawn-up hands stay what they are; others are clasped, hang, or do one of each.
+    They change only where both are free for long enough, so that none meets the other on its way.
+    """
+    rest_poses = dict.fromkeys(HANDS, manner.rest)
+    rests: list[Rest] = []
+    for start, end, leaving in _free_intervals(manner, gestures, seconds):
+        begin = start
+        while not rests or end - begin > _SETTLING / manner.tempo:
+            rests.append(Rest(begin=begin, poses=_poses(rest_poses, str(rng.choice(leaving)), rng)))
+            begin += rng.uniform(*_REST_SECONDS)
+        if rests[-1].clasped:
+            rests.append(Rest(begin=end, poses=rest_poses))
+    return tuple(rests)
+
+
+def _free_intervals(
+    manner: GestureManner, gestures: Sequence[Gesture], seconds: float
+) -> Iterator[tuple[float, float, Sequence[str]]]:
+    """Yield from when to when no hand gestures, the first time from 0 on, and which do next."""
+    released = 0.0
+    release_times = {
+        (gesture.begin, hand): ending.release
+        for hand in HANDS
+        for hand_gestures in [[gesture for gesture in gestures if hand in gesture.hands]]
+        for gesture, ending in zip(hand_gestures, endings(hand_gestures, manner.tempo), strict=True)
+    }
+    for gesture in gestures:
+        yield released, gesture.begin, gesture.hands
+        released = max(released, *(release_times[gesture.begin, hand] for hand in gesture.hands))
+    yield released, seconds, HANDS
+
+
+def _poses(
+    rest_poses: Mapping[str, HandPose], leaving: str, rng: np.random.Generator
+) -> Mapping[str, HandPose]:
+    """Return the resting pose of both hands; the one that leaves first is on top."""
+    alternatives = _ALTERNATIVES.get(rest_poses[leaving], ())
+    if not alternatives or rng.random() < _KEEPS_REST_POSE:
+        return rest_poses
+    leading_pose, other_pose = alternatives[int(rng.integers(len(alternatives)))]
+    return {hand: POSES[leading_pose if hand == leaving else other_pose] for hand in HANDS}
+
+
+# Place; elbow, pronation, flexion, deviation; curls; spread.
+_DRIFT: Final = np.array([*3 * [0.015], 1.5, 3.0, 2.5, 0.0, *5 * [0.07], 0.0])
+_BEAT: Final = np.array([0.0, -0.02, 0.04, 0.0, 0.0, -6.0, 0.0, *5 * [-0.07], 0.0])
+_DRIFT_TOGETHER: Final = 0.008
+_CURLS_CLASPED: Final = 0.5
+
+
+def _drifts(
+    times: FloatArray, restlessness: float, rng: np.random.Generator
+) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+    """Return the drift of each hand by itself, and of both as one, shape (T, 13) each."""
+    slow, quick = 0.1 * restlessness, 1.0 * restlessness
+    own = {hand: _DRIFT * smooth_noise(times, CHANNELS, slow, quick, rng) for hand in HANDS}
+    left = np.zeros((len(times), CHANNELS))
+    left[:, PLACE] = _DRIFT_TOGETHER * smooth_noise(times, 3, slow, quick, rng)
+    right = left.copy()
+    right[:, 0] *= -1
+    return own, dict(zip(HANDS, (left, right), strict=True))
+
+
+def _with_idling(
+    course: FloatArray, own: FloatArray, together: FloatArray, beats: FloatArray
+) -> FloatArray:
+    """Return the course, shape (T, 13), with its drift, and a small beat on accents at rest."""
+    free = np.repeat(course[:, _ALONE, None], CHANNELS, axis=1)
+    free[:, CURLS] = np.maximum(free[:, CURLS], _CURLS_CLASPED)
+    beat = course[:, _RESTING, None] * (beats[:, None] * _BEAT)
+    beat[:, PLACE.stop :] *= free[:, PLACE.stop :]
+    return course[:, :CHANNELS] + beat + free * own + (1 - free) * together

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from generators.rule_based.body_pose import Trunk
-from generators.rule_based.emotion_style import EmotionStyle
-from generators.rule_based.hand_pose import PLACE
-from generators.rule_based.time_courses import pulse, smooth_noise
+from generators.rule_based.time_courses import on_accents, pulse, smooth_noise
+from generators.rule_based.vocabulary import PLACE, EmotionStyle
 from motion.prosody import Prosody
 
 FloatArray = NDArray[np.float64]
@@ -46,7 +45,7 @@ def move_trunk(
     prosody : Prosody
         The head nods on its accents.
     hands : mapping of str to ndarray, shape (T, 13)
-        Channels of `hand_pose`; the trunk turns and leans with where the hands go.
+        Channels of `vocabulary.HandPose`; the trunk turns and leans with where the hands go.
     times : ndarray, shape (T,)
         Seconds.
     rng : numpy.random.Generator
@@ -101,14 +100,6 @@ def _nods(prosody: Prosody, times: FloatArray) -> FloatArray:
     """Return nods, 1 at the lowest of the strongest: a little up, then down on the accent."""
     up = on_accents(prosody, times + 0.2, rise=0.2, fall=0.2)
     return on_accents(prosody, times, rise=0.17, fall=0.32) - 0.25 * up
-
-
-def on_accents(prosody: Prosody, times: FloatArray, *, rise: float, fall: float) -> FloatArray:
-    """Return pulses that peak on the accents, as high as these are prominent."""
-    beats = np.zeros(len(times))
-    for accent, strength in zip(prosody.accents, prosody.prominence, strict=True):
-        beats = np.maximum(beats, strength * pulse(times, accent, rise, fall))
-    return beats
 
 
 def _trunk_following(hands: Mapping[str, FloatArray], frame_rate: float) -> FloatArray:

@@ -15,6 +15,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.prosody import Prosody
+
 FloatArray = NDArray[np.float64]
 
 _WAVES: Final = 7
@@ -105,6 +107,16 @@ def pulse(times: FloatArray, peak: float, rise: float, fall: float) -> FloatArra
     up = minimum_jerk((times - (peak - rise)) / rise)
     down = minimum_jerk((times - peak) / fall)
     return up - down
+
+
+def on_accents(
+    prosody: Prosody, times: FloatArray, *, rise: float, fall: float, lead: float = 0.0
+) -> FloatArray:
+    """Return pulses as high as the accents are prominent, which peak `lead` seconds before them."""
+    beats = np.zeros(len(times))
+    for accent, strength in zip(prosody.accents, prosody.prominence, strict=True):
+        beats = np.maximum(beats, strength * pulse(times, accent - lead, rise, fall))
+    return beats
 
 
 def smooth_noise(

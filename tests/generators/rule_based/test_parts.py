@@ -11,11 +11,10 @@ from hypothesis import strategies as st
 
 from generators.interface import SpeechSegment
 from generators.rule_based.body_pose import Trunk, pose_body
-from generators.rule_based.emotion_style import STYLES
 from generators.rule_based.face_motion import speaking_mouth
-from generators.rule_based.gesture_plan import FORMS, HANDS, endings, plan_gestures
-from generators.rule_based.hand_pose import POSES, HandPose
-from generators.rule_based.resting import plan_rests
+from generators.rule_based.gesture_plan import HANDS, endings, plan_gestures
+from generators.rule_based.hand_tracks import plan_rests
+from generators.rule_based.vocabulary import FORMS, POSES, STYLES, HandPose
 from motion.audio import Audio
 from motion.prosody import Prosody, prosody
 from motion.segment import EMOTIONS

@@ -1,0 +1,260 @@
+"""Hand shapes and poses, gesture forms, and the style of each emotion.
+
+The tables beside this module hold the values.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, TypeAdapter
+
+_LARGEST_BLEND: Final = 0.5
+
+
+def _table(name: str) -> dict[str, Any]:
+    return tomllib.loads(Path(__file__).with_name(name).read_text("utf-8"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandShape:
+    """How far each finger is curled: 0 straight, 1 in a fist; and how far they are spread."""
+
+    thumb: float
+    index: float
+    middle: float
+    ring: float
+    pinky: float
+    spread: float
+
+
+_HANDS: Final = _table("hands.toml")
+
+SHAPES: Final = {name: HandShape(**values) for name, values in _HANDS["shapes"].items()}
+
+RELATED_SHAPES: Final[Mapping[HandShape, Sequence[HandShape]]] = {
+    SHAPES[name]: [SHAPES[other] for other in others] for name, others in _HANDS["related"].items()
+}
+"""Shapes that a hand may come near to instead."""
+
+NamedShape = Annotated[HandShape, BeforeValidator(lambda name: SHAPES[name])]
+"""A shape, which a table names."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandPose:
+    """Position and orientation of a hand.
+
+    Attributes
+    ----------
+    outward, up, forward : float
+        From the shoulder to the wrist in the chest's own frame, in arm lengths (shoulder to
+        wrist); outward is away from the other arm.
+    elbow_out : float
+        Degrees by which the elbow is raised to the side from where it hangs by itself.
+    pronation : float
+        Degrees of turning the forearm: 0 with the thumb up, +80 palm down, -80 palm up.
+    flexion : float
+        Degrees of bending the wrist towards the palm.
+    deviation : float
+        Degrees of bending the wrist towards the thumb.
+    shape : HandShape
+    """
+
+    outward: float
+    up: float
+    forward: float
+    elbow_out: float = 0
+    pronation: float
+    flexion: float
+    deviation: float = 0
+    shape: NamedShape
+
+    def channels(self) -> NDArray[np.float64]:
+        """Return the pose as one vector, shape (13,); its parts are the slices below."""
+        *arm, shape = astuple(self)
+        return np.array([*arm, *shape], float)
+
+
+POSES: Final = TypeAdapter(dict[str, HandPose]).validate_python(_HANDS["poses"])
+
+NamedPose = Annotated[HandPose, BeforeValidator(lambda name: POSES[name])]
+"""A pose, which a table names."""
+
+PLACE: Final = slice(0, 3)
+ELBOW_OUT: Final = 3
+PRONATION: Final = 4
+FLEXION: Final = 5
+DEVIATION: Final = 6
+CURLS: Final = slice(7, 12)
+SPREAD: Final = 12
+CHANNELS: Final = 13
+
+
+@dataclass(frozen=True, kw_only=True)
+class GestureForm:
+    """One kind of gesture.
+
+    Attributes
+    ----------
+    apex : HandPose
+        The hand at the end of the stroke, at amplitude 1.
+    stroke : tuple of float
+        The way of the wrist in the stroke (outward, up, forward), in arm lengths.
+    wind_up : tuple of float
+        Degrees by which pronation and flexion differ at the stroke's beginning.
+    wind_up_shape : HandShape
+        The fingers at the stroke's beginning.
+    one_hand, both_hands : bool
+        With what it can be done.
+    """
+
+    apex: HandPose
+    stroke: tuple[float, float, float]
+    wind_up: tuple[float, float]
+    wind_up_shape: NamedShape = SHAPES["relaxed"]
+    one_hand: bool = True
+    both_hands: bool = True
+
+    def fingers(self, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Return how one stroke ends, shape (6,): curls and spread, part way to a shape of kin."""
+        related = RELATED_SHAPES[self.apex.shape]
+        target = related[int(rng.integers(len(related)))]
+        blend = rng.uniform(0, _LARGEST_BLEND)
+        return (1 - blend) * np.array(astuple(self.apex.shape)) + blend * np.array(astuple(target))
+
+
+FORMS: Final = TypeAdapter(dict[str, GestureForm]).validate_python(_table("forms.toml"))
+"""Gesture forms by name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GestureManner:
+    """Gesture parameters of an emotion.
+
+    Attributes
+    ----------
+    forms : mapping of str to float
+        Preference of each form of `FORMS`; need not sum to 1.
+    rest : HandPose
+        Where the hands are before, after and in long pauses.
+    amplitude : float
+        Size of the gestures against the forms' own.
+    tempo : float
+        Speed of preparation, stroke and retraction against an unmoved speaker's.
+    least_gap : float
+        Seconds at least from one stroke to the next.
+    both_hands : float
+        Probability that a gesture that could be made with both hands is.
+    longest_hold : float
+        Seconds that a hand stays after its stroke at most.
+    elbows_out : float
+        Degrees by which the elbows are held off the body.
+    """
+
+    forms: Mapping[str, float]
+    rest: NamedPose
+    amplitude: float = 1.0
+    tempo: float = 1.0
+    least_gap: float = 0.6
+    both_hands: float = 0.4
+    longest_hold: float = 0.5
+    elbows_out: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Posture:
+    """The posture of an emotion; all in degrees.
+
+    Attributes
+    ----------
+    spine_bend : float
+        Of the whole spine, forward positive.
+    lean : float
+        Of the whole body from the hips, forward positive.
+    shoulders_up, shoulders_forward : float
+        Of the collar bones.
+    head_down, head_tilt, head_turn : float
+        Of neck and head together.
+    """
+
+    spine_bend: float = 0.0
+    lean: float = 0.0
+    shoulders_up: float = 0.0
+    shoulders_forward: float = 0.0
+    head_down: float = 0.0
+    head_tilt: float = 0.0
+    head_turn: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Liveliness:
+    """Idle motion of an emotion.
+
+    Attributes
+    ----------
+    nod : float
+        Degrees of the head's nod on the strongest accent.
+    head_drift : float
+        Degrees, root mean square, of the head's slow turning.
+    sway : float
+        Size of the body's sway against an unmoved speaker's.
+    restlessness : float
+        Speed of sway and drift against an unmoved speaker's.
+    breaths : float
+        Breaths a minute.
+    blinks : float
+        Blinks a minute (about 26 in conversation, 17 at rest: Bentivoglio et al. 1997).
+    looks_away : float
+        Degrees, root mean square, of the gaze's wandering.
+    tremor : float
+        Degrees of fine trembling.
+    """
+
+    nod: float = 6.0
+    head_drift: float = 3.0
+    sway: float = 1.0
+    restlessness: float = 1.0
+    breaths: float = 15.0
+    blinks: float = 24.0
+    looks_away: float = 4.0
+    tremor: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Face:
+    """Facial parameters of an emotion.
+
+    Attributes
+    ----------
+    steady : mapping of str to float
+        Weights of ARKit actions that stay; a name without side means both sides.
+    on_accent : mapping of str to float
+        Weights added at the strongest accent.
+    mouth_opening : float
+        How widely the mouth opens in speech.
+    """
+
+    steady: Mapping[str, float]
+    on_accent: Mapping[str, float]
+    mouth_opening: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmotionStyle:
+    """All that an emotion sets."""
+
+    gestures: GestureManner
+    face: Face
+    posture: Posture = Posture()
+    liveliness: Liveliness = Liveliness()
+
+
+STYLES: Final = TypeAdapter(dict[str, EmotionStyle]).validate_python(_table("emotions.toml"))
+"""Styles by emotion."""
