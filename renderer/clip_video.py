@@ -11,20 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from motion.audio import read_audio
 from motion.body.model import BodyModel, read_body
 from motion.body.surface import VertexNormals, surface_colours
 from motion.clip import MotionClip
 from motion.files import replacing
 from motion.formats.clip_npz import read_clip
 from renderer.contact_shadow import ContactShadow, ShadowCaster
-from renderer.encoder import SOUND_RATE, VideoWriter
+from renderer.encoder import VideoWriter
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera
 from renderer.look import Look
-from renderer.loudness import at_common_loudness
+from renderer.loudness import read_excerpt
 from renderer.picture import SUPERSAMPLING, VIDEO, Canvas
 from renderer.shown_clip import as_shown, frame_at
+from renderer.video_jobs import ClipJob
 
 FRAMES_AT_ONCE: Final = 16
 """Frames whose vertices are in memory together and that share one bounding box."""
@@ -89,36 +89,15 @@ class Stage:
             yield self.body.vertices(clip, slice(start, start + FRAMES_AT_ONCE))
 
 
-def write_clip_video(
-    stage: Stage,
-    *,
-    motion: Path,
-    speech: Path,
-    start: float,
-    end: float,
-    frozen: tuple[str, ...],
-    frames: Path | None = None,
-    video: Path | None = None,
-) -> None:
-    """Write the video of one motion clip, its lossless frames, or both.
+def write_clip_video(job: ClipJob, stage: Stage) -> None:
+    """Write the video of one motion clip, its lossless frames, or both, each atomically.
 
     Parameters
     ----------
+    job : ClipJob
+        The clip and its speech.
     stage : Stage
-        Renders the clip; entered.
-    motion : Path
-        The clip; it begins with the excerpt of the speech.
-    speech : Path
-        The speech.
-    start, end : float
-        The excerpt of `speech` in seconds; the video has ``round((end - start) * frame_rate)``
-        frames.
-    frozen : tuple of str
-        Channels to hold still, as `motion.clip.freeze` names them.
-    frames : Path or None
-        File for lossless frames, from which pairs are composed.
-    video : Path or None
-        File for the video with its speech. Both files are written atomically.
+        Renders it; entered.
 
     Raises
     ------
@@ -126,18 +105,17 @@ def write_clip_video(
         If motion or speech cannot be read, or differ in length by more than
         `renderer.shown_clip.LENGTH_TOLERANCE`.
     """
-    look = stage.look
-    clip = as_shown(read_clip(motion), stage.body, motion, end - start, frozen, look.frame_rate)
+    size, rate, duration = stage.look.size, stage.look.frame_rate, job.end - job.start
+    clip = as_shown(read_clip(job.motion), stage.body, job.motion, duration, job.freeze, rate)
     sound = None
-    if video is not None:
-        sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
-    size, rate = look.size, look.frame_rate
+    if job.video is not None:
+        sound = read_excerpt(job.speech, job.start, job.end)
     with ExitStack() as stack:
         writers = [
             stack.enter_context(
                 VideoWriter(stack.enter_context(replacing(path)), size, size, rate, heard)
             )
-            for path, heard in ((frames, None), (video, sound))
+            for path, heard in ((job.frames, None), (job.video, sound))
             if path is not None
         ]
         for frame in stage.video_frames(clip):

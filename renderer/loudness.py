@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 from typing import Final
 
 import av
@@ -12,7 +13,8 @@ import numpy as np
 from av.filter import Graph
 from scipy.signal import resample_poly
 
-from motion.audio import Audio
+from motion.audio import Audio, read_audio
+from renderer.encoder import SOUND_RATE
 
 TARGET: Final = -23.0
 """LUFS; what EBU R 128 asks for. Speech reaches it without its peaks being touched."""
@@ -54,6 +56,11 @@ def at_common_loudness(audio: Audio) -> Audio:
             f"its peaks allow {loudness + gain:.1f} LUFS, not the {TARGET:g} LUFS of the others",
         )
     return amplified
+
+
+def read_excerpt(speech: Path, start: float, end: float) -> Audio:
+    """Return what videos play of a recording, from `start` to `end` in seconds."""
+    return at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
 
 
 def integrated_loudness(audio: Audio) -> float | None:

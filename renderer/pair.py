@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from motion.audio import read_audio
 from motion.errors import InputError
 from motion.files import replacing
-from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
+from renderer.encoder import VideoWriter, video_frame
 from renderer.look import Colour, Look
-from renderer.loudness import at_common_loudness
+from renderer.loudness import read_excerpt
 from renderer.picture import plane_pixels
+from renderer.video_jobs import PairJob
 
 LABELS: Final = ("A", "B")
 """Left and right."""
@@ -32,45 +32,32 @@ _MIN_GREY_FOR_DARK: Final = 0x8D
 Planes = tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.uint8]]
 
 
-def write_pair(
-    *, left: Path, right: Path, speech: Path, start: float, end: float, video: Path, look: Look
-) -> None:
-    """Compose `left` and `right` into one video with the speech.
+def write_pair(job: PairJob) -> None:
+    """Compose two clips into one video with the speech.
 
-    Parameters
-    ----------
-    left, right : Path
-        Lossless frames as `renderer.clip_video.write_clip_video` leaves them.
-    speech : Path
-        The speech.
-    start, end : float
-        The excerpt of `speech` in seconds.
-    video : Path
-        Where to write; appears whole, or not at all.
-    look : Look
-        The study's look.
+    The video appears whole, or not at all.
 
     Raises
     ------
     InputError
         If frames or speech cannot be read, or the two sides have not the same frames.
     """
-    size = look.size
-    sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
-    count = max(1, round((end - start) * look.frame_rate))
+    size, rate = job.look.size, job.look.frame_rate
+    sound = read_excerpt(job.speech, job.start, job.end)
+    count = max(1, round((job.end - job.start) * rate))
     written = 0
     with (
-        replacing(video) as draft,
-        VideoWriter(draft, 2 * size, size, look.frame_rate, sound) as writer,
+        replacing(job.video) as draft,
+        VideoWriter(draft, 2 * size, size, rate, sound) as writer,
     ):
-        for frame in composed_frames(left, right, look):
+        for frame in composed_frames(job.left, job.right, job.look):
             written += 1
             if written <= count:
                 writer.write(frame)
         if written != count:
             raise InputError(
                 f"the two sides share {written} frames, {count} are needed",
-                where=f"{left} and {right}",
+                where=f"{job.left} and {job.right}",
                 remedy="Render both clips again",
             )
 

@@ -14,11 +14,12 @@ import av
 import numpy as np
 from av.bitstream import BitStreamFilterContext
 
-from motion.audio import Audio, read_audio
+from motion.audio import Audio
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.encoder import MP4_OPTIONS, SOUND_RATE, clear_bit_rates, encoded_sound
-from renderer.loudness import at_common_loudness
+from renderer.loudness import read_excerpt
+from renderer.video_jobs import DubJob
 
 TICKS: Final = 90_000
 """Ticks per second of a copy's timestamps."""
@@ -130,39 +131,25 @@ def _unreadable(video: Path) -> InputError:
     )
 
 
-def write_dubbed(
-    *, picture: Path, speech: Path, start: float, end: float, seconds: float, video: Path
-) -> None:
+def write_dubbed(job: DubJob) -> None:
     """Write a video whose encoded picture is that of another one, and only its speech differs.
 
-    Parameters
-    ----------
-    picture : Path
-        A video as `renderer.clip_video.write_clip_video` leaves it.
-    speech : Path
-        The new speech.
-    start, end : float
-        The excerpt of `speech` in seconds.
-    seconds : float
-        How long the sound lasts: silence follows a shorter excerpt, so that the length of a file
-        does not reveal its speech.
-    video : Path
-        Where to write; appears whole, or not at all.
+    It appears whole, or not at all.
 
     Raises
     ------
     InputError
         If picture or speech cannot be read.
     """
-    excerpt = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
-    sound = _padded(excerpt, round(seconds * SOUND_RATE))
+    excerpt = read_excerpt(job.speech, job.start, job.end)
+    sound = _padded(excerpt, round(job.seconds * SOUND_RATE))
     try:
-        with _opened(picture, video, MP4_OPTIONS) as (original, copy):
+        with _opened(job.picture, job.video, MP4_OPTIONS) as (original, copy):
             _write(original, copy, sound)
     except (av.FFmpegError, IndexError) as error:
         raise InputError(
             f"the rendered clip cannot be read ({error})",
-            where=picture,
+            where=job.picture,
             remedy="Delete the file and render again",
         ) from error
 

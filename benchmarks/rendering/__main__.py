@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import os
 
-from renderer.jobs.local_workers import ONE_THREAD
+from renderer.jobs.making import ONE_THREAD
 
 os.environ.update(ONE_THREAD)  # before NumPy and Mesa load: measured as in a worker
 
 import resource
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 from typing import Final
@@ -32,10 +32,10 @@ from motion.formats import write_clip
 from renderer.clip_video import Stage, write_clip_video
 from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.framing import Camera, frame_clips
-from renderer.jobs.job import ClipJob, Job, PairJob
 from renderer.jobs.making import run_jobs
 from renderer.look import Look, default_body
 from renderer.pair import composed_frames, write_pair
+from renderer.video_jobs import ClipJob, Job, PairJob
 
 SECONDS: Final = 4.0
 ROUNDS: Final = 3
@@ -146,22 +146,11 @@ def _our_tasks(setting: Setting, stage: Stage, silence: Audio) -> dict[str, Call
     count, look = setting.frame_count, setting.look
     single = [*stage.video_frames(gesturing_clip(SECONDS, look.frame_rate))]
 
-    def write(**files: Path | None) -> None:
-        write_clip_video(
-            stage, motion=clip.motion, speech=clip.speech, start=clip.start, end=clip.end,
-            frozen=(), **files,
-        )  # fmt: skip
-
-    def compose() -> None:
-        write_pair(
-            left=pair.left, right=pair.right, speech=pair.speech, start=pair.start, end=pair.end,
-            video=pair.video, look=look,
-        )  # fmt: skip
-
+    video = replace(clip, frames=None, video=setting.folder / "one.mp4")
     return {
-        "clip": lambda: timed(count, lambda: write(video=setting.folder / "one.mp4")),
-        "frames": lambda: timed(count, lambda: write(frames=clip.frames)),
-        "compose": lambda: timed(count, compose),
+        "clip": lambda: timed(count, lambda: write_clip_video(video, stage)),
+        "frames": lambda: timed(count, lambda: write_clip_video(clip, stage)),
+        "compose": lambda: timed(count, lambda: write_pair(pair)),
         "x264": lambda: timed(count, lambda: _encode(setting, single, look.size, silence)),
         "x264 pair": lambda: _x264_pair(setting, silence),
     }

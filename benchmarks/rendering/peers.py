@@ -20,7 +20,7 @@ from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.body.model import BodyModel
 from motion.body.surface import surface_colours
 from renderer.framing import Camera, look_at
-from renderer.jobs.local_workers import ONE_THREAD
+from renderer.jobs.making import ONE_THREAD
 from renderer.look import Look
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 
-from renderer.jobs.local_workers import ONE_THREAD
+from renderer.jobs.making import ONE_THREAD
 
 os.environ.update(ONE_THREAD)  # before NumPy and Mesa load: measured as in a worker
 

@@ -305,4 +305,4 @@ def _with_idling(
     free[:, CURLS] = np.maximum(free[:, CURLS], _CURLS_CLASPED)
     beat = course[:, _RESTING, None] * (beats[:, None] * _BEAT)
     beat[:, PLACE.stop :] *= free[:, PLACE.stop :]
-    return course[:, :CHANNELS] + beat + free * own + (1 - free) * together
+    return np.asarray(course[:, :CHANNELS] + beat + free * own + (1 - free) * together)

@@ -1,6 +1,7 @@
 """A contact sheet: every stimulus of a study at a glance, as one HTML page.
 
-Each cell is one small picture of a video.
+Each cell is one small picture of a rendered video: some of its moments, where the figure was, and
+how much it moved.
 """
 
 from __future__ import annotations
@@ -8,23 +9,31 @@ from __future__ import annotations
 import base64
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Final
 
+import av
 import numpy as np
+from av.video.reformatter import ColorRange, Interpolation, VideoReformatter
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from motion.errors import InputError
 from motion.segment import Segment
-from renderer.figures.glance import MOMENTS, TILE_SIZE, Glance
 from renderer.figures.plate import FAINT_INK, font
-from renderer.look import BACKGROUND
+from renderer.look import BACKGROUND, Look
 
-COLUMNS: Final = 4
-CURVE: Final = 30
+MOMENTS: Final = 7
+TILE_SIZE: Final = 112
+"""Pixels along each side of a small picture."""
+
+_COLUMNS: Final = 4
+_CURVE: Final = 30
 """Pixels of the movement curve's height."""
-CELL: Final = (COLUMNS * TILE_SIZE, (MOMENTS + 1) // COLUMNS * TILE_SIZE + CURVE)
+_CELL: Final = (_COLUMNS * TILE_SIZE, (MOMENTS + 1) // _COLUMNS * TILE_SIZE + _CURVE)
 """Width and height of a cell in pixels."""
 
 _FULL_CURVE: Final = 40.0
@@ -35,19 +44,19 @@ _DESCRIPTION: Final = 0x010E  # EXIF's ImageDescription
 
 @dataclass(frozen=True, kw_only=True)
 class SheetCell:
-    """A cell of the sheet with its remark and link.
+    """A cell of the sheet.
 
     Attributes
     ----------
-    cell : Cell or None
-        None if there is no readable video.
+    picture : bytes or None
+        Made by `draw_cell`; None if there is no readable video.
     remark : str
         Points worth a look, or why there is no picture.
     video : str
         Address of the video from the HTML page; empty where there is none.
     """
 
-    cell: Cell | None
+    picture: bytes | None
     remark: str
     video: str
 
@@ -93,55 +102,181 @@ def sheet_page(sheet: Sheet) -> str:
         lstrip_blocks=True,
     )
     return templates.get_template("sheet.html").render(
-        sheet=sheet, width=CELL[0], height=CELL[1], address=_data_address
+        sheet=sheet, width=_CELL[0], height=_CELL[1], address=_data_address
     )
 
 
-def _data_address(cell: Cell) -> str:
-    """Return a cell's picture as a data address."""
-    return "data:image/webp;base64," + base64.b64encode(cell.data).decode()
+def _data_address(picture: bytes) -> str:
+    return "data:image/webp;base64," + base64.b64encode(picture).decode()
 
 
-@dataclass(frozen=True)
-class Cell:
-    """A cell.
+_LUMA_WEIGHTS: Final = np.array([0.2126, 0.7152, 0.0722], np.float32)
+"""Weights of RGB in a pixel's lightness."""
+_FIGURE_CONTRAST: Final = 10
+"""Of 255: pixels that differ by this much from the background belong to the figure."""
+_STILL_CHANGE: Final = 2.5
+"""Of 255: encoding alone changes no pixel of the thumbnail by more between frames."""
+_STILL_SECONDS: Final = 1.0
+_JUMP_CHANGE: Final = 30.0
+_RESTLESS_CHANGE: Final = 20.0
+"""Of 255, mean change of the figure's small pixels from frame to frame at 30 frames a second.
+Gesturing speakers have a median of 1 to 5 and rarely pass 20; a clip broken on purpose has 40."""
+_EMPTY_SHARE: Final = 0.02
+_OUTSIDE_SHARE: Final = 0.02
+_RATE: Final = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Glance:
+    """A summary of one video.
 
     Attributes
     ----------
-    data : bytes
-        Its picture as a WebP file that holds the remarks too.
+    times : tuple of float
+        The moments in seconds, `MOMENTS` of them, evenly spread.
+    pictures : ndarray, shape (MOMENTS, SIDE, SIDE, 3), uint8
+        RGB at these moments.
+    presence : ndarray, shape (SIDE, SIDE), float32
+        In which share of the frames the figure was at each place.
+    movement : ndarray, shape (T - 1,), float32
+        Mean change of the figure's pixels from frame to frame, of 255.
+    remarks : tuple of str
+        Remarks on stillness, jumps, or a figure that leaves the picture.
     """
 
-    data: bytes
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """Remarks on the video."""
-        with Image.open(io.BytesIO(self.data)) as image:
-            return tuple(json.loads(image.getexif()[_DESCRIPTION]))
+    times: tuple[float, ...]
+    pictures: NDArray[np.uint8]
+    presence: NDArray[np.float32]
+    movement: NDArray[np.float32]
+    remarks: tuple[str, ...]
 
 
-def draw_cell(glance: Glance) -> Cell:
-    """Return the cell of a video.
+def glance_at(video: Path, look: Look | None = None) -> Glance:
+    """Return a summary of a video of a figure before a plain background.
+
+    Parameters
+    ----------
+    video : Path
+        The video of one clip.
+    look : Look or None
+        Its look; None for the default.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read as a video.
+    """
+    try:
+        with av.open(str(video)) as container:
+            stream = container.streams.video[0]
+            rate = float(stream.average_rate or _RATE)
+            frames = np.stack(list(_small_frames(container)))
+    except (av.FFmpegError, OSError, IndexError, ValueError) as error:
+        raise InputError(
+            "the video cannot be read", where=video, remedy="Delete it and render again"
+        ) from error
+    count = len(frames)
+    used_look = look or Look()
+    moments = [int((place + 0.5) * count / MOMENTS) for place in range(MOMENTS)]
+    luma = frames @ _LUMA_WEIGHTS
+    figure = np.abs(luma - round(float(_LUMA_WEIGHTS @ used_look.background))) > _FIGURE_CONTRAST
+    change = np.abs(np.diff(luma, axis=0))
+    either = figure[1:] | figure[:-1]
+    movement = (change * either).sum(axis=(1, 2)) / np.maximum(either.sum(axis=(1, 2)), 1)
+    largest = np.percentile(change, 99.8, axis=(1, 2)) if count > 1 else np.zeros(0)
+    return Glance(
+        times=tuple(round(frame / rate, 3) for frame in moments),
+        pictures=frames[moments],
+        presence=figure.mean(axis=0, dtype=np.float32),
+        movement=movement.astype(np.float32),
+        remarks=(
+            *_stillness(largest <= _STILL_CHANGE, rate),
+            *_restlessness(movement * rate / _RATE, rate),
+            *_absence(figure, cropped=used_look.framing in ("face", "hands")),
+        ),
+    )
+
+
+def _small_frames(container: av.container.InputContainer) -> Iterator[NDArray[np.uint8]]:
+    """Yield each frame as RGB of `TILE_SIZE` × `TILE_SIZE` pixels."""
+    reformatter = VideoReformatter()
+    for frame in container.decode(video=0):
+        small = reformatter.reformat(
+            frame,
+            width=TILE_SIZE,
+            height=TILE_SIZE,
+            format="rgb24",
+            interpolation=Interpolation.AREA,
+            src_color_range=ColorRange.MPEG,
+            dst_color_range=ColorRange.JPEG,
+        )
+        yield np.asarray(small.to_ndarray(), np.uint8)
+
+
+def _stillness(is_still: NDArray[np.bool_], rate: float) -> Iterator[str]:
+    """Yield when nothing moves for `_STILL_SECONDS` or longer."""
+    if is_still.all():
+        yield "never moves"
+        return
+    edges = np.diff(np.concatenate([[0], is_still.astype(int), [0]]))
+    for start, end in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
+        if (end - start) / rate >= _STILL_SECONDS:
+            yield f"still from {start / rate:.1f} to {end / rate:.1f} s"
+
+
+def _restlessness(movement: NDArray[np.float64], rate: float) -> Iterator[str]:
+    """Yield whether all of it jerks, or where it jumps."""
+    if not len(movement):
+        return
+    if np.median(movement) > _RESTLESS_CHANGE:
+        yield "jerks throughout"
+        return
+    jumps = np.flatnonzero(movement > _JUMP_CHANGE)
+    if len(jumps):
+        times = ", ".join(f"{(jump + 1) / rate:.1f}" for jump in jumps[:3])
+        yield f"jumps at {times} s" + (f" and {len(jumps) - 3} times more" * (len(jumps) > 3))
+
+
+def _absence(figure: NDArray[np.bool_], *, cropped: bool) -> Iterator[str]:
+    """Yield whether the figure is missing or reaches over an edge; the lower one always may.
+
+    Where only a part of it is framed, it may reach over any.
+    """
+    is_empty = figure.mean(axis=(1, 2)) < _EMPTY_SHARE
+    if is_empty.any():
+        yield f"nobody in the picture {np.mean(is_empty):.0%} of the time"
+    is_outside = figure[:, 0].any(axis=1) | figure[:, :, [0, -1]].any(axis=(1, 2))
+    if not cropped and np.mean(is_outside) > _OUTSIDE_SHARE:
+        yield f"out of the picture {np.mean(is_outside):.0%} of the time"
+
+
+def draw_cell(glance: Glance) -> bytes:
+    """Return the picture of a video's cell as a WebP file that holds the remarks too.
 
     Its moments run in rows with their seconds; the last tile is darker the longer the figure was
     there; the curve below is the movement over time, on one scale for all cells, so that a still
     figure has a flat one.
     """
-    image = Image.new("RGB", CELL, BACKGROUND)
+    image = Image.new("RGB", _CELL, BACKGROUND)
     pen = ImageDraw.Draw(image)
     letters = font(TILE_SIZE * 0.095)
     for number, (seconds, picture) in enumerate(zip(glance.times, glance.pictures, strict=True)):
-        place = number % COLUMNS * TILE_SIZE, number // COLUMNS * TILE_SIZE
+        place = number % _COLUMNS * TILE_SIZE, number // _COLUMNS * TILE_SIZE
         image.paste(Image.fromarray(picture), place)
         pen.text((place[0] + 4, place[1] + 3), f"{seconds:.1f}", FAINT_INK, letters)
-    image.paste(_presence(glance), ((COLUMNS - 1) * TILE_SIZE, CELL[1] - CURVE - TILE_SIZE))
+    image.paste(_presence(glance), ((_COLUMNS - 1) * TILE_SIZE, _CELL[1] - _CURVE - TILE_SIZE))
     _draw_curve(pen, glance)
     remarks = Image.Exif()
     remarks[_DESCRIPTION] = json.dumps(glance.remarks)
     data = io.BytesIO()
     image.save(data, "WEBP", quality=82, method=4, exif=remarks)
-    return Cell(data.getvalue())
+    return data.getvalue()
+
+
+def remarks_of(picture: bytes) -> tuple[str, ...]:
+    """Return the remarks on the video that `draw_cell` stored in its picture."""
+    with Image.open(io.BytesIO(picture)) as image:
+        return tuple(json.loads(image.getexif()[_DESCRIPTION]))
 
 
 def _presence(glance: Glance) -> Image.Image:
@@ -153,9 +288,9 @@ def _presence(glance: Glance) -> Image.Image:
 
 def _draw_curve(pen: ImageDraw.ImageDraw, glance: Glance) -> None:
     """Draw the movement as an area along the bottom, by its root, so that little shows too."""
-    width, height = CELL
-    room = CURVE - 4
-    pen.rectangle((0, height - CURVE, width, height), fill=(255, 255, 255))
+    width, height = _CELL
+    room = _CURVE - 4
+    pen.rectangle((0, height - _CURVE, width, height), fill=(255, 255, 255))
     if not len(glance.movement):
         return
     columns = np.arange(width) * len(glance.movement) // width

@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any, Final, Self
 from uuid import uuid4
 
 from motion.errors import InputError
-from renderer.jobs.job import Job, Outcome, Stages, do_job
+from renderer.jobs.doing import Stages, do_job
 from renderer.look import RENDERER_VERSION
+from renderer.video_jobs import Job, Outcome
 
 if TYPE_CHECKING:
     from distributed import Worker
@@ -195,9 +196,7 @@ def _connected(address: str) -> Any:
 def _outcome_of(future: Any, job: Job) -> Outcome:
     """Return a worker's outcome of `job`, or that workers died over it."""
     if future.status == "finished":
-        outcome = future.result()
-        if not isinstance(outcome, Outcome):
-            raise TypeError(f"a worker sent {type(outcome).__name__}")
+        outcome: Outcome = future.result()
         return outcome
     if _killed(future):
         return Outcome(name=job.name, error="every worker that tried it ended early")

@@ -7,57 +7,41 @@ on.
 from __future__ import annotations
 
 import heapq
-from collections import defaultdict
+import multiprocessing
+import os
+import signal
+import sys
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, Self
 
-from renderer.jobs.job import ClipJob, Job, Outcome
-from renderer.jobs.local_workers import LocalWorkers
+from renderer.jobs.doing import Stages, do_job
+from renderer.video_jobs import ClipJob, Job, Outcome
 
 if TYPE_CHECKING:
     from renderer.jobs.cluster import ClusterWorkers
 
+ONE_THREAD: Final = {
+    "LP_NUM_THREADS": "0",  # llvmpipe draws in the calling thread
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+}
+"""Environment of a rendering process, read by the libraries when they load.
 
-class JobOrder:
-    """The jobs of one run, by their number in the order they were given.
+One thread for drawing and one for encoding in one process per core is faster than one process with
+many threads.
+"""
 
-    A pair whose clip is among the jobs waits for it, and so does a clip that gets another speech;
-    existing clips are not waited for.
-    """
+_ATTEMPTS: Final = 2
+"""Number of processes that may die over one job before it is given up."""
 
-    def __init__(self, jobs: Sequence[Job]) -> None:
-        made_by = {path: number for number, job in enumerate(jobs) for path in job.outputs}
-        self._awaited: dict[int, set[int]] = {}
-        self._waiting_for: defaultdict[int, list[int]] = defaultdict(list)
-        self._ready: list[int] = []
-        for number, job in enumerate(jobs):
-            awaited = {made_by[path] for path in job.inputs if path in made_by}
-            self._awaited[number] = awaited
-            for clip in awaited:
-                self._waiting_for[clip].append(number)
-            if not awaited:
-                self._ready.append(number)
-
-    def next(self) -> int | None:
-        """Return the first job that may be begun, and count it as begun; None if there is none."""
-        return heapq.heappop(self._ready) if self._ready else None
-
-    def succeeded(self, number: int) -> None:
-        """Release the jobs that waited only for this one."""
-        for waiting in self._waiting_for.pop(number, []):
-            self._awaited[waiting].discard(number)
-            if not self._awaited[waiting]:
-                heapq.heappush(self._ready, waiting)
-
-    def failed(self, number: int) -> list[int]:
-        """Return the jobs that can no longer be done; they will not be begun."""
-        blocked = self._waiting_for.pop(number, [])
-        for waiting in blocked:
-            for clip in self._awaited.pop(waiting):
-                if clip != number:
-                    self._waiting_for[clip].remove(waiting)
-        return blocked
+_END_TIMEOUT: Final = 10.0
 
 
 def run_jobs(
@@ -137,15 +121,191 @@ def _run_in_order(
             return
         for number, outcome in workers.ended():
             busy -= 1
+            blocked: list[int] = []
             if outcome.error is None:
                 order.succeeded(number)
+            else:
+                blocked = order.failed(number)
             yield number, outcome
-            if outcome.error is not None:
-                for blocked in order.failed(number):
-                    yield blocked, _blocked_outcome(jobs[blocked], jobs[number])
+            error = f"its clip {outcome.name} could not be made"
+            for waiting in blocked:
+                name = jobs[waiting].name
+                yield waiting, Outcome(name=name, error=error, because_of=outcome.name)
 
 
-def _blocked_outcome(blocked: Job, clip: Job) -> Outcome:
-    return Outcome(
-        name=blocked.name, error=f"its clip {clip.name} could not be made", because_of=clip.name
-    )
+class JobOrder:
+    """The jobs of one run, by their number in the order they were given.
+
+    A pair whose clip is among the jobs waits for it, and so does a clip that gets another speech;
+    existing clips are not waited for.
+    """
+
+    def __init__(self, jobs: Sequence[Job]) -> None:
+        made_by = {path: number for number, job in enumerate(jobs) for path in job.outputs}
+        self._awaited: dict[int, set[int]] = {}
+        self._waiting_for: defaultdict[int, list[int]] = defaultdict(list)
+        self._ready: list[int] = []
+        for number, job in enumerate(jobs):
+            awaited = {made_by[path] for path in job.inputs if path in made_by}
+            self._awaited[number] = awaited
+            for clip in awaited:
+                self._waiting_for[clip].append(number)
+            if not awaited:
+                self._ready.append(number)
+
+    def next(self) -> int | None:
+        """Return the first job that may be begun, and count it as begun; None if there is none."""
+        return heapq.heappop(self._ready) if self._ready else None
+
+    def succeeded(self, number: int) -> None:
+        """Release the jobs that waited only for this one."""
+        for waiting in self._waiting_for.pop(number, []):
+            self._awaited[waiting].discard(number)
+            if not self._awaited[waiting]:
+                heapq.heappush(self._ready, waiting)
+
+    def failed(self, number: int) -> list[int]:
+        """Return the jobs that can no longer be done; they will not be begun."""
+        blocked = self._waiting_for.pop(number, [])
+        for waiting in blocked:
+            for clip in self._awaited.pop(waiting):
+                if clip != number:
+                    self._waiting_for[clip].remove(waiting)
+        return blocked
+
+
+@dataclass(frozen=True, eq=False)
+class _Worker:
+    """A process and the pipe to it."""
+
+    process: SpawnProcess
+    pipe: Connection
+
+    @classmethod
+    def started(cls) -> Self:
+        """Start a process that waits for jobs."""
+        context = multiprocessing.get_context("spawn")
+        own_end, worker_end = context.Pipe()
+        process = context.Process(target=work, args=(worker_end,), daemon=True)
+        with _environment(ONE_THREAD):
+            process.start()
+        worker_end.close()
+        return cls(process, own_end)
+
+    def bury(self) -> str:
+        """Release what a dead process leaves; return how it ended."""
+        self.process.join(_END_TIMEOUT)
+        self.pipe.close()
+        code = self.process.exitcode
+        return f"signal {-code}" if code is not None and code < 0 else f"exit code {code}"
+
+
+class LocalWorkers:
+    """Up to `processes` processes; each is started when it is first needed.
+
+    All are ended when the ``with`` block is left, however that happens.
+    """
+
+    def __init__(self, processes: int) -> None:
+        self._processes = max(1, processes)
+        self._idle: list[_Worker] = []
+        self._busy: dict[Connection, tuple[_Worker, int, Job]] = {}
+        self._deaths: Counter[int] = Counter()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        workers = [*self._idle, *(worker for worker, _, _ in self._busy.values())]
+        for worker in workers:
+            worker.process.terminate()
+            worker.pipe.close()
+        for worker in workers:
+            worker.process.join(_END_TIMEOUT)
+            if worker.process.is_alive():
+                worker.process.kill()
+
+    def room(self) -> bool:
+        """Return whether a process is idle, or may still be started."""
+        return len(self._busy) < self._processes
+
+    def begin(self, number: int, job: Job) -> None:
+        """Give `job` to an idle process, or to a new one."""
+        while self._idle:
+            worker = self._idle.pop()
+            try:
+                worker.pipe.send(job)
+            except ConnectionError:  # it died while it was idle
+                worker.bury()
+            else:
+                self._busy[worker.pipe] = worker, number, job
+                return
+        self._begin_in_new_process(number, job)
+
+    def _begin_in_new_process(self, number: int, job: Job) -> None:
+        worker = _Worker.started()
+        self._busy[worker.pipe] = worker, number, job
+        with suppress(ConnectionError):  # one that died at once is found when it is waited for
+            worker.pipe.send(job)
+
+    def ended(self) -> Sequence[tuple[int, Outcome]]:
+        """Wait until at least one job has ended, and return those that have."""
+        ended: list[tuple[int, Outcome]] = []
+        while not ended:
+            ready = wait(list(self._busy))
+            for pipe in [pipe for pipe in self._busy if pipe in ready]:
+                worker, number, job = self._busy.pop(pipe)
+                try:
+                    outcome: Outcome = pipe.recv()
+                except (EOFError, ConnectionError):
+                    reason = worker.bury()
+                    self._deaths[number] += 1
+                    if self._deaths[number] < _ATTEMPTS:
+                        self._begin_in_new_process(number, job)
+                        continue
+                    outcome = Outcome(
+                        name=job.name,
+                        error=f"the rendering process ended early, {_ATTEMPTS} times ({reason})",
+                    )
+                else:
+                    self._idle.append(worker)
+                ended.append((number, outcome))
+        return ended
+
+
+@contextmanager
+def _environment(changes: dict[str, str]) -> Iterator[None]:
+    """Set environment variables for as long as the block runs."""
+    previous = {name: os.environ.get(name) for name in changes}
+    os.environ.update(changes)
+    try:
+        yield
+    finally:
+        for name, value in previous.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def work(pipe: Connection) -> None:
+    """Do the jobs that come through `pipe`, one after the other, until it is closed."""
+    # Ctrl-C reaches all processes of a terminal; the parent decides, and ends this one by
+    # SIGTERM, which must unwind the stack so that temporary files are removed.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _leave)
+    with Stages() as stages:
+        while True:
+            try:
+                job = pipe.recv()
+            except (EOFError, ConnectionError):
+                return
+            try:
+                pipe.send(do_job(job, stages))
+            except ConnectionError:  # its result is no longer needed
+                return
+
+
+def _leave(number: int, frame: object) -> None:
+    """End the process by unwinding its stack."""
+    sys.exit(128 + number)

@@ -14,8 +14,8 @@ from motion.files import digest
 from motion.placement import stand_on_ground
 from motion.segment import Segment
 from renderer.framing import Camera, frame_clips
-from renderer.jobs.job import ClipJob, DubJob, PairJob
 from renderer.look import BACKGROUND, RENDERER_VERSION, Look
+from renderer.video_jobs import ClipJob, DubJob, PairJob
 from studyapp.stimuli.shown_motion import (
     body_file,
     left_out,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Final, Self
 
-from renderer.jobs.job import Outcome
+from renderer.video_jobs import Outcome
 from studyapp.stimuli.render_plan import RenderPlan
 from studyapp.study.media import ClipVideo, PairVideo, Stimuli, read_stimuli, write_stimuli
 

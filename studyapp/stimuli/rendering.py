@@ -11,10 +11,10 @@ from motion.audio import read_audio
 from motion.errors import InputError
 from motion.segment import Segment
 from renderer.encoder import SOUND_RATE, pad_to_equal_size
-from renderer.jobs.job import Job, Outcome, PairJob
 from renderer.jobs.making import run_jobs
 from renderer.loudness import at_common_loudness
 from renderer.pair import FrameCache
+from renderer.video_jobs import Job, Outcome, PairJob
 from studyapp.stimuli.disk_space import frames_limit, require_space
 from studyapp.stimuli.render_plan import RenderPlan, sides_of
 from studyapp.stimuli.render_record import RenderCount, RenderProgress, RenderRecord

@@ -14,6 +14,7 @@ from motion.clip import MotionClip, arkit_index
 from motion.formats import write_clip
 from renderer.framing import Camera, frame_clips
 from renderer.look import Look, default_body
+from renderer.video_jobs import ClipJob
 
 SECONDS = 0.8
 """Length of the test clip; no whole number of AAC frames."""
@@ -57,3 +58,21 @@ def inputs(tmp_path_factory: pytest.TempPathFactory, clip: MotionClip) -> Path:
     hum = (0.2 * np.sin(2 * np.pi * 220 * moments)).astype(np.float32)
     write_wav(folder / "speech.wav", Audio(hum, 16000))
     return folder
+
+
+@pytest.fixture(scope="session")
+def job(inputs: Path, body_path: Path, camera: Camera, small_look: Look) -> ClipJob:
+    """Return a job of the clip with the beginning of its speech, which writes no file yet."""
+    return ClipJob(
+        name="clip",
+        motion=inputs / "clip.npz",
+        speech=inputs / "speech.wav",
+        start=0.0,
+        end=SECONDS,
+        freeze=(),
+        body=body_path,
+        camera=camera,
+        look=small_look,
+        frames=None,
+        video=None,
+    )

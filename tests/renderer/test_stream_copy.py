@@ -8,11 +8,12 @@ import av
 import numpy as np
 import pytest
 
-from motion.audio import Audio, read_audio, write_wav
+from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
-from renderer.loudness import at_common_loudness
+from renderer.loudness import read_excerpt
 from renderer.stream_copy import copy_video, end_of, write_dubbed
+from renderer.video_jobs import DubJob
 from tests.support.encoded import Told, write_video
 
 LASTS = Fraction(2071, 1000)
@@ -106,8 +107,8 @@ def tone(seconds: float, pitch: float) -> Audio:
 def rendered(folder: Path, seconds: float) -> Path:
     """Return a rendered clip with its speech, which is in the same folder."""
     write_wav(folder / "own.wav", tone(seconds, 200))
-    speech = read_audio(folder / "own.wav", sample_rate=SOUND_RATE)
-    with VideoWriter(folder / "clip.mp4", 64, 64, RATE, at_common_loudness(speech)) as writer:
+    sound = read_excerpt(folder / "own.wav", 0.0, seconds)
+    with VideoWriter(folder / "clip.mp4", 64, 64, RATE, sound) as writer:
         for shade in range(round(seconds * RATE)):
             writer.write(video_frame(np.full((64, 64, 3), 60 + shade % 99, np.uint8)))
     return folder / "clip.mp4"
@@ -118,17 +119,14 @@ def clip(tmp_path: Path) -> Path:
     return rendered(tmp_path, SECONDS)
 
 
-def dubbed(clip: Path, speech: Audio) -> Path:
-    write_wav(clip.with_name("other.wav"), speech)
+def dubbed(clip: Path, speech: str, seconds: float = SECONDS, end: float = SECONDS) -> Path:
     video = clip.with_name("dubbed.mp4")
     write_dubbed(
-        picture=clip,
-        speech=clip.with_name("other.wav"),
-        start=0.0,
-        end=min(SECONDS, speech.duration),
-        seconds=SECONDS,
-        video=video,
-    )
+        DubJob(
+            name="dubbed", picture=clip, speech=clip.with_name(speech), start=0.0, end=end,
+            seconds=seconds, video=video,
+        )
+    )  # fmt: skip
     return video
 
 
@@ -136,23 +134,15 @@ def dubbed(clip: Path, speech: Audio) -> Path:
 @pytest.mark.parametrize("seconds", [SECONDS, 12.0])
 def test_with_its_own_speech_the_file_is_identical(tmp_path: Path, seconds: float) -> None:
     clip = rendered(tmp_path, seconds)
-    write_dubbed(
-        picture=clip,
-        speech=clip.with_name("own.wav"),
-        start=0.0,
-        end=seconds,
-        seconds=seconds,
-        video=clip.with_name("again.mp4"),
-    )
-
-    assert clip.with_name("again.mp4").read_bytes() == clip.read_bytes()
+    assert dubbed(clip, "own.wav", seconds, seconds).read_bytes() == clip.read_bytes()
 
 
 @pytest.mark.parametrize("seconds", [1.5, 2.03, 2.5])
 def test_another_speech_changes_neither_the_picture_nor_the_length(
     clip: Path, seconds: float
 ) -> None:
-    video = dubbed(clip, tone(seconds, 400))
+    write_wav(clip.with_name("other.wav"), tone(seconds, 400))
+    video = dubbed(clip, "other.wav", end=min(SECONDS, seconds))
     assert packets(video, "video") == packets(clip, "video")
     assert packets(video, "audio") != packets(clip, "audio")
     lasting = []
@@ -167,5 +157,5 @@ def test_an_error_names_a_damaged_clip(clip: Path) -> None:
     clip.write_bytes(b"no video")
 
     with pytest.raises(InputError, match=r"clip.mp4: the rendered clip cannot be read"):
-        dubbed(clip, tone(2.0, 400))
+        dubbed(clip, "own.wav")
     assert not clip.with_name("dubbed.mp4").exists()

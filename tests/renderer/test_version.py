@@ -5,10 +5,10 @@ After an intended change, raise the version in `renderer.look` and update the nu
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from io import BytesIO
 from pathlib import Path
-from typing import Any
 
 import av
 import numpy as np
@@ -16,14 +16,13 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from renderer.clip_video import Stage, write_clip_video
-from renderer.figures.glance import glance_at
-from renderer.figures.sheet import draw_cell
-from renderer.framing import Camera
+from renderer.figures.sheet import draw_cell, glance_at
+from renderer.jobs.doing import Stages, do_job
 from renderer.look import CELL_VERSION, COPY_VERSION, RENDERER_VERSION, Look
-from renderer.pair import write_pair
-from renderer.stream_copy import copy_video, write_dubbed
+from renderer.stream_copy import copy_video
+from renderer.video_jobs import ClipJob, DubJob
 from tests.renderer.conftest import SECONDS
+from tests.renderer.jobs.sample_jobs import pair_of
 from tests.support.fingerprint import fingerprint
 
 BLOCK = 16
@@ -36,23 +35,18 @@ CELL = {"1": [-0.99725]}
 
 
 @pytest.fixture(scope="module")
-def videos(
-    tmp_path_factory: pytest.TempPathFactory,
-    body_path: Path,
-    camera: Camera,
-    small_look: Look,
-    inputs: Path,
-) -> Path:
+def videos(tmp_path_factory: pytest.TempPathFactory, job: ClipJob) -> Path:
     """Return a folder with a clip, a pair of it, and the clip with another part of the speech."""
     folder = tmp_path_factory.mktemp("videos")
-    frames, clip = folder / "clip.mkv", folder / "clip.mp4"
-    speech: dict[str, Any] = {"speech": inputs / "speech.wav", "start": 0.0, "end": SECONDS}
-    with Stage(body_path, camera, small_look) as stage:
-        motion = inputs / "clip.npz"
-        write_clip_video(stage, motion=motion, frozen=(), frames=frames, video=clip, **speech)
-    write_pair(left=frames, right=frames, video=folder / "pair.mp4", look=small_look, **speech)
-    speech |= {"start": 0.5, "end": 0.5 + SECONDS}
-    write_dubbed(picture=clip, seconds=SECONDS, video=folder / "dubbed.mp4", **speech)
+    video, dubbed = folder / "clip.mp4", folder / "dubbed.mp4"
+    clip = replace(job, frames=folder / "clip.mkv", video=video)
+    with Stages() as stages:
+        dub = DubJob(
+            name="dubbed", picture=video, speech=job.speech, start=0.5, end=0.5 + SECONDS,
+            seconds=SECONDS, video=dubbed,
+        )  # fmt: skip
+        outcomes = [do_job(each, stages) for each in (clip, pair_of(clip, "pair"), dub)]
+    assert [outcome.error for outcome in outcomes] == [None] * 3
     return folder
 
 
@@ -114,5 +108,5 @@ def test_changed_copies_require_a_new_version(videos: Path) -> None:
 
 def test_changed_sheet_cells_require_a_new_version(videos: Path) -> None:
     cell = draw_cell(glance_at(videos / "clip.mp4"))
-    picture = np.asarray(Image.open(BytesIO(cell.data)).convert("RGB"))
+    picture = np.asarray(Image.open(BytesIO(cell)).convert("RGB"))
     assert fingerprint(blocks(picture[None])) == pytest.approx(CELL[CELL_VERSION], abs=1e-3)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -20,14 +21,16 @@ from motion.formats import read_clip
 from motion.placement import ground_height, sole_heights
 from motion.skeleton import joint_index
 from renderer.clip_video import Stage, write_clip_video
-from renderer.framing import Camera
+from renderer.jobs.doing import Stages
 from renderer.look import Look
 from renderer.loudness import TARGET, integrated_loudness
 from renderer.pair import write_pair
 from renderer.shown_clip import as_shown, frame_at
+from renderer.video_jobs import ClipJob
 from tests.motion.random_clips import clip_of
 from tests.renderer.conftest import SECONDS
 from tests.renderer.golden_frames import assert_like_golden
+from tests.renderer.jobs.sample_jobs import pair_of
 
 FRAMES = round(SECONDS * 30)
 
@@ -37,31 +40,32 @@ class Studio:
     """Renders the test clip with part of its speech, and pairs of it."""
 
     stage: Stage
-    inputs: Path
-    look: Look
+    job: ClipJob
 
     def render(self, out: Path, **changes: Any) -> tuple[Path, Path]:
         """Render the test clip to `out`, and return its video and its frames."""
-        outputs = {"frames": out / "clip.mkv", "video": out / "clip.mp4"}
-        given = {"motion": self.inputs / "clip.npz", "frozen": (), **outputs, **self._heard}
-        write_clip_video(self.stage, **(given | changes))
-        return outputs["video"], outputs["frames"]
+        video, frames = out / "clip.mp4", out / "clip.mkv"
+        write_clip_video(replace(self.job, frames=frames, video=video, **changes), self.stage)
+        return video, frames
 
     def compose(self, left: Path, right: Path, video: Path, **changes: Any) -> Path:
         """Compose frames side by side, and return the video."""
-        given = {"look": self.look, **self._heard}
-        write_pair(left=left, right=right, video=video, **(given | changes))
+        clip = replace(self.job, frames=left, video=video)
+        write_pair(replace(pair_of(clip, "pair"), right=right, video=video, **changes))
         return video
 
-    @property
-    def _heard(self) -> dict[str, Any]:
-        return {"speech": self.inputs / "speech.wav", "start": 0.25, "end": 0.25 + SECONDS}
+
+@contextmanager
+def opened(job: ClipJob) -> Iterator[Studio]:
+    """Open a studio for a later part of the speech of `job`."""
+    with Stages() as stages:
+        yield Studio(stages.stage_for(job), replace(job, start=0.25, end=0.25 + SECONDS))
 
 
 @pytest.fixture(scope="module")
-def studio(body_path: Path, camera: Camera, small_look: Look, inputs: Path) -> Iterator[Studio]:
-    with Stage(body_path, camera, small_look) as stage:
-        yield Studio(stage, inputs, small_look)
+def studio(job: ClipJob) -> Iterator[Studio]:
+    with opened(job) as studio:
+        yield studio
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +83,7 @@ def moving(rendered: tuple[Path, Path]) -> Path:
 def still(studio: Studio, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the frames of the clip when much of it is frozen."""
     frozen = ("face", "hands", "lower_body", "root")
-    return studio.render(tmp_path_factory.mktemp("still"), frozen=frozen)[1]
+    return studio.render(tmp_path_factory.mktemp("still"), freeze=frozen)[1]
 
 
 @pytest.fixture(scope="module")
@@ -156,7 +160,7 @@ def test_the_same_input_gives_the_same_bytes(
 
 
 def test_frames_are_kept_without_loss(moving: Path, studio: Studio) -> None:
-    clip = read_clip(studio.inputs / "clip.npz")
+    clip = read_clip(studio.job.motion)
     expected = [frame.to_ndarray() for frame in studio.stage.video_frames(clip)]
     with av.open(str(moving)) as container:
         decoded = [frame.to_ndarray() for frame in container.decode(video=0)]
@@ -187,11 +191,10 @@ def test_a_pair_matches_its_golden_picture(pair: Path, tmp_path: Path) -> None:
 
 
 def test_a_pair_on_a_dark_background_matches_its_golden_picture(
-    body_path: Path, camera: Camera, inputs: Path, small_look: Look, tmp_path: Path
+    job: ClipJob, tmp_path: Path
 ) -> None:
-    dark = replace(small_look, background=(0x2E, 0x34, 0x40))
-    with Stage(body_path, camera, dark) as stage:
-        studio = Studio(stage, inputs, dark)
+    dark = replace(job.look, background=(0x2E, 0x34, 0x40))
+    with opened(replace(job, look=dark)) as studio:
         _, frames = studio.render(tmp_path)
     pair = studio.compose(frames, frames, tmp_path / "pair.mp4")
     assert_like_golden(_pictures(pair)[0], "pair-on-dark", tmp_path)
@@ -212,12 +215,9 @@ def test_missing_or_broken_frames_are_refused_without_a_partial_file(
         studio.compose(moving, moving, tmp_path / "pair.mp4", look=Look(size=320))
 
 
-def test_the_pipeline_runs_at_a_fractional_frame_rate(
-    body_path: Path, camera: Camera, inputs: Path, tmp_path: Path
-) -> None:
-    look = Look(size=64, frame_rate=25)
-    with Stage(body_path, camera, look) as stage:
-        video, _ = Studio(stage, inputs, look).render(tmp_path)
+def test_the_pipeline_runs_at_a_fractional_frame_rate(job: ClipJob, tmp_path: Path) -> None:
+    with opened(replace(job, look=Look(size=64, frame_rate=25))) as studio:
+        video, _ = studio.render(tmp_path)
     with av.open(str(video)) as container:
         assert container.streams.video[0].average_rate == 25
         assert sum(1 for _ in container.decode(video=0)) == 20

@@ -12,8 +12,14 @@ from typing import Final
 from motion.errors import InputError
 from motion.files import digest, replacing, write_text
 from motion.segment import Segment
-from renderer.figures.glance import glance_at
-from renderer.figures.sheet import Cell, Sheet, SheetCell, draw_cell, sheet_page
+from renderer.figures.sheet import (
+    Sheet,
+    SheetCell,
+    draw_cell,
+    glance_at,
+    remarks_of,
+    sheet_page,
+)
 from renderer.look import CELL_VERSION, Look
 from renderer.viewer.page import FILES, MAX_CLIPS, Scene, write_motion_page, write_shared_files
 from studyapp.stimuli.shown_motion import segment_scene, study_look
@@ -21,7 +27,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import StimulusVideo, stimulus_videos
 from studyapp.study.settings.study import Study
 
-_NOT_SHOWN: Final = SheetCell(cell=None, remark="is not shown to participants", video="")
+_NOT_SHOWN: Final = SheetCell(picture=None, remark="is not shown to participants", video="")
 
 
 def write_contact_sheet(
@@ -106,19 +112,19 @@ def _make_cell(sheet_folder: Path, video: StimulusVideo | None, look: Look | Non
     """
     if video is None:
         step = "add it" if look is None else "run 'motionjury render'"
-        return SheetCell(cell=None, remark=f"there is no video: {step}", video="")
+        return SheetCell(picture=None, remark=f"there is no video: {step}", video="")
     file = _cell_file(sheet_folder, video)
     address = f"../../{video.file.relative_to(sheet_folder.parent.parent).as_posix()}"
     if file.exists():
-        cell = Cell(file.read_bytes())
+        picture = file.read_bytes()
     else:
         try:
-            cell = draw_cell(glance_at(video.file, look))
+            picture = draw_cell(glance_at(video.file, look))
         except InputError as error:
-            return SheetCell(cell=None, remark=error.what, video=address)
+            return SheetCell(picture=None, remark=error.what, video=address)
         with replacing(file) as draft:
-            draft.write_bytes(cell.data)
-    return SheetCell(cell=cell, remark="; ".join(cell.remarks), video=address)
+            draft.write_bytes(picture)
+    return SheetCell(picture=picture, remark="; ".join(remarks_of(picture)), video=address)
 
 
 def _cell_file(sheet_folder: Path, video: StimulusVideo) -> Path:

@@ -9,19 +9,21 @@ import numpy as np
 import pytest
 
 from motion.segment import Segment
-from renderer.figures.glance import MOMENTS, TILE_SIZE, Glance, glance_at
 from renderer.figures.sheet import (
-    Cell,
+    MOMENTS,
+    TILE_SIZE,
+    Glance,
     Sheet,
     SheetCell,
     draw_cell,
+    glance_at,
     sheet_page,
 )
 from renderer.look import Look
 from tests.renderer.figures.small_videos import write_block_video
 
 
-def sheet_of(cell: Cell, count: int) -> Sheet:
+def sheet_of(cell: bytes, count: int) -> Sheet:
     """Return a sheet of two conditions, of which one has no video."""
     segments = tuple(
         Segment(
@@ -33,8 +35,8 @@ def sheet_of(cell: Cell, count: int) -> Sheet:
     entries = {}
     for segment in segments:
         address = f"../../videos/clips/ours/{segment.name}.mp4"
-        entries[segment.name, "ours"] = SheetCell(cell=cell, remark="jumps", video=address)
-        entries[segment.name, "theirs"] = SheetCell(cell=None, remark="no video", video="")
+        entries[segment.name, "ours"] = SheetCell(picture=cell, remark="jumps", video=address)
+        entries[segment.name, "theirs"] = SheetCell(picture=None, remark="no video", video="")
     return Sheet(
         title="Who & why", facts="2 conditions", conditions=("ours", "theirs"),
         roles={"ours": "reference"}, segments=segments, cells=entries,
@@ -42,13 +44,13 @@ def sheet_of(cell: Cell, count: int) -> Sheet:
 
 
 @pytest.fixture(scope="module")
-def cell(tmp_path_factory: pytest.TempPathFactory) -> Cell:
+def cell(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     video = tmp_path_factory.mktemp("sheet") / "video.mkv"
     return draw_cell(glance_at(write_block_video(video, [40, 44, 48] * 10)))
 
 
 def test_the_page_shows_every_stimulus_or_a_gap_and_needs_only_the_videos(
-    cell: Cell,
+    cell: bytes,
 ) -> None:
     page = sheet_page(sheet_of(cell, 3))
     assert len(re.findall("<img[ >]", page)) == 3

@@ -35,7 +35,7 @@ def written(folder: Path, conditions: tuple[str, ...]) -> Path:
     )  # fmt: skip
     cells = {
         (segment.name, condition): SheetCell(
-            cell=None, remark="jumps at 1.0 s" * (segment.name == "two"), video=""
+            picture=None, remark="jumps at 1.0 s" * (segment.name == "two"), video=""
         )
         for segment in segments
         for condition in conditions

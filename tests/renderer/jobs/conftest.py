@@ -11,27 +11,14 @@ import pytest
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import write_clip
-from renderer.framing import Camera
-from renderer.jobs.job import ClipJob
 from renderer.look import Look
-from tests.renderer.conftest import SECONDS
+from renderer.video_jobs import ClipJob
 
 
 @pytest.fixture
-def clip_job(inputs: Path, body_path: Path, camera: Camera, tmp_path: Path) -> ClipJob:
-    return ClipJob(
-        name="clip",
-        motion=inputs / "clip.npz",
-        speech=inputs / "speech.wav",
-        start=0.0,
-        end=SECONDS,
-        freeze=(),
-        body=body_path,
-        camera=camera,
-        look=Look(size=64),
-        frames=tmp_path / "clip.mkv",
-        video=tmp_path / "clip.mp4",
-    )
+def clip_job(job: ClipJob, tmp_path: Path) -> ClipJob:
+    frames, video = tmp_path / "clip.mkv", tmp_path / "clip.mp4"
+    return replace(job, look=Look(size=64), frames=frames, video=video)
 
 
 @pytest.fixture

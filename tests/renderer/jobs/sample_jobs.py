@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from renderer.jobs.job import ClipJob, Job, PairJob
+from renderer.video_jobs import ClipJob, Job, PairJob
 
 
 def video_of(job: Job) -> Path:

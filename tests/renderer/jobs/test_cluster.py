@@ -16,9 +16,9 @@ import pytest
 
 from motion.errors import InputError
 from renderer.jobs import cluster
-from renderer.jobs.job import ClipJob, Job
 from renderer.jobs.making import run_jobs
 from renderer.look import RENDERER_VERSION
+from renderer.video_jobs import ClipJob, Job
 from tests.renderer.jobs.sample_jobs import clips_and_pairs, killing_writers, pair_of, video_of
 
 pytestmark = pytest.mark.slow

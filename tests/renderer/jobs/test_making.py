@@ -16,10 +16,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from renderer.framing import Camera
-from renderer.jobs.job import ClipJob, DubJob, Job, Outcome, PairJob
-from renderer.jobs.local_workers import ONE_THREAD
-from renderer.jobs.making import JobOrder, run_jobs
+from renderer.jobs.making import ONE_THREAD, JobOrder, run_jobs
 from renderer.look import Look
+from renderer.video_jobs import ClipJob, DubJob, Job, Outcome, PairJob
 from tests.renderer.jobs.sample_jobs import frames_of, killing_writers, pair_of, video_of
 
 ROOT = Path(__file__).resolve().parents[3]
