@@ -31,7 +31,7 @@ from studyapp.researchers.audit import ERASED, log_change
 from studyapp.researchers.exclusion_decisions import erase_decisions
 from studyapp.researchers.pseudonyms import PseudonymKey, fold_name
 from studyapp.session.state import state_of
-from studyapp.session.trial_rows import new_token
+from studyapp.session.trials import new_token
 
 KEPT_COLUMNS: Final = frozenset({"id", "version_id", "arm", "arm_design"})
 """Columns of a study session that describe the study, not the person. All others are cleared, so a

@@ -29,12 +29,9 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import Alarm, IntakeChange, StudySession, StudyVersion
-from studyapp.session.arrivals import (
-    max_newcomers_from_one_address,
-    require_open_intake,
-    require_open_place,
-)
+from studyapp.session.enrolment import max_newcomers_from_one_address
 from studyapp.session.intake import current_intake, wanted_places
+from studyapp.session.places import require_open_intake, require_open_place
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.study import Study

@@ -15,7 +15,7 @@ from studyapp.database.engine import Database, database_url_of, sqlite_url
 from studyapp.database.tables import StudySession
 from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import Material
-from studyapp.session.shown_trials import expected_seconds
+from studyapp.session.trials import expected_seconds
 from studyapp.study.design.trial import Content, PlannedTrial
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study

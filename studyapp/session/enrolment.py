@@ -1,47 +1,114 @@
-"""Enrolment: a participant consents and gets a place and trials; who returns, resumes."""
+"""Enrolment: a participant arrives, consents, and gets a place and trials; who returns, resumes.
+
+Newcomers from each network address are counted, so that nobody takes all places alone: only those
+who got a place, for an hour, and without their names. Newcomers with a personal link, or one that
+Prolific has signed, are not counted.
+"""
 
 from __future__ import annotations
 
 import threading
-from datetime import datetime
-from typing import Final, cast
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+from typing import Final
 
-from sqlalchemy import Connection, Select, Table, bindparam, insert, select, update
-from sqlalchemy.orm import Session
+from sqlalchemy import Select, delete, func, select, tuple_, update
+from sqlalchemy.orm import Session, aliased
 
+from analysis.answers.table import ANALYSED_KINDS
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import Place, StudySession
-from studyapp.session.arrivals import (
-    Admission,
-    Arrival,
-    add_newcomer,
-    forget_newcomers,
+from studyapp.database.tables import (
+    Newcomer,
+    Place,
+    Response,
+    StudySession,
+    StudyVersion,
+    Trial,
+    TrialStimulus,
+)
+from studyapp.researchers.exclusion_decisions import current_exclusions
+from studyapp.session.form_answers import read_entrance_answers
+from studyapp.session.intake import (
+    current_intake,
+    share_allocation_turn,
+    take_allocation_turn,
+    wanted_places,
+)
+from studyapp.session.participation import left_at_sound_check
+from studyapp.session.places import (
     full_study_error,
-    read_admission,
+    has_stale_places,
+    release_stale_places,
     require_open_intake,
     require_open_place,
-    require_uncrowded_address,
+    stale_before,
+    take_open_place,
 )
-from studyapp.session.form_answers import read_entrance_answers
-from studyapp.session.intake import share_allocation_turn, take_allocation_turn, wanted_places
-from studyapp.session.participation import left_at_sound_check
-from studyapp.session.places import release_stale_places, stale_before, take_open_place
-from studyapp.session.refusal import UnprovenError
+from studyapp.session.refusal import CrowdedAddressError, UnprovenError
 from studyapp.session.served_study import ServedStudy, changed_study_error
-from studyapp.session.trial_rows import count_votes, new_token, store_trials
+from studyapp.session.trials import make_trial, new_token
+from studyapp.study.design.trial import NO_VOTES, Tally
 
 ARRIVAL_SLOTS: Final = threading.BoundedSemaphore(4)
 """Arrivals that wait for the allocation's turn occupy a database connection each; without a limit,
 none would be left for participants who answer."""
 
-PLACES: Final = cast(Table, Place.__table__)
-INSERT_STUDY_SESSION: Final = insert(cast(Table, StudySession.__table__)).returning(StudySession.id)
-HOLD_PLACE: Final = (
-    update(PLACES)
-    .where(PLACES.c.id == bindparam("place"))
-    .values(study_session_id=bindparam("holder"))
-)
+WINDOW: Final = timedelta(hours=1)
+"""For how long newcomers from a network address are counted."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrival:
+    """Who arrives.
+
+    Attributes
+    ----------
+    visit : str or None
+        Random, drawn with the consent page, or the hash of an invitation; proves who has the study
+        session.
+    recruiter_participant : str or None
+        The recruiter's name for the participant, who takes part only once, whatever the
+        recruiter's study.
+    recruiter_study, recruiter_session : str
+        The recruiter's names for the study and the submission; may be empty.
+    submit_to : str
+        The recruiter's site to which the end is reported; may be empty.
+    form : mapping of question name to text
+        Answers to the questions of eligibility and consent.
+    token : str or None
+        Token of the study session that the browser claims to have.
+    is_signed : bool
+        Whether the recruiter has signed the participant's name.
+    address : str or None
+        The network address, if newcomers from it are counted.
+
+    Raises
+    ------
+    ValueError
+        If there is neither a `visit` nor a `recruiter_participant`.
+    """
+
+    visit: str | None = None
+    recruiter_participant: str | None = None
+    recruiter_study: str = ""
+    recruiter_session: str = ""
+    submit_to: str = ""
+    form: Mapping[str, str] = field(default_factory=dict)
+    token: str | None = None
+    is_signed: bool = False
+    address: str | None = None
+
+    def __post_init__(self) -> None:
+        if not self.visit and not self.recruiter_participant:
+            raise ValueError("an arrival needs a visit or a recruiter's name")
+
+    @property
+    def name(self) -> str:
+        """The recruiter's name for the participant, or else the visit."""
+        return self.recruiter_participant or self.visit or ""
 
 
 def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Clock) -> str:
@@ -61,8 +128,8 @@ def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Cloc
     """
     while True:
         # Separate transactions: nobody may wait for a study session in the allocation's turn.
-        token = _enrol_newcomer(database, served, arrival, clock) or resume(
-            database, served, arrival, clock
+        token = resume(database, served, arrival, clock) or _enrol_newcomer(
+            database, served, arrival, clock.now()
         )
         if token is not None:
             return token
@@ -144,109 +211,73 @@ def require_admission(
         If newcomers are not admitted, no place is open, or their address is crowded.
     """
     now = clock.now()
-    with database.looking_up() as connection:
-        admission = read_admission(connection, served, arrival, now, in_turn=False)
-        if admission.study_session_id is None:
-            _require_admission(connection, served, admission, now)
-            return
     with database.reading() as session:
-        if not _can_resume(session, admission):
-            _require_admission(session, served, admission, now)
-
-
-def _require_admission(
-    reading: Session | Connection, served: ServedStudy, admission: Admission, now: datetime
-) -> None:
-    require_open_place(reading, served, admission.intake, now)
-    require_uncrowded_address(served, admission)
+        existing = session.scalars(_study_session_query(arrival)).first()
+        if existing is None or left_at_sound_check(existing):
+            require_open_place(session, served, current_intake(session), now)
+            _require_uncrowded_address(session, served, arrival, now)
 
 
 def _enrol_newcomer(
-    database: Database, served: ServedStudy, arrival: Arrival, clock: Clock
+    database: Database, served: ServedStudy, arrival: Arrival, now: datetime
 ) -> str | None:
-    """Return the token of a new study session; None for participants who can resume one."""
-    now = clock.now()
+    """Return the token of a new study session; None if they have got one just before."""
     with ARRIVAL_SLOTS:
+        with database.reading() as session:
+            has_stale = has_stale_places(session, served, now)
+        if has_stale:
+            with database.writing() as session:
+                take_allocation_turn(session)
+                release_stale_places(session, served, now)
         with database.writing() as session:
-            admission = _read_admission_in_turn(session, served, arrival, now)
-            if not admission.has_stale_place or _can_resume(session, admission):
-                return _enrol(session, served, arrival, admission, now)
-        with database.writing() as session:
-            take_allocation_turn(session)
-            release_stale_places(session, served, now)
-        with database.writing() as session:
-            admission = _read_admission_in_turn(session, served, arrival, now)
-            return _enrol(session, served, arrival, admission, now)
+            share_allocation_turn(session, arrival.name)
+            return _enrol(session, served, arrival, now)
 
 
-def _read_admission_in_turn(
-    session: Session, served: ServedStudy, arrival: Arrival, now: datetime
-) -> Admission:
-    share_allocation_turn(session, arrival.name)
-    return read_admission(session.connection(), served, arrival, now, in_turn=True)
-
-
-def _enrol(
-    session: Session, served: ServedStudy, arrival: Arrival, admission: Admission, now: datetime
-) -> str | None:
-    if _can_resume(session, admission):
+def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetime) -> str | None:
+    existing = session.scalars(_study_session_query(arrival)).first()
+    if existing is not None and not left_at_sound_check(existing):
         return None
-    require_open_intake(served, admission.intake)
-    require_uncrowded_address(served, admission)
+    intake = current_intake(session)
+    require_open_intake(served, intake)
+    _require_uncrowded_address(session, served, arrival, now)
     answers = read_entrance_answers(served.study, arrival.form, now)
-    place = take_open_place(session, wanted_places(served, admission.intake))
+    place = take_open_place(session, wanted_places(served, intake))
     if place is None:
         raise full_study_error()
-    if admission.version_id is None:
+    version = select(StudyVersion.id).where(StudyVersion.design == served.design)
+    version_id = session.scalar(version)
+    if version_id is None:
         raise changed_study_error()
-    if (abandoned := _find_study_session(session, admission)) is not None:
-        session.delete(abandoned)
+    if existing is not None:
+        session.delete(existing)
         session.flush()  # no two study sessions may have the same name
     arm = served.arms[place.arm, place.design]
-    token = new_token()
-    connection = session.connection()
-    study_session_id = connection.execute(
-        INSERT_STUDY_SESSION,
-        {
-            "token": token,
-            "visit": arrival.visit,
-            "recruiter_participant": arrival.recruiter_participant,
-            "recruiter_study": arrival.recruiter_study,
-            "recruiter_session": arrival.recruiter_session,
-            "submit_to": arrival.submit_to,
-            "version_id": admission.version_id,
-            "arm": place.arm,
-            "arm_design": place.design,
-            "number": place.number,
-            "conditions": list(arm.conditions),
-            "consented_at": now,
-            "last_active_at": now,
-        },
-    ).scalar_one()
-    connection.execute(HOLD_PLACE, {"place": place.id, "holder": study_session_id})
-    if admission.has_expired_newcomers:
-        forget_newcomers(session, now)
+    planned = served.study.plan(arm, place.number, served.segments, count_votes(session, served))
+    study_session = StudySession(
+        token=new_token(),
+        visit=arrival.visit,
+        recruiter_participant=arrival.recruiter_participant,
+        recruiter_study=arrival.recruiter_study,
+        recruiter_session=arrival.recruiter_session,
+        submit_to=arrival.submit_to,
+        version_id=version_id,
+        arm=place.arm,
+        arm_design=place.design,
+        number=place.number,
+        conditions=list(arm.conditions),
+        consented_at=now,
+        last_active_at=now,
+        form_answers=answers,
+        trials=[make_trial(trial, served) for trial in planned],
+    )
+    session.add(study_session)
+    session.flush()
+    session.execute(
+        update(Place).where(Place.id == place.id).values(study_session_id=study_session.id)
+    )
     add_newcomer(session, arrival.address, now)
-    for answer in answers:
-        answer.study_session_id = study_session_id
-    session.add_all(answers)
-    votes = count_votes(session, served)
-    planned = served.study.plan(arm, place.number, served.segments, votes)
-    store_trials(session, study_session_id, planned, served)
-    return token
-
-
-def _find_study_session(session: Session, admission: Admission) -> StudySession | None:
-    """Return the study session that the arriving person already has."""
-    if admission.study_session_id is None:
-        return None
-    return session.get(StudySession, admission.study_session_id)
-
-
-def _can_resume(session: Session, admission: Admission) -> bool:
-    """Tell whether the arriving person has a study session to resume."""
-    existing = _find_study_session(session, admission)
-    return existing is not None and not left_at_sound_check(existing)
+    return study_session.token
 
 
 def _study_session_query(arrival: Arrival) -> Select[StudySession]:
@@ -268,3 +299,72 @@ def _has_new_submission(existing: StudySession, arrival: Arrival) -> bool:
 
 def _is_over(existing: StudySession) -> bool:
     return existing.completed_at is not None or existing.withdrawn_at is not None
+
+
+def add_newcomer(session: Session, address: str | None, now: datetime) -> None:
+    """Count a newcomer from `address`, None if nobody counts; forget those of an hour ago."""
+    expired = select(Newcomer.id).where(Newcomer.at <= now - WINDOW)
+    # Rows that another transaction is deleting are skipped.
+    session.execute(
+        delete(Newcomer).where(Newcomer.id.in_(expired.with_for_update(skip_locked=True)))
+    )
+    if address is not None:
+        session.add(Newcomer(at=now, address=address))
+
+
+def max_newcomers_from_one_address(session: Session, now: datetime) -> int:
+    """Return the number of newcomers within an hour from the most crowded address."""
+    counts = (
+        select(func.count(Newcomer.id).label("newcomers"))
+        .where(Newcomer.at > now - WINDOW)
+        .group_by(Newcomer.address)
+        .subquery()
+    )
+    return session.scalar(select(func.max(counts.c.newcomers))) or 0
+
+
+def _require_uncrowded_address(
+    session: Session, served: ServedStudy, arrival: Arrival, now: datetime
+) -> None:
+    """Raise `CrowdedAddressError` if too many newcomers come from one network address."""
+    limit = served.study.recruitment.newcomers_per_address
+    recent = select(func.count(Newcomer.id)).where(
+        Newcomer.address == arrival.address, Newcomer.at > now - WINDOW
+    )
+    if limit and arrival.address is not None and (session.scalar(recent) or 0) >= limit:
+        raise CrowdedAddressError(
+            "Very many people have just begun this study from your network.",
+            "Please come back in an hour: the same link works then.",
+        )
+
+
+def count_votes(session: Session, served: ServedStudy) -> Tally:
+    """Count how often each condition was preferred on the study's first question.
+
+    Empty unless the study follows votes. Participants who withdrew, were excluded by hand or took
+    part in an earlier design do not vote. Slight and clear preferences count alike, and no
+    difference is half a vote for both.
+    """
+    if not served.study.follows_votes:
+        return NO_VOTES
+    first, second = aliased(TrialStimulus), aliased(TrialStimulus)
+    rows = session.execute(
+        select(first.condition, second.condition, Response.value)
+        .join(Trial, Trial.id == Response.trial_id)
+        .join(StudySession, StudySession.id == Trial.study_session_id)
+        .join(first, (first.trial_id == Trial.id) & (first.number == 1))
+        .join(second, (second.trial_id == Trial.id) & (second.number == 2))
+        .where(
+            Trial.kind.in_(ANALYSED_KINDS),
+            Response.question == served.study.questions[0].name,
+            StudySession.withdrawn_at.is_(None),
+            tuple_(StudySession.arm, StudySession.arm_design).in_(list(served.arms)),
+            StudySession.id.not_in(select(current_exclusions().subquery().c.study_session_id)),
+        )
+    )
+    votes: defaultdict[tuple[str, str], float] = defaultdict(float)
+    for a, b, value in rows:
+        share = 0.5 if value == 0 else float(value > 0)
+        votes[b, a] += share
+        votes[a, b] += 1 - share
+    return dict(votes)

@@ -33,21 +33,13 @@ class Intake:
     more_places: int = 0
 
 
-NEWEST: Final = select(IntakeChange.id).order_by(IntakeChange.id.desc()).limit(1)
-NEWEST_STATE: Final = NEWEST.with_only_columns(IntakeChange.state).scalar_subquery()
-NEWEST_MORE_PLACES: Final = NEWEST.with_only_columns(IntakeChange.more_places).scalar_subquery()
-
-
 def current_intake(session: Session) -> Intake:
     """Return the current decision."""
-    return intake_of(*session.execute(select(NEWEST_STATE, NEWEST_MORE_PLACES)).one())
-
-
-def intake_of(state: str | None, more_places: int | None) -> Intake:
-    """Return the newest decision; both are None if there was none."""
-    if state is None or more_places is None:
+    query = select(IntakeChange).order_by(IntakeChange.id.desc()).limit(1)
+    newest = session.scalars(query).first()
+    if newest is None:
         return Intake()
-    return Intake(state=cast(IntakeState, state), more_places=more_places)
+    return Intake(state=cast(IntakeState, newest.state), more_places=newest.more_places)
 
 
 def wanted_places(served: ServedStudy, intake: Intake) -> Mapping[tuple[str, str], int]:

@@ -20,13 +20,6 @@ from studyapp.session.ending import Exit, end_withdrawn, exit_of
 from studyapp.session.places import regain_place
 from studyapp.session.refusal import ConflictError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.shown_trials import (
-    ShownTrial,
-    expected_seconds,
-    following_trials,
-    minutes_left,
-    shown_trial,
-)
 from studyapp.session.state import (
     State,
     current_trial,
@@ -37,6 +30,13 @@ from studyapp.session.state import (
     load_videos,
     state_of,
     update_row,
+)
+from studyapp.session.trials import (
+    ShownTrial,
+    expected_seconds,
+    following_trials,
+    minutes_left,
+    shown_trial,
 )
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
@@ -53,7 +53,7 @@ class Break:
     done : int
         Number of trials before it.
     minutes_left : int
-        See `studyapp.session.shown_trials.minutes_left`.
+        See `studyapp.session.trials.minutes_left`.
     """
 
     position: int
@@ -134,10 +134,11 @@ def load_situation(database: Database, served: ServedStudy, token: str, clock: C
         if (position := break_due(study_session, served.study)) is not None:
             offered_break = Break(position=position, done=position - 1, minutes_left=minutes)
             return replace(situation, offered_break=offered_break)
-        load_videos(session, [trial, *following_trials(study_session, trial)[:1]])
+        trials = study_session.trials
+        load_videos(session, [trial, *following_trials(trials, trial)[:1]])
         if trial.shown_at is None:
             update_row(session, trial, shown_at=now)
-        return replace(situation, trial=shown_trial(study_session, trial, served.study, minutes))
+        return replace(situation, trial=shown_trial(trials, trial, served.study, minutes))
 
 
 def _minutes_left(session: Session, study_session: StudySession, study: Study) -> int:

@@ -10,12 +10,10 @@ from functools import cache
 from typing import Any, Final
 
 from sqlalchemy import (
-    Connection,
     Integer,
     Row,
     Select,
     bindparam,
-    exists,
     func,
     literal_column,
     not_,
@@ -32,6 +30,7 @@ from studyapp.session.intake import (
     take_allocation_turn,
     wanted_places,
 )
+from studyapp.session.refusal import StudyFullError
 from studyapp.session.served_study import ServedStudy
 
 ArmKey = tuple[str, str]
@@ -47,8 +46,6 @@ STALE: Final = StudySession.completed_at.is_(None) & (
 )
 """An unfinished study session that has been inactive for too long."""
 
-HAS_STALE_PLACE: Final = exists(select(Place.id).join(Place.study_session).where(STALE))
-
 HELD_PLACES: Final = (
     select(Place.arm, Place.design, func.count(Place.study_session_id))
     .where(Place.study_session_id.is_not(None))
@@ -57,6 +54,12 @@ HELD_PLACES: Final = (
 HELD_BY_ACTIVE_SESSIONS: Final = HELD_PLACES.where(
     Place.study_session_id.in_(select(StudySession.id).where(not_(STALE)))
 )
+
+
+def has_stale_places(session: Session, served: ServedStudy, now: datetime) -> bool:
+    """Tell whether somebody holds a place who has been inactive for too long."""
+    stale = select(Place.id).join(Place.study_session).where(STALE).limit(1)
+    return session.scalar(stale, {"silent_since": stale_before(served, now)}) is not None
 
 
 def release_stale_places(session: Session, served: ServedStudy, now: datetime) -> None:
@@ -175,9 +178,7 @@ def _place_queries(arms: int) -> _PlaceQueries:
     )
 
 
-def has_open_place(
-    reading: Session | Connection, served: ServedStudy, intake: Intake, now: datetime
-) -> bool:
+def has_open_place(session: Session, served: ServedStudy, intake: Intake, now: datetime) -> bool:
     """Tell whether a place is open for a newcomer; outside the turn, this can change any moment.
 
     Places of stale study sessions count as open, though they are released later.
@@ -188,8 +189,45 @@ def has_open_place(
         return any(held.get(key, 0) < count for key, count in wanted.items())
 
     since = stale_before(served, now)
-    return has_room(_count_held(reading)) or has_room(
-        _count_held(reading, HELD_BY_ACTIVE_SESSIONS, {"silent_since": since})
+    return has_room(_count_held(session)) or has_room(
+        _count_held(session, HELD_BY_ACTIVE_SESSIONS, {"silent_since": since})
+    )
+
+
+def require_open_place(
+    session: Session, served: ServedStudy, intake: Intake, now: datetime
+) -> None:
+    """Raise `StudyFullError` unless newcomers are admitted and a place is open."""
+    require_open_intake(served, intake)
+    if not has_open_place(session, served, intake, now):
+        raise full_study_error()
+
+
+def require_open_intake(served: ServedStudy, intake: Intake) -> None:
+    """Raise `StudyFullError` unless newcomers are admitted, whether or not a place is open."""
+    if intake.state == "closed":
+        raise StudyFullError(
+            "The study is over: it takes no more participants.",
+            "Thank you for your interest.",
+        )
+    if intake.state == "paused":
+        raise StudyFullError(
+            "The study is paused at the moment.",
+            "Thank you for your interest. Please come back later: the same link works then.",
+        )
+    if not served.study.open:
+        raise StudyFullError(
+            "The study takes no new participants at the moment.",
+            "Thank you for your interest. You can try later with the same link.",
+        )
+
+
+def full_study_error() -> StudyFullError:
+    """Return the refusal of newcomers while all places are held."""
+    return StudyFullError(
+        "The study has all the participants it needs at the moment.",
+        "Thank you for your interest. A place may open again: you can try later with the "
+        "same link.",
     )
 
 
@@ -221,9 +259,9 @@ def stale_before(served: ServedStudy, now: datetime) -> datetime:
 
 
 def _count_held(
-    reading: Session | Connection,
+    session: Session,
     holders: Select[str, str, int] = HELD_PLACES,
     values: Mapping[str, datetime] | None = None,
 ) -> dict[ArmKey, int]:
     """Return the number of held places of each arm."""
-    return {(arm, design): count for arm, design, count in reading.execute(holders, values)}
+    return {(arm, design): count for arm, design, count in session.execute(holders, values)}

@@ -15,8 +15,7 @@ from sqlalchemy.orm import selectinload
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial
-from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol
+from studyapp.session.enrolment import Arrival, enrol
 from studyapp.session.form_answers import start_trials
 from studyapp.web.app import create_app
 from studyapp.web.site import site_of

@@ -15,9 +15,8 @@ from typing import Final, Literal
 from flask import Blueprint, Response, make_response, render_template, request
 from flask.typing import ResponseReturnValue
 
-from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import return_address
-from studyapp.session.enrolment import enrol, require_admission, resume
+from studyapp.session.enrolment import Arrival, enrol, require_admission, resume
 from studyapp.session.form_answers import (
     check_eligibility,
     ineligible_stage,

@@ -14,7 +14,7 @@ from studyapp.session.ending import screened_out_exit, withdraw, withdrawal_prom
 from studyapp.session.form_answers import find_problems, start_trials, store_form_answers
 from studyapp.session.participation import TRIES_BEFORE_LEAVING, leave_break, load_situation
 from studyapp.session.refusal import IneligibleError, UnacceptableError
-from studyapp.session.shown_trials import ShownTrial
+from studyapp.session.trials import ShownTrial
 from studyapp.session.watch_evidence import read_report
 from studyapp.session.watch_reports import record_watched
 from studyapp.study.settings.questions import Stage

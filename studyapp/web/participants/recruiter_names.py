@@ -26,8 +26,8 @@ import jwt
 
 from studyapp.recruitment.invitations import invited
 from studyapp.researchers.credentials import token_hash
-from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import MTURK_SITES
+from studyapp.session.enrolment import Arrival
 from studyapp.session.refusal import UnacceptableError, UninvitedError
 from studyapp.study.settings.recruitment import Channel
 from studyapp.web.site import TokenCookie, newcomers_address, study_site

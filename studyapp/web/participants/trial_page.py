@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
 
-from studyapp.session.shown_trials import ShownTrial, ShownVideo
+from studyapp.session.trials import ShownTrial, ShownVideo
 from studyapp.study.design.trial import Ask
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.settings.presentation import Message

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 from flask import Response, abort, current_app, send_from_directory, url_for
 
-from studyapp.session.shown_trials import numbered_stimuli
+from studyapp.session.trials import numbered_stimuli
 from studyapp.side_process import SideProcessError, output_of
 from studyapp.study.design.trial import Content, Stimulus
 from studyapp.web.participants.trial_page import letter

@@ -14,7 +14,7 @@ from studyapp.recruitment.invitations import (
     erase_test_participations,
     make_test_participation,
 )
-from studyapp.session.shown_trials import PREVIEW_TOKEN, previewed_trial
+from studyapp.session.trials import PREVIEW_TOKEN, previewed_trial
 from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.media import VideoFile
 from studyapp.web.errors import wants_json

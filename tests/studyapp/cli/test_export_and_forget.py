@@ -9,7 +9,7 @@ import pytest
 from studyapp.database.engine import Database
 from studyapp.database.tables import Event
 from studyapp.researchers.audit import MAX_LINES, log_change
-from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import Arrival
 from tests.support.command_line import run
 from tests.support.read_once import read_once
 from tests.support.studies.exported import responses_table

@@ -13,7 +13,7 @@ import pytest
 
 from studyapp.preflight.recruiting_checks import prolific_code_findings
 from studyapp.recruitment.record import draw_codes
-from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import Arrival
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
 from tests.support.command_line import run

@@ -18,7 +18,7 @@ from studyapp.database.tables.base import Base
 from studyapp.researchers.audit import StudyState, latest_changes, log_change, log_look
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.rows import form_answers_table
-from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import Arrival
 from studyapp.session.form_answers import note_screen_out
 from studyapp.session.refusal import ConflictError, UnknownAddressError, log_refusal
 from studyapp.session.served_study import ServedStudy

@@ -19,7 +19,7 @@ from studyapp.database.copies import (
 )
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Base, StudySession
-from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import Arrival
 from studyapp.session.served_study import ServedStudy
 from tests.support.studies.taking_part_steps import Participant
 

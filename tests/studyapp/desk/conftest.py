@@ -14,8 +14,7 @@ from studyapp.desk.lab import ACCOUNTS, Lab, LabStudy
 from studyapp.desk.server import create_desk, open_desk
 from studyapp.researchers.account import Role
 from studyapp.researchers.links import first_owner_link, invite, join
-from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol
+from studyapp.session.enrolment import Arrival, enrol
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.researcher_accounts import PASSWORD
 

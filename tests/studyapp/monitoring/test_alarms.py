@@ -24,7 +24,7 @@ from studyapp.monitoring.alarms import (
     raise_alarms,
     watch_for_alarms,
 )
-from studyapp.session.arrivals import add_newcomer
+from studyapp.session.enrolment import add_newcomer
 from studyapp.session.served_study import ServedStudy
 from tests.support.servers.local_server import listening
 from tests.support.studies.made_study import make_study

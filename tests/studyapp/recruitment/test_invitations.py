@@ -9,8 +9,7 @@ from studyapp.recruitment.invitations import (
     invited,
     make_invitations,
 )
-from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol, resume
+from studyapp.session.enrolment import Arrival, enrol, resume
 from studyapp.session.served_study import ServedStudy
 from tests.support.servers.both_databases import BOTH
 from tests.support.studies.taking_part_steps import Participant, SetClock

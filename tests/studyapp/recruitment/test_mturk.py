@@ -24,7 +24,7 @@ from studyapp.recruitment.mturk import (
     connect,
     hit_request,
 )
-from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import Arrival
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.made_study import make_study
 from tests.support.studies.taking_part_steps import taking_part

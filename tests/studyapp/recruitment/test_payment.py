@@ -14,7 +14,7 @@ from studyapp.recruitment.payment import (
     judge_submission,
     known_participants,
 )
-from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import Arrival
 from studyapp.session.form_answers import note_screen_out
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.recruitment import Prolific, Recruitment

@@ -14,7 +14,7 @@ from studyapp.session.answers import skip_unplayable
 from studyapp.session.ending import MIN_SKIPPED_TRIALS
 from studyapp.session.refusal import ConflictError, TooMuchWatchedError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.shown_trials import ShownTrial
+from studyapp.session.trials import ShownTrial
 from studyapp.session.watch_evidence import Playback
 from studyapp.study.settings.questions import Reason
 from studyapp.study.settings.recruitment import CODE_LENGTH, CODE_LETTERS

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from studyapp.session.participation import leave_break
-from studyapp.session.shown_trials import minutes_left
+from studyapp.session.trials import minutes_left
 from tests.studyapp.session.conftest import Open
 from tests.support.studies.taking_part_steps import Participant
 

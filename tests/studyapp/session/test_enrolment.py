@@ -10,8 +10,7 @@ from sqlalchemy.pool import QueuePool
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Newcomer, Place
-from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol, require_admission
+from studyapp.session.enrolment import Arrival, enrol, require_admission
 from studyapp.session.intake import take_allocation_turn
 from studyapp.session.places import take_open_place
 from studyapp.session.refusal import (

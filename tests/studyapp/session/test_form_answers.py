@@ -5,7 +5,7 @@ from sqlalchemy import func, select
 
 from studyapp.database.tables import FormAnswer, Place, ScreenOut, StudySession, Trial
 from studyapp.results.export.rows import form_answers_table
-from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import Arrival
 from studyapp.session.form_answers import count_screened_out, store_form_answers
 from studyapp.session.refusal import (
     ConflictError,

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import resume
+from studyapp.session.enrolment import Arrival, resume
 from studyapp.session.form_answers import store_form_answers
 from studyapp.session.participation import check_sound, digits_to_speak, leave_sound_check
 from studyapp.session.refusal import (

@@ -3,8 +3,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from studyapp.researchers.exclusion_decisions import decide_exclusion
+from studyapp.session.enrolment import count_votes
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.trial_rows import count_votes
 from tests.support.read_once import read_once
 from tests.support.studies.taking_part_steps import Participant
 

@@ -16,8 +16,8 @@ from studyapp.database.tables import (
     WatchRecord,
 )
 from studyapp.results.export.rows import form_answers_table
-from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import withdrawal_promise
+from studyapp.session.enrolment import Arrival
 from studyapp.session.refusal import ConflictError, log_refusal
 from studyapp.session.served_study import ServedStudy
 from tests.studyapp.session.conftest import Open

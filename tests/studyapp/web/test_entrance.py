@@ -11,8 +11,7 @@ from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.tables import FormAnswer, StudySession
-from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol
+from studyapp.session.enrolment import Arrival, enrol
 from studyapp.session.intake import IntakeState, change_intake
 from studyapp.session.refusal import StudyFullError
 from studyapp.web.site import site_of

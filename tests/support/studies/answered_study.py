@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studyapp.session.shown_trials import ShownTrial
+from studyapp.session.trials import ShownTrial
 from tests.support.studies.taking_part_steps import Participant, taking_part
 
 

@@ -15,13 +15,12 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.session.answers import skip_unplayable, store_answers
-from studyapp.session.arrivals import Arrival
 from studyapp.session.ending import withdraw
-from studyapp.session.enrolment import enrol
+from studyapp.session.enrolment import Arrival, enrol
 from studyapp.session.form_answers import start_trials
 from studyapp.session.participation import Situation, load_situation
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.shown_trials import ShownTrial
+from studyapp.session.trials import ShownTrial
 from studyapp.session.versions import open_study
 from studyapp.session.video_access import content_to_send
 from studyapp.session.watch_evidence import Playback, Report, Watched

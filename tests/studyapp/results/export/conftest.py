@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.session.arrivals import Arrival
+from studyapp.session.enrolment import Arrival
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.export.people import FORM, SAID
 from tests.support.studies.taking_part_steps import taking_part

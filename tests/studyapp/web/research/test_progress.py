@@ -13,8 +13,7 @@ from studyapp.database.tables import StudySession
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.tables import pseudonyms
 from studyapp.results.stored_answers import stored_answers
-from studyapp.session.arrivals import Arrival
-from studyapp.session.enrolment import enrol
+from studyapp.session.enrolment import Arrival, enrol
 from studyapp.session.form_answers import note_screen_out
 from studyapp.session.intake import intake_changes
 from studyapp.study.folder import StudyFolder

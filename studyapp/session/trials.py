@@ -1,19 +1,75 @@
-"""What a trial's page may know, for participants and previews, and the time left in the study."""
+"""A participant's trials: their rows, what their pages may know, and the time left in the study."""
 
 from __future__ import annotations
 
 import math
+import secrets
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from statistics import median
 from typing import Final
 
-from studyapp.database.tables import StudySession, Trial, Video
+from studyapp.database.tables import Trial, TrialStimulus, Video
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.watch_evidence import Watched, measure_watched
 from studyapp.study.design.trial import Ask, Content, PlannedTrial, Stimulus
 from studyapp.study.settings.study import Study
+
+TOKEN_BYTES: Final = 24
+"""Random bytes of every token: 192 bits."""
+
+
+def new_token() -> str:
+    """Return a random token that nobody can guess."""
+    return secrets.token_urlsafe(TOKEN_BYTES)
+
+
+def make_trial(planned: PlannedTrial, served: ServedStudy) -> Trial:
+    """Return the row of a planned trial, with those of its videos and stimuli."""
+    trial = Trial(
+        token=new_token(),
+        position=planned.position,
+        kind=planned.kind,
+        part=planned.part,
+        segment=planned.segment.name,
+        emotion=planned.segment.emotion,
+        speaker=planned.segment.speaker,
+        expected=planned.expected,
+        instructed=planned.instructed,
+        repeats=planned.repeats,
+    )
+    videos = {}
+    for player, content in planned.players.items():
+        file = served.videos[content]
+        videos[player] = Video(
+            number=player, token=new_token(), duration=file.duration, made_from=file.made_from
+        )
+    trial.videos = list(videos.values())
+    for player, number, stimulus in numbered_stimuli(planned.players):
+        row = TrialStimulus(
+            number=number,
+            condition=stimulus.condition,
+            segment=stimulus.segment,
+            speech=stimulus.speech,
+        )
+        trial.stimuli.append(row)
+        videos[player].stimuli.append(row)
+    return trial
+
+
+def numbered_stimuli(players: Mapping[int, Content]) -> Iterator[tuple[int, int, Stimulus]]:
+    """Yield each stimulus with the number of its player and its own: 1 for A; 0 is the reference.
+
+    Parameters
+    ----------
+    players : mapping of int to Content
+        The content of each player, by its number; 0 is the reference.
+    """
+    judged = count(1)
+    for player, content in sorted(players.items()):
+        for stimulus in content:
+            yield player, next(judged) if player else 0, stimulus
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,43 +176,17 @@ def minutes_left(answered: Sequence[tuple[float, float]], remaining: Sequence[fl
     return max(1, math.ceil(pace * sum(remaining) / 60))
 
 
-PREVIEW_TOKEN: Final = "preview"  # noqa: S105 - it opens nothing
-"""Takes the place of a participant's token."""
+def shown_trial(trials: Sequence[Trial], trial: Trial, study: Study, minutes: int) -> ShownTrial:
+    """Return `trial`, one of a participant's `trials`, as its page may know it.
 
-
-def shown_trial(
-    study_session: StudySession, trial: Trial, study: Study, minutes: int
-) -> ShownTrial:
-    """Return the current trial of a participant; its videos must be loaded."""
-    later = following_trials(study_session, trial)
-    return _make_shown_trial(
-        study_session.trials,
-        trial,
-        study,
-        minutes,
+    Its videos and those of the next trial must be loaded.
+    """
+    parts = list(dict.fromkeys(each.part for each in trials))
+    later = following_trials(trials, trial)
+    return ShownTrial(
         token=trial.token,
         videos=tuple(_shown_video(video, study.watching.coverage) for video in trial.videos),
         next_videos=tuple(video.token for video in later[0].videos) if later else (),
-        emotion=trial.emotion,
-    )
-
-
-def _make_shown_trial(
-    trials: Sequence[Trial] | Sequence[PlannedTrial],
-    trial: Trial | PlannedTrial,
-    study: Study,
-    minutes: int,
-    *,
-    token: str,
-    videos: tuple[ShownVideo, ...],
-    next_videos: tuple[str, ...],
-    emotion: str,
-) -> ShownTrial:
-    parts = list(dict.fromkeys(each.part for each in trials))
-    return ShownTrial(
-        token=token,
-        videos=videos,
-        next_videos=next_videos,
         position=trial.position,
         presentations=len(trials),
         part=trial.part,
@@ -165,14 +195,14 @@ def _make_shown_trial(
         begins_part=trial is next(each for each in trials if each.part == trial.part),
         asks=study.asks(trial),
         instructed=trial.instructed,
-        emotion=emotion,
+        emotion=trial.emotion,
         minutes_left=minutes,
     )
 
 
-def following_trials(study_session: StudySession, trial: Trial) -> list[Trial]:
-    """Return the trials after `trial`."""
-    return [later for later in study_session.trials if later.position > trial.position]
+def following_trials(trials: Sequence[Trial], trial: Trial) -> list[Trial]:
+    """Return the `trials` after `trial`."""
+    return [later for later in trials if later.position > trial.position]
 
 
 def _shown_video(video: Video, coverage: float) -> ShownVideo:
@@ -185,55 +215,27 @@ def _shown_video(video: Video, coverage: float) -> ShownVideo:
     )
 
 
-def numbered_stimuli(players: Mapping[int, Content]) -> Iterator[tuple[int, int, Stimulus]]:
-    """Yield each stimulus with the number of its player and its own: 1 for A; 0 is the reference.
-
-    Parameters
-    ----------
-    players : mapping of int to Content
-        The content of each player, by its number; 0 is the reference.
-    """
-    judged = count(1)
-    for player, content in sorted(players.items()):
-        for stimulus in content:
-            yield player, next(judged) if player else 0, stimulus
+PREVIEW_TOKEN: Final = "preview"  # noqa: S105 - it opens nothing
+"""Takes the place of a participant's token."""
 
 
 def previewed_trial(
-    served: ServedStudy, trials: Sequence[PlannedTrial], position: int
+    served: ServedStudy, planned: Sequence[PlannedTrial], position: int
 ) -> ShownTrial:
     """Return the trial at `position` for a preview, with all its videos watched."""
-    planned, study = trials[position - 1], served.study
+    trials = [make_trial(each, served) for each in planned]
+    trial, study = trials[position - 1], served.study
     remaining = [
-        expected_seconds(
-            [served.videos[content].duration for content in trial.shown], len(study.asks(trial))
-        )
-        for trial in trials[position - 1 :]
+        expected_seconds([video.duration for video in each.videos], len(study.asks(each)))
+        for each in trials[position - 1 :]
     ]
-    return _make_shown_trial(
-        trials,
-        planned,
-        study,
-        minutes_left((), remaining),
-        token=PREVIEW_TOKEN,
-        videos=_previewed_videos(served, planned),
-        next_videos=(),
-        emotion=planned.segment.emotion,
-    )
-
-
-def _previewed_videos(served: ServedStudy, planned: PlannedTrial) -> tuple[ShownVideo, ...]:
-    shown = []
-    numbered = list(numbered_stimuli(planned.players))
-    for player, content in planned.players.items():
-        duration = served.videos[content].duration
-        shown.append(
-            ShownVideo(
-                token=str(player),
-                shows=tuple(number for shown_by, number, _ in numbered if shown_by == player),
-                duration=duration,
-                muted=all(stimulus.speech is None for stimulus in content),
-                watched=Watched(intervals=((0.0, duration),), missing=0.0, next_batch=0),
-            )
+    shown = shown_trial(trials, trial, study, minutes_left((), remaining))
+    videos = tuple(
+        replace(
+            video,
+            token=str(row.number),
+            watched=Watched(intervals=((0.0, video.duration),), missing=0.0, next_batch=0),
         )
-    return tuple(shown)
+        for row, video in zip(trial.videos, shown.videos, strict=True)
+    )
+    return replace(shown, token=PREVIEW_TOKEN, videos=videos, next_videos=())
