@@ -11,7 +11,6 @@ from typing import Any, Final, Literal, Self, TypeVar
 from pydantic import TypeAdapter
 
 from training.run.batches import batches_per_epoch
-from training.run.passes import Pass
 
 Optimizer = Literal["adam", "adamw"]
 Precision = Literal["float32", "bfloat16", "float16"]
@@ -39,6 +38,46 @@ class Decay:
     def __call__(self, epoch: int) -> float:
         """Return the factor of the learning rate in `epoch`."""
         return float(self.factor ** max(0, epoch - self.from_epoch + 1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pass:
+    """An update of some weights by one loss.
+
+    Passes of a step are made one after the other: the second one uses the weights that the first
+    one changed. Weights that belong to none of the passes of a stage are frozen in it.
+
+    Attributes
+    ----------
+    name : str
+        Its name for the task and in the log.
+    parts : tuple of str
+        Names of the network's modules or weights that learn, as in ``named_modules``; all of it
+        where there are none.
+    learning_rate : float or None
+        None for the training's. It decays as the training's does.
+    every : int
+        Its interval in steps, counted from `first`.
+    first : int
+        The step at which it starts, from 0.
+    end : int or None
+        The step at which it ends.
+    """
+
+    name: str
+    parts: tuple[str, ...] = ()
+    learning_rate: float | None = None
+    every: int = 1
+    first: int = 0
+    end: int | None = None
+
+    def in_stage(self, step: int) -> bool:
+        """Return whether a step, counted from 0, belongs to the pass' stage."""
+        return self.first <= step and (self.end is None or step < self.end)
+
+    def is_due(self, step: int) -> bool:
+        """Tell whether the pass is made in a step, from 0."""
+        return self.in_stage(step) and (step - self.first) % self.every == 0
 
 
 @dataclass(frozen=True, kw_only=True)

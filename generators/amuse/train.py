@@ -23,13 +23,13 @@ from generators.registry import TrainedGenerator, TrainingRequest
 from generators.settings import content
 from motion.audio import read_audio
 from motion.errors import InputError
+from training.config import Pass
 from training.data.take import Feature, Take
 from training.data.windows import Windows
 from training.diffusion import SCALED_LINEAR
 from training.features import whole_body
 from training.layers import first_weights
 from training.run.batches import evenly_spaced
-from training.run.passes import Pass
 from training.run.task import WindowTask
 from training.speech_features.speech_windows import WindowPlan, filterbanks_under
 

@@ -9,8 +9,8 @@ steps.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from typing import Any, Generic, cast
 
@@ -24,7 +24,7 @@ from torch.optim import Adam, AdamW, Optimizer
 from torch.optim.swa_utils import AveragedModel
 
 from motion.errors import InputError
-from training.config import TrainingConfig
+from training.config import Pass, TrainingConfig
 from training.run.batches import (
     StepStatistics,
     batch_normed,
@@ -34,7 +34,6 @@ from training.run.batches import (
     step_rows,
 )
 from training.run.group import Group
-from training.run.passes import Pass, PassWeights
 from training.run.task import Network, Task, TaskInPasses
 
 
@@ -69,7 +68,7 @@ class Learner(Generic[Network]):
         self._network = task.network()
         group.hand_out(self._network)
         self._passes = config.passes or (Pass(name=""),)
-        self._pass_weights = PassWeights(self._network, self._passes, config.steps)
+        self._pass_weights = _PassWeights(self._network, self._passes, config.steps)
         self._optimizer = _optimizer(self._network, config)
         self._scaler = GradScaler(task.device, enabled=config.precision == "float16")
         decay = config.ema_decay
@@ -219,6 +218,65 @@ class Learner(Generic[Network]):
             self._average.load_state_dict(tensors["average"])
         if self._scaler.is_enabled():
             self._scaler.load_state_dict(dict(facts["scaler"]))
+
+
+class _PassWeights:
+    """The weights of a network that learn in each pass.
+
+    Those that need no gradient from the beginning never learn.
+    """
+
+    def __init__(self, network: nn.Module, passes: Sequence[Pass], steps: int) -> None:
+        self._passes = passes
+        self._learning = {name for name, w in network.named_parameters() if w.requires_grad}
+        self._by_pass = {p.name: self._learning & _weights(network, p) for p in passes}
+        idle = next(
+            (step for step in range(steps) if not any(p.is_due(step) for p in passes)), None
+        )
+        if idle is not None:
+            raise InputError(
+                f"no pass is made in step {idle + 1} of {steps}",
+                remedy="Let one be made in every step",
+            )
+
+    def prepare(self, network: nn.Module, step: int) -> None:
+        """Put a network into training mode, except for parts frozen in the step's stage."""
+        network.train()
+        learning = set().union(*(self._by_pass[p.name] for p in self._passes if p.in_stage(step)))
+        for prefix, module in network.named_modules():
+            weights = {name for name, _ in module.named_parameters(prefix)}
+            if weights and weights.isdisjoint(learning):
+                module.eval()
+
+    @contextmanager
+    def learning_only(self, network: nn.Module, name: str) -> Iterator[None]:
+        """Let only the weights of one pass gather gradients."""
+        weights: Mapping[str, nn.Parameter] = dict(network.named_parameters())
+        try:
+            for key in self._learning:
+                weights[key].requires_grad_(key in self._by_pass[name])
+            yield
+        finally:
+            for key in self._learning:
+                weights[key].requires_grad_(True)
+
+
+def _weights(network: nn.Module, p: Pass) -> set[str]:
+    """Return the names of the weights in the parts of a pass."""
+    names = {name for name, _ in network.named_parameters()}
+    if not p.parts:
+        return names
+    weights: set[str] = set()
+    for part in p.parts:
+        inside = {name for name in names if f"{name}.".startswith(f"{part}.")}
+        if not inside:
+            children = ", ".join(name for name, _ in network.named_children())
+            raise InputError(
+                f"the pass {p.name!r} trains {part!r}, which has no weights in the network",
+                remedy=f"Name one of its parts: {children}",
+            )
+        weights |= inside
+    return weights
 
 
 def _optimizer(network: nn.Module, config: TrainingConfig) -> Optimizer:

@@ -1,4 +1,4 @@
-"""The loop that trains every network."""
+"""The loop that trains every network, and the saved state from which it resumes."""
 
 from __future__ import annotations
 
@@ -6,25 +6,40 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
-from typing import Generic
+from pathlib import Path
+from typing import Any, Generic
 
 import torch
 from torch import Tensor
 
 from motion.errors import InputError
-from training.config import TrainingConfig
+from training.config import CHANGEABLE_SETTINGS, TrainingConfig
 from training.device import check_device
-from training.run.checkpoint import Best, restore_checkpoint, write_checkpoint
-from training.run.curves import draw_curves
 from training.run.group import Group
 from training.run.launching import stop_request
 from training.run.learner import Learner
-from training.run.records import RunFolder, RunLog, Stopwatch
+from training.run.records import RunFolder, RunLog, Stopwatch, draw_curves
 from training.run.task import Network, Task
-from training.weights_file import read_weights, write_weights
+from training.weights_file import WeightsFile, read_weights, write_weights
 
 Show = Callable[[int, int, str], None]
 """Told how many steps are done, of how many, and the loss in words."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Best:
+    """The best step on held-out examples.
+
+    Attributes
+    ----------
+    step : int
+        Steps that had been made.
+    measured : mapping of str to float
+        Its held-out measures.
+    """
+
+    step: int
+    measured: Mapping[str, float]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -125,14 +140,26 @@ class _Run(Generic[Network]):
         self._best: Best | None = None
         self._best_weights: dict[str, Tensor] | None = None
         if folder.checkpoint.exists():
-            self._step, self._best = restore_checkpoint(
-                folder.checkpoint, task, config, self._learner
-            )
+            self._restore(folder.checkpoint)
         self._log = RunLog(folder.log, steps=self._step)
         self._check_alike()
         self._watch = Stopwatch(
             folder.timing, step=self._step, device=task.device, processes=group.size
         )
+
+    def _restore(self, path: Path) -> None:
+        """Go on from a saved state.
+
+        Order of examples and chance need none: `training.run.batches` derives both from the seed
+        and the step.
+        """
+        saved = read_weights(path)
+        self._check_same(saved, path)
+        parts = {name: saved.with_prefix(name) for name in ("network", "optimizer", "average")}
+        self._learner.restore(parts, saved.facts["learner"])
+        self._step = int(saved.facts["step"])
+        best = saved.facts["best"]
+        self._best = None if best is None else Best(**best)
 
     def finish(self) -> Trained[Network]:
         """Make the steps that are missing."""
@@ -208,14 +235,13 @@ class _Run(Generic[Network]):
             write_weights(self._folder.best, self._best_weights, asdict(self._best))
             self._best_weights = None
         self._log.save()
-        write_checkpoint(
-            self._folder.checkpoint,
-            self._task,
-            self._config,
-            self._learner,
-            step=self._step,
-            best=self._best,
-        )
+        state = {
+            "step": self._step,
+            "best": None if self._best is None else asdict(self._best),
+            "learner": self._learner.facts(),
+            **self._identity(),
+        }
+        write_weights(self._folder.checkpoint, self._learner.tensors(), state)
         # A long log takes a second to draw, and looks the same after a few steps more.
         if self._log.lines and (drawn or self._step >= 1.1 * self._drawn):
             best_step = None if self._best is None else self._best.step
@@ -231,6 +257,49 @@ class _Run(Generic[Network]):
                     where=self._folder.root,
                     remedy="Train with a smaller learning rate, in another place",
                 )
+
+    def _identity(self) -> dict[str, Any]:
+        """Return what a run must share with the one that it resumes."""
+        return {
+            "training": self._config.facts(),
+            "task": dict(self._task.settings),
+            "data_sha256": self._task.data_sha256,
+        }
+
+    def _check_same(self, saved: WeightsFile, path: Path) -> None:
+        """Raise `InputError` if the saved run is another one, or has made too many steps."""
+        current = self._identity()
+        if not saved.facts.keys() >= {"step", "best", "learner", *current}:
+            raise InputError(
+                "the file is not a saved state of a training run, or is of an older version",
+                where=path,
+                remedy="Remove it, or name another run folder",
+            )
+        pairs = {
+            f"{part} {name}": (saved.facts[part].get(name), current[part].get(name))
+            for part in ("training", "task")
+            for name in sorted(saved.facts[part].keys() | current[part].keys())
+            if name not in CHANGEABLE_SETTINGS
+        }
+        pairs["data sha256"] = (saved.facts["data_sha256"], current["data_sha256"])
+        differences = [
+            f"{name} was {before!r} and is {now!r}"
+            for name, (before, now) in pairs.items()
+            if before != now
+        ]
+        if differences:
+            raise InputError(
+                f"the run that was started here is another one: {'; '.join(differences)}",
+                where=path.parent,
+                remedy="Give the same settings and data to go on, or start again in another place",
+            )
+        if saved.facts["step"] > self._config.steps:
+            raise InputError(
+                f"the run has made {saved.facts['step']} steps, more than the "
+                f"{self._config.steps} wanted",
+                where=path.parent,
+                remedy="Ask for at least as many steps, or start again in another place",
+            )
 
     def _check_alike(self) -> None:
         """Raise `InputError` if run or data differ from those of the leading process."""

@@ -1,4 +1,4 @@
-"""Records of a run: its folder, its log, its time, and facts for files.
+"""Records of a run: its folder, its log, its time, its curves, and facts for files.
 
 The log is only appended to, so that a long run saves as quickly as a short one. It is written
 before the state of the run, so a crash may leave it with lost steps, which are cut off on resuming.
@@ -16,9 +16,15 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from motion.errors import InputError
+from motion.files import replacing
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from training.config import TrainingConfig
     from training.run.loop import Trained
 
@@ -216,3 +222,105 @@ def run_facts(
         "data": {"kind": kind, "sha256": data_sha256},
         "versions": package_versions(*packages),
     }
+
+
+_Curve = NDArray[np.float64]
+
+_COLUMNS: Final = 3
+_LOSS, _SMALL = 4.0, 2.2
+_PALE, _DARK, _HELD_OUT = "#c9d6e4", "#31597f", "#b3541e"
+
+
+def draw_curves(lines: Sequence[LogLine], path: Path, *, kept_step: int | None = None) -> None:
+    """Draw the log of a run to the PNG file `path`.
+
+    The loss is drawn large, with the learning rate and all other measures small below it. A line
+    marks the step whose weights are `kept_step`. Equal logs make equal bytes.
+    """
+    # Drawing takes a second to load, and a run draws only when it saves.
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import EngFormatter, MaxNLocator
+
+    learned = _series([line for line in lines if "held_out" not in line])
+    held_out = _series([{"step": n["step"], **n["held_out"]} for n in lines if "held_out" in n])
+    small = [name for name in {**learned, **held_out} if name != "loss"]
+    chosen_by = next(iter(held_out), "")
+    rows = -(-len(small) // _COLUMNS)
+    height = _LOSS + _SMALL * rows
+    figure = Figure(figsize=(9, height), dpi=100)
+    FigureCanvasAgg(figure)
+    grid = figure.add_gridspec(
+        rows + 1,
+        _COLUMNS,
+        height_ratios=[_LOSS, *([_SMALL] * rows)],
+        left=0.08,
+        right=0.98,
+        top=1 - 0.3 / height,
+        bottom=0.5 / height,
+        hspace=0.9 * (rows + 1) / height,
+        wspace=0.3,
+    )
+    cells = [grid[0, :], *(grid[1 + n // _COLUMNS, n % _COLUMNS] for n in range(len(small)))]
+    for name, cell in zip(["loss", *small], cells, strict=True):
+        axes = figure.add_subplot(cell)
+        _draw(
+            axes,
+            learned.get(name),
+            held_out.get(name),
+            kept_step,
+            linear=name.startswith("learning_rate"),
+        )
+        chooses = " (chooses the weights)" if name == chosen_by else ""
+        axes.set_title(f"{name.replace('_', ' ')}{chooses}", fontsize=10, loc="left")
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.tick_params(labelsize=8, which="both")
+        axes.margins(x=0.01)
+        axes.xaxis.set_major_locator(MaxNLocator(8 if name == "loss" else 4, integer=True))
+        axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+        if name == "loss":
+            axes.set_xlabel("step", fontsize=9)
+            axes.legend(frameon=False, fontsize=9)
+    with replacing(path) as draft:
+        figure.savefig(draft, metadata={"Software": None})
+
+
+def _series(lines: Sequence[LogLine]) -> dict[str, _Curve]:
+    """Return steps and values (2, n) of each name, in the order of their first line."""
+    names = {name: None for line in lines for name in line if name != "step"}
+    return {
+        name: np.array([(line["step"], line[name]) for line in lines if name in line], float).T
+        for name in names
+    }
+
+
+def _draw(
+    axes: Axes,
+    learned: _Curve | None,
+    held_out: _Curve | None,
+    kept_step: int | None,
+    *,
+    linear: bool,
+) -> None:
+    """Draw one measure: of the steps, of held-out examples, or both."""
+    if learned is not None and linear:
+        axes.plot(*learned, color=_DARK, linewidth=1.2)
+    elif learned is not None:
+        if 0 < 20 * learned[1].min() < learned[1].max():
+            axes.set_yscale("log")
+        axes.plot(*learned, color=_PALE, linewidth=0.8, label="each step")
+        width = max(1, learned.shape[1] // 20)
+        weights = np.full(width, 1 / width)
+        means = (np.convolve(values, weights, mode="valid") for values in learned)
+        axes.plot(*means, color=_DARK, linewidth=1.2, label=f"mean of {width} steps")
+    if held_out is not None:
+        axes.plot(
+            *held_out,
+            color=_HELD_OUT,
+            linewidth=1.2,
+            marker="o" if held_out.shape[1] <= 60 else "",
+            markersize=3,
+            label="held out",
+        )
+    if kept_step is not None:
+        axes.axvline(kept_step, color=_HELD_OUT, linewidth=0.8, linestyle=":", label="kept")

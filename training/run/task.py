@@ -66,7 +66,7 @@ class Task(Protocol[Network]):
 
 
 class TaskInPasses(Task[Network], Protocol[Network]):
-    """Something that is learned in several passes; see `training.run.passes.Pass`."""
+    """Something that is learned in several passes; see `training.config.Pass`."""
 
     def losses_of(
         self, name: str, network: Network, rows: NDArray[np.int64]

@@ -20,9 +20,8 @@ from PIL import Image
 from motion.errors import InputError
 from tests.training.lines import Line, LineNetwork, files_of_run, interrupt_after
 from training.config import Decay, TrainingConfig
-from training.run.curves import draw_curves
 from training.run.loop import TrainingStopped, train
-from training.run.records import RunFolder, RunLog
+from training.run.records import RunFolder, RunLog, draw_curves
 from training.weights_file import read_weights
 
 CONFIG = TrainingConfig(

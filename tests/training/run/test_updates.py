@@ -18,12 +18,11 @@ from torch import Tensor, nn
 
 from motion.errors import InputError
 from tests.training.lines import ENTRIES, VALUES, Line, LineNetwork, files_of_run
-from training.config import Decay, TrainingConfig
+from training.config import Decay, Pass, TrainingConfig
 from training.run.batches import batches_per_epoch, part_seed, step_parts, step_rows
 from training.run.group import Group
 from training.run.learner import Learner
 from training.run.loop import train
-from training.run.passes import Pass
 from training.run.records import RunFolder
 from training.weights_file import read_weights
 
