@@ -31,7 +31,7 @@ from generators.learned_settings import AmuseSettings
 from motion.audio import read_audio
 from motion.clip import MotionClip
 from motion.segment import EMOTIONS
-from training.corpus.motion_curves import mean_speed
+from training.corpus.truth import mean_speed
 from training.data.take import Take
 
 

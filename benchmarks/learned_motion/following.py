@@ -17,8 +17,8 @@ from analysis.metrics.kinematics import WRISTS, joint_motion, select
 from analysis.stats.samples import bootstrap_counts, percentile_interval
 from motion.audio_analysis import DETECTOR
 from motion.clip import ARKIT_NAMES, MotionClip
-from training.corpus.motion_curves import correlate_curves as follow_curve
-from training.corpus.motion_curves import mean_speed
+from training.corpus.truth import correlate_curves as follow_curve
+from training.corpus.truth import mean_speed
 
 FloatArray = NDArray[np.float64]
 

@@ -14,12 +14,17 @@ from numpy.typing import NDArray
 from motion.audio import read_audio
 from motion.formats.beat_tracks import read_arkit_json
 from motion.formats.bvh import read_bvh
-from training.corpus.motion_curves import MotionCurves, correlate_curves, curves_of, wrist_positions
+from training.corpus.making import RecordingFiles
 from training.corpus.plan import PlannedTake, Split, planned_takes
-from training.corpus.recording import RecordingFiles
 from training.corpus.request import read_request
 from training.corpus.speech_curves import SpeechCurves, analyse
-from training.corpus.truth import read_truth
+from training.corpus.truth import (
+    MotionCurves,
+    correlate_curves,
+    curves_of,
+    read_truth,
+    wrist_positions,
+)
 from training.spaces.beat import body_values, face_values
 
 FloatArray = NDArray[np.float64]

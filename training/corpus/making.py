@@ -1,21 +1,37 @@
-"""Making a corpus: every take in turn or several at once, resuming where an earlier run stopped."""
+"""Making a corpus: every take in turn or several at once, resuming where an earlier run stopped.
+
+A take is its speech, its motion, and the truth about both. Motion has all 75 joints of BEAT's
+files, in their order: besides moving joints, these include limb ends that never move.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
+import numpy as np
+
+from motion.audio import SPEECH_RATE, Audio, read_audio, write_wav
 from motion.files import write_text
+from motion.formats.beat_tracks import SemanticSpan, write_arkit_json, write_semantic_scores
+from motion.formats.bvh_motion import BvhJoint, write_bvh
 from motion.processes import ProcessPool
+from motion.synthesis import speak_as
+from training.corpus.chance import Chance
 from training.corpus.plan import PlannedTake, planned_takes
-from training.corpus.recording import RecordingFiles, record
+from training.corpus.process import Process
 from training.corpus.request import CorpusRequest, claim_folder
+from training.corpus.speakers import EMOTION_MOTION, spoken_prosody, voice_of
+from training.corpus.truth import Truth, write_truth
+from training.spaces.beat import BEAT_SKELETON, upper_body_motion
 
 Show = Callable[[int, int], None]
 """Told how many takes are made, of how many."""
@@ -67,18 +83,19 @@ def make_corpus(
     missing = [take for take in takes if not RecordingFiles.of(folder, take).complete]
     report = show or (lambda done, total: None)
     existing = len(takes) - len(missing)
-    for done, _ in enumerate(_record(folder, request, missing, processes), start=existing + 1):
+    for done, _ in enumerate(_record_all(folder, request, missing, processes), start=existing + 1):
         report(done, len(takes))
     write_text(folder / TAKES, _table(takes))
-    write_text(folder / SPLITS, _splits(takes))
+    splits = [("name", "split"), *((take.name, take.split) for take in takes)]
+    write_text(folder / SPLITS, _csv(splits))
     return CorpusResult(takes=takes, new_takes=len(missing))
 
 
-def _record(
+def _record_all(
     folder: Path, request: CorpusRequest, takes: Sequence[PlannedTake], processes: int
 ) -> Iterator[None]:
     """Make takes, and yield after each."""
-    record_take = partial(record, folder, frame_rate=request.frame_rate)
+    record_take = partial(_record, folder, frame_rate=request.frame_rate)
     if processes == 1 or len(takes) < 2:
         for take in takes:
             record_take(take)
@@ -87,10 +104,6 @@ def _record(
     with ProcessPool(min(processes, len(takes))) as pool:
         for future in as_completed([pool.submit(record_take, take) for take in takes]):
             yield future.result()
-
-
-def _splits(takes: Sequence[PlannedTake]) -> str:
-    return _csv([("name", "split"), *((take.name, take.split) for take in takes)])
 
 
 def _table(takes: Sequence[PlannedTake]) -> str:
@@ -111,3 +124,163 @@ def _csv(rows: Sequence[Sequence[object]]) -> str:
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
     return text.getvalue()
+
+
+Offset = tuple[float, float, float]
+
+_FINGER_TIPS: Final = MappingProxyType(
+    {
+        "HandMiddle": (2, 0, 0),
+        "HandRing": (2, 0, -0.2),
+        "HandPinky": (1.7, 0, -0.4),
+        "HandIndex": (1.7, 0, 0.2),
+        "HandThumb": (2.2, 0.3, 0.9),
+    }
+)
+"""From the last joint of a left finger to its tip, in centimetres."""
+
+_LIMB_ENDS: Final = MappingProxyType(
+    {
+        "Head": ("HeadEnd", (0.0, 10.0, 0.0)),
+        **{
+            f"{side}{finger}3": (f"{side}{finger}4", (sign * x, y, z))
+            for side, sign in (("Right", -1.0), ("Left", 1.0))
+            for finger, (x, y, z) in _FINGER_TIPS.items()
+        },
+        **{f"{side}ToeBase": (f"{side}ToeBaseEnd", (0.0, 0.0, 14.0)) for side in ("Right", "Left")},
+    }
+)
+"""Joint to its end site, and the position of that."""
+
+
+_LEG: Final = ("UpLeg", "Leg", "Foot", "ToeBase")
+
+
+def _full_skeleton() -> tuple[BvhJoint, ...]:
+    joints: list[BvhJoint] = []
+    places: dict[str, int] = {}
+
+    def add(joint: BvhJoint, parent: str, offset: Offset) -> None:
+        parent_index = places[parent] if parent else -1
+        places[joint.name] = len(joints)
+        joints.append(replace(joint, parent=parent_index, offset=offset))
+
+    # BEAT's files have the legs last.
+    for joint in sorted(BEAT_SKELETON, key=lambda joint: joint.name.endswith(_LEG)):
+        parent = BEAT_SKELETON[joint.parent].name if joint.parent >= 0 else ""
+        offset = joint.offset
+        if joint.name.endswith("ToeBase"):
+            # BEAT's foot has a joint more, at the height of the toes.
+            forefoot = joint.name.replace("ToeBase", "ForeFoot")
+            x, y, z = offset
+            add(replace(joint, name=forefoot), parent, (x, y, 0.0))
+            parent, offset = forefoot, (0.0, 0.0, z)
+        add(joint, parent, offset)
+        if joint.name in _LIMB_ENDS:
+            name, end_offset = _LIMB_ENDS[joint.name]
+            add(replace(joint, name=name), joint.name, end_offset)
+    return tuple(joints)
+
+
+FULL_SKELETON: Final = _full_skeleton()
+"""Parents before children, depth first; the first is the root. Centimetres."""
+
+
+FACE_RATE: Final = 60.0
+"""Frames per second of BEAT's facial weights."""
+
+_BEFORE, _AFTER = 0.3, 0.2
+"""Seconds of silence around the speech, in addition to the synthesiser's."""
+_SPEECH_STREAM: Final = 7
+"""Distinguishes the random numbers of a take's speech from those of its motion."""
+_FULL_SCORE_SIZE: Final = 2.0
+"""Size of a stroke that scores 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordingFiles:
+    """The paths of a take's files.
+
+    Attributes
+    ----------
+    speech, motion, face, semantic, transcript, truth : Path
+        WAV, BVH, JSON, two texts and ``.npz``; the truth is written last.
+    """
+
+    speech: Path
+    motion: Path
+    face: Path
+    semantic: Path
+    transcript: Path
+    truth: Path
+
+    @classmethod
+    def of(cls, corpus: Path, take: PlannedTake) -> RecordingFiles:
+        """Return the paths of the files of `take` in the folder of a corpus."""
+        stem = corpus / take.folder / take.name
+        return cls(
+            speech=stem.with_suffix(".wav"),
+            motion=stem.with_suffix(".bvh"),
+            face=stem.with_suffix(".json"),
+            semantic=stem.with_suffix(".txt"),
+            transcript=stem.with_suffix(".lab"),
+            truth=corpus / "truth" / f"{take.name}.npz",
+        )
+
+    @property
+    def complete(self) -> bool:
+        """Whether all of them are there."""
+        return all(getattr(self, field.name).is_file() for field in fields(self))
+
+
+def _record(corpus: Path, take: PlannedTake, frame_rate: float) -> None:
+    """Make the files of a take, each in one step."""
+    files = RecordingFiles.of(corpus, take)
+    write_wav(files.speech, _speak(take))
+    # The process reads the file's samples, so that the same can be computed from the file.
+    process = Process.from_speech(read_audio(files.speech), take.emotion, take.speaker)
+    chance = Chance(seed=take.seed)
+    write_bvh(
+        files.motion, upper_body_motion(process.body(frame_rate, chance), frame_rate, FULL_SKELETON)
+    )
+    write_arkit_json(files.face, process.face(FACE_RATE, chance), FACE_RATE)
+    write_semantic_scores(files.semantic, _semantic_spans(process, chance))
+    write_text(files.transcript, f"{take.text}\n")
+    strokes = process.strokes
+    truth = Truth(
+        frame_rate=frame_rate,
+        drive=process.drive(frame_rate),
+        strokes=strokes,
+        chance=chance.strokes(len(strokes.times)),
+        emotion=take.emotion,
+        text=take.text,
+        speaker=take.speaker.number,
+        seed=take.seed,
+    )
+    write_truth(files.truth, truth)
+
+
+def _speak(take: PlannedTake) -> Audio:
+    """Speak a take's text, with a little silence around it."""
+    random = np.random.default_rng([*take.seed, _SPEECH_STREAM])
+    prosody = spoken_prosody(take.emotion, take.speaker.number, random)
+    with tempfile.TemporaryDirectory() as folder:
+        voice = voice_of(take.speaker.number).name
+        speech = speak_as(take.text, prosody, Path(folder) / "speech.wav", voice)
+    lead, tail = (
+        np.zeros(round(seconds * SPEECH_RATE), np.float32) for seconds in (_BEFORE, _AFTER)
+    )
+    return Audio(np.concatenate([lead, speech.samples, tail]), SPEECH_RATE)
+
+
+def _semantic_spans(process: Process, chance: Chance) -> Iterator[SemanticSpan]:
+    """Yield the strokes that are made as BEAT annotates gestures."""
+    tempo = EMOTION_MOTION[process.emotion].tempo
+    speaker, strokes = process.speaker, process.strokes
+    stroke_chance = chance.strokes(len(strokes.times))
+    sizes = strokes.sizes * stroke_chance.gains.max(axis=1)
+    for arrival, size in zip(strokes.times + stroke_chance.delays, sizes, strict=True):
+        if size > 0:
+            start = max(arrival - speaker.attack / tempo, 0.0)
+            end = min(arrival + speaker.release / tempo, process.duration)
+            yield SemanticSpan(start=start, end=end, score=min(size / _FULL_SCORE_SIZE, 1.0))

@@ -15,10 +15,9 @@ from motion.formats.bvh import read_bvh
 from motion.formats.transcript import read_transcript
 from tools.corpus_page.__main__ import tables
 from tools.corpus_page.measuring import decided, minutes, read_measured
-from training.corpus.making import make_corpus
+from training.corpus.making import RecordingFiles, make_corpus
 from training.corpus.plan import planned_takes
-from training.corpus.process import drive
-from training.corpus.recording import RecordingFiles
+from training.corpus.process import Process
 from training.corpus.request import CorpusRequest, read_request
 from training.corpus.speakers import speaker_of
 from training.corpus.truth import read_truth
@@ -71,12 +70,9 @@ def test_the_truth_can_be_computed_from_the_files_alone(corpus: Path) -> None:
     assert request == REQUEST
     take = read_takes(corpus).takes[0]
     truth = read_truth(corpus / "truth" / f"{take.name}.npz")
-    result = drive(
-        read_audio(take.speech),
-        take.emotion,
-        speaker_of(truth.speaker, request.seed),
-        truth.frame_rate,
-    )
+    speaker = speaker_of(truth.speaker, request.seed)
+    process = Process.from_speech(read_audio(take.speech), take.emotion, speaker)
+    result = process.drive(truth.frame_rate)
     for field in fields(result):
         np.testing.assert_allclose(
             getattr(result, field.name), getattr(truth.drive, field.name), atol=1e-5

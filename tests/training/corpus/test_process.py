@@ -9,15 +9,15 @@ from motion.audio import Audio
 from motion.segment import EMOTIONS
 from tests.generators.conftest import syllables
 from training.corpus.chance import EXPECTED, Chance
-from training.corpus.motion_curves import (
+from training.corpus.process import Process
+from training.corpus.speakers import speaker_of
+from training.corpus.speech_curves import SpeechCurves, find_strokes
+from training.corpus.truth import (
     MotionCurves,
     correlate_motions,
     curves_of,
     wrist_positions,
 )
-from training.corpus.process import Process, drive
-from training.corpus.speakers import speaker_of
-from training.corpus.speech_curves import SpeechCurves, find_strokes
 
 SPEAKER = speaker_of(1, 1)
 
@@ -30,6 +30,10 @@ def speech() -> Audio:
 @pytest.fixture(scope="module")
 def process(speech: Audio) -> Process:
     return Process.from_speech(speech, "neutral", SPEAKER)
+
+
+def drive_of(speech: Audio) -> MotionCurves:
+    return Process.from_speech(speech, "neutral", SPEAKER).drive(30.0)
 
 
 def correlation(curve: str, one: MotionCurves, other: MotionCurves) -> float:
@@ -56,7 +60,7 @@ def test_takes_follow_their_own_speech_best_and_differ_by_chance(
         takes.append(curves_of(process.body(30.0, chance), process.face(30.0, chance), 30.0))
     follow = [correlation("wrist_speed", take, process.drive(30.0)) for take in takes]
     assert 0.5 < np.mean(follow) < 0.95
-    others = [drive(syllables(6.0, seed), "neutral", SPEAKER, 30.0) for seed in (11, 12, 13, 14)]
+    others = [drive_of(syllables(6.0, seed)) for seed in (11, 12, 13, 14)]
     assert follow[1] > max(correlation("wrist_speed", takes[1], other) for other in others) + 0.2
     assert max(correlation("wrist_speed", takes[0], take) for take in takes[1:]) < 0.98
 
@@ -116,7 +120,7 @@ def _wrist_speed(body: np.ndarray, frame_rate: float) -> np.ndarray:
 
 
 def test_silence_gives_no_motion_and_a_reason_instead_of_a_correlation(process: Process) -> None:
-    still = drive(Audio(np.zeros(96_000, np.float32), 16_000), "neutral", SPEAKER, 30.0)
+    still = drive_of(Audio(np.zeros(96_000, np.float32), 16_000))
     assert still.wrist_speed.max() < 1e-6
     for result in correlate_motions(still, process.drive(30.0)):
         assert np.isnan(result.correlation)
