@@ -21,7 +21,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError, found_at
 from training.layers.transformers import pack
 from training.spaces.smplx_bodies import smplx_6d_clip
-from training.speech_features.speech_windows import WindowPlan, filterbanks_under, plan_windows
+from training.speech_features.speech_frames import WindowPlan, filterbanks_under, plan_windows
 
 FADE: Final = 30
 """Frames in which a window takes over from the one before."""

@@ -31,7 +31,7 @@ from training.features import whole_body
 from training.layers import first_weights
 from training.run.batches import evenly_spaced
 from training.run.task import WindowTask
-from training.speech_features.speech_windows import WindowPlan, filterbanks_under
+from training.speech_features.speech_frames import WindowPlan, filterbanks_under
 
 MOST_HELD_OUT: Final = 128
 """Largest number of windows by which held-out takes are measured."""

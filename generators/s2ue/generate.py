@@ -21,8 +21,7 @@ from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.formats.transcript import Word, find_transcript
 from training.spaces.bones_and_landmarks import bone_and_landmark_clip, with_units
-from training.speech_features.speech_frames import at_speech_rate
-from training.speech_features.speech_windows import SpeechWindow, stream_windows
+from training.speech_features.speech_frames import SpeechWindow, at_speech_rate, stream_windows
 from training.speech_features.word_vectors import (
     StandIn,
     WordVectors,

@@ -1,4 +1,4 @@
-"""Speech features per frame of motion, of whole or of live speech."""
+"""Speech features per frame of motion, of whole or of live speech, and in overlapping windows."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from training.speech_features.hubert import (
     interpolate_features,
     resample_to_frames,
 )
-from training.speech_features.spectra import mel_bands
+from training.speech_features.spectra import check_speech, filterbank, log_mel, mel_bands, mfcc
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,28 +157,60 @@ def stream_frames(
         Those of what is heard at once; the last may be fewer. As many in all as the speech lasts,
         rounded.
     """
-    buffer, buffer_start, start = np.zeros(0, np.float32), 0, 0
+    excerpts = _stream_excerpts(
+        pieces,
+        frame_rate,
+        step=window.at_once,
+        frames=window.at_once * frame_rate,
+        past=window.past,
+        ahead=window.ahead,
+    )
+    for excerpt, seconds_before, count in excerpts:
+        yield _frames_of_excerpt(excerpt, seconds_before, count, frame_rate, hubert)
 
-    def frames(last: int, count: int) -> SpeechFrames:
-        begin = max(0, start - window.past)
-        sound = Audio(buffer[begin * SPEECH_RATE - buffer_start : last - buffer_start], SPEECH_RATE)
-        return _frames_of_excerpt(sound, start - begin, count, frame_rate, hubert)
+
+def _stream_excerpts(
+    pieces: Iterable[FloatArray],
+    frame_rate: float,
+    *,
+    step: int,
+    frames: int,
+    past: int,
+    ahead: float,
+) -> Iterator[tuple[Audio, int, int]]:
+    """Yield the speech of each window as soon as it is complete.
+
+    Windows of `frames` begin every `step` whole seconds. An excerpt also has up to `past` whole
+    seconds before its window, and `ahead` seconds after it. With it come the seconds before, and
+    how many of the window's frames are speech: all, except for the last windows.
+    """
+    buffer, buffer_start, start = np.zeros(0, np.float32), 0, 0
+    window_seconds = frames / frame_rate + ahead
+
+    def excerpt() -> tuple[Audio, int]:
+        return Audio(buffer[: excerpt_length()], SPEECH_RATE), start - buffer_start
+
+    def excerpt_length() -> int:
+        return round((start + window_seconds) * SPEECH_RATE) - buffer_start * SPEECH_RATE
+
+    def advance() -> None:
+        nonlocal buffer, buffer_start, start
+        start += step
+        dropped = max(0, start - past) - buffer_start
+        buffer, buffer_start = buffer[dropped * SPEECH_RATE :], buffer_start + dropped
 
     for piece in pieces:
         buffer = np.concatenate([buffer, np.asarray(piece, np.float32)])
-        while buffer_start + len(buffer) >= (
-            last := round((start + window.at_once + window.ahead) * SPEECH_RATE)
-        ):
-            yield frames(last, window.at_once * frame_rate)
-            start += window.at_once
-            dropped = max(0, start - window.past) * SPEECH_RATE
-            buffer, buffer_start = buffer[dropped - buffer_start :], dropped
-    end = buffer_start + len(buffer)
-    remaining = round(end / SPEECH_RATE * frame_rate) - start * frame_rate
+        while len(buffer) >= excerpt_length():
+            yield *excerpt(), frames
+            advance()
+    new_frames = round(step * frame_rate)
+    duration = (buffer_start * SPEECH_RATE + len(buffer)) / SPEECH_RATE
+    remaining = round(duration * frame_rate) - round(start * frame_rate)
     while remaining > 0:
-        count = min(remaining, window.at_once * frame_rate)
-        yield frames(min(end, round((start + window.at_once + window.ahead) * SPEECH_RATE)), count)
-        start, remaining = start + window.at_once, remaining - count
+        yield *excerpt(), min(remaining, frames)
+        advance()
+        remaining -= new_frames
 
 
 def _frames_of_excerpt(
@@ -197,3 +229,136 @@ def _frames_of_excerpt(
 def at_speech_rate(audio: Audio) -> FloatArray:
     """Return the samples at 16 kHz."""
     return audio.samples_at(SPEECH_RATE).astype(np.float32)
+
+
+_BEFORE: Final = 1
+"""Whole seconds of context before a window."""
+
+_AFTER: Final = 0.1
+"""Seconds of context after a window."""
+
+
+@dataclass(frozen=True)
+class SpeechWindow:
+    """The features of a window: MFCC and spectrogram, and which of its frames are speech.
+
+    Attributes
+    ----------
+    sound, spectrum : Tensor
+        (T, channels).
+    first : int
+        The frame of the speech that the window begins with.
+    count : int
+        The number of its frames with speech: all, except for the last window.
+    """
+
+    sound: Tensor
+    spectrum: Tensor
+    first: int
+    count: int
+
+
+def stream_windows(
+    pieces: Iterable[FloatArray], frame_rate: float, frames: int, overlap: int
+) -> Iterator[SpeechWindow]:
+    """Yield windows of live speech as soon as they are complete.
+
+    How the speech is cut into pieces changes nothing: all of it at once gives the same windows.
+
+    Parameters
+    ----------
+    pieces : iterable of ndarray
+        Samples at 16 kHz, in order.
+    frame_rate : float
+        Frames per second.
+    frames, overlap : int
+        Of a window, and what it shares with the next; what is new in one lasts whole seconds.
+    """
+    new = frames - overlap
+    excerpts = _stream_excerpts(
+        pieces,
+        frame_rate,
+        step=round(new / frame_rate),
+        frames=frames,
+        past=_BEFORE,
+        ahead=_AFTER,
+    )
+    for number, (excerpt, seconds_before, count) in enumerate(excerpts):
+        skipped = round(seconds_before * frame_rate)
+        sound, spectrum = (
+            torch.from_numpy(feature(excerpt, frame_rate, skipped + frames)[skipped:])
+            for feature in (mfcc, log_mel)
+        )
+        yield SpeechWindow(sound, spectrum, number * new, count)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WindowPlan:
+    """The number of windows of a motion, and their beginnings.
+
+    Attributes
+    ----------
+    frames : int
+        Of a window.
+    stride : int
+        Frames from the beginning of one window to that of the next.
+    count : int
+        Windows, from 1.
+    fade : int
+        Frames at a window's beginning in which it takes over from the one before.
+    """
+
+    frames: int
+    stride: int
+    count: int
+    fade: int = 0
+
+    @property
+    def starts(self) -> list[int]:
+        """First frame of each window."""
+        return [self.stride * number for number in range(self.count)]
+
+    def join(self, windows: Tensor) -> Tensor:
+        """Return windows (count, frames, width) as one motion, (frames in all, width).
+
+        A window takes over from the one before along a quintic, whose speed and acceleration are
+        zero at both ends (Flash & Hogan 1985).
+        """
+        share = (torch.arange(self.fade, device=windows.device) + 1) / (self.fade + 1)
+        weight = (share**3 * (10 - 15 * share + 6 * share**2))[:, None]
+        motion = windows.new_empty(self.starts[-1] + self.frames, windows.shape[-1])
+        motion[: self.frames] = windows[0]
+        for window, start in zip(windows[1:], self.starts[1:], strict=True):
+            faded = start + self.fade
+            motion[start:faded] = torch.lerp(motion[start:faded], window[: self.fade], weight)
+            motion[faded : start + self.frames] = window[self.fade :]
+        return motion
+
+
+def plan_windows(total: int, frames: int, fade: int) -> WindowPlan:
+    """Return the fewest windows that cover `total` frames and share at least `fade`.
+
+    They share as much as they can, so that the last hardly reaches beyond the speech.
+    """
+    count = 1 if total <= frames else 1 + math.ceil((total - frames) / (frames - fade))
+    stride = frames if count == 1 else math.ceil((total - frames) / (count - 1))
+    return WindowPlan(frames=frames, stride=stride, count=count, fade=fade)
+
+
+def filterbanks_under(
+    audio: Audio, plan: WindowPlan, frame_rate: float, rows: int, bands: int
+) -> list[Tensor]:
+    """Return the standardised filterbank (1, rows, bands) of the speech under each window.
+
+    Raises
+    ------
+    InputError
+        If the speech is shorter than half a second, or silent.
+    """
+    samples = at_speech_rate(audio)
+    check_speech(samples)
+    ends = [
+        [round(frame * SPEECH_RATE / frame_rate) for frame in (start, start + plan.frames)]
+        for start in plan.starts
+    ]
+    return [filterbank(samples[first:last], rows, bands)[None] for first, last in ends]

@@ -20,10 +20,10 @@ from training.speech_features.speech_frames import (
     StreamWindow,
     extract_all_frames,
     extract_frames,
+    plan_windows,
     stream_frames,
     window_for,
 )
-from training.speech_features.speech_windows import plan_windows
 
 HUBERT = stand_in()
 WINDOW = StreamWindow(past=1, ahead=0.5)
