@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import errno
 import fcntl
+import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 import numpy as np
+import pyarrow
 from numpy.typing import NDArray
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from motion.errors import InputError
-from training.data.cached_files import (
-    CachedArray,
-    content_sha256,
-    hashes_of,
-    open_array,
-    write_array,
-)
+from motion.files import replacing, sha256_of, write_text
 from training.data.take import LONGEST_DIFFERENCE, Feature, Take, TakeFolder
 
 FloatArray = NDArray[np.float32]
@@ -110,7 +108,7 @@ def prepare(
     InputError
         If no take can be used, or the cache cannot be written.
     """
-    arrays: dict[str, dict[str, CachedArray]] = {}
+    arrays: dict[str, dict[str, _CachedArray]] = {}
     errors: dict[str, InputError] = {}
     try:
         for take in _locked_takes(takes.takes, cache):
@@ -167,14 +165,14 @@ def _take_lock(folder: Path, *, wait: bool) -> Iterator[bool]:
 
 def _cached_features(
     take: Take, features: Sequence[Feature], frame_rate: float, folder: Path
-) -> dict[str, CachedArray]:
+) -> dict[str, _CachedArray]:
     """Return the features of a take, computing those that `folder` does not hold yet."""
-    files = hashes_of(take.files, folder / "files.json")
+    files = _hashes_of(take.files, folder / "files.json")
     optional = ("face", "semantic", "transcript")
     roles = [role for role in optional if getattr(take, role) is not None]
-    cached: dict[str, CachedArray] = {}
+    cached: dict[str, _CachedArray] = {}
     for feature in features:
-        key = content_sha256(
+        key = _content_sha256(
             [json.dumps([files, roles, feature.name, feature.version, frame_rate])]
         )
         cached[feature.name] = _cached(take, feature, folder / f"{feature.name}-{key[:32]}.npy")
@@ -183,11 +181,11 @@ def _cached_features(
     return cached
 
 
-def _cached(take: Take, feature: Feature, path: Path) -> CachedArray:
-    cached = open_array(path)
+def _cached(take: Take, feature: Feature, path: Path) -> _CachedArray:
+    cached = _open_array(path)
     if cached is None:
-        write_array(path, _compute(take, feature))
-        cached = open_array(path)
+        _write_array(path, _compute(take, feature))
+        cached = _open_array(path)
     if cached is None:
         raise OSError(errno.EIO, "what was written cannot be read", str(path))
     return cached
@@ -209,7 +207,7 @@ def _compute(take: Take, feature: Feature) -> FloatArray:
     return values
 
 
-def _check_lengths(take: Take, cached: Mapping[str, CachedArray], frame_rate: float) -> None:
+def _check_lengths(take: Take, cached: Mapping[str, _CachedArray], frame_rate: float) -> None:
     """Raise where the features of a take differ too much in length."""
     seconds = {name: len(array.values) / frame_rate for name, array in cached.items()}
     shortest = min(seconds, key=lambda name: seconds[name])
@@ -232,7 +230,7 @@ def _with_take_name(take: Take, error: InputError) -> InputError:
 
 def _trimmed(
     takes: tuple[Take, ...],
-    cached: Mapping[str, Mapping[str, CachedArray]],
+    cached: Mapping[str, Mapping[str, _CachedArray]],
     names: list[str],
     frame_rate: float,
     skipped: tuple[InputError, ...],
@@ -252,5 +250,105 @@ def _trimmed(
         arrays={name: tuple(values) for name, values in arrays.items()},
         frame_rate=frame_rate,
         skipped=skipped,
-        sha256=content_sha256(facts),
+        sha256=_content_sha256(facts),
     )
+
+
+class _FileState(BaseModel, frozen=True):
+    """The hash of a file; its size and time of writing show whether it still holds."""
+
+    size: int
+    mtime_ns: int
+    sha256: str
+
+
+_STATES: Final = TypeAdapter(dict[str, _FileState])
+
+
+def _state_of(path: Path, known: _FileState | None = None) -> _FileState:
+    """Return the state of `path`; it is read only if size or time differ from `known`."""
+    status = path.stat()
+    size, mtime_ns = status.st_size, status.st_mtime_ns
+    if known is not None and (known.size, known.mtime_ns) == (size, mtime_ns):
+        return known
+    return _FileState(size=size, mtime_ns=mtime_ns, sha256=sha256_of(path))
+
+
+def _hashes_of(files: tuple[Path, ...], memory: Path) -> tuple[str, ...]:
+    """Return the sha256 of each of `files`, of which `memory` holds the hashes of earlier calls.
+
+    It may be missing or damaged.
+    """
+    try:
+        known = _STATES.validate_json(memory.read_bytes())
+    except (OSError, ValidationError):
+        known = {}
+    states: dict[str, _FileState] = {}
+    for path in files:
+        place = str(path.absolute())
+        try:
+            states[place] = _state_of(path, known.get(place))
+        except OSError as error:
+            raise InputError(
+                f"the file cannot be read ({error.strerror})",
+                where=path,
+                remedy="Check that it is there and may be read",
+            ) from error
+    if states != known:
+        write_text(memory, _STATES.dump_json(states, indent=1).decode())
+    return tuple(states[str(path.absolute())].sha256 for path in files)
+
+
+@dataclass(frozen=True, eq=False)
+class _CachedArray:
+    """An array (frames, channels), memory-mapped and read-only, and the hash of its file."""
+
+    values: FloatArray
+    sha256: str
+
+
+def _write_array(path: Path, values: FloatArray) -> None:
+    """Write `values` to `path` (``.npy``), and a seal in its folder that shows it is intact."""
+    with replacing(path) as draft:
+        np.save(draft, values, allow_pickle=False)
+    write_text(path.with_suffix(".json"), _state_of(path).model_dump_json())
+
+
+def _open_array(path: Path) -> _CachedArray | None:
+    """Return the array in `path`; None if it is missing or damaged."""
+    seal_path = path.with_suffix(".json")
+    try:
+        seal = _FileState.model_validate_json(seal_path.read_bytes())
+        state = _state_of(path, seal)
+        if state.sha256 != seal.sha256:
+            return None
+        if state != seal:
+            # A copy has the same content and another time. It need not be read again.
+            write_text(seal_path, state.model_dump_json())
+        return _CachedArray(_map_array(path), state.sha256)
+    except (OSError, ValidationError, ValueError):
+        return None
+
+
+def _map_array(path: Path) -> FloatArray:
+    """Return the array in `path`, mapped into memory.
+
+    numpy's own mapping keeps each file open. A data set has more files than a process may open.
+    """
+    with path.open("rb") as file:
+        version = np.lib.format.read_magic(file)
+        if version != (1, 0):
+            raise ValueError(f"version {version} of the file format")
+        shape, fortran_order, dtype = np.lib.format.read_array_header_1_0(file)
+        start = file.tell()
+    if fortran_order or dtype != np.float32 or len(shape) != 2:
+        raise ValueError("not an array that this module wrote")
+    with pyarrow.memory_map(str(path)) as mapped:
+        buffer = mapped.read_buffer()
+    values = np.frombuffer(buffer, dtype=np.float32, offset=start)
+    return values.reshape(shape)
+
+
+def _content_sha256(parts: list[str]) -> str:
+    """Return one hash of several texts in order."""
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
