@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Literal
 
 from markupsafe import Markup
 
-from analysis.metrics.scores import StudyMetrics
 from analysis.results.heterogeneity import PreferredPair
-from analysis.results.known_values import KnownValue
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from analysis.metrics.scores import StudyMetrics
+    from analysis.results.known_values import KnownValue
+    from analysis.stats.clustered_mean import Estimate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -299,8 +301,8 @@ class Subject:
         Of the study's definition; '' for a table.
     seed : int or None
         Of the study.
-    truth : tuple of KnownValue
-        Of a rehearsal: the true values of its raters.
+    truth : tuple of (KnownValue, Estimate)
+        Of a rehearsal: the true values of its raters, with their estimates.
     metrics : StudyMetrics or None
         Automatic metrics of the conditions; None without motion files.
     stills : tuple of Still
@@ -327,7 +329,7 @@ class Subject:
     frozen: tuple[str, ...] = ()
     study_sha256: str = ""
     seed: int | None = None
-    truth: tuple[KnownValue, ...] = ()
+    truth: tuple[tuple[KnownValue, Estimate], ...] = ()
     metrics: StudyMetrics | None = None
     stills: tuple[Still, ...] = ()
     no_stills: str = ""

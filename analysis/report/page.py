@@ -15,11 +15,9 @@ from typing import Final
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from analysis.metrics.score_tables import score_table
 from analysis.report import wording
 from analysis.report.content import Picture, PlayableMotion, Section, Subject
 from analysis.report.figures.style import FORMATS, as_file
-from analysis.report.sections.against_people import against_people_section
 from analysis.report.sections.answer import (
     METHODS_ANCHOR,
     answer,
@@ -27,9 +25,8 @@ from analysis.report.sections.answer import (
     limits_section,
     methods_section,
 )
+from analysis.report.sections.conditions import condition_sections
 from analysis.report.sections.heterogeneity import heterogeneity_section
-from analysis.report.sections.metric_table import SCORES
-from analysis.report.sections.metrics import metric_section, played_pairs_section
 from analysis.report.sections.participants import (
     diagnostics_section,
     flow_line,
@@ -40,10 +37,8 @@ from analysis.report.sections.participants import (
     truth_section,
 )
 from analysis.report.sections.preferences import mismatch_sections, pairwise_sections
-from analysis.report.sections.rankings import ranking_sections
-from analysis.report.sections.ratings import rating_sections
 from analysis.report.tables import as_frame, booktabs, csv_tables, write_frame
-from analysis.report.texts import template_file
+from analysis.report.texts import paragraphs, template_file
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
@@ -85,10 +80,6 @@ def write_report(
     ):
         for name, table in csv_tables(task).items():
             write_frame(folder / "tables" / f"{prefix}{name}", table)
-    if subject.metrics is not None:
-        # The many scores of single clips are written by 'motionjury metrics'.
-        scores = score_table(replace(subject.metrics, clips=()))
-        write_frame(folder / "tables" / SCORES, scores)
     write_page_files(page, folder)
     tasks = {TASKS[task.protocol]: task.keys() for task in further_tasks}
     results = report.keys() | tasks | dict(extra_keys or {})
@@ -234,15 +225,28 @@ def _sections(
     for task in further_tasks:
         sensitivity = sensitivity_section(task, subject)
         yield sensitivity and _of_task(task, sensitivity)
+    yield from _motion_sections(report, subject)
+    yield diagnostics_section(report, subject)
+    yield truth_section(subject)
+    yield looks_section(report)
+    yield methods_section(report, subject)
+    yield limits_section(report, subject)
+
+
+def _motion_sections(report: TableReport, subject: Subject) -> Iterator[Section | None]:
+    if subject.metrics is None and subject.motion is None:
+        nothing = paragraphs("metrics.nothing")
+        yield Section(anchor="metrics", heading="Automatic metrics", paragraphs=nothing)
+        yield stills_section(subject)
+        return
+    # Imported here: a table of answers has no motion, and needs nothing that describes it.
+    from analysis.report.sections.against_people import against_people_section
+    from analysis.report.sections.metrics import metric_section, played_pairs_section
+
     yield metric_section(report, subject)
     yield stills_section(subject)
     yield played_pairs_section(subject)
     yield against_people_section(report, subject)
-    yield diagnostics_section(report, subject)
-    yield truth_section((report, *further_tasks), subject)
-    yield looks_section(report)
-    yield methods_section(report, subject)
-    yield limits_section(report, subject)
 
 
 def headline_sections(report: TableReport, subject: Subject) -> tuple[Section, ...]:
@@ -252,10 +256,8 @@ def headline_sections(report: TableReport, subject: Subject) -> tuple[Section, .
             return pairwise_sections(results, subject)
         case MismatchResults() as results:
             return mismatch_sections(results, subject)
-        case RatingResults() as results:
-            return rating_sections(results, subject)
-        case RankingResults() as results:
-            return ranking_sections(results, subject)
+        case RatingResults() | RankingResults() as results:
+            return tuple(condition_sections(results, subject))
 
 
 def take_first_picture(sections: Sequence[Section]) -> tuple[Picture | None, list[Section]]:

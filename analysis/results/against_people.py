@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
+from threadpoolctl import threadpool_limits
 
 from analysis.answers.table import AnswerTable
 from analysis.metrics.scores import Better, StudyMetrics
@@ -179,11 +180,13 @@ def metrics_against_people(
     """
     if metrics is None or not metrics.conditions:
         return ByQuestion()
-    return by_question(
-        table,
-        analysed,
-        lambda answers: against_people(table.protocol, answers, metrics, recorded),
-    )
+    # The matrices are small: more threads cost more than they bring.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return by_question(
+            table,
+            analysed,
+            lambda answers: against_people(table.protocol, answers, metrics, recorded),
+        )
 
 
 def against_people(

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -26,8 +26,6 @@ from analysis.answers.participants import (
 from analysis.answers.quality import Quality, quality
 from analysis.answers.reading import read_answers
 from analysis.answers.table import LAYOUTS, AnswerTable
-from analysis.metrics.scores import StudyMetrics
-from analysis.results.against_people import AgainstPeople, metrics_against_people
 from analysis.results.grouping import EVERYTHING, ByQuestion, Family, read_family
 from analysis.results.headline import Sensitivity, sensitivity
 from analysis.results.pairwise import (
@@ -42,6 +40,9 @@ from analysis.stats.multiple_testing import NOT_LOGGED, LooksBefore
 from analysis.stats.one_sample_tests import require_margin
 from motion.errors import InputError
 from motion.files import sha256_of
+
+if TYPE_CHECKING:
+    from analysis.results.against_people import AgainstPeople
 
 PROTOCOLS: Final = tuple(LAYOUTS)
 """Names of the protocols that a table can be of."""
@@ -116,7 +117,7 @@ class TableReport:
     looks : LooksBefore
         Looks at results before the answers that are reported.
     metrics_against_people : mapping of question to AgainstPeople
-        See `ByQuestion`; empty where no motion was measured.
+        Added by the report of a study with motion; see `metrics_against_people`.
     segments : int
         How many the analysed answers are about; not in `results.json`.
     kinds : frozenset of str
@@ -216,8 +217,6 @@ def analyse_answers(
     arms: Sequence[ArmState] = (),
     arm_of: Mapping[str, str] | None = None,
     screened_out: Mapping[str, int] | None = None,
-    metrics: StudyMetrics | None = None,
-    recorded: str | None = None,
     looks: LooksBefore = NOT_LOGGED,
 ) -> TableReport:
     """Analyse checked answers, of a platform's table or of a study.
@@ -236,10 +235,6 @@ def analyse_answers(
         Of a study; see `participant_flow`.
     screened_out : mapping of str to int, optional
         Of a study; see `TableReport`.
-    metrics : StudyMetrics, optional
-        Automatic metrics of the conditions, to be set beside the answers.
-    recorded : str, optional
-        The condition that is recorded motion.
     looks : LooksBefore, optional
         Of a study; see `looks_before`.
 
@@ -258,7 +253,6 @@ def analyse_answers(
     # The models' matrices are small: more threads cost more than they bring.
     with threadpool_limits(limits=1, user_api="blas"):
         results = _results(table, left_out, settings.margin, family)
-        beside = metrics_against_people(table, left_out.analysed, metrics, recorded)
     return TableReport(
         protocol=table.protocol,
         source=source,
@@ -276,7 +270,6 @@ def analyse_answers(
         quality=quality(left_out.everyone),
         sensitivity=sensitivity(table, left_out),
         looks=looks,
-        metrics_against_people=beside,
         segments=left_out.analysed["segment"].nunique(),
         kinds=frozenset(table.answers["kind"].unique()),
         results=results,

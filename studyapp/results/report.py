@@ -7,21 +7,26 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 from markupsafe import Markup
 
 from analysis.answers.participants import LeftOut
-from analysis.metrics.score_tables import metrics_document
+from analysis.metrics.score_tables import metrics_document, score_table
 from analysis.report import Subject, wording, write_report
 from analysis.report.content import PlayableMotion
 from analysis.report.page import TASKS
+from analysis.report.sections.metric_table import SCORES
+from analysis.report.tables import write_frame
+from analysis.results.against_people import metrics_against_people
 from analysis.results.heterogeneity import PreferredPair, preferred_pairs
+from analysis.results.known_values import found_values
 from analysis.results.report import Settings, Source, TableReport, analyse_answers
+from analysis.stats.multiple_testing import NOT_LOGGED, LooksBefore
 from motion.files import harmless_frame, replacing
 from motion.segment import Segment
 from renderer.viewer.page import MotionFigures, scripts, style
+from studyapp.rehearsal.simulation.truth import read_truth
 from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, exclusions_of
 from studyapp.results.answers import (
     answers_to_report,
@@ -99,20 +104,23 @@ def report(
         subject = replace(subject, motion=_playable_pairs(folder, study, segments, tasks))
     for task in tasks:
         tables.append(_with_exclusions(task.rows, task.left_out))
-        reports.append(
-            task_report(
-                study,
-                task,
-                answers,
-                sha256=hashlib.sha256(tables[-1]).hexdigest(),
-                settings=Settings(
-                    max_catch_failures=None, margin=study.margin, family=study.family or "all"
-                ),
-                metrics=subject.metrics,
-                recorded=subject.recorded,
-                looks=looks,
-            )
+        results = task_report(
+            study,
+            task,
+            answers,
+            sha256=hashlib.sha256(tables[-1]).hexdigest(),
+            settings=Settings(
+                max_catch_failures=None, margin=study.margin, family=study.family or "all"
+            ),
+            looks=looks,
         )
+        agreement = metrics_against_people(
+            task.table, task.left_out.analysed, subject.metrics, subject.recorded
+        )
+        reports.append(replace(results, metrics_against_people=agreement))
+    if answers.origin == "rehearsal":
+        known = read_truth(folder.rehearsal_truth).expected
+        subject = replace(subject, truth=found_values(reports, known))
     remark = record_look(folder, study, answers, way="report", reason=reason)
     if remark and warn is not None:
         warn(remark)
@@ -129,6 +137,10 @@ def report(
         prefix = f"{TASKS[task_results.protocol]}_" if number else ""
         with replacing(folder.report / "tables" / f"{prefix}{ANSWERS}") as draft:
             draft.write_bytes(table)
+    if subject.metrics is not None:
+        # The many scores of single clips are written by 'motionjury metrics'.
+        scores = score_table(replace(subject.metrics, clips=()))
+        write_frame(folder.report / "tables" / SCORES, scores)
     return page
 
 
@@ -223,17 +235,9 @@ def task_report(
     *,
     settings: Settings,
     sha256: str = "",
-    **more: Any,
+    looks: LooksBefore = NOT_LOGGED,
 ) -> TableReport:
-    """Return the results of one task.
-
-    Parameters
-    ----------
-    sha256 : str
-        Of the written table of answers.
-    **more
-        Passed on to `analysis.results.report.analyse_answers`.
-    """
+    """Return the results of one task; `sha256` is of the written table of answers."""
     stored = answers.stored
     return analyse_answers(
         task.table,
@@ -243,5 +247,5 @@ def task_report(
         arms=() if stored is None else arm_states(study, stored),
         arm_of={} if stored is None else arm_by_session(study, stored.study_sessions),
         screened_out={} if stored is None else stored.screened_out,
-        **more,
+        looks=looks,
     )

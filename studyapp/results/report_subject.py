@@ -23,7 +23,6 @@ from motion.errors import InputError
 from motion.files import sha256_of
 from motion.segment import Segment
 from renderer.figures.strip import Moment, even_moments, loud_moments
-from studyapp.rehearsal.simulation.truth import read_truth
 from studyapp.results.analysed_tasks import compared_conditions, study_notes
 from studyapp.results.metrics import measure_study
 from studyapp.study.finished_videos import video_duration
@@ -74,7 +73,6 @@ def study_subject(
         frozen=study.freeze,
         study_sha256=sha256_of(folder.definition),
         seed=study.seed,
-        truth=read_truth(folder.rehearsal_truth).expected if origin == "rehearsal" else (),
         metrics=_metrics(folder, study, segments),
         stills=stills.stills,
         no_stills=stills.reason,

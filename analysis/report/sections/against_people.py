@@ -8,21 +8,15 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from analysis.report import wording
-from analysis.report.content import Picture, Section, Subject, Table
-from analysis.report.figures.dots import (
-    MOST_METRICS,
-    Dot,
-    agreement_pictures,
-    dot_of,
-    dot_pictures,
-)
-from analysis.report.figures.panels import Row
-from analysis.report.figures.style import Scale
+from analysis.report.content import FigureText, Picture, Section, Subject, Table
+from analysis.report.figures.estimates import Dot, dot_of, dot_pictures, series_legend
+from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
+from analysis.report.figures.style import LINE, PAPER, Scale, fit_text, series_style
 from analysis.report.sections.metric_table import ARROWS
 from analysis.report.sections.metrics import PAPER_OF, PAPER_TABLES, is_detail
 from analysis.report.texts import figure_text, paragraphs, sentence, table
 from analysis.report.wording import between, question_name
-from analysis.results.against_people import AgainstPeople, MetricAgainstPeople
+from analysis.results.against_people import AgainstPeople, MetricAgainstPeople, ScoredCondition
 from analysis.results.rank_correlations import FEWEST_FOR_INTERVAL, SamplingRange
 from analysis.results.report import TableReport
 from analysis.stats.clustered_mean import Interval
@@ -157,6 +151,101 @@ def _scatters(
                 all=len(metrics),
             ),
         )
+
+
+MOST_METRICS: Final = 6
+"""Metrics of one figure, as many as stay readable on a page."""
+
+_SCATTER_HEIGHT: Final = 1.25
+_AXIS_LABELS: Final = {
+    "higher": "score{unit}, more is better →",
+    "lower": "score{unit}, less is better →",
+    "near the reference": "distance from recorded{unit} →",
+}
+
+
+def agreement_pictures(
+    metrics: Sequence[MetricAgainstPeople],
+    conditions: Sequence[str],
+    preference: str,
+    text: FigureText,
+) -> tuple[Picture, ...]:
+    """Draw each metric against preference; marks rise to the right where both agree.
+
+    Parameters
+    ----------
+    metrics : sequence of MetricAgainstPeople
+        At most `MOST_METRICS`, each with at least one place.
+    conditions : sequence of str
+        All of them; each has its own colour and marker.
+    preference : str
+        Label of the vertical axis.
+    text : FigureText
+        The text around the figure.
+    """
+    by_name = {metric.metric: metric for metric in metrics}
+    places = [place for metric in metrics for place in metric.places]
+    ends = [
+        value for p in places for value in (p.preference, p.low, p.high) if not math.isnan(value)
+    ]
+    margin = 0.09 * (max(ends) - min(ends)) or 0.5
+
+    def draw(panel: Panel, name: str) -> Hints:
+        [axes], metric, hints = panel.axes, by_name[name], Hints()
+        for number, place in enumerate(metric.places):
+            colour, marker = series_style(conditions.index(place.condition))
+            gid = f"place{panel.prefix}-{number}"
+            score = _shown_score(metric, place)
+            axes.plot([score] * 2, [place.low, place.high], color=colour, linewidth=1.1)
+            axes.plot(
+                [score],
+                [place.preference],
+                marker,
+                markersize=5,
+                color=colour,
+                markeredgecolor=PAPER,
+                markeredgewidth=0.5,
+                gid=gid,
+            )
+            hints[gid] = (
+                f"{wording.condition(place.condition)}: {metric.metric} "
+                f"{wording.quantity(place.score)}, preference {wording.number(place.preference)}"
+            )
+        axes.margins(x=0.09)
+        if metric.better != "higher":
+            axes.invert_xaxis()
+        axes.set_ylim(min(ends) - margin, max(ends) + margin)
+        axes.locator_params(nbins=4, steps=(1, 2, 5, 10))
+        axes.tick_params(labelsize=6.5, pad=1.5, length=2)
+        axes.grid(color=LINE, linewidth=0.4)
+        axes.set_axisbelow(True)
+        unit = f" ({metric.unit})" if metric.unit else ""
+        label = _AXIS_LABELS[metric.better].format(unit=unit)
+        axes.set_xlabel(fit_text(label, panel.inches - 0.4, size=7), fontsize=7, labelpad=2)
+        if panel.is_first:
+            axes.set_ylabel(fit_text(preference, _SCATTER_HEIGHT, size=7), fontsize=7, labelpad=2)
+        return hints
+
+    descriptions = {
+        metric.metric: [
+            f"{wording.condition(place.condition)} {wording.quantity(place.score)} with preference "
+            f"{wording.number(place.preference)}"
+            for place in metric.places
+        ]
+        for metric in metrics
+    }
+    legend = series_legend([wording.condition(name) for name in conditions])
+    figure = PanelFigure(
+        descriptions=descriptions, draw=draw, height=_SCATTER_HEIGHT, columns=3, legend=legend
+    )
+    return panel_pictures(figure, text)
+
+
+def _shown_score(metric: MetricAgainstPeople, place: ScoredCondition) -> float:
+    """Return the score, or its distance from that of recorded motion if nearness counts."""
+    if metric.better == "near the reference":
+        return abs(place.score - metric.recorded)
+    return place.score
 
 
 def _forests(questions: Sequence[_Question], subject: Subject) -> Iterator[Picture]:

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 from analysis.report import wording
 from analysis.report.content import Picture, Section, Subject, Table
-from analysis.report.figures.dots import Dot, dot_of, dot_pictures
+from analysis.report.figures.estimates import Dot, dot_of, dot_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale
 from analysis.report.sections.preferences import reference_of

@@ -16,7 +16,7 @@ from analysis.metrics.scores import ConditionScore, MetricResult, StudyMetrics
 from analysis.report import wording
 from analysis.report.content import PlayablePair, Section, Subject, Table
 from analysis.report.sections.metric_table import ARROWS, Systems, TableColumn, metric_table
-from analysis.report.texts import table, template_file
+from analysis.report.texts import paragraphs, table, template_file
 from analysis.results.heterogeneity import PreferredPair
 from analysis.results.report import TableReport
 
@@ -52,11 +52,11 @@ def metric_section(report: TableReport, subject: Subject) -> Section:
     """Return the metrics of every condition, best and second best marked."""
     metrics = subject.metrics
     if metrics is None or not metrics.conditions:
-        paragraph = "There are no motion files, so there is nothing to measure."
+        remarks = () if metrics is None else metrics_not_tabled(metrics)
         return Section(
             anchor="metrics",
             heading="Automatic metrics",
-            paragraphs=(paragraph, *metrics_not_tabled(metrics)),
+            paragraphs=(*paragraphs("metrics.nothing"), *remarks),
         )
     return Section(
         anchor="metrics",
@@ -157,10 +157,8 @@ def confusion_tables(metrics: StudyMetrics) -> Iterator[Table]:
         yield table("emotion-confusion", rows, confusion=confusion, number=number)
 
 
-def metrics_not_tabled(metrics: StudyMetrics | None) -> tuple[str, ...]:
+def metrics_not_tabled(metrics: StudyMetrics) -> tuple[str, ...]:
     """Return what could not be measured, and which files could not be used."""
-    if metrics is None:
-        return ()
     return (
         *(f"{remark[:1].upper()}{remark[1:]}." for remark in metrics.remarks),
         *(f"Not used: {Path(file.where).name}: {file.what}." for file in metrics.skipped),

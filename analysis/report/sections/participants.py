@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import fields, replace
 from itertools import groupby
 from typing import Any, Final
@@ -16,7 +15,6 @@ from analysis.report.content import Picture, Section, Still, Subject
 from analysis.report.sections.preferences import reference_of
 from analysis.report.texts import paragraphs, sentence, table
 from analysis.results.headline import Sensitivity
-from analysis.results.known_values import found_values
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.report import TableReport
@@ -210,22 +208,21 @@ def _turned(entry: Sensitivity) -> Sensitivity:
     )
 
 
-def truth_section(reports: Sequence[TableReport], subject: Subject) -> Section | None:
+def truth_section(subject: Subject) -> Section | None:
     """Return how a rehearsal's estimates compare with the true values of its raters."""
-    pairs = found_values(reports, subject.truth)
-    if not pairs:
+    if not subject.truth:
         return None
-    intervals = sum(estimate.has_interval for _, estimate in pairs)
+    intervals = sum(estimate.has_interval for _, estimate in subject.truth)
     return Section(
         anchor="truth",
         heading="Known truth against estimate",
         paragraphs=paragraphs(
             "participants.truth",
-            inside=sum(estimate.covers(truth.value) for truth, estimate in pairs),
+            inside=sum(estimate.covers(truth.value) for truth, estimate in subject.truth),
             intervals=intervals,
             missing=f"{100 * (1 - LEVEL**intervals):.0f}",
         ),
-        tables=(table("truth", pairs),),
+        tables=(table("truth", subject.truth),),
     )
 
 

@@ -10,10 +10,10 @@ from typing import Final, TypeVar
 
 from analysis.report import wording
 from analysis.report.content import FigureText, Picture, Section, Subject, Table, headline_section
-from analysis.report.figures.bars import Bar, MatrixCell, Part, bar_pictures, matrix_pictures
+from analysis.report.figures.estimates import Bar, MatrixCell, Part, bar_pictures, matrix_pictures
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import DIVERGING, Scale
-from analysis.report.sections.rankings import (
+from analysis.report.sections.conditions import (
     contrasts_table,
     standings_table,
     strength_pictures,

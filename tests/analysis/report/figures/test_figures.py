@@ -10,7 +10,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextToPath
 
 from analysis.report.content import FigureText, Picture
-from analysis.report.figures.dots import Dot, dot_pictures
+from analysis.report.figures.estimates import Dot, dot_pictures
 from analysis.report.figures.panels import WIDE, Row
 from analysis.report.figures.style import (
     DIVERGING,

@@ -16,10 +16,18 @@ from matplotlib.text import Text
 from analysis.metrics.scores import Better
 from analysis.report.content import FigureText, Picture
 from analysis.report.figures import panels
-from analysis.report.figures.bars import Bar, MatrixCell, Part, bar_pictures, matrix_pictures
-from analysis.report.figures.dots import Dot, agreement_pictures, dot_pictures
+from analysis.report.figures.estimates import (
+    Bar,
+    Dot,
+    MatrixCell,
+    Part,
+    bar_pictures,
+    dot_pictures,
+    matrix_pictures,
+)
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import DIVERGING, STYLE, Drawing, Scale
+from analysis.report.sections.against_people import agreement_pictures
 from analysis.results.against_people import MetricAgainstPeople, ScoredCondition
 from analysis.stats.clustered_mean import Estimate
 

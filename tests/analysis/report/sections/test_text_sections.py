@@ -20,7 +20,7 @@ from analysis.report.sections.participants import (
     stills_section,
     truth_section,
 )
-from analysis.results.known_values import KnownValue
+from analysis.results.known_values import KnownValue, found_values
 from analysis.results.pairwise import PairwiseResults
 from analysis.stats.multiple_testing import Look, looks_before
 from tests.analysis.report.subjects import subject_of
@@ -104,7 +104,8 @@ def test_a_rehearsals_truth_is_compared_with_estimates_in_either_direction(tmp_p
         for about, value in (("ours-other", share.estimate), ("other-ours", share.estimate - 0.9))
     )
 
-    section = truth_section((report,), subject_of(report, origin="rehearsal", truth=truth))
+    pairs = found_values([report], truth)
+    section = truth_section(subject_of(report, origin="rehearsal", truth=pairs))
 
     assert section is not None
     [first, second] = [[cell.text for cell in row] for row in section.tables[0].rows]
@@ -112,7 +113,7 @@ def test_a_rehearsals_truth_is_compared_with_estimates_in_either_direction(tmp_p
     assert second[6] == "outside"
     assert float(second[4]) == pytest.approx(1 - share.estimate, abs=0.005)
     assert "1 of 2 intervals contain their true value" in section.paragraphs[0]
-    assert truth_section((report,), subject_of(report)) is None
+    assert truth_section(subject_of(report)) is None
 
 
 def looked(finished: int, reason: str = "a video broke") -> Look:

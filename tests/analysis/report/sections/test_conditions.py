@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.sections.ratings import distribution_pictures
+from analysis.report.sections.conditions import distribution_pictures
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport

@@ -1,29 +1,34 @@
-"""Stacked bars of answers with an estimate and its interval beside each, and matrices."""
+"""Estimates with their intervals: beside bars of answers, as marks in rows, and in matrices."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple, TypeVar
 
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from analysis.report import wording
 from analysis.report.content import FigureText, Picture
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import (
+    BLUE,
     INK,
     LABEL_SIZE,
+    LINE,
     PAPER,
     Scale,
     annotate_row,
     diverging_colour,
+    series_style,
     text_colour,
 )
 from analysis.results.ranking import RankedCondition
 from analysis.results.rating import RatedCondition
-from analysis.stats.clustered_mean import Estimate
+from analysis.stats.clustered_mean import Estimate, Interval
 
 ResultT = TypeVar("ResultT", RankedCondition, RatedCondition)
 
@@ -138,13 +143,11 @@ def bar_pictures(
         ]
         for question, bars in panels.items()
     }
-    handles = [Patch(color=colour, label=name) for name, colour in legend.items()]
-    return panel_pictures(
-        PanelFigure(
-            descriptions=descriptions, draw=draw, rows=rows, widths=_WIDTHS, legend=handles
-        ),
-        text,
+    keys = [Patch(color=colour, label=name) for name, colour in legend.items()]
+    figure = PanelFigure(
+        descriptions=descriptions, draw=draw, rows=rows, widths=_WIDTHS, legend=keys
     )
+    return panel_pictures(figure, text)
 
 
 def _draw_bar(axes: Axes, row: int, bar: Bar, scale: Scale, gid: str, inches: float) -> Hints:
@@ -247,6 +250,143 @@ def matrix_pictures(
     }
     rows = [Row(f"{n} {wording.condition(name)}") for n, name in enumerate(conditions, start=1)]
     columns = 2 if count <= 6 else 1
-    return panel_pictures(
-        PanelFigure(descriptions=descriptions, draw=draw, rows=rows, columns=columns), text
+    figure = PanelFigure(descriptions=descriptions, draw=draw, rows=rows, columns=columns)
+    return panel_pictures(figure, text)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dot:
+    """One estimate.
+
+    Attributes
+    ----------
+    estimate, low, high : float
+        NaN for none.
+    words, below : str
+        Written beside it: the estimate in words, and smaller words below them.
+    hint : str
+        All of it in words.
+    is_descriptive : bool
+        Whether it rests on too little for a test or an interval: its mark is hollow.
+    is_overall : bool
+        Whether it sums up the other rows: its mark is a diamond, below a line.
+    """
+
+    estimate: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    words: str = ""
+    below: str = ""
+    hint: str = ""
+    is_descriptive: bool = False
+    is_overall: bool = False
+
+
+def dot_of(
+    interval: Interval | None,
+    formatted: Callable[[float], str],
+    *,
+    more: str = "",
+    below: str = "",
+    missing: str = "not known",
+) -> Dot:
+    """Return the mark of an estimate; its hint ends in `more`, or is `missing` for none."""
+    if interval is None or math.isnan(interval.estimate):
+        return Dot(words="–", hint=missing)
+    words = formatted(interval.estimate)
+    ends = wording.interval(interval, formatted) or f"no interval: {interval.reason}"
+    return Dot(
+        estimate=interval.estimate,
+        low=interval.low,
+        high=interval.high,
+        words=words,
+        below=below,
+        hint=f"{words} {ends}{more}",
     )
+
+
+def dot_pictures(
+    panels: Mapping[str, Sequence[Dot | Sequence[Dot]]],
+    rows: Sequence[Row],
+    scale: Scale,
+    text: FigureText,
+    *,
+    series: Sequence[str] = (),
+) -> tuple[Picture, ...]:
+    """Draw estimates in rows, on as many sheets as they need.
+
+    Parameters
+    ----------
+    panels : mapping of str to sequence of Dot
+        By the title of a panel; every panel has as many dots as there are rows, or as many
+        sequences of dots, one dot for each of the `series`.
+    rows : sequence of Row
+        From the top.
+    scale : Scale
+        Of every panel.
+    text : FigureText
+        The text around the figure.
+    series : sequence of str, optional
+        The names of several dots in a row.
+    """
+    dots_by_row = {
+        title: [[row] if isinstance(row, Dot) else row for row in dots]
+        for title, dots in panels.items()
+    }
+
+    def words(row: Row, index: int, dot: Dot) -> str:
+        return f"{row.name}, {series[index]}: {dot.hint}" if series else f"{row.name}: {dot.hint}"
+
+    def draw(panel: Panel, title: str) -> Hints:
+        axes, hints = panel.axes[0], Hints()
+        for number, (row, dots) in enumerate(zip(rows, dots_by_row[title], strict=True)):
+            for index, dot in enumerate(dots):
+                gid = f"dot{panel.prefix}-{number}" + (f"-{index}" if series else "")
+                shift = (index - (len(dots) - 1) / 2) / (len(dots) + 1)
+                colour, marker = series_style(index) if series else (BLUE, "o")
+                _draw_dot(axes, number + shift, dot, gid, colour, marker)
+                hints[gid] = words(row, index, dot)
+                annotate_row(axes, number, dot.words, dot.below)
+            if number and (series or dots[0].is_overall):
+                axes.axhline(number - 0.5, color=LINE, linewidth=0.7, zorder=0)
+        scale.apply(axes, panel.inches)
+        return hints
+
+    descriptions = {
+        title: [
+            words(row, index, dot)
+            for row, dots in zip(rows, all_dots, strict=True)
+            for index, dot in enumerate(dots)
+        ]
+        for title, all_dots in dots_by_row.items()
+    }
+    height = len(rows) * max(0.27, 0.13 * len(series) + 0.1) if series else 0.0
+    figure = PanelFigure(
+        descriptions=descriptions, draw=draw, rows=rows, height=height, legend=series_legend(series)
+    )
+    return panel_pictures(figure, text)
+
+
+def series_legend(names: Sequence[str]) -> list[Line2D]:
+    """Return the keys of several conditions or questions."""
+    return [
+        Line2D([], [], color=colour, marker=marker, linestyle="none", markersize=4.4, label=name)
+        for name, (colour, marker) in ((n, series_style(k)) for k, n in enumerate(names))
+    ]
+
+
+def _draw_dot(axes: Axes, y: float, dot: Dot, gid: str, colour: str, marker: str) -> None:
+    linewidth = 0.9 if dot.is_descriptive else 1.4
+    axes.plot([dot.low, dot.high], [y] * 2, color=colour, linewidth=linewidth)
+    if not math.isnan(dot.estimate):
+        axes.plot(
+            [dot.estimate],
+            [y],
+            marker="D" if dot.is_overall else marker,
+            markersize=4.6,
+            markerfacecolor=PAPER if dot.is_descriptive else colour,
+            markeredgecolor=colour,
+            linestyle="none",
+            clip_on=False,
+            gid=gid,
+        )
