@@ -13,8 +13,7 @@ from studyapp.clock import Clock
 from studyapp.custody.backup import back_up, check_archive
 from studyapp.custody.manifest import Manifest, compare_media
 from studyapp.custody.restoration import restore
-from studyapp.stimuli.disk_space import format_size
-from studyapp.study.folder import StudyFolder
+from studyapp.study.folder import StudyFolder, format_size
 
 
 @click.command("backup")

@@ -24,8 +24,7 @@ from studyapp.database.engine import (
 )
 from studyapp.database.tables import Event
 from studyapp.researchers.audit import log_change
-from studyapp.stimuli.disk_space import format_size
-from studyapp.study.folder import StudyFolder, lock_folder
+from studyapp.study.folder import StudyFolder, lock_folder, require_space
 from studyapp.study.media import read_stimuli
 
 _UNFINISHED: Final = ".unfinished-restore-"
@@ -105,7 +104,7 @@ def _restore(
         archive,
         lambda entry: unpacked.root / entry.path,
         on_file,
-        accept=lambda manifest: _require_space(folder.root, manifest),
+        accept=lambda manifest: _require_room(folder.root, manifest),
     )
     copy = unpacked.root / DATABASE
     require_intact(copy, manifest, archive)
@@ -153,17 +152,11 @@ def _require_empty_folder(root: Path) -> None:
         )
 
 
-def _require_space(root: Path, manifest: Manifest) -> None:
+def _require_room(root: Path, manifest: Manifest) -> None:
     """Raise `InputError` unless the disk has room and no file would be overwritten."""
     # The database is written twice, the second time without deleted data.
     needed = manifest.size + sum(f.size for f in manifest.files if f.path == DATABASE)
-    free = shutil.disk_usage(root).free
-    if needed > free:
-        raise InputError(
-            f"{format_size(needed)} are needed, but only {format_size(free)} are free",
-            where=root,
-            remedy="Free up space",
-        )
+    require_space(root, needed, work="restoring", remedy="Free up space")
     for entry in manifest.files:
         if (root / entry.path).exists():
             raise InputError(

@@ -19,8 +19,7 @@ from studyapp.recruitment.record import count_places
 from studyapp.session.intake import current_intake
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import needs_new_version
-from studyapp.stimuli.disk_space import format_size
-from studyapp.study.folder import StudyFolder
+from studyapp.study.folder import StudyFolder, format_size
 from studyapp.study.settings.study import Study
 from studyapp.study.versioning import design_digest
 

@@ -138,12 +138,16 @@ class RenderPlan:
         """Return the file of a clip's lossless frames, of which its pairs are composed."""
         return self.frames_folder / f"{self.keys[segment, condition]}.mkv"
 
+    def needed_frames(self, clip: ClipVideo) -> Path | None:
+        """Return the file of lossless frames that pairs need of `clip`; None if none does."""
+        side = (clip.segment, clip.condition)
+        return self.frames(*side) if clip.speech is None and side in self.sides else None
+
     def clip_job(self, clip: ClipVideo) -> ClipJob | DubJob:
         """Return the job of `clip`; with other speech, it reuses the picture of the clip."""
         if clip.speech is not None:
             return self._dub_job(clip, self.segments[clip.speech])
         speech = self.segments[clip.segment]
-        shown = (clip.segment, clip.condition)
         return ClipJob(
             name=clip.file,
             motion=self.folder.clip(clip.condition, clip.segment),
@@ -154,7 +158,7 @@ class RenderPlan:
             body=self.body,
             camera=self.camera,
             look=self.look,
-            frames=self.frames(*shown) if shown in self.sides else None,
+            frames=self.needed_frames(clip),
             video=self.folder.root / clip.file,
         )
 

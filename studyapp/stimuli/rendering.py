@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 from motion.audio import read_audio
 from motion.errors import InputError
@@ -15,12 +17,21 @@ from renderer.jobs.making import run_jobs
 from renderer.loudness import at_common_loudness
 from renderer.pair import FrameCache
 from renderer.video_jobs import Job, Outcome, PairJob
-from studyapp.stimuli.disk_space import frames_limit, require_space
 from studyapp.stimuli.render_plan import RenderPlan, sides_of
 from studyapp.stimuli.render_record import RenderCount, RenderProgress, RenderRecord
 from studyapp.stimuli.video_copies import copy_videos
-from studyapp.study.folder import StudyFolder, lock_folder
+from studyapp.study.folder import StudyFolder, lock_folder, require_space
 from studyapp.study.media import ClipVideo, Media, PairVideo, read_stimuli
+
+MAX_FRAME_BYTES: Final = 20 * 10**9
+"""Bytes of cached frames, unless half of the free disk space is less."""
+
+# Bytes per frame and pixel of one clip: twice those of a gesturing upper body.
+_FRAME_CACHE: Final = 0.07
+_CLIP: Final = 0.02
+_PAIR: Final = 0.03
+_SOUND: Final = 20_000
+"""Bytes per second of sound and container."""
 
 
 def render(
@@ -90,9 +101,12 @@ def _render(
     frames = FrameCache(plan.frames_folder, 0)
     frames.keep_only({plan.frames(*side) for side in plan.sides})
     kept = frames.size()
-    limit = frames_limit(folder.videos, kept)
+    limit = min(MAX_FRAME_BYTES, (shutil.disk_usage(folder.videos).free + kept) // 2)
     require_space(
-        folder.root, [*clips, *pairs], plan.look, sides=plan.sides, limit=limit, kept=kept
+        folder.root,
+        _expected_bytes(plan, clips, pairs, room_for_frames=max(0, limit - kept)),
+        work="rendering",
+        remedy="Free up space, or make smaller videos (video.size in study.toml)",
     )
     speech = {clip.speech or clip.segment for clip in clips}
     notes = loudness_notes(folder, [plan.segments[name] for name in sorted(speech)])
@@ -129,6 +143,28 @@ def _outdated_videos(plan: RenderPlan) -> tuple[list[ClipVideo], list[PairVideo]
         )
     ]
     return clips, pairs
+
+
+def _expected_bytes(
+    plan: RenderPlan,
+    clips: Sequence[ClipVideo],
+    pairs: Sequence[PairVideo],
+    *,
+    room_for_frames: int,
+) -> float:
+    """Return the bytes that videos and frames may take more than the files they replace."""
+    pixels = plan.look.size**2 * plan.look.frame_rate
+    video_bytes = sum(
+        seconds * (pixels * each + _SOUND)
+        for each, videos in ((_CLIP, clips), (_PAIR, pairs))
+        for seconds in (video.duration for video in videos)
+    )
+    replaced = (plan.folder.root / video.file for video in (*clips, *pairs))
+    video_bytes -= sum(file.stat().st_size for file in replaced if file.is_file())
+    frame_bytes = sum(
+        clip.duration * pixels * _FRAME_CACHE for clip in clips if plan.needed_frames(clip)
+    )
+    return max(0.0, video_bytes) + min(frame_bytes, room_for_frames)
 
 
 def _jobs_in_order(

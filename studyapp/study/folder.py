@@ -1,9 +1,10 @@
-"""The paths in a study folder, and a lock that admits one command at a time."""
+"""The paths in a study folder, its lock for one command at a time, and the room on its disk."""
 
 from __future__ import annotations
 
 import fcntl
 import os
+import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -168,3 +169,23 @@ def lock_folder(folder: Path, *, busy: InputError) -> Iterator[None]:
         yield
     finally:
         os.close(descriptor)
+
+
+_UNITS: Final = ((10**9, "GB"), (10**6, "MB"))
+
+
+def format_size(size: float) -> str:
+    """Return a number of bytes in kB, MB or GB."""
+    unit, name = next(((unit, name) for unit, name in _UNITS if size >= unit), (1000, "kB"))
+    return f"{size / unit:.1f} {name}"
+
+
+def require_space(folder: Path, needed: float, *, work: str, remedy: str) -> None:
+    """Raise `InputError` if `work` may need more bytes than the disk of `folder` has."""
+    free = shutil.disk_usage(folder).free
+    if needed > free:
+        raise InputError(
+            f"{work} may need {format_size(needed)}, but only {format_size(free)} are free",
+            where=folder,
+            remedy=remedy,
+        )

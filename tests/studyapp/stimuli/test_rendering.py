@@ -14,6 +14,7 @@ from motion.audio import Audio, read_audio, write_wav
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
 from renderer.jobs.making import run_jobs
+from studyapp.stimuli import rendering
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.render_plan import RenderPlan
@@ -221,7 +222,7 @@ def frames_of(folder: StudyFolder) -> list[Path]:
 def test_without_space_for_frames_the_same_pairs_are_made(
     study: StudyFolder, first_run: FirstRun, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("studyapp.stimuli.rendering.frames_limit", lambda _folder, _kept: 0)
+    monkeypatch.setattr(rendering, "MAX_FRAME_BYTES", 0)
     roomy, most = first_run[0], 0
 
     def look(progress: RenderProgress) -> None:
