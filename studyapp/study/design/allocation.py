@@ -1,4 +1,4 @@
-"""The segments of each participant, and the number of trials."""
+"""The segments of each participant."""
 
 from __future__ import annotations
 
@@ -139,57 +139,3 @@ def _count_taken(available: Mapping[str, int], before: Sequence[int]) -> Mapping
 def shuffled(items: Sequence[T], chance: np.random.Generator) -> list[T]:
     """Return `items` in random order."""
     return [items[index] for index in chance.permutation(len(items))]
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrialCount:
-    """The number of pairs of one participant, and why it differs from the study file.
-
-    Attributes
-    ----------
-    practice, analysed : int
-        Pairs that are discarded and shown again, and all pairs that are analysed.
-    sentences : tuple of str
-        How and why the numbers differ from the study file.
-    """
-
-    practice: int
-    analysed: int
-    sentences: tuple[str, ...] = ()
-
-
-def planned_trials(
-    segments: Sequence[Segment], *, trials: int, practice: int, rounds: int = 1
-) -> TrialCount:
-    """Count the pairs of one participant.
-
-    A segment is analysed in at most `rounds` trials, so few segments limit the number of trials.
-    """
-    pairs = min(trials, rounds * len(segments))
-    discarded = min(practice, pairs)
-    sentences = []
-    if pairs < trials:
-        sentences.append(
-            f"each participant judges {pairs} pairs instead of {trials}, because the study "
-            f"has {len(segments)} segments and shows each of them "
-            f"{'once' if rounds == 1 else f'{rounds} times'}"
-        )
-    if discarded < practice:
-        sentences.append(
-            f"{discarded} trials are practice instead of {practice}, for the same reason"
-        )
-    sentences.extend(_uneven_emotions(segments, pairs / rounds))
-    return TrialCount(practice=discarded, analysed=pairs, sentences=tuple(sentences))
-
-
-def _uneven_emotions(segments: Sequence[Segment], pairs: float) -> list[str]:
-    """Say which emotions have too few segments for an even share of `pairs`."""
-    available = Counter(segment.emotion for segment in segments)
-    share = int(pairs // max(1, len(available)))
-    short = [f"{emotion} ({count})" for emotion, count in available.items() if count < share]
-    if not short:
-        return []
-    return [
-        f"the emotions are not shown equally often: an even share is {share} segments each, "
-        f"but there are fewer of {', '.join(short)}"
-    ]

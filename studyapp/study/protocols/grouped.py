@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -12,7 +12,8 @@ from pydantic import Field
 from motion.segment import Segment
 from studyapp.study.design.allocation import shuffled
 from studyapp.study.design.order import number_trials, scatter_by_part
-from studyapp.study.design.trial import Kind, PlannedTrial, Stimulus
+from studyapp.study.design.trial import Answers, Kind, PlannedTrial, Stimulus
+from studyapp.study.settings.questions import SCALE_STEPS
 from studyapp.study.settings.sections import Name, Section
 from studyapp.study.settings.study import Study
 
@@ -32,24 +33,37 @@ class Part(Section):
     conditions: tuple[Name, ...] = Field(min_length=2, max_length=8, strict=False)
 
 
-def part_problems(key: str, parts: Sequence[Part], conditions: Collection[str]) -> list[str]:
-    """Return what is wrong with `parts`, the value of `key`, in a study with these conditions."""
-    problems = []
-    names = [part.name for part in parts]
-    if len(set(names)) != len(names):
-        problems.append(f"{key}: two of them have the same name")
-    for part in parts:
-        unknown = [name for name in part.conditions if name not in conditions]
-        if unknown:
-            known = ", ".join(conditions)
-            problems.append(f"{key}.{part.name}: {unknown[0]!r} is not a condition ({known})")
-        if len(set(part.conditions)) != len(part.conditions):
-            problems.append(f"{key}.{part.name}: a condition is listed twice")
-    return problems
-
-
 class GroupedStudy(Study):
-    """A study whose participants judge every motion of a trial."""
+    """A study whose participants judge every motion of a trial.
+
+    Attributes
+    ----------
+    key_of_parts : str
+        The key of its parts in the study file.
+    """
+
+    key_of_parts: ClassVar[str]
+
+    def problems(self) -> list[str]:
+        """Return everything that does not fit together."""
+        problems = super().problems()
+        parts: Sequence[Part] = getattr(self, self.key_of_parts)
+        if len(set(self.parts)) != len(parts):
+            problems.append(f"{self.key_of_parts}: two of them have the same name")
+        for part in parts:
+            key = f"{self.key_of_parts}.{part.name}"
+            unknown = [name for name in part.conditions if name not in self.conditions]
+            if unknown:
+                known = ", ".join(self.conditions)
+                problems.append(f"{key}: {unknown[0]!r} is not a condition ({known})")
+            if len(set(part.conditions)) != len(part.conditions):
+                problems.append(f"{key}: a condition is listed twice")
+        return problems
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The names of the sets or blocks."""
+        return tuple(part.name for part in getattr(self, self.key_of_parts))
 
     @property
     def asks_each_stimulus(self) -> bool:
@@ -61,9 +75,14 @@ class GroupedStudy(Study):
         """The condition that trials show for comparison, and that nobody judges."""
         return None
 
-    @abstractmethod
-    def instructions(self, part: Part) -> int:
-        """Return the number of answers that an attention check in `part` can ask for."""
+    def prefers(self, answers: Answers, better: int, worse: int) -> bool:
+        """Tell whether `better` is rated above, or ranked before, `worse` on every question."""
+        higher, lower = (worse, better) if self.is_ordered else (better, worse)
+        return all(
+            value > answers[question, lower]
+            for (question, number), value in answers.items()
+            if number == higher
+        )
 
     def trial(
         self,
@@ -87,23 +106,6 @@ class GroupedStudy(Study):
             ),
         )
 
-    def catch_trial(
-        self, part: Part, segment: Segment, chance: np.random.Generator
-    ) -> PlannedTrial:
-        """Return a catch trial as large as those of `part`: good, flawed and other motion."""
-        good = self.catch_against
-        others = shuffled([name for name in part.conditions if name != good], chance)
-        conditions = (good, self.catch.condition, *others[: max(0, len(part.conditions) - 2)])
-        trial = self.trial("catch", part, segment, chance, conditions)
-        return replace(trial, expected=1 + trial.conditions.index(good))
-
-    def attention_check(
-        self, part: Part, segment: Segment, chance: np.random.Generator
-    ) -> PlannedTrial:
-        """Return a trial that asks for one particular answer."""
-        trial = self.trial("attention", part, segment, chance)
-        return replace(trial, instructed=int(chance.integers(1, self.instructions(part) + 1)))
-
     def ordered(
         self,
         main: Sequence[PlannedTrial],
@@ -111,7 +113,19 @@ class GroupedStudy(Study):
         attention: Iterable[tuple[Part, Segment]],
         chance: np.random.Generator,
     ) -> tuple[PlannedTrial, ...]:
-        """Return the trials of all parts with catch trials and attention checks among them."""
-        extra = [self.catch_trial(part, segment, chance) for part, segment in catch]
-        extra += [self.attention_check(part, segment, chance) for part, segment in attention]
+        """Return the trials of all parts with catch trials and attention checks among them.
+
+        A catch trial is as large as the others of its part: good, flawed and other motion.
+        """
+        extra: list[PlannedTrial] = []
+        good = self.catch_against
+        for part, segment in catch:
+            others = shuffled([name for name in part.conditions if name != good], chance)
+            conditions = (good, self.catch.condition, *others[: max(0, len(part.conditions) - 2)])
+            trial = self.trial("catch", part, segment, chance, conditions)
+            extra.append(replace(trial, expected=1 + trial.conditions.index(good)))
+        for part, segment in attention:
+            trial = self.trial("attention", part, segment, chance)
+            answers = len(part.conditions) if self.is_ordered else SCALE_STEPS
+            extra.append(replace(trial, instructed=int(chance.integers(1, answers + 1))))
         return number_trials(scatter_by_part(extra, main, chance))

@@ -17,6 +17,7 @@ catch trials are scattered among the others. The paper leaves open:
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
@@ -28,7 +29,7 @@ from pydantic import Field
 from motion.errors import listed
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.design.adaptive import Pair, most_informative_pairs
-from studyapp.study.design.allocation import TrialCount, allocate_segments, planned_trials, shuffled
+from studyapp.study.design.allocation import allocate_segments, shuffled
 from studyapp.study.design.order import (
     PREFERENCES,
     number_trials,
@@ -180,12 +181,12 @@ class PairwiseStudy(Study):
         self, arm: Arm, number: int, segments: Sequence[Segment], votes: Tally = NO_VOTES
     ) -> tuple[PlannedTrial, ...]:
         """Return practice, then main with catch and attention among them, then the repeats."""
-        count = self.count(segments)
+        practised, analysed_pairs = self._count_pairs(segments)
         seed = (self.seed, *arm.name.encode())
         chance = np.random.default_rng([number + 1, *seed])
-        chosen = shuffled(self._choose_segments(segments, count.analysed, number, seed), chance)
+        chosen = shuffled(self._choose_segments(segments, analysed_pairs, number, seed), chance)
         pairs = list(zip(chosen, self._choose_pairs(arm, number, len(chosen), votes), strict=True))
-        repeated, others = pairs[: count.practice], pairs[count.practice :]
+        repeated, others = pairs[:practised], pairs[practised:]
         practice = self._trials("practice", repeated, chance)
         analysed = self._trials("main", [*others, *repeated], chance)
         main = analysed[: len(others)]
@@ -201,25 +202,43 @@ class PairwiseStudy(Study):
         later = scatter(extra, [*main, *repeats], chance, may_lead=bool(practice))
         return number_trials([*practice, *later])
 
-    def count(self, segments: Sequence[Segment]) -> TrialCount:
-        """Count the trials of a participant."""
-        return planned_trials(
-            segments,
-            trials=self.trials,
-            practice=self.practice,
-            rounds=1 if self.has_reference_arms else len(self.conditions) - 1,
-        )
+    @property
+    def _rounds(self) -> int:
+        """How often a participant judges the same segment at most."""
+        return 1 if self.has_reference_arms else len(self.conditions) - 1
+
+    def _count_pairs(self, segments: Sequence[Segment]) -> tuple[int, int]:
+        """Return how many pairs of a participant are practice, and how many are analysed."""
+        pairs = min(self.trials, self._rounds * len(segments))
+        return min(self.practice, pairs), pairs
 
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
         """Say how many pairs the segments allow, and why not more."""
-        count = self.count(segments)
-        emotions = [e for e in EMOTIONS if e in {segment.emotion for segment in segments}]
-        return (
-            f"{len(segments)} segments of {listed(emotions)} allow {count.analysed} pairs per "
-            f"participant; the published design has {PUBLISHED_PAIRS}, three for each of "
-            f"{len(EMOTIONS)} emotions",
-            *count.sentences,
-        )
+        practice, pairs = self._count_pairs(segments)
+        available = Counter(segment.emotion for segment in segments)
+        notes = [
+            f"{len(segments)} segments of {listed([e for e in EMOTIONS if e in available])} allow "
+            f"{pairs} pairs per participant; the published design has {PUBLISHED_PAIRS}, three "
+            f"for each of {len(EMOTIONS)} emotions"
+        ]
+        if pairs < self.trials:
+            notes.append(
+                f"each participant judges {pairs} pairs instead of {self.trials}, because the "
+                f"study has {len(segments)} segments and shows each of them "
+                f"{'once' if self._rounds == 1 else f'{self._rounds} times'}"
+            )
+        if practice < self.practice:
+            notes.append(
+                f"{practice} trials are practice instead of {self.practice}, for the same reason"
+            )
+        share = int(pairs / self._rounds // max(1, len(available)))
+        short = [f"{emotion} ({count})" for emotion, count in available.items() if count < share]
+        if short:
+            notes.append(
+                f"the emotions are not shown equally often: an even share is {share} segments "
+                f"each, but there are fewer of {', '.join(short)}"
+            )
+        return tuple(notes)
 
     def values(self, question: Question, trial: Trial) -> Sequence[int]:
         """Return the five levels of preference."""

@@ -14,7 +14,7 @@ ranked on each question, beside the real recording. The paper leaves open:
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -32,7 +32,7 @@ from studyapp.study.design.trial import (
     Tally,
     Trial,
 )
-from studyapp.study.protocols.grouped import GroupedStudy, Part, part_problems
+from studyapp.study.protocols.grouped import GroupedStudy, Part
 from studyapp.study.settings.conditions import Catch
 from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.questions import Question
@@ -72,6 +72,8 @@ class RankingStudy(GroupedStudy):
         Shown one after the other.
     """
 
+    key_of_parts: ClassVar = "blocks"
+
     protocol: Literal["ranking"] = "ranking"
     participants: int = Field(22, ge=1, le=100_000)
     reference: Name | None = None
@@ -81,7 +83,7 @@ class RankingStudy(GroupedStudy):
 
     def problems(self) -> list[str]:
         """Return everything that does not fit together."""
-        problems = [*super().problems(), *part_problems("blocks", self.blocks, self.conditions)]
+        problems = super().problems()
         if self.reference is not None and self.reference not in self.conditions:
             known = ", ".join(self.conditions)
             problems.append(f"reference {self.reference!r} is not a condition ({known})")
@@ -93,11 +95,6 @@ class RankingStudy(GroupedStudy):
         if self.catch.trials and self.catch_against == self.reference:
             problems.append("catch.against: the reference is not ranked (name another condition)")
         return problems
-
-    @property
-    def parts(self) -> tuple[str, ...]:
-        """The blocks."""
-        return tuple(block.name for block in self.blocks)
 
     @property
     def roles(self) -> Mapping[str, str]:
@@ -161,14 +158,6 @@ class RankingStudy(GroupedStudy):
                 return Message("In question {number}, a rank is left out.", number=number)
         return None
 
-    def prefers(self, answers: Answers, better: int, worse: int) -> bool:
-        """Tell whether `better` is ranked before `worse` on every question."""
-        return all(
-            rank < answers[question, worse]
-            for (question, number), rank in answers.items()
-            if number == better
-        )
-
     def disobeys(self, trial: Trial, answers: Answers) -> bool:
         """Tell whether the motion that an attention check wants first is not first."""
         return any(rank != 1 for (_, number), rank in answers.items() if number == trial.instructed)
@@ -189,10 +178,6 @@ class RankingStudy(GroupedStudy):
     def reference_condition(self) -> str | None:
         """The reference."""
         return self.reference
-
-    def instructions(self, part: Part) -> int:
-        """Return the number of motions that can be put first."""
-        return len(part.conditions)
 
     def _draw_extra(
         self, segments: Sequence[Segment], used: Sequence[Segment], chance: np.random.Generator

@@ -12,7 +12,7 @@ segment with one motion of each condition of its set, in random order. The paper
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -29,9 +29,9 @@ from studyapp.study.design.trial import (
     Tally,
     Trial,
 )
-from studyapp.study.protocols.grouped import GroupedStudy, Part, part_problems
+from studyapp.study.protocols.grouped import GroupedStudy, Part
 from studyapp.study.settings.conditions import Catch
-from studyapp.study.settings.questions import SCALE_STEPS, Question, RatingQuestion
+from studyapp.study.settings.questions import Question, RatingQuestion
 
 
 class RatingSet(Part):
@@ -55,20 +55,13 @@ class RatingStudy(GroupedStudy):
         Shown one after the other.
     """
 
+    key_of_parts: ClassVar = "sets"
+
     protocol: Literal["rating"] = "rating"
     participants: int = Field(90, ge=1, le=100_000)
     sets: tuple[RatingSet, ...] = Field(min_length=1, max_length=10, strict=False)
     catch: Catch = Catch(trials=0)
     questions: tuple[RatingQuestion, ...] = Field(min_length=1, max_length=8, strict=False)
-
-    def problems(self) -> list[str]:
-        """Return everything that does not fit together."""
-        return [*super().problems(), *part_problems("sets", self.sets, self.conditions)]
-
-    @property
-    def parts(self) -> tuple[str, ...]:
-        """The sets."""
-        return tuple(part.name for part in self.sets)
 
     def contents(self, segments: Sequence[Segment]) -> Iterator[Content]:
         """Yield every motion that may be rated."""
@@ -104,14 +97,6 @@ class RatingStudy(GroupedStudy):
         del trial
         return self._scale(question.name).values
 
-    def prefers(self, answers: Answers, better: int, worse: int) -> bool:
-        """Tell whether `better` is rated above `worse` on every question."""
-        return all(
-            value > answers[question, worse]
-            for (question, number), value in answers.items()
-            if number == better
-        )
-
     def disobeys(self, trial: Trial, answers: Answers) -> bool:
         """Tell whether a rating has another label than the attention check asks for."""
         return any(
@@ -131,11 +116,6 @@ class RatingStudy(GroupedStudy):
 
     def _scale(self, name: str) -> RatingQuestion:
         return next(question for question in self.questions if question.name == name)
-
-    def instructions(self, part: Part) -> int:
-        """Return the number of labels."""
-        del part
-        return SCALE_STEPS
 
     def _in_turn(
         self, segments: Sequence[Segment], chance: np.random.Generator
