@@ -11,15 +11,15 @@ from urllib.parse import urlsplit
 import click
 
 from motion.errors import InputError
-from motion.formats.joint_maps import JointMap, read_joint_map
+from motion.formats.joint_maps import read_joint_map
 from studyapp.desk.jobs import PROCESSES
 from studyapp.side_process import MOST_PROCESSES, available_processors
 from studyapp.study.folder import StudyFolder
 
 
-def existing_study(root: Path) -> StudyFolder:
+def existing_study(root: str | Path) -> StudyFolder:
     """Return the study folder at `root`; raise `InputError` if it is none."""
-    folder = StudyFolder(root)
+    folder = StudyFolder(Path(root))
     if not folder.definition.exists():
         raise InputError(
             "this is not a study folder: study.toml is missing",
@@ -55,40 +55,23 @@ class Number(click.FloatRange):
         return number if math.isfinite(number) else self.fail(f"{value!r} is not a number.")
 
 
-class _StudyFolderType(click.ParamType[StudyFolder]):
-    name = "folder"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> StudyFolder:
-        return value if isinstance(value, StudyFolder) else existing_study(Path(str(value)))
-
-
-class _JointMapType(click.ParamType[JointMap]):
-    name = "file"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> JointMap:
-        return value if isinstance(value, Mapping) else read_joint_map(Path(str(value)))
-
-
 joints_option = click.option(
     "--joints",
     "joint_map",
-    type=_JointMapType(),
+    type=lambda path: read_joint_map(Path(path)),
+    metavar="FILE",
     help="A file that maps the joints of another skeleton (BVH or joint positions), in lines such "
     'as pelvis = "Hips".',
 )
 
-study_folder = click.argument("folder", type=_StudyFolderType(), default=".")
+study_folder = click.argument("folder", type=existing_study, default=".")
 """An existing study folder; by default the working directory."""
 
-named_study_folder = click.argument("folder", type=_StudyFolderType())
+named_study_folder = click.argument("folder", type=existing_study)
 """An existing study folder, without a default, for commands with further arguments."""
 
 optional_study_folder: Callable[[Callable[..., None]], Callable[..., None]] = click.argument(
-    "folder", required=False, type=_StudyFolderType()
+    "folder", required=False, type=existing_study
 )
 """An existing study folder, or none."""
 

@@ -20,32 +20,15 @@ _OUTPUT = click.Path(dir_okay=False, path_type=Path)
 _ENDINGS = (".pdf", ".png")
 
 
-class _MomentType(click.ParamType[Moment]):
-    name = "moment"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> Moment:
-        return value if isinstance(value, Moment) else Moment.parse(str(value))
-
-
-class _MotionType(click.ParamType[tuple[Path, str]]):
-    """A motion file and its label in the figure."""
-
-    name = "motion"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[Path, str]:
-        if isinstance(value, tuple):
-            return value
-        path, label = Path(str(value)), ""
-        if not path.is_file():
-            name, _, label = str(value).rpartition("=")
-            path = Path(name)
-        if not path.is_file():
-            self.fail(f"there is no file {str(value)!r}", param, ctx)
-        return path, label.strip() or path.stem
+def _labelled_motion(text: str) -> tuple[Path, str]:
+    """Return a motion file and its label in the figure."""
+    path, label = Path(text), ""
+    if not path.is_file():
+        name, _, label = text.rpartition("=")
+        path = Path(name)
+    if not path.is_file():
+        raise click.BadParameter(f"there is no file {text!r}")
+    return path, label.strip() or path.stem
 
 
 segment = click.option("--segment", required=True, help="The segment to show.")
@@ -76,7 +59,7 @@ def moments(*, required: bool) -> Callable[..., Any]:
     return click.option(
         "--at",
         "moments",
-        type=_MomentType(),
+        type=Moment.parse,
         multiple=True,
         required=required,
         metavar="[WORD=]SECONDS",
@@ -166,7 +149,7 @@ def strip(
 @click.option(
     "--motion",
     "motions",
-    type=_MotionType(),
+    type=_labelled_motion,
     multiple=True,
     metavar="FILE[=LABEL]",
     help="A motion file for the segment, such as another seed, and its label; can be repeated. "
