@@ -10,14 +10,25 @@ from sqlalchemy.orm import Session, joinedload, selectinload
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial, Video
 from studyapp.rehearsal.pages import BrokenPageError, Page, token_candidates
-from studyapp.rehearsal.simulation.raters import Sight
 from studyapp.study.design.trial import Stimulus
 
 
 @dataclass(frozen=True, kw_only=True)
-class StoredTrial:
-    """A stored trial as raters see it."""
+class Sight:
+    """A stored trial as its page shows it, and to whom.
 
+    Attributes
+    ----------
+    rater : str
+        Names the rater by its place, whoever holds it: a place's answers are the same in every
+        rehearsal with the same seed. Whoever replaces somebody who was excluded, or who left, is
+        another rater.
+    trials : int
+        How many there are in the whole study session.
+    """
+
+    rater: str
+    trials: int
     position: int
     kind: str
     part: str
@@ -70,13 +81,7 @@ class Eyes:
                 raise BrokenPageError(
                     page, f"shows {shown} videos, not the {expected} of its trial"
                 )
-            study_session = trial.study_session
-            planned = select(func.count()).where(Trial.study_session_id == study_session.id)
-            return Sight(
-                rater=rater_name(session, study_session),
-                trial=read_trial(trial),
-                trials=session.scalars(planned).one(),
-            )
+            return read_sight(session, trial)
 
     def hear(self, page: Page) -> str:
         """Return the digits that are spoken to the participant of `page`.
@@ -96,9 +101,12 @@ class Eyes:
         return digits
 
 
-def read_trial(trial: Trial) -> StoredTrial:
-    """Return the content of `trial`."""
-    return StoredTrial(
+def read_sight(session: Session, trial: Trial) -> Sight:
+    """Return what the page of `trial` shows."""
+    planned = select(func.count()).where(Trial.study_session_id == trial.study_session_id)
+    return Sight(
+        rater=rater_name(session, trial.study_session),
+        trials=session.scalars(planned).one(),
         position=trial.position,
         kind=trial.kind,
         part=trial.part,

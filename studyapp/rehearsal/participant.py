@@ -241,7 +241,7 @@ class Participant:
                 page = self.fill(visit, page, self._form_answers(visit, page))
                 continue
             sight = self.eyes.look(page)
-            position = sight.trial.position
+            position = sight.position
             rater = Rater(population=self.population, seed=self.seed, name=sight.rater)
             coverage = self.study.watching.coverage
             conduct = Conduct(rater=rater, trials=sight.trials, coverage=coverage)
@@ -258,7 +258,7 @@ class Participant:
                 thinks=conduct.thinks(position),
                 clicks_twice=conduct.clicks_twice,
             )
-            judgement = judge(self.study, rater, sight.trial)
+            judgement = judge(self.study, rater, sight)
             page = self.answer(visit, page, judgement)
             self.ledger.answered(self.name, trial, judgement.values)
         self.ledger.completed(self.name, code)

@@ -64,7 +64,7 @@ class Attacker(Participant):
     def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
         """Answer the trial of `page`; before and after, try improper submissions."""
         self.trials.append((page, judgement))
-        trial = self.eyes.look(page).trial
+        trial = self.eyes.look(page)
         if trial.part in self.attacked:
             return super().answer(visit, page, judgement)
         self.attacked.add(trial.part)

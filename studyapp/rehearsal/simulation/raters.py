@@ -61,27 +61,6 @@ class SeenTrial(Trial, Protocol):
         """What is judged, number 1 (A) first."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sight:
-    """What a page shows, and to whom.
-
-    Attributes
-    ----------
-    rater : str
-        Names the rater by its place, whoever holds it: a place's answers are the same in every
-        rehearsal with the same seed. Whoever replaces somebody who was excluded, or who left, is
-        another rater.
-    trial : SeenTrial
-        What is to be judged.
-    trials : int
-        How many there are in the whole study session.
-    """
-
-    rater: str
-    trial: SeenTrial
-    trials: int
-
-
 SIDE_PULL: Final = 2.5
 """Logits by which somebody side-biased prefers the side they are drawn to."""
 

@@ -17,7 +17,7 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.rehearsal.eyes import Eyes, read_trial
+from studyapp.rehearsal.eyes import Eyes, read_sight
 from studyapp.rehearsal.pages import BrokenPageError
 from studyapp.rehearsal.participant import Participant, study_client
 from studyapp.rehearsal.simulation.judgement import judge
@@ -95,7 +95,7 @@ def require_stored_as_said(database: Database, participant: Participant) -> None
                 name=f"{study_session.arm} {study_session.number}",
             )
             for trial in study_session.trials:
-                said = judge(participant.study, rater, read_trial(trial)).values
+                said = judge(participant.study, rater, read_sight(session, trial)).values
                 assert {(r.question, r.stimulus): r.value for r in trial.responses} == said
 
 
