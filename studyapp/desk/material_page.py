@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Literal, Self
+from typing import Any, Final, Literal
 
 from flask import Response, abort, redirect, request, send_file, url_for
 from flask.typing import ResponseReturnValue
@@ -25,7 +25,6 @@ from studyapp.study.design.trial import Stimulus
 from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import VIDEO_ENDING, StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli
-from studyapp.study.settings.study import Study
 from studyapp.web.research.motion_scenes import Scene, scenes_of, send_scene
 from studyapp.web.research.pages import Page
 
@@ -90,7 +89,6 @@ class Cell:
         return any(finding.severity == "error" for finding in self.findings)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Material:
     """All clips of a study, by segment and condition.
 
@@ -98,55 +96,38 @@ class Material:
     ----------
     conditions : tuple of str
         The catch condition comes last.
-    checked_at : float or None
-        When the desk last checked the study, in seconds since 1970; None if it never has.
+    checked_at : float
+        When the desk last checked the study, in seconds since 1970; 0 if it never has.
+
+    Raises
+    ------
+    InputError
+        If the study file, the segments or the list of videos cannot be read.
     """
 
-    folder: StudyFolder
-    study: Study
-    segments: Mapping[str, Segment]
-    conditions: tuple[str, ...]
-    checked_at: float | None
-    _clips: Mapping[tuple[str, str], str]
-    _shown_in: Mapping[tuple[str, str], list[str]]
-    _findings: Mapping[str, list[_CheckFinding]]
-
-    @classmethod
-    def of(cls, folder: StudyFolder) -> Self:
-        """Read a study's folder.
-
-        Raises
-        ------
-        InputError
-            If the study file, the segments or the list of videos cannot be read.
-        """
-        study = folder.study()
+    def __init__(self, folder: StudyFolder) -> None:
+        self.folder = folder
+        self.study = folder.study()
+        self.segments = {each.name: each for each in folder.segments_of(self.study)}
+        catch = (self.study.catch.condition,) if self.study.catch.trials else ()
+        self.conditions = (*self.study.conditions, *catch)
         stimuli = read_stimuli(folder.stimuli) if folder.stimuli.exists() else Stimuli()
-        catch = (study.catch.condition,) if study.catch.trials else ()
-        shown_in: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
+        self._clips = {
+            (clip.segment, clip.condition): clip.file
+            for clip in stimuli.clips
+            if clip.speech is None
+        }
+        self._shown_in: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
         for pair in stimuli.pairs:
             for condition in (pair.left, pair.right):
-                shown_in[pair.segment, condition].append(pair.file)
+                self._shown_in[pair.segment, condition].append(pair.file)
         for copy in stimuli.copies:
-            shown_in[copy.segment, copy.condition].append(copy.file)
+            self._shown_in[copy.segment, copy.condition].append(copy.file)
         record = folder.root / RECORD
-        findings: defaultdict[str, list[_CheckFinding]] = defaultdict(list)
+        self.checked_at = _modified_at(record)
+        self._findings: defaultdict[str, list[_CheckFinding]] = defaultdict(list)
         for finding in _read_findings(record):
-            findings[finding.where].append(finding)
-        return cls(
-            folder=folder,
-            study=study,
-            segments={segment.name: segment for segment in folder.segments_of(study)},
-            conditions=(*study.conditions, *catch),
-            checked_at=_modified_at(record) if record.exists() else None,
-            _clips={
-                (clip.segment, clip.condition): clip.file
-                for clip in stimuli.clips
-                if clip.speech is None
-            },
-            _shown_in=shown_in,
-            _findings=findings,
-        )
+            self._findings[finding.where].append(finding)
 
     def cell(self, segment: str, condition: str) -> Cell:
         """Return the cell of a segment and a condition."""
@@ -158,7 +139,7 @@ class Material:
             source = self.folder.clip(condition, segment)
             video = self.folder.root / clip
         source_name = source.relative_to(self.folder.root).as_posix()
-        files = dict.fromkeys((source_name, clip, *self._shown_in.get((segment, condition), ())))
+        files = dict.fromkeys((source_name, clip, *self._shown_in[segment, condition]))
         return Cell(
             condition=condition,
             label=self.study.display_names[condition],
@@ -170,8 +151,8 @@ class Material:
 
     def _current_findings(self, file: str) -> list[_CheckFinding]:
         """Return the findings of a file, unless it has changed since the check."""
-        is_older = _modified_at(self.folder.root / file) <= (self.checked_at or 0)
-        return self._findings.get(file, []) if is_older else []
+        is_older = _modified_at(self.folder.root / file) <= self.checked_at
+        return self._findings[file] if is_older else []
 
     def rows(self) -> list[tuple[Segment, list[Cell]]]:
         """Return each segment with its cell in every condition."""
@@ -200,7 +181,7 @@ def _modified_at(path: Path) -> float:
 def material(study: OpenedStudy) -> ResponseReturnValue:
     """Show the table of segments and conditions."""
     try:
-        clips = Material.of(study.folder)
+        clips = Material(study.folder)
     except InputError as error:
         return page("material", study=study, problem=error, rows=[], material=None)
     rows = clips.rows()
@@ -211,7 +192,7 @@ def summary(study: OpenedStudy) -> Mapping[str, Any]:
     """Return what the study's page says of its material."""
     waiting = len(Inbox(study.folder).files())
     try:
-        clips = Material.of(study.folder)
+        clips = Material(study.folder)
     except InputError as error:
         return {"problem": error, "waiting": waiting}
     return {"problem": None, "waiting": waiting, "counts": _counts(clips.rows()), "material": clips}
@@ -276,7 +257,7 @@ def segment_scene(study: OpenedStudy, segment: str, scene: int) -> Response:
 
 
 def _row(study: OpenedStudy, segment: str) -> tuple[Material, list[Cell]]:
-    clips = Material.of(study.folder)
+    clips = Material(study.folder)
     if segment not in clips.segments:
         abort(404)
     return clips, [clips.cell(segment, condition) for condition in clips.conditions]
@@ -309,7 +290,7 @@ def remove_clip(study: OpenedStudy, condition: str, segment: str) -> ResponseRet
 
 
 def _cell(study: OpenedStudy, condition: str, segment: str) -> tuple[Material, Cell]:
-    clips = Material.of(study.folder)
+    clips = Material(study.folder)
     if condition not in clips.conditions or segment not in clips.segments:
         abort(404)
     return clips, clips.cell(segment, condition)
