@@ -1,4 +1,4 @@
-"""`motionjury render` and `motionjury preview`."""
+"""`motionjury render`, `motionjury preview` and `motionjury publish-media`."""
 
 from __future__ import annotations
 
@@ -15,8 +15,10 @@ from motion.audio import read_audio
 from motion.formats import read_motion
 from studyapp.stimuli import rendering
 from studyapp.stimuli.render_record import RenderCount
+from studyapp.web.media_store import FILE
 from tests.motion.formats.bvh_text import bvh_text, columns_of, save_bvh_text, smplx_skeleton
 from tests.support.command_line import refused, run
+from tests.support.servers.s3_stand_in import BUCKET, SECRET, Store
 from tests.support.studies.takes import write_motion, write_speech
 
 
@@ -103,3 +105,27 @@ def test_motions_are_converted_with_their_speech_and_none_is_overwritten(tmp_pat
     again = refused("preview", "--as", "bvh", "--out", out, out / "ours-a.bvh")
     assert "Choose another folder (--out)" in again
     assert (out / "ours-a.bvh").read_bytes() == before
+
+
+def test_videos_are_uploaded_and_loaded_as_by_a_browser(tiny_study: Path, s3_store: Store) -> None:
+    assert "no bucket was given" in run("publish-media", tiny_study, status=1)
+    given = ("--endpoint", s3_store.endpoint)
+    first = run(
+        "publish-media",
+        tiny_study,
+        f"s3://{BUCKET}/a",
+        *given,
+        "--address",
+        "https://study.example.org/studies/one/",
+    )
+    again = run("publish-media", tiny_study)
+    (tiny_study / FILE).unlink()
+    anew = run("publish-media", tiny_study, f"s3://{BUCKET}/a/", *given, "--remove-unused")
+
+    assert "Uploaded 32 copies; 0 were already there." in first
+    assert "Pages of https://study.example.org can load them" in first
+    assert s3_store.origins == ["https://study.example.org"]
+    assert "Uploaded 0 copies; 32 were already there." in again
+    assert "Removed 32 unused objects" in anew
+    assert len(s3_store.objects) == 32
+    assert SECRET not in first + again + anew

@@ -1,4 +1,4 @@
-"""Simulated answers to trials as every protocol plans them."""
+"""The people of a rehearsal, and their answers to trials as every protocol plans them."""
 
 from __future__ import annotations
 
@@ -9,16 +9,20 @@ from typing import Any
 
 import pytest
 from flask import Flask
+from hypothesis import given
+from hypothesis import strategies as st
 from sqlalchemy import select
 
 from studyapp.database.tables import StudySession, Trial
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Departure, Participant
 from studyapp.rehearsal.simulation.judgement import Judgement, judge
-from studyapp.rehearsal.simulation.population import Kind, Population, default_population
+from studyapp.rehearsal.simulation.population import Kind, Population, default_population, ranks
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.study.design.trial import PlannedTrial
+from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import parse_text
+from studyapp.study.settings.rehearsal import Rehearsal
 from studyapp.study.settings.study import Study
 from tests.studyapp.rehearsal.protocol_studies import definition
 from tests.studyapp.rehearsal.steps import browser
@@ -120,3 +124,35 @@ def test_every_answer_of_every_kind_of_participant_is_stored_once(
         ]
     assert len(stored) == len(acknowledged.answers) > 0
     assert dict(stored) == acknowledged.answers
+
+
+def test_stated_values_replace_defaults(study: PairwiseStudy) -> None:
+    stated = Rehearsal.model_validate(
+        {
+            "careless": 0.2,
+            "hasty": 0,
+            "segments_differ": 0.1,
+            "strength": {"rule_based": 2, "static": {"emotion": -0.25}},
+            "own_speech": {"rule_based": {"rhythm": 0.4}},
+        }
+    )
+    people = default_population(study.model_copy(update={"rehearsal": stated}))
+    assert people.quality["rule_based"] == {"rhythm": 2, "emotion": 2}
+    assert people.quality["static"] == {"rhythm": -1.0, "emotion": -0.25}
+    assert people.quality["mismatched"] == default_population(study).quality["mismatched"]
+    assert people.belonging["rule_based"] == {"rhythm": 0.4, "emotion": 3.0}
+    assert (people.kinds["careless"], people.kinds["hasty"], people.item_sd) == (0.2, 0.0, 0.1)
+
+
+@given(
+    utilities=st.lists(st.floats(-9, 9), min_size=2, max_size=8),
+    within=st.floats(0, 5),
+)
+def test_tied_ranks_skip_no_rank_and_keep_the_order(utilities: list[float], within: float) -> None:
+    found = ranks(utilities, tie_within=within)
+    assert set(found) == set(range(1, max(found) + 1))
+    assert sorted(ranks(utilities)) == list(range(1, len(utilities) + 1))
+    for a, b in zip(utilities, found, strict=True):
+        for c, d in zip(utilities, found, strict=True):
+            assert (a <= c) or b <= d
+            assert b != d or abs(a - c) <= within

@@ -1,4 +1,4 @@
-"""The true values of a rehearsal are what very many of its raters say on average."""
+"""The true values of a rehearsal are what its raters say on average, and what analysis finds."""
 
 from __future__ import annotations
 
@@ -8,15 +8,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from analysis.answers.participants import leave_out
+from analysis.results.net_preference import sided
+from analysis.results.preference import win_share
+from analysis.stats.clustered_mean import Estimate
+from benchmarks.rehearsal_recovery import simulated
+from motion.segment import EMOTIONS
+from studyapp.rehearsal.simulation import truth as true_values
 from studyapp.rehearsal.simulation.judgement import judge
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
-from studyapp.rehearsal.simulation.truth import expectations, win_share
+from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.design.trial import AnswerKey, PlannedTrial
+from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.conditions import comparison_name
 from studyapp.study.settings.reading import parse_study
 from studyapp.study.settings.study import Study
@@ -118,7 +127,40 @@ def test_swapping_the_conditions_mirrors_the_share_whatever_the_side_bias(
     gap: float, slope_sd: float, bias: float, bias_sd: float
 ) -> None:
     population = replace(PEOPLE, side_bias=bias, side_bias_sd=bias_sd)
-    share = win_share(population, gap, slope_sd)
+    share = true_values.win_share(population, gap, slope_sd)
     assert 0 <= share <= 1
-    assert share + win_share(population, -gap, slope_sd) == pytest.approx(1)
+    assert share + true_values.win_share(population, -gap, slope_sd) == pytest.approx(1)
     assert (share - 0.5) * gap >= -1e-12
+
+
+EIGHT = make_segments(EMOTIONS)
+
+
+def reference_share(
+    study: PairwiseStudy, answers: pd.DataFrame, about: str, question: str
+) -> Estimate:
+    """Return the win share of the reference in the comparison named `about`."""
+    [other] = [o for o in study.others if comparison_name(study.reference, o) == about]
+    own = answers[
+        (answers["question"] == question)
+        & ((answers["left"] == other) | (answers["right"] == other))
+    ]
+    of_reference = (own["right"] == study.reference).to_numpy(bool)
+    return win_share(replace(sided(own), on_right=of_reference))
+
+
+@pytest.mark.slow
+def test_the_reports_intervals_have_their_stated_coverage(
+    study: PairwiseStudy, population: Population
+) -> None:
+    rules = [rule.to_rule() for rule in study.settled_exclusions]
+    held = []
+    for seed in range(30):
+        truth = expectations(study, EIGHT, population=population, seed=seed)
+        assert len(truth) == len(study.others) * len(study.questions)
+        made = simulated(study, EIGHT, population, seed)
+        kept = leave_out(made.table, rules, known=made.known).analysed
+        for entry in truth:
+            share = reference_share(study, kept, entry.about, entry.question)
+            held.append(share.low <= entry.value <= share.high)
+    assert 0.92 <= np.mean(held) <= 0.99
