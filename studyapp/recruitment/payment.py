@@ -179,8 +179,8 @@ def judge_submission(
         other = "" if code == codes.completed else f", and entered {entered}"
         return PaymentDecision(verdict="pay", reason=f"finished{other}")
     reason = REASONS_NOT_TO_PAY[study_status]
-    if code == codes.completed and study_status in ("unwatched", "unfinished", "nobody"):
-        reason += ", but entered the code of those who do"
+    if code == codes.completed and study_status != "elsewhere":
+        reason += ", but entered the code for finishing"
     return PaymentDecision(verdict="look", reason=reason)
 
 

@@ -142,7 +142,7 @@ def test_decisions_about_pay_are_shown_before_anybody_is_paid(
     shown = recruit(folder, "approve")
 
     assert "1 to pay, 1 for you to decide, 0 under way, 1 settled" in shown
-    assert "did not finish here, but entered the code of those who do" in shown
+    assert "did not finish here, but entered the code for finishing" in shown
     assert "Nothing was paid" in shown
     assert not any("bulk-approve" in each for each in stand_in.asked)
     recruit(folder, "approve", "--also", "unknown", "--yes", status=1)
