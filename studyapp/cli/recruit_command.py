@@ -11,7 +11,7 @@ from typing import Final
 import click
 
 from motion.errors import InputError
-from studyapp.cli.arguments import named_study_folder
+from studyapp.cli.arguments import check_address, named_study_folder
 from studyapp.cli.output import echo_table
 from studyapp.recruitment import mturk, prolific
 from studyapp.recruitment.invitations import counts, invite, listed_people, numbered
@@ -25,7 +25,9 @@ from studyapp.study.settings.recruitment import Channel, hourly_rate
 address = click.option(
     "--address",
     required=True,
+    metavar="URL",
     envvar="MOTIONJURY_ADDRESS",
+    callback=lambda context, parameter, value: f"{check_address(value)}/",
     help="The study's public address, such as https://study.example.org/.",
 )
 yes = click.option(

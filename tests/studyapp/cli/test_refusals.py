@@ -66,6 +66,9 @@ REFUSED: dict[str, dict[str, str]] = {
         "study s3://bucket --endpoint http://s3.example.org": "only load videos over https",
         "study s3://bucket --address study.example.org": "not the address of a study",
     },
+    "recruit": {
+        "study invite --count 1 --address study.example.org": "not the address of a study",
+    },
     "report": {
         "": "there is nothing to report",
         "--responses a.csv --out new": "--protocol is missing",
