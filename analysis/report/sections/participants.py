@@ -92,13 +92,12 @@ def places_words(report: TableReport, subject: Subject) -> str:
 
 def flow_line(report: TableReport, subject: Subject) -> str:
     """Return the participant flow in one line."""
-    opened = [flow.opened for flow in report.flow if flow.opened is not None]
     return sentence(
         "participants.line",
         nobody=subject.origin == "none",
         people=subject.people,
         screened_out=_screened_out(report),
-        opened=sum(opened) if opened else None,
+        total=_total(report.flow) if report.flow else None,
         report=report,
     )
 

@@ -185,7 +185,10 @@ def test_open_places_unwatched_study_sessions_and_people_screened_out_are_counte
     subject = subject_of(report)
 
     assert "4 of 9 places are filled" in answer(unfinished, subject)[-1]
-    assert flow_line(unfinished, subject).startswith("Participants: 4 screened out, ")
+    assert flow_line(unfinished, subject) == (
+        "Participants: 4 screened out, 7 started − 1 withdrew − 2 gave no answer = 4 answered"
+        " − 0 excluded = 4 analysed."
+    )
     section, finished = (flow_section(each, subject) for each in (unfinished, report))
     assert section is not None
     assert finished is not None
