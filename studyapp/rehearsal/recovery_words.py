@@ -37,15 +37,6 @@ TOLD: Final = 4
 """Comparisons without an answer that are told in short."""
 
 
-def summary(recovery: Recovery) -> Iterator[str]:
-    """Yield the sentences that say in short what came of a rehearsal."""
-    yield intervals_in_words(recovery)
-    yield signs_in_words(recovery)
-    yield from (f"  {line}" for line in unanswered_in_words(recovery))
-    yield from exclusions_in_words(recovery.kinds)
-    yield counts_in_words(recovery)
-
-
 def intervals_in_words(recovery: Recovery) -> str:
     """Say how many intervals hold the true value, and how much of it is chance."""
     if not recovery.values:
@@ -163,7 +154,14 @@ def recovery_lines(recovery: Recovery) -> list[str]:
     with labelled(recovery.labels):
         rows = [_row(known, found) for known, found in recovery.values]
         table = _in_columns([HEADINGS, *rows]) if rows else ()
-        return [*table, *summary(recovery)]
+        return [
+            *table,
+            intervals_in_words(recovery),
+            signs_in_words(recovery),
+            *(f"  {line}" for line in unanswered_in_words(recovery)),
+            *exclusions_in_words(recovery.kinds),
+            counts_in_words(recovery),
+        ]
 
 
 def _row(known: KnownValue, found: Estimate) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
 from studyapp.researchers.account import list_accounts
 from studyapp.researchers.credentials import enable_second_factor, new_secret
-from studyapp.researchers.links import choose_password, first_owner_link, join
+from studyapp.researchers.links import choose_password, join
 from studyapp.researchers.logins import log_in
 from tests.support.command_line import run
 from tests.support.researcher_accounts import PASSWORD
@@ -59,21 +59,3 @@ def test_a_lost_second_factor_is_reset(tiny_study: Path) -> None:
 
     log_in(database, Clock(), name="Ada", password=PASSWORD, address="")
     database.close()
-
-
-def test_serving_prints_a_link_until_there_is_an_owner(
-    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(
-        "studyapp.cli.serve_command.run_server", lambda *_, on_ready, **__: on_ready()
-    )
-
-    assert "/research/join/" in run("serve", tiny_study)
-    line = run("serve", tiny_study).splitlines()[1]
-    token = line.partition("/research/join/")[2].split()[0]
-    database = Database.open(database_url_of(tiny_study))
-    join(database, Clock(), token, name="Ada", password=PASSWORD)
-    assert [account.role for account in list_accounts(database)] == ["owner"]
-    assert first_owner_link(database, Clock()) is None
-    database.close()
-    assert "Watch the study at http://127.0.0.1:8000/research/." in run("serve", tiny_study)

@@ -9,7 +9,12 @@ from typing import Any
 import pytest
 
 from studyapp.cli import serve_command
+from studyapp.clock import Clock
+from studyapp.researchers.account import list_accounts
+from studyapp.researchers.links import first_owner_link, join
 from tests.support.command_line import run
+from tests.support.researcher_accounts import PASSWORD
+from tests.support.studies.stored import opened
 
 
 @pytest.fixture
@@ -39,6 +44,17 @@ def test_links_start_with_the_public_address_or_the_servers_own(
     assert started["prefix"] == "/studies/one/"
     assert "at https://study.example.org/studies/one/ (" in output
     assert "at https://study.example.org/studies/one/research/join/" in output
+
+
+@pytest.mark.usefixtures("started", "cheap_passwords")
+def test_serving_prints_a_link_until_there_is_an_owner(tiny_study: Path) -> None:
+    assert "/research/join/" in run("serve", tiny_study)
+    token = run("serve", tiny_study).partition("/research/join/")[2].split()[0]
+    with opened(tiny_study / "responses.db") as database:
+        join(database, Clock(), token, name="Ada", password=PASSWORD)
+        assert [account.role for account in list_accounts(database)] == ["owner"]
+        assert first_owner_link(database, Clock()) is None
+    assert "Watch the study at http://127.0.0.1:8000/research/." in run("serve", tiny_study)
 
 
 def test_files_of_a_server_are_written_and_listed(tiny_study: Path, tmp_path: Path) -> None:

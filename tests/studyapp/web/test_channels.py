@@ -267,11 +267,11 @@ def test_an_invitation_admits_one_person_and_viewing_it_does_not_use_it_up(
     assert stored_in(app, select(StudyVersion.screened_by_comprehension)) == [1]
 
 
-def test_a_rehearsal_needs_no_recruiter(serve: Serve, tmp_path: Path) -> None:
-    app = serve(
-        added='[recruitment]\nchannel = "prolific"\n',
-        rehearsal_speed=10.0,
-        database_url=f"sqlite:///{tmp_path / 'rehearsal.db'}",
-    )
+def test_a_rehearsal_needs_no_recruiter_and_has_no_pages_for_researchers(
+    serve: Serve, tmp_path: Path
+) -> None:
+    database_url = f"sqlite:///{tmp_path / 'rehearsal.db'}"
+    app = serve(added=PROLIFIC, rehearsal_speed=10.0, database_url=database_url)
 
     assert app.test_client().get("/").status_code == 200
+    assert app.test_client().get("/research/log-in").status_code == 404

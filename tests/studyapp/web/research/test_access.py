@@ -12,7 +12,6 @@ from studyapp.database.tables import FormAnswer, RefusalLine, StudySession
 from studyapp.researchers.account import list_accounts
 from studyapp.researchers.links import invite, join, list_usable_links
 from studyapp.web.research.page import form_code
-from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import LOGIN, ResearchBrowser
@@ -241,9 +240,3 @@ def test_a_name_that_cannot_be_stored_is_refused_like_a_wrong_one(browser: Resea
         )
         assert answer.status_code == 403
         assert "password or code is wrong" in answer.text
-
-
-def test_a_rehearsal_has_no_pages_for_researchers(serve: Serve) -> None:
-    answer = serve(rehearsal_speed=10.0).test_client().get("/research/log-in")
-
-    assert answer.status_code == 404
