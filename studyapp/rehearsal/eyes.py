@@ -57,7 +57,7 @@ class Eyes:
             If the addresses of its videos hold no media token of this rehearsal, or those of
             several trials, or a video of the trial is missing.
         """
-        tokens = {part for player in page.players for part in player.token_candidates}
+        tokens = {part for player in page.players for part in token_candidates(player.source)}
         query = (
             select(Trial)
             .join(Trial.videos)

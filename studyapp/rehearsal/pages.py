@@ -12,17 +12,13 @@ from bs4 import BeautifulSoup, Tag
 
 from motion.errors import InputError
 
-Fields = tuple[tuple[str, str], ...]
+Fields = list[tuple[str, str]]
 
 FormFields = Mapping[str, Sequence[str]]
 """The answered values of each field."""
 
 FormData = dict[str, list[str]]
 """The values of every name, as a browser sends them."""
-
-
-class IncompleteFormError(Exception):
-    """A form lacks something that a participant needs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,27 +29,27 @@ class Form:
     ----------
     action : str
         Its address, as in the page; empty for the page itself.
-    hidden : tuple of (name, value)
+    hidden : list of (name, value)
         Hidden fields.
-    required_ticks : tuple of (name, value)
+    required_ticks : list of (name, value)
         Required tick boxes.
-    choices : mapping of name to tuple of str
+    choices : dict of name to tuple of str
         Values of each radio group or menu.
-    lines : mapping of name to (low, high)
+    lines : dict of name to (low, high)
         Fields for a line of text, or a number in this range.
-    boxes : mapping of name to tuple of str
+    boxes : dict of name to tuple of str
         Values of optional tick boxes.
-    buttons : tuple of (name, value)
+    buttons : list of (name, value)
         Submit buttons; the name is empty if a button sends no value.
     """
 
     action: str
-    hidden: Fields
-    required_ticks: Fields
-    choices: Mapping[str, tuple[str, ...]]
-    lines: Mapping[str, tuple[float, float]]
-    boxes: Mapping[str, tuple[str, ...]]
-    buttons: Fields
+    hidden: Fields = field(default_factory=list)
+    required_ticks: Fields = field(default_factory=list)
+    choices: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    lines: dict[str, tuple[float, float]] = field(default_factory=dict)
+    boxes: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    buttons: Fields = field(default_factory=list)
 
     @property
     def trial(self) -> str:
@@ -65,85 +61,57 @@ class Form:
         """Names of the fields that need an answer."""
         return frozenset((*self.choices, *self.lines))
 
-    def fill(self, answers: FormFields) -> FormData:
-        """Return the data that a browser would send with `answers`.
-
-        Raises
-        ------
-        IncompleteFormError
-            If a question or a value is not offered, a question has no answer, or there is no submit
-            button.
-        """
+    def problem(self, answers: FormFields) -> str:
+        """Return what the form lacks for a participant with `answers`; empty if nothing."""
         if not self.buttons:
-            raise IncompleteFormError("has no submit button")
+            return "has no submit button"
         for name, values in answers.items():
             for value in values:
-                self._require_offered(name, value)
+                if problem := self._problem_of(name, value):
+                    return problem
         unknown = sorted(self.questions - set(answers))
-        if unknown:
-            raise IncompleteFormError(f"asks {', '.join(unknown)}, which the study does not define")
-        data: FormData = {}
-        button = tuple((name, value) for name, value in self.buttons[:1] if name)
-        for name, value in (*self.hidden, *self.required_ticks, *button):
-            data.setdefault(name, []).append(value)
-        return data | {name: list(values) for name, values in answers.items()}
+        return f"asks {', '.join(unknown)}, which the study does not define" if unknown else ""
 
-    def _require_offered(self, name: str, value: str) -> None:
+    def _problem_of(self, name: str, value: str) -> str:
         if name in self.lines:
             low, high = self.lines[name]
             if math.isfinite(low + high) and value and not low <= float(value) <= high:
-                raise IncompleteFormError(
-                    f"does not accept {value!r} for {name!r} (only {low:g} to {high:g})"
-                )
-            return
+                return f"does not accept {value!r} for {name!r} (only {low:g} to {high:g})"
+            return ""
         offered = self.choices.get(name) or self.boxes.get(name)
         if offered is None:
-            raise IncompleteFormError(f"does not ask the question {name!r}")
+            return f"does not ask the question {name!r}"
         if value not in offered:
-            raise IncompleteFormError(
-                f"does not offer {value!r} for {name!r} (only {', '.join(offered)})"
-            )
+            return f"does not offer {value!r} for {name!r} (only {', '.join(offered)})"
+        return ""
 
 
-def read_form(soup: BeautifulSoup, form: Tag) -> Form:
-    """Return `form`, which is part of the page `soup`."""
-    hidden: list[tuple[str, str]] = []
-    ticks: list[tuple[str, str]] = []
-    choices: dict[str, tuple[str, ...]] = {}
-    lines: dict[str, tuple[float, float]] = {}
-    boxes: dict[str, tuple[str, ...]] = {}
-    buttons: list[tuple[str, str]] = []
-    for control in _controls(soup, form):
+def read_form(soup: BeautifulSoup, tag: Tag) -> Form:
+    """Return the form `tag` of the page `soup`."""
+    form = Form(action=str(tag.get("action") or ""))
+    for control in _controls(soup, tag):
         name, value = str(control.get("name", "")), str(control.get("value", ""))
         match _kind(control):
             case "hidden":
-                hidden.append((name, value))
+                form.hidden.append((name, value))
             case "checkbox" if control.has_attr("required"):
-                ticks.append((name, value or "on"))
+                form.required_ticks.append((name, value or "on"))
             case "checkbox":
-                boxes[name] = (*boxes.get(name, ()), value or "on")
+                form.boxes[name] = (*form.boxes.get(name, ()), value or "on")
             case "radio":
-                choices[name] = (*choices.get(name, ()), value)
+                form.choices[name] = (*form.choices.get(name, ()), value)
             case "select":
-                choices[name] = _options(control)
+                form.choices[name] = _options(control)
             case "text" | "textarea":
-                lines[name] = (-math.inf, math.inf)
+                form.lines[name] = (-math.inf, math.inf)
             case "number":
-                lines[name] = (
+                form.lines[name] = (
                     float(str(control.get("min", "-inf"))),
                     float(str(control.get("max", "inf"))),
                 )
             case "submit":
-                buttons.append((name, value))
-    return Form(
-        action=str(form.get("action") or ""),
-        hidden=tuple(hidden),
-        required_ticks=tuple(ticks),
-        choices=choices,
-        lines=lines,
-        boxes=boxes,
-        buttons=tuple(buttons),
-    )
+                form.buttons.append((name, value))
+    return form
 
 
 def _controls(soup: BeautifulSoup, form: Tag) -> Iterator[Tag]:
@@ -203,11 +171,6 @@ class Player:
     source: str
     watched_address: str
     duration: float
-
-    @property
-    def token_candidates(self) -> tuple[str, ...]:
-        """Parts of the address that can be the media token."""
-        return token_candidates(self.source)
 
 
 def token_candidates(address: str) -> tuple[str, ...]:
@@ -315,12 +278,16 @@ class Page:
         Raises
         ------
         BrokenPageError
-            If the form does not offer these answers.
+            If a question or a value is not offered, a question has no answer, or there is no submit
+            button.
         """
-        try:
-            return form.fill(answers)
-        except IncompleteFormError as error:
-            raise BrokenPageError(self, str(error)) from None
+        if problem := form.problem(answers):
+            raise BrokenPageError(self, problem)
+        data: FormData = {}
+        button = [(name, value) for name, value in form.buttons[:1] if name]
+        for name, value in (*form.hidden, *form.required_ticks, *button):
+            data.setdefault(name, []).append(value)
+        return data | {name: list(values) for name, values in answers.items()}
 
     def target(self, form: Form) -> str:
         """Return the absolute address of `form`."""
