@@ -213,17 +213,7 @@ def command(
 )
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True)
 @processes_option
-def corpus_command(
-    folder: Path,
-    speakers: int,
-    sentences: int,
-    takes: int,
-    held_out_speakers: int,
-    shared_passages: bool,
-    fps: float,
-    seed: int,
-    processes: int,
-) -> None:
+def corpus_command(folder: Path, fps: float, processes: int, **options: Any) -> None:
     """Make a synthetic corpus of speech and motion in FOLDER, laid out as BEAT.
 
     espeak-ng speaks passages in eight emotions; the motion follows speech, emotion and speaker by
@@ -237,15 +227,7 @@ def corpus_command(
     from training.corpus.making import make_corpus
     from training.corpus.request import CorpusRequest
 
-    request = CorpusRequest(
-        speakers=speakers,
-        sentences=sentences,
-        takes=takes,
-        held_out_speakers=held_out_speakers,
-        shared_passages=shared_passages,
-        frame_rate=fps,
-        seed=seed,
-    )
+    request = CorpusRequest(frame_rate=fps, **options)
     with progress("corpus", "take") as show:
         corpus = make_corpus(folder, request, processes=processes, show=show)
     kept = len(corpus.takes) - corpus.new_takes

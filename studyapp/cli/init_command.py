@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import cast, get_args
+from typing import Any, get_args
 
 import click
 
@@ -75,21 +75,10 @@ from studyapp.study.study_options import StudyOptions, read_conditions
 @click.option("--ethics", help="Who approved the study.")
 def command(
     folder: Path,
-    template: str,
-    language: Language,
     conditions: tuple[str, ...],
-    reference: str | None,
-    catch_videos: bool,
-    trials: int | None,
-    participants: int | None,
-    framing: Framing | None,
-    channel: str | None,
+    channel: Channel | None,
     pay: str | None,
-    minutes: int | None,
-    title: str | None,
-    organisation: str | None,
-    contact: str | None,
-    ethics: str | None,
+    **options: Any,
 ) -> None:
     """Create a study FOLDER with a commented study.toml to edit.
 
@@ -99,26 +88,15 @@ def command(
     """
     study_folder = StudyFolder(folder)
     require_new_file(study_folder.definition)
-    options = StudyOptions(
+    study = StudyOptions(
         name=folder.resolve().name,
-        template=template,
-        language=language,
-        title=title,
-        reference=reference,
-        trials=trials,
-        participants=participants,
         conditions=read_conditions(conditions, folder),
-        catch_videos=catch_videos,
-        framing=framing,
-        channel=cast("Channel | None", channel),
+        channel=channel,
         pay=None if pay is None else read_pay(pay, channel),
-        minutes=minutes,
-        organisation=organisation,
-        contact=contact,
-        ethics=ethics,
+        **options,
     )
-    require_stated_pay(options)
-    text = render_study_file(options, where=study_folder.definition)
+    require_stated_pay(study)
+    text = render_study_file(study, where=study_folder.definition)
     write_text(study_folder.definition, text)
     lines = (line.split("#")[0].strip() for line in text.splitlines())
     step = (
