@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path, PurePosixPath
-from typing import cast
+from typing import Any
 from urllib.parse import urlsplit
 
 import click
@@ -19,9 +19,7 @@ from studyapp.custody.deployment import (
     DATABASES,
     PORT,
     PROXIES,
-    DatabaseKind,
     Deployment,
-    Proxy,
     write_deployment,
 )
 from studyapp.database.engine import Database, database_url_of
@@ -261,15 +259,7 @@ def _print_owners_link(database: Database, url: str, whose: str) -> bool:
     help="The study folder's path on the server, if this machine is not the server.",
 )
 def deploy_command(
-    folder: StudyFolder,
-    host: str,
-    out: Path,
-    proxy: str,
-    database: str,
-    prefix: str,
-    contact: str,
-    port: int,
-    folder_there: str | None,
+    folder: StudyFolder, out: Path, folder_there: str | None, **options: Any
 ) -> None:
     """Write the files that a public server needs to serve the study FOLDER.
 
@@ -278,12 +268,7 @@ def deploy_command(
     deployment = Deployment(
         title=folder.study().title,
         folder=PurePosixPath(folder_there) if folder_there else folder.root.resolve(),
-        host=host,
-        prefix=prefix,
-        proxy=cast(Proxy, proxy),
-        database=cast(DatabaseKind, database),
-        contact=contact,
-        port=port,
+        **options,
     )
     for file in write_deployment(deployment, out):
         target = f"{file.place} (mode {file.mode:03o})" if file.place else "stays in this folder"
