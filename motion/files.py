@@ -109,6 +109,12 @@ def harmless_frame(frame: pd.DataFrame) -> pd.DataFrame:
     )
 
 
+def write_frame(path: Path, frame: pd.DataFrame) -> None:
+    """Write a table as CSV in one step, as `harmless_frame` makes it."""
+    with replacing(path) as draft:
+        harmless_frame(frame).to_csv(draft, index=False, lineterminator="\n")
+
+
 def _harmless(value: object) -> object:
     return harmless_cell(value) if isinstance(value, str) else value
 

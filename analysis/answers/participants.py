@@ -1,23 +1,27 @@
-"""Which participants are excluded, by which rule, and the flow from arrival to analysis."""
+"""What is known of participants: how they answered, who is left out by which rule, their flow."""
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from analysis.answers.exclusion_rules import (
     ExclusionRule,
     KnownFacts,
+    ParticipantFacts,
     Removed,
+    SameAnswer,
     apply_rules,
     failed_catch_trials,
     marked,
 )
-from analysis.answers.quality import NOTHING_KNOWN, facts_of
 from analysis.answers.table import ANALYSED_KINDS, AnswerTable
 
 MAX_CATCH_FAILURES: Final = 1
@@ -25,6 +29,15 @@ MAX_CATCH_FAILURES: Final = 1
 
 EVERYBODY: Final = ""
 """The arm of a table, and of a study that has one."""
+
+RELATIVE_SPEED: Final = 2.0
+"""A participant this many times as fast as the typical one is too fast (Leiner 2019)."""
+
+ALIKE: Final = 0.9
+"""A participant is listed from this share of one answer among all of theirs."""
+
+MIDDLE: Final = 3
+"""The answer for neither side."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,25 +81,16 @@ def leave_out(
     rules: Sequence[ExclusionRule],
     *,
     planned: Sequence[ExclusionRule] | None = None,
-    known: Mapping[str, KnownFacts] = NOTHING_KNOWN,
+    known: Mapping[str, KnownFacts] | None = None,
 ) -> LeftOut:
     """Apply `rules` in order; a participant counts under the first that removes them.
 
-    Parameters
-    ----------
-    table : AnswerTable
-        Answers of every kind of trial.
-    rules : sequence of ExclusionRule
-        In order.
-    planned : sequence of ExclusionRule, optional
-        Those that were settled before answers could be seen; without them, all of `rules` that
-        are not exploratory.
-    known : mapping of participant to KnownFacts
-        What a study knows beside the table.
+    `planned` are the rules that were settled before answers could be seen: by default, those that
+    are not exploratory. `known` is what a study knows beside the table.
     """
     if planned is None:
         planned = [rule for rule in rules if not rule.exploratory]
-    participants = facts_of(table, known)
+    participants = facts_of(table, known or {})
     removed = apply_rules(participants, rules)
     shown = table.shown
     stays = ~shown["participant"].isin(list(removed.exclusions))
@@ -105,10 +109,7 @@ def leave_out(
 def table_rules(
     table: AnswerTable, max_catch_failures: int = MAX_CATCH_FAILURES
 ) -> tuple[ExclusionRule, ...]:
-    """Return the rules for a platform's table, which has no study file.
-
-    First the marks in the table, then failed catch trials; each only where the table has any.
-    """
+    """Return the rules for a platform's table: its marks and failed catch trials, if it has any."""
     catches = bool((table.answers["kind"] == "catch").any())
     return (
         *((marked(),) if table.marked else ()),
@@ -178,19 +179,7 @@ def participant_flow(
     arms: Sequence[ArmState] = (),
     arm_of: Mapping[str, str] | None = None,
 ) -> tuple[Flow, ...]:
-    """Count participants arm by arm.
-
-    Parameters
-    ----------
-    table : AnswerTable
-        Who answered.
-    left_out : LeftOut
-        What the rules did.
-    arms : sequence of ArmState
-        Of a study; without any, everybody is in one arm.
-    arm_of : mapping of str to str
-        The arm of each participant.
-    """
+    """Count participants arm by arm; without `arms`, everybody is in one."""
     arm_of = arm_of or {}
     answered = Counter(arm_of.get(name, EVERYBODY) for name in table.participants)
     removed = Counter(
@@ -209,3 +198,195 @@ def participant_flow(
             )
         )
     return tuple(flows)
+
+
+_SHOWN: Final = (
+    *("participant", "set", "trial", "segment", "kind", "left", "right", "condition"),
+    *("left_speech", "right_speech", "correct_side"),
+)
+"""Columns that identify a presentation, where a protocol has them."""
+
+
+def facts_of(table: AnswerTable, known: Mapping[str, KnownFacts]) -> tuple[ParticipantFacts, ...]:
+    """Return the facts about every participant, in the table's order.
+
+    A study's own judgement of catch trials and attention checks replaces the table's.
+    """
+    answers = table.answers
+    analysed = answers[answers["kind"].isin(ANALYSED_KINDS)]
+    catch = _failed(answers[answers["kind"] == "catch"], _wrong_side)
+    attention = _failed(answers[answers["kind"] == "attention"], _disobeyed)
+    by_participant = analysed.groupby("participant", observed=True)
+    watched = by_participant["watched"].mean().to_dict()
+    seconds = {
+        str(name): np.sort(times.dropna().to_numpy(np.float64))
+        for name, times in by_participant["seconds"]
+    }
+    same = _same_answers(table, analysed)
+    participants = []
+    for name in table.participants:
+        facts = KnownFacts(
+            failed_catch=None if catch is None else catch.get(name, 0),
+            failed_attention=None if attention is None else attention.get(name, 0),
+        )
+        participants.append(
+            ParticipantFacts(
+                participant=name,
+                marked=table.marked.get(name, ""),
+                watched=watched.get(name, math.nan),
+                seconds=seconds.get(name, np.zeros(0)),
+                same_answers=None if same is None else same.get(name, ()),
+                **vars(known.get(name, facts)),
+            )
+        )
+    return tuple(participants)
+
+
+def _wrong_side(catch: pd.DataFrame) -> NDArray[np.bool_]:
+    """Tell which answers do not prefer the correct side, weakly or strongly."""
+    sign = np.where(catch["correct_side"].astype(object) == "right", 1, -1)
+    return np.asarray((catch["value"].to_numpy() - MIDDLE) * sign <= 0, bool)
+
+
+def _disobeyed(attention: pd.DataFrame) -> NDArray[np.bool_]:
+    """Tell which answers are not the one asked for; where none is asked for, any will do."""
+    asked = attention["instructed"].to_numpy(np.float64)
+    values = attention["value"].to_numpy(np.float64)
+    return np.asarray(np.isfinite(asked) & (values != asked), bool)
+
+
+def _failed(
+    answers: pd.DataFrame, wrong: Callable[[pd.DataFrame], NDArray[np.bool_]]
+) -> dict[str, int] | None:
+    """Return how many presentations each participant failed; one wrong answer is enough."""
+    if answers.empty:
+        return None
+    judged = pd.DataFrame(
+        {
+            "participant": answers["participant"].astype(object),
+            "presentation": _presentations(answers),
+            "wrong": wrong(answers),
+        }
+    )
+    failed = judged.groupby(["participant", "presentation"], sort=False)["wrong"].any()
+    counts = failed.groupby("participant", sort=False).sum()
+    return {str(name): int(count) for name, count in counts.items()}
+
+
+def _presentations(answers: pd.DataFrame) -> NDArray[np.int64]:
+    """Return a number for each presentation: rows that differ in the question alone share it.
+
+    Without numbers of trials, a second answer to a question belongs to a second showing.
+    """
+    shown = [name for name in _SHOWN if name in answers]
+    codes = pd.DataFrame({name: answers[name].cat.codes for name in [*shown, "question"]})
+    codes["showing"] = codes.groupby([*shown, "question"], sort=False).cumcount()
+    numbers = codes.groupby([*shown, "showing"], sort=False).ngroup()
+    return np.asarray(numbers.to_numpy(), np.int64)
+
+
+def _same_answers(
+    table: AnswerTable, analysed: pd.DataFrame
+) -> dict[str, tuple[SameAnswer, ...]] | None:
+    """Return how alike each participant's answers are; None of rankings, whose ranks differ."""
+    if table.protocol == "ranking":
+        return None
+    by_participant: dict[str, tuple[SameAnswer, ...]] = {}
+    for question in table.questions:
+        answers = analysed[analysed["question"] == question]
+        for name, same in _most_frequent(answers, question).items():
+            by_participant[name] = (*by_participant.get(name, ()), same)
+    return by_participant
+
+
+def _most_frequent(answers: pd.DataFrame, question: str = "") -> dict[str, SameAnswer]:
+    """Return how often each participant gave the same answer, in the order of appearance."""
+    times = answers.groupby(["participant", "value"], sort=False, observed=True).size()
+    each = times.groupby(level=0, sort=False, observed=True)
+    return {
+        str(name): SameAnswer(question=question, answers=int(total), share=float(most / total))
+        for (name, total), most in zip(each.sum().items(), each.max(), strict=True)
+    }
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResponseTimes:
+    """How long answers took.
+
+    Attributes
+    ----------
+    median, low_quartile, high_quartile : float
+        Of the participants' medians, in seconds; NaN without times.
+    limit : float
+        Half the median: a participant whose median is below it is too fast.
+    too_fast : mapping of participant to float
+        The medians of those who are.
+    n, missing : int
+        Answers whose time is known, and is not.
+    reason : str
+        Why there are no numbers; empty where there are.
+    """
+
+    median: float = math.nan
+    low_quartile: float = math.nan
+    high_quartile: float = math.nan
+    limit: float = math.nan
+    too_fast: Mapping[str, float]
+    n: int
+    missing: int
+    reason: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StraightLining:
+    """Who gives one answer again and again.
+
+    Attributes
+    ----------
+    limit : float
+        Share of the commonest answer from which a participant is listed.
+    participants : mapping of participant to float
+        That share of those who are.
+    """
+
+    limit: float
+    participants: Mapping[str, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quality:
+    """How all participants answered, the excluded ones included."""
+
+    response_seconds: ResponseTimes
+    straight_lining: StraightLining
+
+
+def quality(everyone: pd.DataFrame) -> Quality:
+    """Describe how all participants answered main and repeated trials; nobody is excluded by it."""
+    lines = _most_frequent(everyone.assign(value=everyone["value"].round()))
+    return Quality(
+        response_seconds=_response_times(everyone),
+        straight_lining=StraightLining(
+            limit=ALIKE,
+            participants={name: same.share for name, same in lines.items() if same.share >= ALIKE},
+        ),
+    )
+
+
+def _response_times(answers: pd.DataFrame) -> ResponseTimes:
+    known = answers[np.isfinite(answers["seconds"])]
+    missing = len(answers) - len(known)
+    if known.empty:
+        return ResponseTimes(too_fast={}, n=0, missing=missing, reason="no response times")
+    medians = known.groupby("participant", sort=False, observed=True)["seconds"].median()
+    low, middle, high = np.quantile(medians.to_numpy(np.float64), [0.25, 0.5, 0.75]).tolist()
+    limit = middle / RELATIVE_SPEED
+    return ResponseTimes(
+        median=middle,
+        low_quartile=low,
+        high_quartile=high,
+        limit=limit,
+        too_fast={str(name): float(median) for name, median in medians.items() if median < limit},
+        n=len(known),
+        missing=missing,
+    )

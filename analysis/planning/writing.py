@@ -20,11 +20,10 @@ from analysis.planning.plan import WANTED, Plan
 from analysis.planning.power import Power
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, draw_sheet
 from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, as_file, series_style
-from analysis.report.tables import write_frame
 from analysis.report.texts import paragraphs
 from analysis.report.wording import count, share
 from analysis.results.report import as_json
-from motion.files import replacing, write_text
+from motion.files import replacing, write_frame, write_text
 
 CELLS: Final = ".simulated"
 """Folder beside them that keeps what was simulated."""

@@ -10,13 +10,14 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final, cast
 
+import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from analysis.report import wording
-from analysis.report.content import Picture, PlayableMotion, Section, Subject
+from analysis.report.content import Picture, PlayableMotion, Section, Subject, Table
 from analysis.report.figures.style import FORMATS, as_file
 from analysis.report.sections.answer import (
     METHODS_ANCHOR,
@@ -37,13 +38,13 @@ from analysis.report.sections.participants import (
     truth_section,
 )
 from analysis.report.sections.preferences import mismatch_sections, pairwise_sections
-from analysis.report.tables import as_frame, booktabs, csv_tables, write_frame
-from analysis.report.texts import paragraphs, template_file
+from analysis.report.texts import booktabs, paragraphs, template_file
+from analysis.results.grouping import ByQuestion
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
-from analysis.results.report import TableReport, as_json
-from motion.files import replacing, write_text
+from analysis.results.report import TableReport, as_json, plain
+from motion.files import replacing, write_frame, write_text
 
 
 def write_report(
@@ -150,6 +151,96 @@ def write_page_files(page: Page, folder: Path) -> None:
             for extension in FORMATS:
                 with replacing(folder / "figures" / f"{picture.name}.{extension}") as draft:
                     draft.write_bytes(as_file(picture.figure, extension))
+
+
+def as_frame(table: Table) -> pd.DataFrame:
+    """Return a table's numbers, and the text of cells without a number."""
+    groups = [label for label, span in table.groups for _ in range(span)]
+    header = table.header
+    if groups:
+        header = tuple(f"{g} {h}".strip() for g, h in zip(groups, header, strict=True))
+    return pd.DataFrame(
+        [
+            [cell.text if cell.value is None else float(f"{cell.value:.10g}") for cell in row]
+            for row in table.rows
+        ],
+        columns=list(header),
+    )
+
+
+Record = dict[str, Any]
+"""One row of a CSV file."""
+
+
+def csv_tables(report: TableReport) -> dict[str, pd.DataFrame]:
+    """Return all results as tables by file name: a row per entry, nested names joined by '_'."""
+    keys, has_sets = report.keys(), bool(report.sets)
+    records: dict[str, list[Record]] = {
+        "exclusions": [
+            {"participant": participant, "reason": reason}
+            for participant, reason in report.exclusions.items()
+        ]
+    }
+    for name in ("rules", "flow", "sensitivity", *vars(report.results)):
+        if not isinstance(keys[name], str):
+            records[name] = _records(keys[name], has_sets)
+    records["metrics_against_people"] = [
+        record
+        for entry in _records(report.metrics_against_people, has_sets)
+        for record in _records_of_metrics(entry)
+    ]
+    for name in {"heterogeneity", "bradley_terry", "plackett_luce"} & records.keys():
+        records[name] = [record for entry in records[name] for record in _unnested(entry)]
+    for flow in records["flow"]:
+        counts = zip((rule.rule for rule in report.rules), flow.pop("removed"), strict=True)
+        flow |= {f"removed_{place}_{rule}": n for place, (rule, n) in enumerate(counts, start=1)}
+    return {
+        f"{name}.csv": pd.json_normalize([_flat(record) for record in entries], sep="_")
+        for name, entries in records.items()
+        if entries
+    }
+
+
+def _records(results: Any, has_sets: bool) -> list[Record]:
+    """Return a list of results, or results by question, as records."""
+    if not isinstance(results, ByQuestion):
+        return [*cast(Any, plain(results))]
+    return [
+        ({"set": row.set} if has_sets else {})
+        | {"question": row.question}
+        | cast(Any, plain(row.found))
+        for row in results.rows()
+    ]
+
+
+def _unnested(entry: Record) -> list[Record]:
+    """Return a record for each level of an effect or each condition, with what they share."""
+    plural = "levels" if "levels" in entry else "conditions"
+    singular = plural[:-1]
+    shared = {name: value for name, value in entry.items() if name != plural}
+    return [shared | {singular: nested[singular]} | nested for nested in entry[plural]]
+
+
+def _records_of_metrics(entry: Record) -> list[Record]:
+    """Return a record for each metric compared with the answers to a question."""
+    question = {name: entry[name] for name in ("set", "question") if name in entry}
+    return [
+        question | {name: metric[name] for name in metric if name not in ("left_out", "places")}
+        for metric in entry["metrics"]
+    ]
+
+
+def _flat(record: Record) -> Record:
+    """Join lists of numbers or words in one cell, and drop lists of results."""
+    flat: Record = {}
+    for name, value in record.items():
+        if isinstance(value, dict):
+            flat[name] = _flat(value)
+        elif not isinstance(value, list):
+            flat[name] = value
+        elif not any(isinstance(item, dict) for item in value):
+            flat[name] = "; ".join(map(str, value))
+    return flat
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""The report's text from templates: paragraphs, tables and captions.
+"""The report's text from templates: paragraphs, tables (also as LaTeX) and captions.
 
 In a template, functions give words (``share(x)``) and filters give cells of a table
 (``x | share``). ``tables.toml`` lists the columns of each table, ``figures.toml`` the text around
@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from importlib.resources import files
-from itertools import groupby
+from itertools import accumulate, groupby
 from typing import Any, Final, NamedTuple
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template, Undefined, UndefinedError
@@ -26,6 +26,9 @@ from motion.errors import listed
 
 _MOST_QUESTIONS_ACROSS: Final = 3
 """Questions up to which a table shows them side by side."""
+
+LONGEST: Final = 40
+"""Rows up to which a table floats; a longer one breaks across pages."""
 
 Facts = dict[str, Any]
 """What a template can refer to, by name."""
@@ -289,3 +292,73 @@ def _estimate_cell(estimate: Estimate, formatted: Callable[[float], str] = wordi
     interval = wording.interval(estimate, formatted)
     text = f"{formatted(estimate.estimate)}{wording.NO_BREAK}{interval}"
     return number_cell(estimate.estimate, text.rstrip(wording.NO_BREAK))
+
+
+def booktabs(table: Table, *, remark: str = "") -> str:
+    """Return a table as LaTeX that compiles whatever its cells contain.
+
+    Parameters
+    ----------
+    table : Table
+        The table; its best cells become bold, its second best underlined.
+    remark : str, optional
+        Put before the caption, for example that no person answered.
+    """
+    is_long = len(table.rows) > LONGEST
+    ends = list(accumulate(span for _, span in table.groups))
+    body = (
+        _latex_environment()
+        .get_template("table.tex")
+        .render(
+            table=table,
+            is_long=is_long,
+            columns="l" * table.text_columns + "r" * (len(table.header) - table.text_columns),
+            caption=f"{remark} {table.caption}".strip(),
+            rules=[
+                (end - span + 1, end)
+                for (label, span), end in zip(table.groups, ends, strict=True)
+                if label
+            ],
+        )
+    )
+    return "\n".join([*_requirements(body, is_long=is_long), body])
+
+
+@cache
+def _latex_environment() -> Environment:
+    environment = Environment(  # noqa: S701 - what is written is LaTeX, escaped by its own filter
+        loader=PackageLoader("analysis.report", "templates"),
+        undefined=StrictUndefined,
+        block_start_string="<%",
+        block_end_string="%>",
+        variable_start_string="<<",
+        variable_end_string=">>",
+        comment_start_string="<#",
+        comment_end_string="#>",
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["latex"] = as_latex
+    return environment
+
+
+def as_latex(text: str) -> str:
+    """Return text as LaTeX prints it, with every special character escaped."""
+    return text.translate(_escapes())
+
+
+@cache
+def _escapes() -> dict[int, str]:
+    return str.maketrans(tomllib.loads(template_file("latex.toml")))
+
+
+def _requirements(body: str, *, is_long: bool) -> list[str]:
+    """Return comments that name the packages the table needs."""
+    packages = "booktabs,longtable" if is_long else "booktabs,graphicx"
+    lines = [rf"% Needs \usepackage{{{packages}}} and \usepackage[T1]{{fontenc}}."]
+    if "textquotesingle" in body:
+        lines.append(r"% Needs \usepackage{textcomp} before LaTeX 2020.")
+    if any(ord(character) > 0x17F for character in body):
+        lines.append("% Some names need LuaLaTeX or XeLaTeX and a font that has their letters.")
+    return lines

@@ -19,11 +19,12 @@ from analysis.answers.participants import (
     ArmState,
     Flow,
     LeftOut,
+    Quality,
     leave_out,
     participant_flow,
+    quality,
     table_rules,
 )
-from analysis.answers.quality import Quality, quality
 from analysis.answers.reading import read_answers
 from analysis.answers.table import LAYOUTS, AnswerTable
 from analysis.results.grouping import EVERYTHING, ByQuestion, Family, read_family

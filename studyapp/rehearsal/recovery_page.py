@@ -8,10 +8,9 @@ import pandas as pd
 
 from analysis.report.content import Cell, Section, Table
 from analysis.report.page import Page, render_page
-from analysis.report.tables import write_frame
 from analysis.report.texts import table
 from analysis.report.wording import labelled
-from motion.files import write_text
+from motion.files import write_frame, write_text
 from studyapp.rehearsal.recovered import Recovery
 from studyapp.rehearsal.recovery_words import (
     counts_in_words,

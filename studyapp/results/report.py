@@ -17,13 +17,12 @@ from analysis.report import Subject, wording, write_report
 from analysis.report.content import PlayableMotion
 from analysis.report.page import TASKS
 from analysis.report.sections.metric_table import SCORES
-from analysis.report.tables import write_frame
 from analysis.results.against_people import metrics_against_people
 from analysis.results.heterogeneity import PreferredPair, preferred_pairs
 from analysis.results.known_values import found_values
 from analysis.results.report import Settings, Source, TableReport, analyse_answers
 from analysis.stats.multiple_testing import NOT_LOGGED, LooksBefore
-from motion.files import harmless_frame, replacing
+from motion.files import harmless_frame, replacing, write_frame
 from motion.segment import Segment
 from renderer.viewer.page import MotionFigures, scripts, style
 from studyapp.rehearsal.simulation.truth import read_truth

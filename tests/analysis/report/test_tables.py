@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 
 from analysis.report.content import Cell, Table
-from analysis.report.tables import LONGEST, as_frame, as_latex, booktabs
+from analysis.report.page import as_frame
+from analysis.report.texts import LONGEST, as_latex, booktabs
 
 
 def cells(*texts: str) -> tuple[Cell, ...]:
