@@ -23,7 +23,7 @@ from analysis.answers.participants import LeftOut, leave_out
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import PAIRWISE, AnswerTable
 from analysis.results.known_values import KnownValue
-from analysis.results.net_preference import sided
+from analysis.results.mixed_models import sided
 from analysis.results.preference import win_share
 from motion.segment import EMOTIONS, Segment
 from studyapp.rehearsal.simulation.judgement import Conduct, judge

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.planning.part import Opinions, Part, preference_thresholds
-from analysis.results.net_preference import (
+from analysis.results.mixed_models import (
     Expected,
     SidedAnswers,
     expected,

@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 from analysis.answers.table import AnswerTable
 from analysis.planning.part import Opinions
 from analysis.results.grouping import codes, split_by_key, split_by_question
-from analysis.results.net_preference import (
+from analysis.results.mixed_models import (
     net_preference,
     sided,
 )

@@ -39,10 +39,9 @@ from analysis.report.sections.participants import (
 )
 from analysis.report.sections.preferences import mismatch_sections, pairwise_sections
 from analysis.report.texts import booktabs, paragraphs, template_file
+from analysis.results.conditions import RankingResults, RatingResults
 from analysis.results.grouping import ByQuestion
 from analysis.results.pairwise import MismatchResults, PairwiseResults
-from analysis.results.ranking import RankingResults
-from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport, as_json, plain
 from motion.files import replacing, write_frame, write_text
 

@@ -22,22 +22,23 @@ from analysis.results.grouping import (
     ResultKey,
     codes,
     shown_codes,
+    shown_conditions,
     split_by_key,
     split_by_question,
 )
-from analysis.results.net_preference import sided
+from analysis.results.mixed_models import sided
 from analysis.results.preference import win_share
-from analysis.results.ranking import concordance, placements_of
 from analysis.stats.agreement import (
     Alpha,
     Concordance,
     Retest,
+    kendall_w,
     krippendorff_alpha,
     retest_agreement,
 )
 from analysis.stats.clustered_mean import Estimate, Interval, clustered_mean
 from analysis.stats.intraclass import Intraclass, intraclass_correlation
-from analysis.stats.rankings import rank_summaries
+from analysis.stats.rankings import Placements, placements, rank_summaries
 
 Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 
@@ -323,3 +324,13 @@ def agreed_so_far(table: AnswerTable, left_out: LeftOut) -> tuple[AgreedSoFar, .
             )
         )
     return tuple(agreements)
+
+
+def placements_of(answers: pd.DataFrame) -> Placements:
+    """Return the rankings of one question."""
+    return placements(answers.rename(columns={"value": "rank"}), shown_conditions(answers))
+
+
+def concordance(rankings: Placements) -> Concordance:
+    """Return how far participants agree; several rankings of a segment count as their mean."""
+    return kendall_w(rankings.averaged())

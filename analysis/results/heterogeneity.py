@@ -20,7 +20,7 @@ from analysis.results.grouping import (
     shown_codes,
     split_by_key,
 )
-from analysis.results.net_preference import sided
+from analysis.results.mixed_models import sided
 from analysis.stats.clustered_mean import UNTESTED, Estimate, clustered_mean
 from analysis.stats.f_tests import FTest, between_groups, between_segments
 from analysis.stats.multiple_testing import holm

@@ -7,11 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
+from analysis.results.conditions import RankingResults, RatingResults
 from analysis.results.grouping import ResultKey
 from analysis.results.headline import Measure
 from analysis.results.pairwise import MismatchResults, PairwiseResults
-from analysis.results.ranking import RankingResults
-from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
 from analysis.stats.clustered_mean import LEVEL, Estimate
 

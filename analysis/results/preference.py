@@ -19,7 +19,7 @@ from analysis.results.grouping import (
     count_participants,
     split_by_key,
 )
-from analysis.results.net_preference import NetPreference, SidedAnswers, net_preference, sided
+from analysis.results.mixed_models import NetPreference, SidedAnswers, net_preference, sided
 from analysis.stats.clustered_mean import Estimate, Interval, clustered_mean
 from analysis.stats.f_tests import min_f
 from analysis.stats.one_sample_tests import Pooled, pooled_tests, sign_test, signed_rank

@@ -27,6 +27,12 @@ from analysis.answers.participants import (
 )
 from analysis.answers.reading import read_answers
 from analysis.answers.table import LAYOUTS, AnswerTable
+from analysis.results.conditions import (
+    RankingResults,
+    RatingResults,
+    ranking_results,
+    rating_results,
+)
 from analysis.results.grouping import EVERYTHING, ByQuestion, Family, read_family
 from analysis.results.headline import Sensitivity, sensitivity
 from analysis.results.pairwise import (
@@ -35,8 +41,6 @@ from analysis.results.pairwise import (
     mismatch_results,
     pairwise_results,
 )
-from analysis.results.ranking import RankingResults, ranking_results
-from analysis.results.rating import RatingResults, rating_results
 from analysis.stats.multiple_testing import NOT_LOGGED, LooksBefore
 from analysis.stats.one_sample_tests import require_margin
 from motion.errors import InputError

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from analysis.metrics.scores import Better, StudyMetrics
 from analysis.results.grouping import codes, shown_codes
-from analysis.results.net_preference import sided
+from analysis.results.mixed_models import sided
 from analysis.stats.samples import Table, bootstrap_counts, table_of, weighted_row_sums
 from analysis.stats.strength_models import fit_strengths_of_tables
 

@@ -26,8 +26,7 @@ from analysis.report.figures.style import (
     series_style,
     text_colour,
 )
-from analysis.results.ranking import RankedCondition
-from analysis.results.rating import RatedCondition
+from analysis.results.conditions import RankedCondition, RatedCondition
 from analysis.stats.clustered_mean import Estimate, Interval
 
 ResultT = TypeVar("ResultT", RankedCondition, RatedCondition)

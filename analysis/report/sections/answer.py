@@ -15,11 +15,10 @@ from analysis.report.sections.heterogeneity import overall_effects
 from analysis.report.sections.participants import looks_sentence, places_words
 from analysis.report.texts import paragraphs
 from analysis.report.wording import INTERVAL, SIGNIFICANCE, between, number
+from analysis.results.conditions import RankingResults, RatedDifference, RatingResults
 from analysis.results.grouping import ResultKey, Row
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.preference import FEWEST, Comparison, Decision, MatchedCondition
-from analysis.results.ranking import RankingResults
-from analysis.results.rating import RatedDifference, RatingResults
 from analysis.results.report import TableReport
 from analysis.results.strengths import StrengthDifference
 

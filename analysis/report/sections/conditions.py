@@ -30,8 +30,13 @@ from analysis.report.figures.style import (
 )
 from analysis.report.texts import figure_text, table
 from analysis.report.wording import SIGNIFICANCE, ordinal, ranks, reason_for_no_figure, set_suffix
-from analysis.results.ranking import RankedCondition, RankingResults
-from analysis.results.rating import RatedCondition, RatingContrast, RatingResults
+from analysis.results.conditions import (
+    RankedCondition,
+    RankingResults,
+    RatedCondition,
+    RatingContrast,
+    RatingResults,
+)
 from analysis.results.strengths import ConditionStrength, StrengthDifference, StrengthModel
 
 MOST_PAIRS: Final = 15

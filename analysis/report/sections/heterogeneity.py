@@ -15,6 +15,7 @@ from analysis.report.figures.panels import Row
 from analysis.report.figures.style import Scale
 from analysis.report.sections.preferences import reference_of
 from analysis.report.texts import figure_text, paragraphs, table
+from analysis.results.conditions import RankingResults, RatingResults
 from analysis.results.grouping import ResultKey
 from analysis.results.heterogeneity import (
     FEW,
@@ -25,8 +26,6 @@ from analysis.results.heterogeneity import (
 )
 from analysis.results.heterogeneity import Cell as Level
 from analysis.results.pairwise import MismatchResults, PairwiseResults
-from analysis.results.ranking import RankingResults
-from analysis.results.rating import RatingResults
 from analysis.results.report import Results, TableReport
 from analysis.stats.clustered_mean import Estimate
 

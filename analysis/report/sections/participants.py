@@ -14,9 +14,9 @@ from analysis.report import wording
 from analysis.report.content import Picture, Section, Still, Subject
 from analysis.report.sections.preferences import reference_of
 from analysis.report.texts import paragraphs, sentence, table
+from analysis.results.conditions import RankingResults
 from analysis.results.headline import Sensitivity
 from analysis.results.pairwise import MismatchResults, PairwiseResults
-from analysis.results.ranking import RankingResults
 from analysis.results.report import TableReport
 from analysis.stats.clustered_mean import LEVEL
 

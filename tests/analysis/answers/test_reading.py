@@ -9,7 +9,7 @@ import pytest
 from analysis.answers.cells import read_cells
 from analysis.answers.reading import MARKED, read_answers
 from analysis.answers.table import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE, AnswerTable, Layout
-from analysis.results.ranking import placements_of
+from analysis.results.headline import placements_of
 from motion.errors import InputError
 from motion.files import write_frame
 from tests.analysis.results.made_tables import read_table

@@ -10,7 +10,7 @@ from analysis.planning.deciding_tests import DecidingTests
 from analysis.planning.grid import Task, simulate_cell
 from analysis.planning.part import Opinions, Part, simulate_answers
 from analysis.planning.power import Effort, Power, simulate_power
-from analysis.results.net_preference import SidedAnswers, net_preference
+from analysis.results.mixed_models import SidedAnswers, net_preference
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.multiple_testing import holm_rows
 from tests.analysis.planning.sketch import Sketch

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from analysis.results.ranking import RankingResults
+from analysis.results.conditions import RankingResults
 from tests.analysis.results.made_tables import ranking_table, report_of
 
 

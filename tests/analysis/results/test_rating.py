@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.results.rating import RatingResults
+from analysis.results.conditions import RatingResults
 from analysis.results.report import as_json
 from analysis.stats.multiple_testing import holm
 from tests.analysis.reference import reference_ratings, with_reference

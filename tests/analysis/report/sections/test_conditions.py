@@ -7,8 +7,7 @@ import pytest
 
 from analysis.report.content import Section
 from analysis.report.sections.conditions import distribution_pictures
-from analysis.results.ranking import RankingResults
-from analysis.results.rating import RatingResults
+from analysis.results.conditions import RankingResults, RatingResults
 from analysis.results.report import TableReport
 from tests.analysis.report.sections.conftest import Analyse
 from tests.analysis.report.sections.reading import (

@@ -1,12 +1,11 @@
-"""Results of ratings: means, a test of how much better one is rated, and a model that describes."""
+"""Results of conditions that were rated or ranked one by one."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import combinations
-from typing import Final
 
 import numpy as np
 import pandas as pd
@@ -23,14 +22,41 @@ from analysis.results.grouping import (
     by_question,
     codes,
     shown_conditions,
+    split_by_key,
     split_by_question,
 )
-from analysis.results.headline import Agreement, agreement_of, retest_of
-from analysis.results.heterogeneity import PairHeterogeneity, correct_tests, heterogeneity
-from analysis.stats.agreement import Retest
+from analysis.results.headline import (
+    Agreement,
+    agreement_of,
+    concordance,
+    placements_of,
+    retest_of,
+)
+from analysis.results.heterogeneity import (
+    ConditionHeterogeneity,
+    PairHeterogeneity,
+    correct_tests,
+    heterogeneity,
+)
+from analysis.results.mixed_models import MOST_SCORES, RatingModel, rating_model
+from analysis.results.strengths import (
+    RANKING,
+    PlackettLuceWorths,
+    StrengthDifference,
+    fit_worths,
+)
+from analysis.stats.agreement import Concordance, Retest
 from analysis.stats.clustered_mean import Estimate
 from analysis.stats.one_sample_tests import Equivalence, equivalence_of, equivalence_of_means
-from analysis.stats.ordinal.mixed_model import RandomEffect, fit
+from analysis.stats.rankings import (
+    Friedman,
+    PairwiseRanks,
+    RankSummary,
+    blocks_of_rankings,
+    compare_pairs,
+    friedman,
+    rank_summaries,
+)
 from analysis.stats.ratings import (
     RatingSummary,
     cliffs_delta,
@@ -38,99 +64,6 @@ from analysis.stats.ratings import (
     rated_cells,
     rating_table,
 )
-from motion.errors import InputError
-
-MOST_SCORES: Final = 21
-"""Ratings with more distinct values are not modelled as ordered categories."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RatingModel:
-    """The model ``rating ~ condition + (1 | participant) + (1 | segment)``, in logits.
-
-    It assumes that conditions differ alike for all participants and segments. Where they do not,
-    its errors are too small, so it gives none; the differences of paired ratings are tested.
-
-    Attributes
-    ----------
-    reference : str
-        The condition whose effect is zero.
-    estimates : mapping of condition to float
-        Above zero where a condition is rated better than the reference.
-    log_likelihood : float
-        By Laplace's approximation.
-    sd_participant, sd_segment : float
-        How much ratings differ between participants and between segments.
-    thresholds : tuple of float
-        Between neighbouring scores of those that somebody gave.
-    n : int
-        Ratings.
-    remark, reason : str
-        What limits the result; why there is none.
-    """
-
-    reference: str = ""
-    estimates: Mapping[str, float]
-    log_likelihood: float = math.nan
-    sd_participant: float = math.nan
-    sd_segment: float = math.nan
-    thresholds: tuple[float, ...] = ()
-    n: int
-    remark: str = ""
-    reason: str = ""
-
-
-def rating_model(answers: pd.DataFrame) -> RatingModel:
-    """Fit the ratings of one question, with the first condition as the reference."""
-    shown = shown_conditions(answers)
-    ratings = answers["value"].to_numpy().astype(np.int64)
-    scores = tuple(np.unique(ratings).tolist())
-    names = answers["condition"].to_numpy(object)
-    unknown = RatingModel(
-        reference=shown[0],
-        estimates=dict.fromkeys(shown, math.nan),
-        n=len(ratings),
-    )
-    random = [
-        RandomEffect(name=name, groups=codes(answers, name)) for name in ("participant", "segment")
-    ]
-    reason = _why_no_model(shown, scores, random)
-    if reason:
-        return replace(unknown, reason=reason)
-    covariates = {name: (names == name).astype(np.float64) for name in shown[1:]}
-    try:
-        model = fit(ratings, covariates, random)
-    except InputError as error:
-        return replace(unknown, reason=error.what)
-    if not model.converged:
-        return replace(unknown, reason=model.remark)
-    return replace(
-        unknown,
-        estimates={shown[0]: 0.0, **model.estimates},
-        log_likelihood=model.log_likelihood,
-        sd_participant=model.deviations["participant"],
-        sd_segment=model.deviations["segment"],
-        thresholds=model.thresholds,
-        remark=model.remark,
-    )
-
-
-def _why_no_model(
-    shown: tuple[str, ...], scores: tuple[int, ...], random: list[RandomEffect]
-) -> str:
-    if len(shown) < 2:
-        return "one condition"
-    for effect in random:
-        if len(np.unique(effect.groups)) < 2:
-            return f"one {effect.name}"
-    if len(scores) < 2:
-        return "all ratings alike"
-    if len(scores) > MOST_SCORES:
-        return (
-            f"{len(scores)} different ratings are no ordered categories; means and Cliff's delta "
-            "stand"
-        )
-    return ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -310,3 +243,101 @@ def scores_of(table: AnswerTable) -> tuple[int, ...]:
     low = min((low for low, _ in table.scales.values()), default=min(1, scores[0]))
     high = max((high for _, high in table.scales.values()), default=max(5, scores[-1]))
     return tuple(range(low, high + 1)) if high - low < MOST_SCORES else tuple(scores)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RankedCondition(RankSummary, ConditionKey):
+    """Where a condition is placed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RankContrast(PairwiseRanks, PairKey):
+    """Whether two conditions are placed differently, after Friedman's test; secondary.
+
+    It rests on participants' mean ranks and takes the segments as the only ones of interest.
+    """
+
+
+@dataclass(frozen=True, kw_only=True)
+class RankingResults:
+    """All of them.
+
+    Attributes
+    ----------
+    conditions : tuple of RankedCondition
+        In the order of sets, questions and conditions.
+    plackett_luce, kendall_w, friedman : mapping of question to result
+        See `ByQuestion`.
+    contrasts : tuple of StrengthDifference
+        Every two conditions by their worths, in the order of sets and questions; the headline.
+    posthoc : tuple of RankContrast
+        Every two conditions, in the order of sets and questions.
+    heterogeneity : tuple of ConditionHeterogeneity
+        Mean ranks by emotion, speaker and segment.
+    """
+
+    conditions: tuple[RankedCondition, ...]
+    plackett_luce: ByQuestion[PlackettLuceWorths]
+    kendall_w: ByQuestion[Concordance]
+    friedman: ByQuestion[Friedman]
+    contrasts: tuple[StrengthDifference, ...]
+    posthoc: tuple[RankContrast, ...]
+    heterogeneity: tuple[ConditionHeterogeneity, ...]
+
+
+def ranking_results(
+    table: AnswerTable, left_out: LeftOut, family: Family = EVERYTHING
+) -> RankingResults:
+    """Analyse rankings; `family` tells which tests decide."""
+    fits: dict[tuple[str | None, str], PlackettLuceWorths] = {}
+    agreements: dict[tuple[str | None, str], Concordance] = {}
+    tests: dict[tuple[str | None, str], Friedman] = {}
+    conditions: list[RankedCondition] = []
+    contrasts: list[StrengthDifference] = []
+    posthoc: list[RankContrast] = []
+    effects: list[ConditionHeterogeneity] = []
+    for set_name, question, answers in split_by_question(table, left_out.analysed):
+        key = set_name, question
+        rankings = placements_of(answers)
+        blocks = blocks_of_rankings(rankings)
+        fits[key], differences = fit_worths(answers, set_name, question)
+        contrasts += differences
+        agreements[key] = concordance(rankings)
+        tests[key] = friedman(blocks)
+        conditions += [
+            RankedCondition(set=set_name, question=question, **vars(summary))
+            for summary in rank_summaries(rankings)
+        ]
+        posthoc += [
+            RankContrast(set=set_name, question=question, **vars(pair))
+            for pair in compare_pairs(blocks)
+        ]
+        effects += _rank_heterogeneity(table, answers)
+    return RankingResults(
+        conditions=tuple(conditions),
+        plackett_luce=as_by_question(table, fits),
+        kendall_w=as_by_question(table, agreements),
+        friedman=as_by_question(table, tests),
+        contrasts=family.decide(contrasts),
+        posthoc=tuple(posthoc),
+        heterogeneity=correct_tests(effects),
+    )
+
+
+def _rank_heterogeneity(
+    table: AnswerTable, answers: pd.DataFrame
+) -> Iterator[ConditionHeterogeneity]:
+    """Yield the mean ranks of one question by emotion, speaker and segment."""
+    count = len(shown_conditions(answers))
+    by_ranking = answers.groupby(RANKING, observed=True, dropna=False)["value"]
+    ranked = answers.assign(rank=by_ranking.rank(), middle=(by_ranking.transform("size") + 1) / 2)
+    for key, part in split_by_key(table, ranked):
+        yield from heterogeneity(
+            ConditionHeterogeneity,
+            key,
+            part,
+            part["rank"].to_numpy(np.float64),
+            measure="mean_rank",
+            null=float(part["middle"].mean()),
+            limits=(1.0, count),
+        )

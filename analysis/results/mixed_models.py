@@ -1,8 +1,9 @@
-"""The net preference in a cumulative link mixed model of the answers as given, left to right."""
+"""Cumulative link mixed models: of preferences as given, left to right, and of ratings."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -10,7 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.grouping import codes, is_on_right
+from analysis.results.grouping import codes, is_on_right, shown_conditions
 from analysis.stats.ordinal.maximum import Beginning
 from analysis.stats.ordinal.mixed_model import (
     OrdinalFit,
@@ -32,6 +33,10 @@ SEPARATED: Final = (
 ONE_SIDE: Final = (
     "always shown on the same side: a preference for it cannot be told apart from one for the side"
 )
+
+
+MOST_SCORES: Final = 21
+"""Ratings with more distinct values are not modelled as ordered categories."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -218,3 +223,92 @@ def _remark(full: OrdinalFit, reduced: OrdinalFit) -> str:
     if not reduced.converged:
         return f"Without the preference the model did not converge. {full.remark}".strip()
     return full.remark
+
+
+@dataclass(frozen=True, kw_only=True)
+class RatingModel:
+    """The model ``rating ~ condition + (1 | participant) + (1 | segment)``, in logits.
+
+    It assumes that conditions differ alike for all participants and segments. Where they do not,
+    its errors are too small, so it gives none; the differences of paired ratings are tested.
+
+    Attributes
+    ----------
+    reference : str
+        The condition whose effect is zero.
+    estimates : mapping of condition to float
+        Above zero where a condition is rated better than the reference.
+    log_likelihood : float
+        By Laplace's approximation.
+    sd_participant, sd_segment : float
+        How much ratings differ between participants and between segments.
+    thresholds : tuple of float
+        Between neighbouring scores of those that somebody gave.
+    n : int
+        Ratings.
+    remark, reason : str
+        What limits the result; why there is none.
+    """
+
+    reference: str = ""
+    estimates: Mapping[str, float]
+    log_likelihood: float = math.nan
+    sd_participant: float = math.nan
+    sd_segment: float = math.nan
+    thresholds: tuple[float, ...] = ()
+    n: int
+    remark: str = ""
+    reason: str = ""
+
+
+def rating_model(answers: pd.DataFrame) -> RatingModel:
+    """Fit the ratings of one question, with the first condition as the reference."""
+    shown = shown_conditions(answers)
+    ratings = answers["value"].to_numpy().astype(np.int64)
+    scores = tuple(np.unique(ratings).tolist())
+    names = answers["condition"].to_numpy(object)
+    unknown = RatingModel(
+        reference=shown[0],
+        estimates=dict.fromkeys(shown, math.nan),
+        n=len(ratings),
+    )
+    random = [
+        RandomEffect(name=name, groups=codes(answers, name)) for name in ("participant", "segment")
+    ]
+    reason = _why_no_model(shown, scores, random)
+    if reason:
+        return replace(unknown, reason=reason)
+    covariates = {name: (names == name).astype(np.float64) for name in shown[1:]}
+    try:
+        model = fit(ratings, covariates, random)
+    except InputError as error:
+        return replace(unknown, reason=error.what)
+    if not model.converged:
+        return replace(unknown, reason=model.remark)
+    return replace(
+        unknown,
+        estimates={shown[0]: 0.0, **model.estimates},
+        log_likelihood=model.log_likelihood,
+        sd_participant=model.deviations["participant"],
+        sd_segment=model.deviations["segment"],
+        thresholds=model.thresholds,
+        remark=model.remark,
+    )
+
+
+def _why_no_model(
+    shown: tuple[str, ...], scores: tuple[int, ...], random: list[RandomEffect]
+) -> str:
+    if len(shown) < 2:
+        return "one condition"
+    for effect in random:
+        if len(np.unique(effect.groups)) < 2:
+            return f"one {effect.name}"
+    if len(scores) < 2:
+        return "all ratings alike"
+    if len(scores) > MOST_SCORES:
+        return (
+            f"{len(scores)} different ratings are no ordered categories; means and Cliff's delta "
+            "stand"
+        )
+    return ""
