@@ -11,7 +11,6 @@ from urllib.parse import urlsplit
 import click
 
 from motion.errors import InputError
-from motion.formats.joint_maps import read_joint_map
 from studyapp.desk.jobs import PROCESSES
 from studyapp.side_process import MOST_PROCESSES, available_processors
 from studyapp.study.folder import StudyFolder
@@ -55,10 +54,17 @@ class Number(click.FloatRange):
         return number if math.isfinite(number) else self.fail(f"{value!r} is not a number.")
 
 
+def _read_joint_map(path: str) -> Mapping[str, str]:
+    # Imported here: most commands read no motion.
+    from motion.formats.joint_maps import read_joint_map
+
+    return read_joint_map(Path(path))
+
+
 joints_option = click.option(
     "--joints",
     "joint_map",
-    type=lambda path: read_joint_map(Path(path)),
+    type=_read_joint_map,
     metavar="FILE",
     help="A file that maps the joints of another skeleton (BVH or joint positions), in lines such "
     'as pelvis = "Hips".',

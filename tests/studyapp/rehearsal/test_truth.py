@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.answers.participants import leave_out
-from analysis.results.net_preference import sided
+from analysis.results.mixed_models import sided
 from analysis.results.preference import win_share
 from analysis.stats.clustered_mean import Estimate
 from benchmarks.rehearsal_recovery import simulated

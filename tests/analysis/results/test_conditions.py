@@ -3,21 +3,28 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.results.conditions import RatingResults
+from analysis.results.conditions import RankingResults, RatingResults
 from analysis.results.report import as_json
 from analysis.stats.multiple_testing import holm
 from tests.analysis.reference import reference_ratings, with_reference
-from tests.analysis.results.made_tables import rating_table, report_of
+from tests.analysis.results.made_tables import ranking_table, rating_table, report_of
 
 
-def results(folder: Path, table: pd.DataFrame, margin: float | None = None) -> RatingResults:
-    result = report_of(table, "rating", folder, margin=margin).results
+def results(folder: Path, table: pd.DataFrame, **options: Any) -> RatingResults:
+    result = report_of(table, "rating", folder, **options).results
     assert isinstance(result, RatingResults)
+    return result
+
+
+def rankings(folder: Path, table: pd.DataFrame) -> RankingResults:
+    result = report_of(table, "ranking", folder).results
+    assert isinstance(result, RankingResults)
     return result
 
 
@@ -72,9 +79,8 @@ def test_paired_differences_of_all_questions_are_one_family_unless_it_is_declare
     table = rating_table(("x", "y", "z"), ("match", "style"), participants=8, segments=5)
     result = results(tmp_path, table).contrasts
 
-    by_question = report_of(table, "rating", tmp_path, family="by question").results
-    assert isinstance(by_question, RatingResults)
-    for contrasts, size in ((result, 6), (by_question.contrasts, 3)):
+    by_question = results(tmp_path, table, family="by question").contrasts
+    for contrasts, size in ((result, 6), (by_question, 3)):
         p_values = [one.difference.p_value for one in contrasts]
         corrected = [*holm(p_values[:size]), *holm(p_values[size:])]
         assert [one.difference.p_holm for one in contrasts] == pytest.approx(corrected)
@@ -103,9 +109,44 @@ def test_intervals_are_clipped_only_at_a_stated_scales_ends(tmp_path: Path) -> N
     table["response"] = [5, 5, 4] * 6
 
     def highest(scale: tuple[int, int] | None) -> float:
-        result = report_of(table, "rating", tmp_path, scale=scale).results
-        assert isinstance(result, RatingResults)
-        return max(condition.high for condition in result.conditions)
+        conditions = results(tmp_path, table, scale=scale).conditions
+        return max(condition.high for condition in conditions)
 
     assert highest((1, 5)) == 5
     assert 5 < highest((1, 7)) == highest(None) < 7
+
+
+def test_worths_and_ranks_follow_the_truth_with_segments_as_a_sample(
+    tmp_path: Path,
+) -> None:
+    result = rankings(tmp_path, ranking_table(participants=15))
+    fitted = result.plackett_luce.of_set(None)["realism"]
+    worths = {condition.condition: condition.estimate for condition in fitted.conditions}
+    assert sum(worths.values()) == pytest.approx(0, abs=1e-9)
+    assert worths["truth"] > worths["ours"] > worths["static"]
+    for condition in fitted.conditions:
+        assert condition.low < condition.estimate < condition.high
+    assert "4.96 degrees of freedom" in fitted.method
+    agreed = result.kendall_w.of_set(None)["realism"]
+    assert 0 < agreed.low < agreed.estimate < agreed.high <= 1
+    assert len(agreed.segments) == 6
+    assert [(pair.a, pair.b) for pair in result.posthoc] == [
+        ("truth", "ours"),
+        ("truth", "static"),
+        ("ours", "static"),
+    ]
+    assert all(pair.difference < 0 for pair in result.posthoc)
+
+
+def test_an_empty_rank_leaves_a_condition_out_of_its_ranking(tmp_path: Path) -> None:
+    table = ranking_table()
+    some = (
+        table["rank"]
+        .astype("Float64")
+        .mask((table["condition"] == "static") & (table["segment"] == "s1"))
+    )
+    result = rankings(tmp_path, table.assign(rank=some))
+    by_name = {condition.condition: condition for condition in result.conditions}
+    assert by_name["truth"].n == 12 * 6
+    assert by_name["static"].n == 12 * 5
+    assert by_name["truth"].remark == "12 of 72 rankings leave conditions out"
