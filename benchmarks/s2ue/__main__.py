@@ -19,7 +19,7 @@ from benchmarks.s2ue.draws import drawn_together
 from benchmarks.s2ue.measures import seams, speed
 from benchmarks.s2ue.table import table, windows_of
 from generators.s2ue.config import ABLATIONS
-from generators.s2ue.network_file import load_network
+from generators.s2ue.model import load_network
 from motion.body.face_landmarks import FaceLandmarks
 from tools.markdown import write_part
 from training.data.folders import read_takes

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from generators.s2ue.network_file import S2ueNetwork
+from generators.s2ue.model import S2ueNetwork
 from training.data.windows import Windows
 from training.spaces.bones_and_landmarks import BONE_VALUES
 

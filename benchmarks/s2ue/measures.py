@@ -30,8 +30,7 @@ from generators.interface import SpeechSegment
 from generators.learned_settings import S2ueSettings
 from generators.s2ue.config import PRESETS, NetworkConfig
 from generators.s2ue.generate import S2ue
-from generators.s2ue.model import Network
-from generators.s2ue.network_file import S2ueNetwork, write_network
+from generators.s2ue.model import Network, S2ueNetwork, write_network
 from motion.audio import SPEECH_RATE, Audio, read_audio
 from motion.body.face_landmarks import FaceLandmarks
 from motion.formats.ted_npz import JOINT_NAMES

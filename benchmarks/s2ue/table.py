@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchmarks.s2ue.measures import COLUMNS, RATE, SEEDS, Measure
 from generators.registry import TrainingRequest
-from generators.s2ue.network_file import S2ueNetwork, load_network
+from generators.s2ue.model import S2ueNetwork, load_network
 from generators.s2ue.train import train_s2ue
 from motion.body.face_landmarks import FaceLandmarks
 from training.data.feature_cache import prepare

@@ -15,8 +15,7 @@ from torch import Tensor
 from generators.interface import OnPart, SpeechSegment, seeded_stream
 from generators.learned import NetworkGenerator, check_finite, concatenate_parts, network_provenance
 from generators.learned_settings import MIXED_SPEAKER, S2ueSettings
-from generators.s2ue.model import Network
-from generators.s2ue.network_file import S2ueNetwork, load_network
+from generators.s2ue.model import Network, S2ueNetwork, load_network
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.formats.transcript import Word, find_transcript

@@ -27,8 +27,7 @@ from generators.s2ue.losses import (
     phoneme_loss,
     reconstruction_losses,
 )
-from generators.s2ue.model import Latents, Network
-from generators.s2ue.network_file import S2ueNetwork, write_network
+from generators.s2ue.model import Latents, Network, S2ueNetwork, write_network
 from motion.body.face_landmarks import FaceLandmarks
 from training.data.windows import Windows
 from training.features import bone_features

@@ -10,8 +10,7 @@ import numpy as np
 import torch
 
 from generators.s2ue.config import NetworkConfig
-from generators.s2ue.model import Network
-from generators.s2ue.network_file import S2ueNetwork, write_network
+from generators.s2ue.model import Network, S2ueNetwork, write_network
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, joint_index

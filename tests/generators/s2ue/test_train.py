@@ -10,7 +10,7 @@ import pytest
 import torch
 
 from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights
-from generators.s2ue.network_file import load_network
+from generators.s2ue.model import load_network
 from generators.s2ue.train import S2ueTask, train_s2ue
 from motion.errors import InputError
 from tests.generators.s2ue.small_network import FACE, SMALL, standing
