@@ -9,7 +9,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal
 
-from motion.errors import InputError
 from training.config import Preset, read_presets
 from training.diffusion import LINEAR
 
@@ -230,22 +229,3 @@ ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
     }
 )
 """Changes of the network by the ablations of Table 1."""
-
-
-def find_preset(config: str, dataset: str) -> TrainingPreset:
-    """Return the preset of a config for the motion of a data set.
-
-    Raises
-    ------
-    InputError
-        If the config is of the other data set.
-    """
-    preset = PRESETS[config].get(dataset)
-    if preset is None:
-        fitting = [name for name, presets in PRESETS.items() if dataset in presets]
-        raise InputError(
-            f"the config {config} does not fit these recordings, whose motion is represented as "
-            f"{dataset.upper()}'s",
-            remedy=f"Use --config {' or '.join(fitting)}",
-        )
-    return preset

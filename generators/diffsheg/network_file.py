@@ -18,7 +18,7 @@ from torch import Tensor
 
 from generators.diffsheg.config import BEAT, SHOW, DenoiserConfig
 from generators.diffsheg.model import Denoiser
-from motion.errors import InputError, listed
+from motion.errors import InputError
 from training.released_weights import ReleasedNames, fill, read_saved, tensors_in
 from training.speakers import Speakers
 from training.weights_file import NetworkKind, holds_facts
@@ -64,21 +64,11 @@ class Normalisation:
         return np.asarray(self.std >= _LARGEST_ROUNDING)
 
 
-def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:
-    """Return the released network, ready to run.
+def load_released(path: Path, dataset: str) -> Denoiser:
+    """Return the released network of a data set, in evaluation mode, on the CPU.
 
-    Parameters
-    ----------
-    path : path
-        What ``torch.save(state_dict)`` or safetensors wrote: the weights alone, or under the key
-        ``encoder``. Nothing but tensors is ever unpickled.
-    dataset : {'beat', 'show'}
-        The data set that it was trained on.
-
-    Returns
-    -------
-    Denoiser
-        In evaluation mode, on the CPU.
+    The file is what ``torch.save(state_dict)`` or safetensors wrote: the weights alone, or under
+    the key ``encoder``. Nothing but tensors is ever unpickled.
 
     Raises
     ------
@@ -86,18 +76,13 @@ def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:
         If the file cannot be read, or is not such a network: it names the weights that are
         missing, unknown or of another shape.
     """
-    if dataset not in DATASETS:
-        raise InputError(
-            f"DiffSHEG was not released for {dataset!r}", remedy=f"Use {listed(list(DATASETS))}"
-        )
-    file = Path(path)
-    weights = _NAMES.renamed_weights(read_weights(file))
+    weights = _NAMES.renamed_weights(read_weights(path))
     with torch.device("meta"):
         denoiser = Denoiser(DATASETS[dataset])
     return fill(
         denoiser,
         weights,
-        file,
+        path,
         f"DiffSHEG's network for {dataset}",
         "Name the dataset it was trained on, or give the released checkpoint",
     )
@@ -228,8 +213,7 @@ def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
     dataset : {'beat', 'show'}
         The data set of a released checkpoint.
     stats : Path or None
-        Folder of its means and standard deviations; see
-        `generators.diffsheg.network_file.read_normalisation`.
+        Folder of its means and standard deviations; see `read_normalisation`.
 
     Raises
     ------

@@ -16,15 +16,15 @@ from torch import Tensor
 
 from generators.diffsheg.config import (
     ABLATIONS,
+    PRESETS,
     STRIDE,
     DenoiserConfig,
     TrainingPreset,
-    find_preset,
 )
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
 from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.network_file import MotionNetwork, Normalisation, write_network
-from generators.learned import TrainingWindows, cut_windows, describe_training_data, run_training
+from generators.learned import cut_windows, describe_training_data, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from training.data.feature_cache import PreparedTakes
@@ -205,7 +205,20 @@ def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
     features = training_features(dataset, hubert, frame_rate)
     windows = cut_windows(request, features, frame_rate, preset.network.frames, STRIDE)
     prepared = windows["training"].prepared
-    task = _task(request, preset, windows, hubert)
+    names = prepared.training_speakers(request.takes.speakers)
+    sizes = replace(preset.network, speakers=max(len(names), preset.network.speakers))
+    task = DiffShegTask(
+        config=sizes,
+        weights=LOSSES[preset.losses],
+        normalisation=normalisation_of(prepared),
+        speakers=Speakers(names, sizes.speakers),
+        extra_settings={
+            "hubert": hubert.identity,
+            "speakers": list(names),
+            "weights chosen by": f"{METRIC} of {VALIDATION_WINDOWS} windows",
+        },
+        **windows,
+    )
     config = preset.config_for(task.examples, request.changes)
     trained, facts = run_training(request, task, config, ("transformers",))
     untrained = _measure_untrained(task, config.seed)
@@ -243,35 +256,20 @@ def _dataset_of(takes: TakeFolder) -> str:
 
 
 def _requested_preset(request: TrainingRequest, dataset: str) -> TrainingPreset:
-    """Return sizes and training with the researcher's choices."""
-    preset = find_preset(request.config, dataset)
-    ablation = request.choices.get("ablation")
-    changes = {} if ablation is None else ABLATIONS[ablation]
+    """Return sizes and training for the motion of a data set, with the researcher's choices."""
+    preset = PRESETS[request.config].get(dataset)
+    if preset is None:
+        fitting = [name for name, presets in PRESETS.items() if dataset in presets]
+        raise InputError(
+            f"the config {request.config} does not fit these recordings, whose motion is "
+            f"represented as {dataset.upper()}'s",
+            remedy=f"Use --config {' or '.join(fitting)}",
+        )
+    changes = ABLATIONS.get(str(request.choices.get("ablation")), {})
     return replace(
         preset,
         network=replace(preset.network, **changes),
         losses=request.choices.get("preset", preset.losses),
-    )
-
-
-def _task(
-    request: TrainingRequest, preset: TrainingPreset, windows: TrainingWindows, hubert: Hubert
-) -> DiffShegTask:
-    prepared = windows["training"].prepared
-    names = prepared.training_speakers(request.takes.speakers)
-    network = replace(preset.network, speakers=max(len(names), preset.network.speakers))
-    weights = LOSSES[preset.losses]
-    return DiffShegTask(
-        config=network,
-        weights=weights,
-        normalisation=normalisation_of(prepared),
-        speakers=Speakers(names, network.speakers),
-        extra_settings={
-            "hubert": hubert.identity,
-            "speakers": list(names),
-            "weights chosen by": f"{METRIC} of {VALIDATION_WINDOWS} windows",
-        },
-        **windows,
     )
 
 

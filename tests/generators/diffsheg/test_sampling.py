@@ -23,8 +23,6 @@ from generators.diffsheg.sampling import (
     Sampler,
     Window,
     WindowSampler,
-    draw_noise,
-    sample_window,
     sample_windows,
     stream,
 )
@@ -117,33 +115,6 @@ def test_motion_is_available_before_the_speech_ends() -> None:
     assert asked == [0]
     with pytest.raises(InputError, match="cannot share 8"):
         moved(sampler, sampling=replace(SAMPLING, overlap=FRAMES))
-
-
-MEAN, SPREAD = 2.0, 0.5
-
-
-def _of_a_normal_law(sampling: Sampling) -> Estimate:
-    """Return the perfect network for motion whose values are all normal and independent."""
-
-    def estimate(noisy: Tensor, place: int) -> Tensor:
-        alpha_bar = float(LINEAR.alpha_bar[sampling.timesteps[place]])
-        variance = alpha_bar * SPREAD**2 + 1 - alpha_bar
-        signal, noise = alpha_bar**0.5, (1 - alpha_bar) ** 0.5
-        expected: Tensor = (noisy - signal * MEAN) * noise / variance
-        return expected
-
-    return estimate
-
-
-def test_shared_frames_connect_one_window_to_the_next() -> None:
-    known = torch.full((4, 3000), -1.0)
-    random = torch.Generator().manual_seed(2)
-    sampling = Sampling(overlap=4)
-    noise = draw_noise((8, 3000), sampling, random, continues=True)
-    motion = sample_window(_of_a_normal_law(sampling), sampling, noise, known)
-    means = motion.mean(dim=1)
-    assert float((motion[0] - known[0]).abs().max()) < 1e-5
-    assert (means[1:5] > means[:4]).all()
 
 
 @pytest.mark.parametrize(

@@ -63,7 +63,7 @@ def _few_are_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
 def learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch) -> Learn:
     tiny = PRESETS["tiny"]["beat"]
     small = replace(tiny, network=SMALL)
-    monkeypatch.setattr("generators.diffsheg.config.PRESETS", {**PRESETS, "tiny": {"beat": small}})
+    monkeypatch.setattr("generators.diffsheg.train.PRESETS", {**PRESETS, "tiny": {"beat": small}})
     return training_on(takes, train_diffsheg, monkeypatch, batch_size=16, learning_rate=1e-2)
 
 
