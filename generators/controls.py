@@ -26,7 +26,6 @@ from generators.interface import (
     StudyClips,
     ignore_progress,
     provenance_of,
-    required_source,
     seeded_stream,
     with_length,
 )
@@ -126,7 +125,7 @@ class Mismatched:
         A clip that is too short goes on by running backwards from its last frame, so that
         nothing jumps; the provenance then says so.
         """
-        clips = required_source(source, self.name)
+        clips = _required(source, self.name)
         partners = assign_partners(clips.segments, seed)
         if speech.segment.name not in partners:
             raise InputError(
@@ -141,6 +140,15 @@ class Mismatched:
             motion_of_segment=partner,
             continued_by_reversal=str(frames > len(clip)).lower(),
         )
+
+
+def _required(source: StudyClips | None, generator: str) -> StudyClips:
+    if source is None:
+        raise InputError(
+            f"the generator {generator} changes another condition's motion and was given none",
+            remedy="Name that condition as its source in study.toml",
+        )
+    return source
 
 
 def assign_partners(segments: Sequence[Segment], seed: int) -> Mapping[str, str]:
@@ -197,7 +205,7 @@ class Broken:
         on_part: OnPart = ignore_progress,
     ) -> MotionClip:
         """Return motion to `speech`; see `generators.interface.Generator.generate`."""
-        clips = required_source(source, self.name)
+        clips = _required(source, self.name)
         rng = np.random.default_rng(seeded_stream(seed, self.name, speech.segment.name))
         frames = speech.frame_count(frame_rate)
         source_clip = with_length(resample(clips.clip(speech.segment.name), frame_rate), frames)

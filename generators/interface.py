@@ -144,22 +144,6 @@ def seeded_stream(seed: int, *purpose: str) -> tuple[int, ...]:
     return (seed, *(zlib.crc32(word.encode()) for word in purpose))
 
 
-def required_source(source: StudyClips | None, generator: str) -> StudyClips:
-    """Return `source`, or say that `generator` cannot do without one.
-
-    Raises
-    ------
-    InputError
-        If there is no source.
-    """
-    if source is None:
-        raise InputError(
-            f"the generator {generator} changes another condition's motion and was given none",
-            remedy="Name that condition as its source in study.toml",
-        )
-    return source
-
-
 def provenance_of(generator: str, seed: int, speech: SpeechSegment) -> dict[str, str]:
     """Return the provenance that every generated clip has."""
     return {"generator": generator, "seed": str(seed), "segment": speech.segment.name}

@@ -247,39 +247,23 @@ class FrameRenderer:
             self._replace_attributes(self._ground, shadow.corners())
         return self._render(box or PixelBox.full(self.side), channels, shadow)
 
-    def draw_into(
-        self,
-        framebuffer: int,
-        box: PixelBox,
-        channels: NDArray[np.float64],
-        shadow: ContactShadow | None = None,
-    ) -> None:
-        """Draw the part of the picture in `box` into a framebuffer of its size."""
-        self._platform.make_current()
-        self._gl.glBindFramebuffer(self._gl.GL_FRAMEBUFFER, framebuffer)
-        self._renderer.box, self._renderer.shadow = box, shadow
-        self._renderer.channels = channels
-        self._renderer.render(self.scene, pyrender.RenderFlags.NONE)
-
-    def read(self, box: PixelBox, planes: NDArray[np.uint8]) -> None:
-        """Copy what the current framebuffer holds to `planes`, shape (3, height, width)."""
-        gl = self._gl
-        gl.glPixelStorei(gl.GL_PACK_ALIGNMENT, 1)
-        for number, plane in enumerate(planes):
-            gl.glReadBuffer(gl.GL_COLOR_ATTACHMENT0 + number)
-            gl.glReadPixels(
-                0, 0, box.width, box.height, gl.GL_RED, gl.GL_UNSIGNED_BYTE, array=plane
-            )
-
     def _render(
         self, box: PixelBox, channels: NDArray[np.float64], shadow: ContactShadow | None = None
     ) -> NDArray[np.uint8]:
         """Return the part of the picture in `box`, shape (3, height, width)."""
+        gl, renderer = self._gl, self._renderer
         self._platform.make_current()
         if self._pixels.shape[1:] != (box.height, box.width):
             self._resize(box)
-        self.draw_into(self._framebuffer, box, channels, shadow)
-        self.read(box, self._pixels)
+        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._framebuffer)
+        renderer.box, renderer.channels, renderer.shadow = box, channels, shadow
+        renderer.render(self.scene, pyrender.RenderFlags.NONE)
+        gl.glPixelStorei(gl.GL_PACK_ALIGNMENT, 1)
+        for number, plane in enumerate(self._pixels):
+            gl.glReadBuffer(gl.GL_COLOR_ATTACHMENT0 + number)
+            gl.glReadPixels(
+                0, 0, box.width, box.height, gl.GL_RED, gl.GL_UNSIGNED_BYTE, array=plane
+            )
         return self._pixels
 
     def _replace_attributes(self, primitive: Any, attributes: NDArray[np.float32]) -> None:

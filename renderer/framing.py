@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -105,25 +105,11 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
     halves = [_half_extent(part, middle, height, depth, slope) for part in points]
     # Clip by clip, so that a condition that reaches far is not outvoted by those that do not.
     half = np.percentile(halves, _CLIP_PERCENTILE, method="higher")
-    distance = _rounded_up(half) / slope
+    distance = np.ceil(half / _STEP) * _STEP / slope
     eye = (middle, height, round(float(depth + distance), 4))
-    return rotate_camera(
-        Camera(eye=eye, target=(middle, height, depth), field_of_view=field_of_view), turn
-    )
-
-
-def rotate_camera(camera: Camera, turn: float) -> Camera:
-    """Return `camera` rotated about the origin's y axis, to the left of a person who faces +z.
-
-    Parameters
-    ----------
-    turn : float
-        Degrees.
-    """
-    if not turn:
-        return camera
-    (x, y, z), target = np.round(_rotated(np.array([camera.eye, camera.target]), turn), 4).tolist()
-    return replace(camera, eye=(x, y, z), target=tuple(target))
+    ends = np.array([eye, (middle, height, depth)])
+    (x, y, z), (a, b, c) = np.round(_rotated(ends, turn), 4).tolist()
+    return Camera(eye=(x, y, z), target=(a, b, c), field_of_view=field_of_view)
 
 
 def _rotated(points: NDArray[np.float64], turn: float) -> NDArray[np.float64]:
@@ -145,10 +131,6 @@ def _half_extent(
 def _rounded(metres: float | np.floating) -> float:
     """Return the nearest step, so that clips a little different keep their camera."""
     return round(round(float(metres) / _STEP) * _STEP, 4)
-
-
-def _rounded_up(metres: float | np.floating) -> float:
-    return float(np.ceil(float(metres) / _STEP) * _STEP)
 
 
 def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> NDArray[np.float64]:
