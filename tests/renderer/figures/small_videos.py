@@ -1,4 +1,4 @@
-"""Videos of a moving block, for code that reads videos without drawing any."""
+"""Videos of a moving block, for code that reads videos without drawing any; and a sheet."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from motion.segment import Segment
 from renderer.encoder import VideoWriter, video_frame
+from renderer.figures.sheet import Sheet, SheetCell
 from renderer.look import BACKGROUND, Colour
 
 SIZE = 128
@@ -28,3 +30,30 @@ def write_block_video(
                 picture[30:, max(place, 0) : place + 40] = (40, 60, 90)
             writer.write(video_frame(picture))
     return path
+
+
+CONDITIONS = tuple(f"condition_{k}" for k in range(6))
+
+
+def sheet_of(conditions: Sequence[str], picture: bytes | None = None) -> Sheet:
+    """Return a sheet of two segments; the first condition may have pictures."""
+    segments = tuple(
+        Segment(
+            name=name, wav="a.wav", start=0, end=2, speaker="robin", emotion=emotion,
+            transcript=text,
+        )
+        for name, emotion, text in (("one", "anger", "<b>Die Straße"), ("two", "fear", "a house"))
+    )  # fmt: skip
+    cells = {
+        (segment.name, condition): SheetCell(
+            picture=picture if condition == conditions[0] else None,
+            remark="jumps at 1.0 s" * (segment.name == "two"),
+            video="../../videos/clips/one.mp4",
+        )
+        for segment in segments
+        for condition in conditions
+    }
+    return Sheet(
+        title="Who & why", facts="12 clips", conditions=tuple(conditions),
+        roles={conditions[0]: "reference"}, segments=segments, cells=cells,
+    )  # fmt: skip

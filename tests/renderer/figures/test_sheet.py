@@ -8,56 +8,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motion.segment import Segment
 from renderer.figures.sheet import (
     MOMENTS,
     TILE_SIZE,
     Glance,
-    Sheet,
-    SheetCell,
     draw_cell,
     glance_at,
     sheet_page,
 )
 from renderer.look import Look
-from tests.renderer.figures.small_videos import write_block_video
+from tests.renderer.figures.small_videos import CONDITIONS, sheet_of, write_block_video
 
 
-def sheet_of(cell: bytes, count: int) -> Sheet:
-    """Return a sheet of two conditions, of which one has no video."""
-    segments = tuple(
-        Segment(
-            name=f"segment-{k:02}", wav="a.wav", start=0, end=2.5, speaker="robin",
-            emotion="anger", transcript='<b>"never"</b>',
-        )
-        for k in range(count)
-    )  # fmt: skip
-    entries = {}
-    for segment in segments:
-        address = f"../../videos/clips/ours/{segment.name}.mp4"
-        entries[segment.name, "ours"] = SheetCell(picture=cell, remark="jumps", video=address)
-        entries[segment.name, "theirs"] = SheetCell(picture=None, remark="no video", video="")
-    return Sheet(
-        title="Who & why", facts="2 conditions", conditions=("ours", "theirs"),
-        roles={"ours": "reference"}, segments=segments, cells=entries,
-    )  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def cell(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    video = tmp_path_factory.mktemp("sheet") / "video.mkv"
-    return draw_cell(glance_at(write_block_video(video, [40, 44, 48] * 10)))
-
-
-def test_the_page_shows_every_stimulus_or_a_gap_and_needs_only_the_videos(
-    cell: bytes,
-) -> None:
-    page = sheet_page(sheet_of(cell, 3))
-    assert len(re.findall("<img[ >]", page)) == 3
+def test_the_page_shows_every_stimulus_or_a_gap_and_needs_only_the_videos(tmp_path: Path) -> None:
+    video = write_block_video(tmp_path / "video.mkv", [40, 44, 48] * 10)
+    page = sheet_page(sheet_of(CONDITIONS[:2], draw_cell(glance_at(video))))
+    assert len(re.findall("<img[ >]", page)) == page.count('class="missing"') == 2
     text = unescape(re.sub("<[^>]+>", "", page))
-    for words in ("Who & why", "segment-02", "anger, robin, 2.5 s", '<b>"never"</b>', "reference"):
+    for words in ("Who & why", "two", "anger, robin, 2.0 s", "<b>Die Straße", "reference"):
         assert words in text
-    assert text.count("no video") == text.count("jumps") == 3
+    assert text.count("jumps") == 2
     for address in re.findall(r'(?:src|href)="([^"]+)"', page):
         assert address.startswith(("data:image/webp;base64,", "../../videos/clips/"))
 

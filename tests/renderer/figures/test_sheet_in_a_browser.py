@@ -6,11 +6,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page
 
-from motion.segment import Segment
-from renderer.figures.sheet import Sheet, SheetCell, sheet_page
+from renderer.figures.sheet import sheet_page
 from tests.functional.browsing import IN_A_BROWSER, launched
-
-CONDITIONS = tuple(f"condition_{k}" for k in range(6))
+from tests.renderer.figures.small_videos import CONDITIONS, sheet_of
 
 pytestmark = IN_A_BROWSER
 
@@ -25,27 +23,8 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
 
 
 def written(folder: Path, conditions: tuple[str, ...]) -> Path:
-    """Write the sheet of two segments in `conditions`."""
-    segments = tuple(
-        Segment(
-            name=name, wav="a.wav", start=0, end=2, speaker="robin", emotion=emotion,
-            transcript=text,
-        )
-        for name, emotion, text in (("one", "anger", "Die Straße"), ("two", "fear", "a house"))
-    )  # fmt: skip
-    cells = {
-        (segment.name, condition): SheetCell(
-            picture=None, remark="jumps at 1.0 s" * (segment.name == "two"), video=""
-        )
-        for segment in segments
-        for condition in conditions
-    }
-    sheet = Sheet(
-        title="Who & why", facts="12 clips", conditions=conditions, roles={}, segments=segments,
-        cells=cells,
-    )  # fmt: skip
     file = folder / "index.html"
-    file.write_text(sheet_page(sheet), encoding="utf-8")
+    file.write_text(sheet_page(sheet_of(conditions)), encoding="utf-8")
     return file
 
 

@@ -1,17 +1,74 @@
 from __future__ import annotations
 
+import hashlib
+import json
+import zlib
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.body.model import BodyModel
 from motion.clip import ARKIT_COUNT, MotionClip
+from motion.errors import InputError
 from motion.skeleton import JOINT_COUNT
+from renderer.look import Look
 from renderer.viewer.packing import LARGEST, track
-from tests.renderer.viewer.decoding import unpacked
+from renderer.viewer.page import FILES, MotionFigures, Scene
+
+
+def test_the_bundled_library_matches_its_readme() -> None:
+    library = (FILES / "three.min.js").read_bytes()
+
+    assert hashlib.sha256(library).hexdigest() in (FILES / "README.md").read_text()
+    assert b"three 0.187.0, MIT" in library[:80]
+
+
+def test_shared_data_of_two_figures_is_embedded_once(clip: MotionClip) -> None:
+    figures = MotionFigures(Look())
+    for name in ("first", "second"):
+        figures.figure(Scene(name=name, clips={name: clip}))
+
+    assert figures.sources().count("<script") == 2
+
+
+def test_names_are_escaped(clip: MotionClip) -> None:
+    element = MotionFigures(Look()).figure(Scene(name="<b>", clips={"'><script>": clip}))
+
+    assert "<b>" not in element
+    assert "<script>" not in element
+
+
+@pytest.mark.parametrize("count", [0, 7])
+def test_too_few_or_too_many_clips_are_refused(count: int, clip: MotionClip) -> None:
+    scene = Scene(name="many", clips={str(number): clip for number in range(count)})
+
+    with pytest.raises(InputError, match="do not fit side by side"):
+        MotionFigures(Look()).figure(scene)
+
+
+def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, NDArray[np.int16]]]:
+    """Return the facts and the arrays of packed data, as the docstring of `pack` describes."""
+    content = zlib.decompress(data)
+    start = 4 + int.from_bytes(content[:4], "little")
+    facts = json.loads(content[4:start])
+    arrays = {}
+    for name, rows, columns in facts.pop("arrays"):
+        count = rows * columns
+        low, high = np.frombuffer(content, np.uint8, 2 * count, start).reshape(2, count)
+        folded = low.astype(np.int64) + 256 * high.astype(np.int64)
+        differences = np.where(folded % 2, -(folded + 1) // 2, folded // 2)
+        values = np.cumsum(differences.reshape(columns, rows).T, axis=0)
+        arrays[name] = values.astype(np.uint16).view(np.int16)
+        start += 2 * count
+    assert start == len(content)
+    return facts, arrays
+
 
 LARGEST_ANGLE = 0.05
 """Degrees."""
