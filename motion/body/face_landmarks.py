@@ -37,6 +37,14 @@ _MIN_SHIFT: Final = 1e-3
 _SKIN: Final = ("skin", "lips")
 """Materials that may have landmarks, if the body names the materials of its vertices."""
 
+_EXACT: Final = 3e-4
+"""Metres of misfit that count as much as a weight of 1, of landmarks without noise: only what no
+landmark shows stays 0."""
+
+_MAX_SWEEPS: Final = 200
+_TOLERANCE: Final = 1e-4
+"""A sweep that changes no weight by more ends the search."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FaceLandmarks:
@@ -92,11 +100,45 @@ class FaceLandmarks:
         InputError
             If the body's face moves by components, which have no names.
         """
+        self._check_actions()
+        return tuple(ARKIT_NAMES[component] for component, _ in _choose_landmarks(self.body))
+
+    def _check_actions(self) -> None:
         if not self.body.has_arkit_slots:
             raise InputError(
                 "the body's face has no facial actions", remedy="Use an avatar with ARKit's"
             )
-        return tuple(ARKIT_NAMES[component] for component, _ in _choose_landmarks(self.body))
+
+    def facial_actions(self, shifts: FloatArray, *, misfit: float = _EXACT) -> FloatArray:
+        """Return the weights of ARKit's facial actions that shift the landmarks nearest to these.
+
+        Least squares with all weights in [0, 1], by coordinate descent in all frames at once.
+
+        Parameters
+        ----------
+        shifts : ndarray, shape (T, L, 3)
+            As `shifts` returns them.
+        misfit : float
+            Metres of misfit, over all landmarks, that count as much as a weight of 1. Noisy
+            landmarks need more, so that no action explains their noise.
+
+        Returns
+        -------
+        ndarray, shape (T, 52), float32
+
+        Raises
+        ------
+        InputError
+            If the body's face moves by components.
+        """
+        self._check_actions()
+        directions = self.body.expression_directions[: self.count]
+        slots = min(directions.shape[2], ARKIT_COUNT)
+        effects = directions[:, :, :slots].reshape(-1, slots).astype(np.float64)
+        flat = shifts.reshape(len(shifts), -1).astype(np.float64)
+        weights = np.zeros((len(shifts), ARKIT_COUNT), np.float32)
+        weights[:, :slots] = _bounded_weights(effects, flat, misfit).T
+        return weights
 
     def shifts(self, clip: MotionClip) -> FloatArray:
         """Return the shifts of the landmarks from the neutral face.
@@ -272,3 +314,20 @@ def _arrays_of(body: BodyModel, vertices: NDArray[np.int64]) -> dict[str, NDArra
     if body.expression_matrix is not None:
         arrays["expression_matrix"] = body.expression_matrix
     return arrays
+
+
+def _bounded_weights(
+    effects: NDArray[np.float64], targets: NDArray[np.float64], misfit: float
+) -> NDArray[np.float64]:
+    """Return the weights (K, T) in [0, 1] by which `effects` (P, K) come nearest to `targets`."""
+    normal = effects.T @ effects + misfit**2 * np.eye(effects.shape[1])
+    projections = effects.T @ targets.T
+    weights = np.clip(np.linalg.solve(normal, projections), 0, 1)
+    for _ in range(_MAX_SWEEPS):
+        previous = weights.copy()
+        for k, row in enumerate(normal):
+            residual = projections[k] - row @ weights
+            weights[k] = np.clip(weights[k] + residual / row[k], 0, 1)
+        if np.abs(weights - previous).max() < _TOLERANCE:
+            break
+    return np.asarray(weights)

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.body.archive import add_mean_hands
-from motion.clearance import clear_of_body
 from motion.clip import MotionClip
 from motion.errors import InputError, found_at
 from motion.formats.bvh import read_bvh
@@ -25,7 +24,7 @@ from motion.formats.joint_maps import JointMap, check_joint_map, choose_joint_ma
 from motion.formats.joint_positions import holds_joints, read_joints
 from motion.formats.retarget import retarget
 from motion.formats.smplx_rows import read_rows
-from motion.placement import place
+from motion.placement import clear_of_body, place
 from motion.skeleton import FINGERS, RELAXED_HANDS
 
 __all__ = ["read_clip", "read_motion", "write_clip"]
@@ -59,7 +58,7 @@ def read_motion(
         their place.
     as_recorded : bool
         Whether hands of a BVH or of joint positions may stay inside the body, instead of being
-        moved out by `motion.clearance`.
+        moved out by `motion.placement.clear_of_body`.
 
     Returns
     -------

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip
-from motion.errors import InputError
 from motion.files import write_text
 from motion.skeleton import JOINT_COUNT, JOINT_NAMES, PARENTS
 
@@ -70,7 +69,7 @@ class BvhMotion:
     Attributes
     ----------
     joints : tuple of BvhJoint
-        Parents before children.
+        Parents before children; the first is the only root.
     values : ndarray, shape (T, C)
         One column a channel, in joint order: degrees and length units.
     frame_rate : float
@@ -220,17 +219,10 @@ def write_bvh(path: Path, motion: BvhMotion) -> None:
         The file; missing folders are made.
     motion : BvhMotion
         With at least one frame, all finite.
-
-    Raises
-    ------
-    InputError
-        If there is no frame, a value is not finite, the number of columns is not that of the
-        channels, or there is not exactly one root.
     """
-    _check(path, motion)
-    order = list(_depth_first(motion.joints, _root(path, motion.joints)))
+    order = list(_depth_first(motion.joints, 0))
     columns = np.concatenate([np.r_[motion.columns(index)] for index in order]).astype(int)
-    lines = ["HIERARCHY", *_hierarchy_lines(motion.joints, order[0], 0)]
+    lines = ["HIERARCHY", *_hierarchy_lines(motion.joints, 0, 0)]
     lines += ["MOTION", f"Frames: {len(motion.values)}"]
     lines.append(f"Frame Time: {1 / motion.frame_rate:.8f}")
     # Adding zero turns -0 into 0, so that a constant column is always written the same.
@@ -272,34 +264,6 @@ def write_clip_bvh(path: Path, clip: MotionClip, rest_joints: NDArray[np.floatin
     angles = np.unwrap(angles.reshape(len(clip), JOINT_COUNT * 3), axis=0, period=360)
     values = np.concatenate([root, angles], axis=1)
     write_bvh(path, BvhMotion(joints=joints, values=values, frame_rate=clip.frame_rate))
-
-
-def _check(path: Path, motion: BvhMotion) -> None:
-    channels = sum(len(joint.channels) for joint in motion.joints)
-    if not len(motion.values):
-        raise InputError("there is no frame to write", where=path, remedy="Give at least one")
-    if motion.values.shape[1] != channels:
-        raise InputError(
-            f"the motion has {motion.values.shape[1]} columns, the skeleton {channels} channels",
-            where=path,
-            remedy="Give one column per channel",
-        )
-    has_invalid = ~np.isfinite(motion.values).all(axis=1)
-    if has_invalid.any():
-        raise InputError(
-            "the motion holds a value that is not finite",
-            where=f"{path}, frame {int(np.argmax(has_invalid))}",
-            remedy="Repair or remove the frame",
-        )
-
-
-def _root(path: Path, joints: Sequence[BvhJoint]) -> int:
-    roots = [index for index, joint in enumerate(joints) if joint.parent < 0]
-    if len(roots) != 1:
-        raise InputError(
-            f"the skeleton has {len(roots)} roots", where=path, remedy="Give it exactly one"
-        )
-    return roots[0]
 
 
 def _children(joints: Sequence[BvhJoint], parent: int) -> list[int]:

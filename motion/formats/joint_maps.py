@@ -21,89 +21,64 @@ from motion.skeleton import FINGER_NAMES, JOINT_NAMES
 JointMap = Mapping[str, str]
 _OWN_MAP: Final = TypeAdapter(dict[str, str])
 
-_SIDES: Final = (("left", "Left", "l"), ("right", "Right", "r"))
+_SIDES: Final = ("left", "right")
 
 REQUIRED_JOINTS: Final = (
     "pelvis",
     "spine3",
     "head",
-    *(f"{side}_{part}" for side, *_ in _SIDES for part in ("shoulder", "elbow", "wrist")),
+    *(f"{side}_{part}" for side in _SIDES for part in ("shoulder", "elbow", "wrist")),
 )
 """SMPL-X joints that a skeleton needs for gestures."""
 
-_LEG_JOINTS: Final = tuple(
-    f"{side}_{part}" for side, *_ in _SIDES for part in ("hip", "knee", "ankle")
+_LEG_JOINTS: Final = tuple(f"{side}_{part}" for side in _SIDES for part in ("hip", "knee", "ankle"))
+
+
+_TRUNK: Final = ("pelvis", "spine1", "spine2", "spine3", "neck", "head")
+_LIMBS: Final = ("collar", "shoulder", "elbow", "wrist", "hip", "knee", "ankle", "foot")
+_FINGER_JOINTS: Final = tuple(
+    f"{finger}{number}" for finger in FINGER_NAMES for number in (1, 2, 3)
 )
 
 
-def _limbs(parts: Mapping[str, str], pattern: str, side_word: int) -> dict[str, str]:
-    """Return the entries of both sides; `pattern` joins side and part into a source name."""
-    return {
-        f"{sides[0]}_{joint}": pattern.format(side=sides[side_word], part=part)
-        for sides in _SIDES
-        for joint, part in parts.items()
-    }
+def _joint_map(trunk: str, limbs: str, pattern: str, *, finger: str = "") -> JointMap:
+    """Return a map of the names of trunk and limbs, in the order of `_TRUNK` and `_LIMBS`.
+
+    `pattern` joins a side, as `side` or as its first letter `s`, and a part into a name; `finger`
+    makes a part of a finger's joint, as our `joint` or with a capital as `Joint`.
+    """
+    parts = dict(zip(_LIMBS, limbs.split(), strict=False))
+    if finger:
+        parts |= {name: finger.format(joint=name, Joint=name.title()) for name in _FINGER_JOINTS}
+    names = dict(zip(_TRUNK, trunk.split(), strict=True))
+    for side in _SIDES:
+        for joint, part in parts.items():
+            names[f"{side}_{joint}"] = pattern.format(side=side.title(), s=side[0], part=part)
+    return MappingProxyType(names)
 
 
-def _motion_builder(spine: Mapping[str, str]) -> JointMap:
+def _motion_builder(spine: str) -> JointMap:
     """Return the map of the names that MotionBuilder made common, with the given spine."""
-    parts = {
-        "collar": "Shoulder",
-        "shoulder": "Arm",
-        "elbow": "ForeArm",
-        "wrist": "Hand",
-        "hip": "UpLeg",
-        "knee": "Leg",
-        "ankle": "Foot",
-        "foot": "ToeBase",
-    }
-    fingers = {
-        f"{finger}{number}": f"Hand{finger.title()}{number}"
-        for finger in FINGER_NAMES
-        for number in (1, 2, 3)
-    }
-    return MappingProxyType(
-        {
-            "pelvis": "Hips",
-            **spine,
-            "neck": "Neck",
-            "head": "Head",
-            **_limbs(parts | fingers, "{side}{part}", 1),
-        }
-    )
-
-
-def _genea() -> JointMap:
-    parts = {
-        "collar": "shoulder",
-        "shoulder": "arm",
-        "elbow": "forearm",
-        "wrist": "wrist",
-        "hip": "upleg",
-        "knee": "leg",
-        "ankle": "foot",
-        **{f"{finger}{n}": f"{finger}{n}" for finger in FINGER_NAMES for n in (1, 2, 3)},
-    }
-    spine = {"spine1": "b_spine0", "spine2": "b_spine2", "spine3": "b_spine3"}
-    ends = {"pelvis": "b_root", "neck": "b_neck0", "head": "b_head"}
-    return MappingProxyType({**ends, **spine, **_limbs(parts, "b_{side}_{part}", 2)})
-
-
-def _anatomical() -> JointMap:
-    names = ("Collar", "Shoulder", "Elbow", "Wrist", "Hip", "Knee", "Ankle")
-    parts = {name.lower(): name for name in names} | {"foot": "Toe"}
-    spine = {"spine1": "Chest", "spine2": "Chest2", "spine3": "Chest4"}
-    ends = {"pelvis": "Hips", "neck": "Neck", "head": "Head"}
-    return MappingProxyType({**ends, **spine, **_limbs(parts, "{side}{part}", 1)})
+    limbs = "Shoulder Arm ForeArm Hand UpLeg Leg Foot ToeBase"
+    return _joint_map(f"Hips {spine} Neck Head", limbs, "{side}{part}", finger="Hand{Joint}")
 
 
 JOINT_MAPS: Final[Mapping[str, JointMap]] = MappingProxyType(
     {
-        "beat": _motion_builder({"spine1": "Spine", "spine2": "Spine2", "spine3": "Spine3"}),
-        "mixamo": _motion_builder({"spine1": "Spine", "spine2": "Spine1", "spine3": "Spine2"}),
-        "cmu": _motion_builder({"spine1": "LowerBack", "spine2": "Spine", "spine3": "Spine1"}),
-        "genea": _genea(),
-        "anatomical": _anatomical(),
+        "beat": _motion_builder("Spine Spine2 Spine3"),
+        "mixamo": _motion_builder("Spine Spine1 Spine2"),
+        "cmu": _motion_builder("LowerBack Spine Spine1"),
+        "genea": _joint_map(
+            "b_root b_spine0 b_spine2 b_spine3 b_neck0 b_head",
+            "shoulder arm forearm wrist upleg leg foot",
+            "b_{s}_{part}",
+            finger="{joint}",
+        ),
+        "anatomical": _joint_map(
+            "Hips Chest Chest2 Chest4 Neck Head",
+            "Collar Shoulder Elbow Wrist Hip Knee Ankle Toe",
+            "{side}{part}",
+        ),
         "smplx": MappingProxyType({name: name for name in JOINT_NAMES}),
     }
 )

@@ -19,7 +19,7 @@ from motion.formats.archives import load_array, load_arrays
 from motion.formats.joint_maps import JointMap
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
 from motion.formats.ted_npz import AXES, JOINTS, chain_bones, read_ted_npz
-from motion.points.joint_rotations import rotations_from_joints
+from motion.points.joint_rotations import clip_from_joints
 from motion.points.person import MEDIAPIPE, body_joints
 from motion.skeleton import (
     BODY_JOINTS,
@@ -119,10 +119,7 @@ def read_joints(
             raise InputError("the file gives no frame rate", remedy="State the frame rate (--fps)")
         check_frame_rate(rate)
         joints = body_joints(_named_points(recording, joint_map), rate)
-        poses, trans = rotations_from_joints(joints, REST_JOINTS, rate)
-        return MotionClip(
-            poses=poses.astype(np.float32), trans=trans.astype(np.float32), frame_rate=rate
-        )
+        return clip_from_joints(joints, REST_JOINTS, rate)
 
 
 def _named_points(recording: _Recording, joint_map: JointMap | None) -> dict[str, FloatArray]:

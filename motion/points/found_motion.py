@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -12,12 +13,10 @@ from scipy.spatial import KDTree
 
 from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import BodyModel
-from motion.clearance import clear_of_body
 from motion.clip import MotionClip
-from motion.placement import place
-from motion.points.clip_from_points import facial_actions
+from motion.placement import clear_of_body, place
 from motion.points.detection import Detection
-from motion.points.joint_rotations import LEGS, rotations_from_joints
+from motion.points.joint_rotations import LEGS, clip_from_joints
 from motion.points.person import MEDIAPIPE, body_joints
 from motion.points.turning import nearest_similarity
 from motion.skeleton import REST_JOINTS, joint_index
@@ -48,25 +47,13 @@ _SMOOTHING: Final = 0.03
 """Seconds, a standard deviation, over which a detected face is averaged."""
 
 
-def landmark_shifts(mesh: FloatArray, frame_rate: float, body: BodyModel) -> NDArray[np.float32]:
-    """Return the shifts of the landmarks of `FaceLandmarks.of(body)` for a detected face.
+def _landmark_shifts(
+    mesh: FloatArray, frame_rate: float, body: BodyModel, landmarks: FaceLandmarks
+) -> NDArray[np.float32]:
+    """Return the shifts of the body's landmarks (T, L, 3) for a detected face (T, 478, 3).
 
     Each landmark follows the point of the person's neutral face at its position after aligning
     eyes, nose and corners of the mouth of both faces.
-
-    Parameters
-    ----------
-    mesh : ndarray, shape (T, 478, 3)
-        MediaPipe's face mesh with irises, y down, in any unit.
-    frame_rate : float
-        Frames per second.
-    body : BodyModel
-        A body with a face.
-
-    Returns
-    -------
-    ndarray, shape (T, L, 3), float32
-        Metres, in the head's frame.
     """
     upright = mesh * [1, -1, -1]
     rigid = list(_RIGID_LANDMARKS)
@@ -79,7 +66,6 @@ def landmark_shifts(mesh: FloatArray, frame_rate: float, body: BodyModel) -> NDA
                     neutral[_MOUTH["left"]], neutral[_MOUTH["right"]]])  # fmt: skip
     fit = nearest_similarity(anchors[None], _anchors(body))
     onto = fit.apply(neutral[None])[0]
-    landmarks = FaceLandmarks.of(body)
     _, nearest = KDTree(onto[:, :2]).query(landmarks.neutral[:, :2])
     shifts = fit.scales[0] * fit.turns[0].apply((aligned - neutral)[:, nearest].reshape(-1, 3))
     return np.asarray(shifts.reshape(len(mesh), landmarks.count, 3), np.float32)
@@ -121,7 +107,7 @@ _ANCHOR_WEIGHT: Final = 5.0
 them, which removes jitter (Bhattacharya et al. 2024, section 4)."""
 
 _MISFIT: Final = 6e-3
-"""Error of a detected face in metres, see `facial_actions`."""
+"""Error of a detected face in metres, see `FaceLandmarks.facial_actions`."""
 
 _MIN_VISIBILITY: Final = 0.5
 """Smallest mean visibility of a joint that counts."""
@@ -157,12 +143,11 @@ def clip_from_detection(detection: Detection, body: BodyModel) -> MotionClip:
             joints = {name: at for name, at in joints.items()
                       if not (name.startswith(side) and _is_of(name, _HANDS))}  # fmt: skip
             notes.append(f"the {side} arm is out of the picture for most of the time: it hangs")
-    poses, trans = rotations_from_joints(body_joints(joints, rate), REST_JOINTS, rate)
-    clip = MotionClip(
-        poses=poses.astype(np.float32),
-        trans=trans.astype(np.float32),
-        frame_rate=rate,
-        arkit=facial_actions(landmark_shifts(detection.face, rate, body), body, misfit=_MISFIT),
+    landmarks = FaceLandmarks.of(body)
+    shifts = _landmark_shifts(detection.face, rate, body, landmarks)
+    clip = replace(
+        clip_from_joints(body_joints(joints, rate), REST_JOINTS, rate),
+        arkit=landmarks.facial_actions(shifts, misfit=_MISFIT),
     )
     clip, clearance_notes = clear_of_body(clip)
     clip, _ = place(clip)

@@ -18,6 +18,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from motion.body.skinning import share_forearm_twist, twist_angles
+from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.points.turning import frame_rotations, smallest_rotations
 from motion.skeleton import (
@@ -31,9 +32,6 @@ from motion.skeleton import (
 )
 
 FloatArray = NDArray[np.float64]
-
-REQUIRED_JOINTS: Final = ("pelvis", "neck", "left_shoulder", "right_shoulder")
-"""Joints that determine the trunk's rotation."""
 
 LEGS: Final = ("left_knee", "right_knee", "left_ankle", "right_ankle")
 """Joints that determine the body's translation."""
@@ -110,34 +108,30 @@ class _Figure:
         return local
 
 
-def rotations_from_joints(
+def clip_from_joints(
     points: Mapping[str, FloatArray], rest: FloatArray, frame_rate: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return the rotations and translation of a body whose bones have the given directions.
+) -> MotionClip:
+    """Return the motion of a body whose bones have the given directions.
+
+    Without legs, the body stands at the origin and its feet do not move.
 
     Parameters
     ----------
     points : mapping of str to ndarray, shape (T, 3)
-        Positions of SMPL-X joints in metres, y up; at least `REQUIRED_JOINTS`. A joint counts only
-        if its parent is given too, or, on a spine of which joints are missing, the next one below.
+        Positions of SMPL-X joints in metres, y up; at least pelvis, neck and both shoulders. A
+        joint counts only if its parent is given too, or, on a spine of which joints are missing,
+        the next one below.
     rest : ndarray, shape (55, 3)
         The joints of the body at rest, metres.
     frame_rate : float
         Frames per second.
-
-    Returns
-    -------
-    poses : ndarray, shape (T, 55, 3)
-        Axis-angle against the parent, radians.
-    trans : ndarray, shape (T, 3)
-        Metres. Without legs, the body stands at the origin and its feet do not move.
 
     Raises
     ------
     InputError
         If a bone has no direction.
     """
-    check_directions(points)
+    _check_directions(points)
     figure = _Figure(points, rest, frame_rate)
     heading = _heading(figure)
     _turn_trunk(figure, heading)
@@ -149,12 +143,16 @@ def rotations_from_joints(
     local = figure.locals()
     share_forearm_twist(local, None)
     poses = Rotation.from_matrix(local.reshape(-1, 3, 3)).as_rotvec()
-    return poses.reshape(-1, JOINT_COUNT, 3), _translation(figure, heading)
+    return MotionClip(
+        poses=poses.reshape(-1, JOINT_COUNT, 3).astype(np.float32),
+        trans=_translation(figure, heading).astype(np.float32),
+        frame_rate=frame_rate,
+    )
 
 
-def check_directions(points: Mapping[str, FloatArray]) -> None:
+def _check_directions(points: Mapping[str, FloatArray]) -> None:
     """Raise `InputError` where a bone has no direction."""
-    for start, end in given_bones(points):
+    for start, end in _given_bones(points):
         lengths = np.linalg.norm(points[end] - points[start], axis=1)
         if lengths.min() < _MIN_LENGTH:
             raise InputError(
@@ -163,7 +161,7 @@ def check_directions(points: Mapping[str, FloatArray]) -> None:
             )
 
 
-def given_bones(points: Mapping[str, FloatArray]) -> list[tuple[str, str]]:
+def _given_bones(points: Mapping[str, FloatArray]) -> list[tuple[str, str]]:
     """Return the given bones: of the trunk, then each joint with its parent."""
     trunk = [("pelvis", "neck"), ("right_shoulder", "left_shoulder")]
     trunk += [("neck", f"{side}_shoulder") for side, _ in _SIDES]

@@ -8,6 +8,7 @@ face relative to the head.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -20,7 +21,7 @@ from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats.ted_npz import BONES, JOINT_NAMES, chain_bones
-from motion.points.clip_from_points import clip_from_points
+from motion.points.joint_rotations import clip_from_joints
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 
 FloatArray = NDArray[np.float64]
@@ -54,15 +55,16 @@ def bone_and_landmark_values(clip: MotionClip, face: FaceLandmarks | None) -> Fl
 def bone_and_landmark_clip(
     values: FloatArray, frame_rate: float, face: FaceLandmarks
 ) -> MotionClip:
-    """Return the clip of values (T, 27 + 3 L) on the landmarks' body; see `clip_from_points`."""
+    """Return the clip of values (T, 27 + 3 L) on the landmarks' body.
+
+    Its bones take the directions, and its face the actions that shift the landmarks so.
+    """
     directions, shifts = np.split(values, [BONE_VALUES], axis=1)
-    return clip_from_points(
-        joints_from_directions(directions.reshape(len(values), -1, 3)).astype(np.float32),
-        JOINT_NAMES,
-        frame_rate,
-        body=face.body,
-        landmarks=shifts.reshape(len(values), -1, 3).astype(np.float32),
-    )
+    joints = joints_from_directions(directions.reshape(len(values), -1, 3)).astype(np.float32)
+    points = zip(JOINT_NAMES, np.moveaxis(joints.astype(np.float64), 1, 0), strict=True)
+    clip = clip_from_joints(dict(points), face.body.joints(np.zeros(0)), frame_rate)
+    landmarks = shifts.reshape(len(values), -1, 3).astype(np.float32)
+    return replace(clip, arkit=face.facial_actions(landmarks))
 
 
 def facing_forward(joints: FloatArray) -> FloatArray:

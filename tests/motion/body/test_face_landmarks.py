@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from motion.body.face_landmarks import FaceLandmarks, landmark_vertices
 from motion.body.model import BodyModel
@@ -68,6 +70,9 @@ def test_unshowable_faces_and_bodies_without_a_face_are_refused(
     faceless = replace(body, expression_directions=body.expression_directions[:, :, :0])
     with pytest.raises(InputError, match="no face that moves"):
         FaceLandmarks.of(faceless)
+    by_components = FaceLandmarks.of(replace(body, has_arkit_slots=False))
+    with pytest.raises(InputError, match="no facial actions"):
+        by_components.facial_actions(by_components.neutral[None])
 
 
 def test_the_stored_landmarks_match_the_default_body(landmarks: FaceLandmarks) -> None:
@@ -75,6 +80,16 @@ def test_the_stored_landmarks_match_the_default_body(landmarks: FaceLandmarks) -
     for name, array in landmarks.arrays().items():
         same = np.asarray(frozen.arrays()[name], float)
         np.testing.assert_allclose(same, np.asarray(array, float), atol=1e-6)
+
+
+@settings(max_examples=10)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_a_face_is_recovered_from_its_landmarks(landmarks: FaceLandmarks, seed: int) -> None:
+    clip = random_clip(6, seed=seed)
+    clip = replace(clip, poses=0 * clip.poses)
+    shifts = landmarks.shifts(clip)
+    back = replace(clip, arkit=landmarks.facial_actions(shifts))
+    assert np.abs(landmarks.shifts(back) - shifts).max() < 3e-4
 
 
 def test_landmarks_are_named_by_their_facial_actions(landmarks: FaceLandmarks) -> None:

@@ -3,25 +3,20 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import read_body
 from motion.clip import MotionClip
-from motion.errors import InputError
 from motion.formats.ted_npz import JOINT_NAMES as TEN_JOINTS
-from motion.points.clip_from_points import clip_from_points
+from motion.points.joint_rotations import clip_from_joints
 from motion.skeleton import BODY_JOINTS, JOINT_NAMES, PARENTS, forward_kinematics, joint_index
 from renderer.look import default_body
 from tests.motion.random_clips import random_clip
 
 FloatArray = NDArray[np.float32]
-BODY = read_body(default_body())
-REST = BODY.joints(np.zeros(0))
-LANDMARKS = FaceLandmarks.of(BODY)
+REST = read_body(default_body()).joints(np.zeros(0))
 
 
 def positions(clip: MotionClip) -> NDArray[np.float64]:
@@ -32,12 +27,9 @@ def chosen(clip: MotionClip, names: tuple[str, ...] = TEN_JOINTS) -> FloatArray:
     return positions(clip)[:, [joint_index(name) for name in names]].astype(np.float32)
 
 
-def clip_from(
-    points: FloatArray,
-    names: tuple[str, ...] = TEN_JOINTS,
-    landmarks: FloatArray | None = None,
-) -> MotionClip:
-    return clip_from_points(points, names, 30, body=BODY, landmarks=landmarks)
+def clip_from(points: FloatArray, names: tuple[str, ...] = TEN_JOINTS) -> MotionClip:
+    joints = {name: points[:, index].astype(float) for index, name in enumerate(names)}
+    return clip_from_joints(joints, REST, 30)
 
 
 def bone(clip: MotionClip, start: str, end: str) -> NDArray[np.float64]:
@@ -98,43 +90,3 @@ def test_an_elbow_bends_only_the_way_it_can() -> None:
     for name, tolerance in (("left_elbow", 0.05), ("left_shoulder", 0.1)):
         place = joint_index(name)
         np.testing.assert_allclose(back.poses[:, place], poses[:, place], atol=tolerance)
-
-
-@settings(max_examples=10)
-@given(seed=st.integers(0, 2**32 - 1))
-def test_a_face_is_recovered_from_its_landmarks(seed: int) -> None:
-    clip = random_clip(6, seed=seed)
-    clip = replace(clip, poses=0 * clip.poses)
-    shifts = LANDMARKS.shifts(clip)
-    back = clip_from(chosen(random_clip(6)), landmarks=shifts)
-    assert back.arkit is not None
-    assert back.arkit.min() >= 0 and back.arkit.max() <= 1
-    assert np.abs(LANDMARKS.shifts(back) - shifts).max() < 3e-4
-
-
-POINTS = chosen(random_clip(3))
-SHIFTS = LANDMARKS.shifts(random_clip(3))
-
-
-@pytest.mark.parametrize(
-    ("points", "names", "landmarks", "sentence"),
-    [
-        (POINTS[:, :9], TEN_JOINTS, None, "joints have shape"),
-        (POINTS[:0], TEN_JOINTS, None, "at least one frame"),
-        (POINTS[:, 1:], TEN_JOINTS[1:], None, "lack pelvis"),
-        (POINTS, ("nose", *TEN_JOINTS[1:]), None, "unknown joint 'nose'"),
-        (POINTS, (*TEN_JOINTS[:-1], "pelvis"), None, "named twice"),
-        (POINTS + np.nan, TEN_JOINTS, None, "pelvis is not a number in frame 0"),
-        (1000 * POINTS, TEN_JOINTS, None, "Give metres"),
-        (0 * POINTS, TEN_JOINTS, None, "are one point in frame 0"),
-        (POINTS, TEN_JOINTS, SHIFTS[:, 1:], "landmarks have shape"),
-        (POINTS, TEN_JOINTS, SHIFTS[1:], "2 frames of landmarks and 3 of joints"),
-        (POINTS, TEN_JOINTS, SHIFTS + np.nan, "landmark 0 is not a number in frame 0"),
-        (POINTS, TEN_JOINTS, 1000 * SHIFTS, "Give metres"),
-    ],
-)
-def test_unusable_points_are_refused_with_the_reason(
-    points: FloatArray, names: tuple[str, ...], landmarks: FloatArray | None, sentence: str
-) -> None:
-    with pytest.raises(InputError, match=sentence):
-        clip_from(points, names, landmarks=landmarks)
