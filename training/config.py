@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, Final, Literal, Self, TypeVar
+from typing import Any, Final, Literal, TypeVar
 
 from pydantic import TypeAdapter
 
@@ -140,19 +140,6 @@ class TrainingConfig:
     seed: int = 0
     passes: tuple[Pass, ...] = ()
 
-    def with_changes(
-        self, changes: Mapping[str, Any], *, epochs: int | None, examples: int
-    ) -> Self:
-        """Return the settings with some of them changed.
-
-        If `epochs` are given and the changes give no steps, there are as many steps as go so
-        often through so many examples.
-        """
-        config = replace(self, **changes)
-        if epochs is None or "steps" in changes:
-            return config
-        return replace(config, steps=epochs * batches_per_epoch(examples, config.batch_size))
-
     def facts(self) -> dict[str, Any]:
         """Return the settings as JSON holds them."""
         facts = asdict(self) | {"betas": list(self.betas)}
@@ -176,8 +163,15 @@ class Preset:
     epochs: int | None = None
 
     def config_for(self, examples: int, changes: Mapping[str, Any]) -> TrainingConfig:
-        """Return the settings for so many examples, with some of them changed."""
-        return self.training.with_changes(changes, epochs=self.epochs, examples=examples)
+        """Return the settings for so many examples, with some of them changed.
+
+        Epochs become steps, unless the changes give a number of steps.
+        """
+        config = replace(self.training, **changes)
+        if self.epochs is None or "steps" in changes:
+            return config
+        steps = self.epochs * batches_per_epoch(examples, config.batch_size)
+        return replace(config, steps=steps)
 
 
 Table = TypeVar("Table")

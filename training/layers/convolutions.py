@@ -134,7 +134,7 @@ class ComponentEncoder(nn.Module):
         T_in, T_out.
     widths : triple of int
         Of a node, of a component and of the latent.
-    reach : int
+    kernel : int
         Frames of temporal convolutions.
     """
 

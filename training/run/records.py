@@ -189,7 +189,7 @@ _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
 
 
 def package_versions(*extra: str) -> dict[str, str]:
-    """Return the versions of what every training uses, and of `further` packages."""
+    """Return the versions of what every training uses, and of `extra` packages."""
     return {name: metadata.version(name) for name in (*_PACKAGES, *extra)}
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,24 +23,6 @@ WIDTH: Final = 300
 
 _GRAMS: Final = (3, 4, 5, 6)
 """Letters of the parts of a word, as FastText cuts it."""
-
-
-class WordVectors(Protocol):
-    """Tells a vector of each word."""
-
-    @property
-    def width(self) -> int:
-        """Length of a vector."""
-        ...
-
-    @property
-    def description(self) -> str:
-        """Their description in a clip's provenance."""
-        ...
-
-    def lookup(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
-        """Return the vectors of words; unknown ones are left out."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -107,6 +89,9 @@ class TextVectors:
                 remedy="Download the file again",
             )
         return vector
+
+
+WordVectors = StandIn | TextVectors
 
 
 def load_word_vectors(file: Path | str | None) -> WordVectors:
