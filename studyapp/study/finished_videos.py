@@ -7,6 +7,7 @@ contain no @. Participants see copies, so the original files stay untouched.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Final
@@ -73,7 +74,8 @@ def finished_segments(
     Raises
     ------
     InputError
-        If there is no video, no segment is left, or a file name is not a valid segment name.
+        If there is no video, no segment is left, a file name is not a valid segment name, or no
+        video of a segment can be opened.
     """
     videos_of = {
         condition: {
@@ -105,12 +107,20 @@ def finished_segments(
             name=name,
             wav="",
             start=0.0,
-            end=video_duration(videos_of[owners[name][0]][name]),
+            end=_duration_of_any([videos_of[condition][name] for condition in owners[name]]),
             speaker="",
             emotion=EMOTIONS[0],
         )
         for name in sorted(names)
     )
+
+
+def _duration_of_any(videos: Sequence[Path]) -> float:
+    """Return the duration of the first video that can be opened; `check` names the others."""
+    for video in videos[:-1]:
+        with suppress(InputError):
+            return video_duration(video)
+    return video_duration(videos[-1])
 
 
 def similar_file(file: Path, needed: Collection[Path]) -> Path | None:

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -80,19 +79,23 @@ def test_a_misspelt_video_does_not_make_a_new_segment(finished: StudyFolder) -> 
     assert segment_names(finished) == ["one", "three", "two"]
 
 
-@pytest.mark.parametrize(
-    ("spoil", "said"),
-    [
-        (lambda video: video.rename(video.with_name("one (1).mp4")), r"ours/one \(1\)\.mp4"),
-        (lambda video: video.write_bytes(b"no video"), "this is not a playable video"),
-    ],
-)
-def test_a_video_without_a_segment_is_reported(
-    finished: StudyFolder, spoil: Callable[[Path], object], said: str
-) -> None:
-    spoil(finished.videos / "ours" / "one.mp4")
+def test_a_video_without_a_valid_name_is_reported(finished: StudyFolder) -> None:
+    video = finished.videos / "ours" / "one.mp4"
+    video.rename(video.with_name("one (1).mp4"))
 
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=r"ours/one \(1\)\.mp4"):
+        segment_names(finished)
+
+
+def test_a_segment_lasts_as_long_as_its_first_video_that_can_be_opened(
+    finished: StudyFolder,
+) -> None:
+    (finished.videos / "ours" / "one.mp4").write_bytes(b"no video")
+    assert finished.segments_of(finished.study())[0].end == pytest.approx(2.0, abs=0.05)
+
+    for video in finished.videos.glob("*/one.mp4"):
+        video.write_bytes(b"no video")
+    with pytest.raises(InputError, match="this is not a playable video"):
         segment_names(finished)
 
 
