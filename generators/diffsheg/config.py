@@ -130,20 +130,18 @@ class Sampling:
     jump_count : int
         How often each stretch of `JUMP_LENGTH` steps is walked: 1 for no resampling, 2 as the
         release's fast setting, 5 as its careful one.
-    keeps_pose : bool
+    smooth : bool
         Whether a window that continues another one sets out from noise around the last pose it
-        knows. The release sets out from pure noise, although a twenty-fifth of the motion's
-        variance should be left by then: slow parts of the motion fade from window to window.
-    own_noise : bool
-        Whether shared frames get the noise that the network has just found in them; RePaint and
-        the release give them fresh noise at each step, with which the new frames do not agree.
+        knows, and its shared frames get the noise that the network has just found in them. The
+        release sets out from pure noise, although a twenty-fifth of the motion's variance should be
+        left by then: slow parts of the motion fade from window to window. It and RePaint give
+        shared frames fresh noise at each step, with which the new frames do not agree.
     """
 
     steps: int = 25
     overlap: int = 4
     jump_count: int = 2
-    keeps_pose: bool = False
-    own_noise: bool = False
+    smooth: bool = False
 
     @property
     def entry(self) -> int:
@@ -181,7 +179,7 @@ class Sampling:
 
 SAMPLINGS: Final[Mapping[str, Sampling]] = MappingProxyType(
     {
-        "smooth": Sampling(keeps_pose=True, own_noise=True),
+        "smooth": Sampling(smooth=True),
         "fast": Sampling(),
         "careful": Sampling(jump_count=5),
         "plain": Sampling(jump_count=1),

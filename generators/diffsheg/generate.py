@@ -205,8 +205,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             "sampling": f"{sampling.steps} steps, overlap {sampling.overlap}, entry "
             f"{sampling.entry}, jump length {JUMP_LENGTH}, jump count "
             f"{sampling.jump_count}, blended below {BLEND_BELOW:g}"
-            f"{', from the last pose' if sampling.keeps_pose else ''}"
-            f"{', with its own noise' if sampling.own_noise else ''}",
+            f"{', from the last pose, with its own noise' if sampling.smooth else ''}",
             "hubert": self._hubert.description,
         }
         stand_ins = [self._hubert.description] if self._hubert.stands_in else []

@@ -134,7 +134,13 @@ class Branch(nn.Module):
 
 
 class Denoiser(nn.Module):
-    """The UniEG transformer with its shared audio encoder."""
+    """The UniEG transformer with its shared audio encoder.
+
+    Attributes
+    ----------
+    parts : dict of str to slice
+        The values of a frame that belong to each branch.
+    """
 
     def __init__(self, config: DenoiserConfig) -> None:
         super().__init__()
@@ -147,10 +153,12 @@ class Denoiser(nn.Module):
             config.style_width,
             config.dropout,
         )
+        layout = _layout(config)
+        self.parts = {name: part for name, part, _, _ in layout}
         self.branches = nn.ModuleDict(
             {
                 name: Branch(config, _size(part), _size(given), width)
-                for name, part, given, width in _layout(config)
+                for name, part, given, width in layout
             }
         )
 
@@ -182,7 +190,7 @@ class Denoiser(nn.Module):
         eps: dict[str, Tensor] = {}
         x0_hat: Tensor | None = None
         for name, branch in self.ordered_branches:
-            part = x_t[..., self.part_of(name)]
+            part = x_t[..., self.parts[name]]
             eps[name] = branch(part, timestep, modulations[name], fused_speech[name], x0_hat)
             x0_hat = self.estimate(part, eps[name], timestep)
         return self.join_parts(eps)
@@ -194,13 +202,9 @@ class Denoiser(nn.Module):
             (name, branch) for name, branch in self.branches.items() if isinstance(branch, Branch)
         ]
 
-    def part_of(self, name: str) -> slice:
-        """Return the values of a frame that belong to a branch."""
-        return next(part for other, part, _, _ in _layout(self.config) if other == name)
-
     def join_parts(self, parts: Mapping[str, Tensor]) -> Tensor:
         """Return the branches' parts of the motion as one, (…, motion width)."""
-        names = sorted(parts, key=lambda name: self.part_of(name).start)
+        names = sorted(parts, key=lambda name: self.parts[name].start)
         return torch.cat([parts[name] for name in names], dim=-1)
 
     def modulate(self, t: Tensor, person: Tensor) -> Mapping[str, Sequence[Tensor]]:
@@ -253,7 +257,7 @@ class Denoiser(nn.Module):
         """
         for name, branch in self.ordered_branches:
             if branch.skip is not None:
-                branch.skip.fit(windows[..., self.part_of(name)])
+                branch.skip.fit(windows[..., self.parts[name]])
 
 
 def _layout(config: DenoiserConfig) -> list[tuple[str, slice, slice, int]]:

@@ -212,7 +212,7 @@ def sample_window(
     walk = sampling.first_walk if shared is None else sampling.later_walk
     alpha_bar = _signal_variance(sampling)
     motion, later = noise.start, iter(noise.later)
-    if shared is not None and sampling.keeps_pose:
+    if shared is not None and sampling.smooth:
         pose = torch.cat([shared, shared[-1:].expand(motion.shape[1] - len(shared), -1)])
         motion = np.sqrt(alpha_bar(walk[0])) * pose + np.sqrt(1 - alpha_bar(walk[0])) * motion
     for place, after in pairwise(walk):
@@ -226,7 +226,7 @@ def sample_window(
         if shared is not None:
             spread = float(np.sqrt(1 - alpha_bar(after)))
             fresh = next(later)
-            noise_ahead = (eps if sampling.own_noise else fresh)[0, : len(shared)]
+            noise_ahead = (eps if sampling.smooth else fresh)[0, : len(shared)]
             noisy = np.sqrt(alpha_bar(after)) * shared + spread * noise_ahead
             weight = _blend_weight(shared, blends=spread < BLEND_BELOW)
             motion[0, : len(shared)] = weight * noisy + (1 - weight) * motion[0, : len(shared)]
@@ -345,7 +345,7 @@ class WindowSampler:
         eps: Callable[..., Tensor],
     ) -> list[Tensor]:
         """Return a branch's part of the motion of all windows."""
-        part = self._denoiser.part_of(name)
+        part = self._denoiser.parts[name]
 
         def asked() -> Iterator[tuple[Estimate, WindowNoise]]:
             for window in windows:

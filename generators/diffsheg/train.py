@@ -24,7 +24,12 @@ from generators.diffsheg.config import (
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
 from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.network_file import MotionNetwork, Normalisation, write_network
-from generators.learned import cut_windows, describe_training_data, run_training
+from generators.learned import (
+    cut_windows,
+    describe_training,
+    describe_training_data,
+    run_training,
+)
 from generators.registry import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from training.data.feature_cache import PreparedTakes
@@ -303,14 +308,12 @@ def _describe(
 ) -> TrainedGenerator:
     """Say what was learned, and from what."""
     measured = trained.best.measured
-    sentences = [
+    sentences = (
         describe_training_data(task.training, task.speakers),
         f"Share of the noise that it does not predict in {len(task.held_out)} held-out windows: "
         f"{measured['noise']:.3f} (untrained {untrained['noise']:.3f}); loss "
         f"{measured['loss']:.4g} (untrained {untrained['loss']:.4g}).",
-        f"Its weights are those of step {trained.best.step} of {trained.steps}, where "
-        f"{METRIC.replace('_', ' ')} of held-out windows were least.",
-    ]
+    )
     warnings = []
     if measured[METRIC] >= untrained[METRIC]:
         warnings.append(
@@ -322,6 +325,4 @@ def _describe(
             f"Speech was encoded by a {hubert.description}: the network can learn when and how "
             "somebody speaks, but no words."
         )
-    return TrainedGenerator(
-        sentences=tuple(sentences), warnings=tuple(warnings), skipped=task.training.prepared.skipped
-    )
+    return describe_training(task, trained, *sentences, warnings=warnings)
