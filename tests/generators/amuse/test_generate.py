@@ -148,31 +148,16 @@ def test_a_speech_model_other_than_in_training_is_refused(
         _clip(changed, _speech(3.0))
 
 
-def test_without_a_prior_the_denoiser_predicts_frames(tmp_path: Path) -> None:
-    settings = written_networks(tmp_path)
-    model = MotionModel(replace(MOTION, frames=60, prior=False))
-    write_motion(settings.checkpoint, MotionNetworks(model=model))
-    clips = [_clip(settings, _speech(2.0, hertz)) for hertz in (200, 200, 2000)]
-    assert len(clips[0]) == 60
-    assert (clips[0].poses == clips[1].poses).all()
-    assert (clips[0].poses != clips[2].poses).any()
-
-
-@pytest.fixture(name="whole")
-def _whole(tmp_path: Path) -> AmuseSettings:
-    """Networks whose denoiser has one latent of the speech as its condition."""
-    settings = written_networks(tmp_path)
+def test_speech_without_disentanglement_drives_frames_as_a_whole(
+    settings: AmuseSettings, tmp_path: Path
+) -> None:
+    whole = written_networks(tmp_path)
     speech = SpeechAutoencoder(replace(SPEECH, mfcc=4))
     motion = MotionModel(replace(MOTION, conditions=1, prior=False, frames=60))
-    write_speech(settings.speech_model, SpeechNetwork(model=speech))
-    write_motion(settings.checkpoint, MotionNetworks(model=motion))
-    return settings
-
-
-def test_speech_without_disentanglement_drives_motion_as_a_whole(
-    whole: AmuseSettings, settings: AmuseSettings
-) -> None:
+    write_speech(whole.speech_model, SpeechNetwork(model=speech))
+    write_motion(whole.checkpoint, MotionNetworks(model=motion))
     low, high = (_clip(whole, _speech(2.0, hertz)) for hertz in (200, 2000))
+    assert len(low) == 60
     assert (low.poses != high.poses).any()
     with pytest.raises(InputError, match=r"does not disentangle speech, so emotion .*Leave out"):
         _clip(whole.model_copy(update={"emotion": "happiness"}), _speech(2.0))

@@ -5,21 +5,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 import torch
 from torch import Tensor
 
 from generators.amuse.network_file import load_motion, load_speech
 from motion.errors import InputError
-from tests.generators.reference_weights import REFERENCE, reference_weights
-
-
-def _known(name: str) -> dict[str, Tensor]:
-    if not (REFERENCE / name).exists():
-        pytest.skip("the reference of the released network is not here")
-    with np.load(REFERENCE / name) as arrays:
-        return {key: torch.from_numpy(np.asarray(arrays[key])) for key in arrays}
+from tests.generators.reference_weights import REFERENCE, reference_arrays, reference_weights
 
 
 def _error(found: Tensor, expected: Tensor) -> float:
@@ -28,7 +20,7 @@ def _error(found: Tensor, expected: Tensor) -> float:
 
 
 def test_prior_and_denoiser_match_the_released_networks(tmp_path: Path) -> None:
-    reference = _known("amuse.npz")
+    reference = reference_arrays("amuse")
     shapes = json.loads((REFERENCE / "amuse_state_dict.json").read_text())
     weights = {part: reference_weights(shapes[part]) for part in ("prior", "denoiser")}
     torch.save(weights, tmp_path / "prior.pt")
@@ -47,7 +39,7 @@ def test_prior_and_denoiser_match_the_released_networks(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_speech_model_matches_the_released_one(tmp_path: Path) -> None:
-    reference = _known("amuse_audio.npz")
+    reference = reference_arrays("amuse_audio")
     shapes = json.loads((REFERENCE / "amuse_audio_state_dict.json").read_text())
     torch.save(reference_weights(shapes), tmp_path / "speech.pt")
     with torch.inference_mode():

@@ -22,7 +22,7 @@ from generators.diffsheg.network_file import (
 )
 from motion.errors import InputError
 from tests.generators.diffsheg.small_network import small
-from tests.generators.reference_weights import REFERENCE, reference_weights
+from tests.generators.reference_weights import REFERENCE, reference_arrays, reference_weights
 from training.weights_file import write_weights
 
 
@@ -97,23 +97,18 @@ def test_unusable_content_is_refused(stats: Path, values: np.ndarray, message: s
 @pytest.mark.slow
 @pytest.mark.parametrize("dataset", ["beat", "show"])
 def test_the_forward_pass_matches_the_released_network(dataset: str, tmp_path: Path) -> None:
-    names = REFERENCE / f"diffsheg_{dataset}_state_dict.json"
-    if not names.exists():
-        pytest.skip("the reference of the released network is not here")
-    shapes = json.loads(names.read_text())
-    weights = reference_weights(shapes)
-    torch.save({"encoder": weights}, tmp_path / "released.pt")
+    reference = reference_arrays(f"diffsheg_{dataset}")
+    shapes = json.loads((REFERENCE / f"diffsheg_{dataset}_state_dict.json").read_text())
+    torch.save({"encoder": reference_weights(shapes)}, tmp_path / "released.pt")
     denoiser = load_released(tmp_path / "released.pt", dataset)
     if dataset == "beat":
         stats = REFERENCE.parent / "data" / "diffsheg_stats"
         network = load_network(tmp_path / "released.pt", dataset, stats)
         assert network.normalisation.mean.shape == (denoiser.config.motion_width,)
-    with np.load(REFERENCE / f"diffsheg_{dataset}.npz") as reference, torch.inference_mode():
-        noisy, timestep, mel, hubert, person, expected = (
-            torch.from_numpy(reference[name])
-            for name in ("noisy", "timestep", "mel", "hubert", "person", "eps")
-        )
-        result = denoiser(noisy, timestep, mel, hubert, person)
+    given = (reference[name] for name in ("noisy", "timestep", "mel", "hubert", "person"))
+    expected = reference["eps"]
+    with torch.inference_mode():
+        result = denoiser(*given)
     assert float((result - expected).norm() / expected.norm()) < 1e-5
     assert float((result - expected).abs().max() / expected.abs().max()) < 1e-4
 
