@@ -8,18 +8,21 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from renderer.framing import Camera
 from renderer.jobs.making import ONE_THREAD, JobOrder, run_jobs
-from renderer.look import Look
 from renderer.video_jobs import ClipJob, DubJob, Job, Outcome, PairJob
-from tests.renderer.jobs.sample_jobs import frames_of, killing_writers, pair_of, video_of
+from tests.renderer.jobs.sample_jobs import (
+    frames_of,
+    killing_writers,
+    numbered,
+    pair_of,
+    video_of,
+)
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -135,29 +138,20 @@ def test_ctrl_c_ends_all_processes_without_partial_files(clip_job: ClipJob, tmp_
     }  # fmt: skip
 
 
-def write_order(clips: int, pairs: list[tuple[int, int]], dubs: list[int]) -> list[Job]:
+def write_order(
+    clip: ClipJob, count: int, pairs: list[tuple[int, int]], dubs: list[int]
+) -> list[Job]:
     """Return jobs of clips named by their numbers, of pairs of them, and of clips dubbed."""
-    speech: dict[str, Any] = {"speech": Path("s.wav"), "start": 0.0, "end": 1.0}
-    camera = Camera(eye=(0, 0, 1), target=(0, 0, 0), field_of_view=20)
-    frames = [Path(f"{number}.mkv") for number in range(clips)]
-    made = [
-        ClipJob(
-            name=str(number), motion=Path("a.npz"), freeze=(), body=None, camera=camera,
-            look=Look(), frames=path, video=path.with_suffix(".mp4"), **speech,
-        )
-        for number, path in enumerate(frames)
-    ]  # fmt: skip
-    video = Path("other.mp4")
+    clips = [numbered(clip, number) for number in range(count)]
+    dub = DubJob(
+        name="d", picture=video_of(clip), speech=clip.speech, start=0.0, end=1.0, seconds=1.0,
+        video=Path("other.mp4"),
+    )  # fmt: skip
+    sides = [[frames_of(clips[number]) for number in pair] for pair in pairs]
     return [
-        *made,
-        *(
-            PairJob(name="p", left=frames[a], right=frames[b], video=video, look=Look(), **speech)
-            for a, b in pairs
-        ),
-        *(
-            DubJob(name="d", picture=Path(f"{number}.mp4"), seconds=1.0, video=video, **speech)
-            for number in dubs
-        ),
+        *clips,
+        *(replace(pair_of(clip, "p"), left=left, right=right) for left, right in sides),
+        *(replace(dub, picture=video_of(clips[number])) for number in dubs),
     ]
 
 
@@ -170,11 +164,12 @@ def sources_of(job: Job) -> tuple[Path, ...]:
 
 @given(data=st.data(), clips=st.integers(1, 6))
 def test_every_job_starts_once_after_its_clips_or_fails_once_with_them(
-    data: st.DataObject, clips: int
+    job: ClipJob, data: st.DataObject, clips: int
 ) -> None:
-    clip = st.integers(0, clips - 1)
-    pairs = data.draw(st.lists(st.tuples(clip, clip), max_size=12))
-    jobs = write_order(clips, pairs, data.draw(st.lists(clip, max_size=3)))
+    numbers = st.integers(0, clips - 1)
+    pairs = data.draw(st.lists(st.tuples(numbers, numbers), max_size=12))
+    clip = replace(job, frames=Path("a.mkv"), video=Path("a.mp4"))
+    jobs = write_order(clip, clips, pairs, data.draw(st.lists(numbers, max_size=3)))
     jobs = data.draw(st.permutations(jobs))
     order, begun, lost, running = JobOrder(jobs), [], [], []
     finished: set[Path] = set()
