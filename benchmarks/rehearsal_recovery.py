@@ -26,7 +26,6 @@ from analysis.results.known_values import KnownValue
 from analysis.results.mixed_models import sided
 from analysis.results.preference import win_share
 from motion.segment import EMOTIONS, Segment
-from studyapp.rehearsal.simulation.judgement import Conduct, judge
 from studyapp.rehearsal.simulation.population import (
     DESCRIPTIONS,
     KINDS,
@@ -34,7 +33,7 @@ from studyapp.rehearsal.simulation.population import (
     Population,
     default_population,
 )
-from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.raters import Rater, judge
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import parse_text
@@ -127,9 +126,8 @@ def simulated(
         for number in range(arm.places):
             plan = study.plan(arm, number, segments)
             for rater in _holders(population, seed, f"{arm.name} {number}"):
-                conduct = Conduct(rater=rater, trials=len(plan), coverage=study.watching.coverage)
-                stays = not conduct.leaves_at or conduct.returns
-                settled = len(plan) if stays else (conduct.leaves_at or 1) - 1
+                leaves_at = None if rater.returns else rater.leaves_at(len(plan))
+                settled = len(plan) if leaves_at is None else leaves_at - 1
                 failed: Counter[str] = Counter()
                 for trial in plan[:settled]:
                     answers = judge(study, rater, trial).values

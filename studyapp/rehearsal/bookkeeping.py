@@ -17,7 +17,6 @@ from studyapp.database.tables import Place, Response, StudySession, Trial
 from studyapp.monitoring.counts import dropouts
 from studyapp.monitoring.study_sessions import SessionProgress
 from studyapp.rehearsal.eyes import rater_name
-from studyapp.rehearsal.simulation.judgement import Conduct
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.truth import Truth
 from studyapp.study.design.trial import Answers
@@ -44,11 +43,6 @@ class Acknowledged:
     codes: dict[str, str] = field(default_factory=dict)
     left: Counter[str] = field(default_factory=Counter)
     returned: Counter[str] = field(default_factory=Counter)
-
-    @property
-    def away(self) -> frozenset[str]:
-        """Participants who have left temporarily, and may have come back."""
-        return frozenset(self.left)
 
 
 @dataclass(frozen=True)
@@ -91,10 +85,6 @@ class Ledger:
             acknowledged.left.update([name] * ("left" in line))
             acknowledged.returned.update([name] * ("returned" in line))
         return acknowledged
-
-    def remove(self) -> None:
-        """Remove the file."""
-        self.path.unlink(missing_ok=True)
 
     def _add(self, line: dict[str, Any]) -> None:
         with self.lock:
@@ -148,8 +138,7 @@ class Person:
     @property
     def has_left(self) -> bool:
         """Whether it has dropped out, which happens at a certain trial."""
-        conduct = Conduct(rater=self.rater, trials=self.trials, coverage=0.0)
-        leaves_at = None if conduct.returns else conduct.leaves_at
+        leaves_at = None if self.rater.returns else self.rater.leaves_at(self.trials)
         return not self.completed and leaves_at is not None and self.settled >= leaves_at - 1
 
 

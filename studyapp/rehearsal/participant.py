@@ -14,9 +14,8 @@ import httpx
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.pages import BrokenPageError, Form, FormFields, Page, Player
-from studyapp.rehearsal.simulation.judgement import Conduct, Judgement, judge
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.raters import Judgement, Rater, judge
 from studyapp.study.settings.study import Study
 from studyapp.web.participants.participant import FORM_FIELD
 
@@ -243,20 +242,18 @@ class Participant:
             sight = self.eyes.look(page)
             position = sight.position
             rater = Rater(population=self.population, seed=self.seed, name=sight.rater)
-            coverage = self.study.watching.coverage
-            conduct = Conduct(rater=rater, trials=sight.trials, coverage=coverage)
-            if conduct.leaves_at == position and not is_back:
-                if conduct.returns:
+            if rater.leaves_at(sight.trials) == position and not is_back:
+                if rater.returns:
                     self.ledger.left(self.name)
-                raise Departure(returns=conduct.returns)
-            if conduct.clicks_twice and not reopened:
+                raise Departure(returns=rater.returns)
+            if rater.clicks_twice and not reopened:
                 page, reopened = visit.open(self._entrance), True
                 continue
             visit = replace(
                 visit,
-                watches=conduct.watches,
-                thinks=conduct.thinks(position),
-                clicks_twice=conduct.clicks_twice,
+                watches=rater.watches(self.study.watching.coverage),
+                thinks=rater.thinks(position),
+                clicks_twice=rater.clicks_twice,
             )
             judgement = judge(self.study, rater, sight)
             page = self.answer(visit, page, judgement)

@@ -16,7 +16,7 @@ from motion.segment import Segment
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.rehearsal.bookkeeping import Ledger, people
+from studyapp.rehearsal.bookkeeping import people
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.rehearsal.simulation.truth import Truth, expectations, read_truth, write_truth
 from studyapp.study.folder import StudyFolder
@@ -90,7 +90,7 @@ def prepare(
         note = f"The answers of an earlier rehearsal were removed: {difference}."
     for ending in _SQLITE_ENDINGS:
         folder.rehearsal.with_name(folder.rehearsal.name + ending).unlink(missing_ok=True)
-    Ledger(folder.acknowledged).remove()
+    folder.acknowledged.unlink(missing_ok=True)
     write_truth(folder.rehearsal_truth, truth)
     return truth, note
 

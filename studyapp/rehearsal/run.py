@@ -171,7 +171,7 @@ def _let_take_part(
     InputError
         If a page lacks something, or the server does not answer.
     """
-    away = anybody.ledger.read().away
+    have_left = anybody.ledger.read().left
     done = roster.total - len(roster.remaining)
     with ThreadPoolExecutor(workers, thread_name_prefix="participant") as pool:
 
@@ -182,7 +182,7 @@ def _let_take_part(
         try:
             visits = {
                 submit(
-                    name, delay=min(index, workers) * STAGGER_SECONDS, is_back=name in away
+                    name, delay=min(index, workers) * STAGGER_SECONDS, is_back=name in have_left
                 ): name
                 for index, name in enumerate(roster.remaining)
             }

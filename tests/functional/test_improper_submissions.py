@@ -15,8 +15,7 @@ from sqlalchemy import select
 from studyapp.database.tables import Trial
 from studyapp.rehearsal.pages import FormData, FormFields, Page, read_form
 from studyapp.rehearsal.participant import Participant, Visit
-from studyapp.rehearsal.simulation.judgement import Judgement
-from studyapp.rehearsal.simulation.raters import SeenTrial
+from studyapp.rehearsal.simulation.raters import Judgement, SeenTrial
 from studyapp.study.design.trial import AnswerKey
 from studyapp.study.settings.questions import MAX_TEXT_LENGTH, FormQuestion
 from studyapp.web.app import create_app

@@ -25,8 +25,8 @@ from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.pages import FormFields, Page
 from studyapp.rehearsal.participant import Participant, Visit, study_client
-from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.population import default_population
+from studyapp.rehearsal.simulation.raters import Judgement
 from studyapp.study.folder import StudyFolder
 from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, watched_page
 from tests.functional.joining import NAME, join

@@ -1,9 +1,10 @@
-"""A simulated rater: what it sees, how good each motion is to it, and what it answers."""
+"""A simulated rater: how it takes part, how good each motion is to it, and what it answers."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Final, Protocol
@@ -19,7 +20,9 @@ from studyapp.rehearsal.simulation.population import (
     rating_thresholds,
     step,
 )
-from studyapp.study.design.trial import Ask, Stimulus, Trial
+from studyapp.study.design.trial import AnswerKey, Answers, Ask, Stimulus, Trial
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.settings.study import Study
 
 
 def stream(seed: int, *event: str | int) -> np.random.Generator:
@@ -60,6 +63,18 @@ class SeenTrial(Trial, Protocol):
     def stimuli(self) -> tuple[Stimulus, ...]:
         """What is judged, number 1 (A) first."""
 
+
+THINKS: Final = 4.0
+"""Median seconds between the end of the last video and the answers."""
+
+THINKS_SPREAD: Final = 0.4
+"""Standard deviation of the logarithm of those seconds, over raters and trials."""
+
+HASTY_THINKS: Final = 0.3
+"""Median seconds of who is hasty."""
+
+HASTY_SPARE: Final = 0.01
+"""Share of each video that who is hasty watches beyond what must be watched."""
 
 SIDE_PULL: Final = 2.5
 """Logits by which somebody side-biased prefers the side they are drawn to."""
@@ -123,6 +138,32 @@ class Rater:
         """How much better than others it rates everything, in logits."""
         draw = stream(self.seed, "leniency", self.name).standard_normal()
         return self.population.leniency_sd * float(draw)
+
+    def leaves_at(self, trials: int) -> int | None:
+        """Return at which of so many trials, from 1, it leaves; None if it stays."""
+        if self.kind not in ("dropping_out", "returning"):
+            return None
+        return int(stream(self.seed, "leaves", self.name).integers(1, trials + 1))
+
+    @property
+    def returns(self) -> bool:
+        """Whether it comes back after it has left."""
+        return self.kind == "returning"
+
+    @property
+    def clicks_twice(self) -> bool:
+        """Whether it presses every button twice."""
+        return self.kind == "double_clicking"
+
+    def watches(self, coverage: float) -> float:
+        """Return the share of each video that it watches if it must watch `coverage` of it."""
+        return min(1.0, coverage + HASTY_SPARE) if self.kind == "hasty" else 1.0
+
+    def thinks(self, position: int) -> float:
+        """Return the seconds it takes for its answers to the trial at `position`."""
+        draw = stream(self.seed, "thinks", self.name, position)
+        median = HASTY_THINKS if self.kind == "hasty" else THINKS
+        return median * float(draw.lognormal(0.0, THINKS_SPREAD))
 
     def utility(self, stimulus: Stimulus, question: str) -> float:
         """Return how good `stimulus` is to this rater, as far as it looks, in logits."""
@@ -244,3 +285,66 @@ def speech_fit(
     The same for every rater of a rehearsal, as the other speech of a segment is.
     """
     return population.item_sd * standard_normal(seed, "other speech", condition, segment, question)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement:
+    """What one rater answers to one trial.
+
+    Attributes
+    ----------
+    asks : tuple of Ask
+        What the trial asks for.
+    values : mapping of AnswerKey to int
+        An answer to each.
+    reasons : mapping of AnswerKey to tuple of str
+        What is ticked beside them.
+    """
+
+    asks: tuple[Ask, ...]
+    values: Answers
+    reasons: Mapping[AnswerKey, tuple[str, ...]]
+
+    def fields(self) -> dict[str, tuple[str, ...]]:
+        """Return the fields of the page's form with these answers."""
+        fields = {ask.field: (str(self.values[ask.key]),) for ask in self.asks}
+        ticked = {
+            ask.reasons_field: self.reasons[ask.key]
+            for ask in self.asks
+            if self.reasons.get(ask.key)
+        }
+        return fields | ticked
+
+
+def judge(study: Study, rater: Rater, trial: SeenTrial) -> Judgement:
+    """Return what `rater` answers to `trial`; it goes together as `study` demands."""
+    asks = study.asks(trial)
+    if isinstance(study, RankingStudy):
+        values = _ranked(study, rater, trial, asks)
+    elif rater.obeys(trial):
+        values = {ask.key: _obedient(study, trial, ask) for ask in asks}
+    elif study.asks_each_stimulus:
+        values = {ask.key: rater.rate(trial, ask) for ask in asks}
+    else:
+        values = {ask.key: rater.prefer(trial, ask) for ask in asks}
+    reasons = {ask.key: rater.reasons(trial, ask) for ask in asks if ask.reasons}
+    return Judgement(asks=asks, values=values, reasons=reasons)
+
+
+def _ranked(
+    study: RankingStudy, rater: Rater, trial: SeenTrial, asks: tuple[Ask, ...]
+) -> dict[AnswerKey, int]:
+    first = trial.instructed if rater.obeys(trial) else None
+    return {
+        (question, number): rank
+        for question in dict.fromkeys(ask.question for ask in asks)
+        for number, rank in enumerate(
+            rater.rank(trial, question, ties=study.ties, first=first), start=1
+        )
+    }
+
+
+def _obedient(study: Study, trial: SeenTrial, ask: Ask) -> int:
+    """Return the answer that an attention check asks for: of those that are right, the middle."""
+    right = [value for value in ask.values if not study.disobeys(trial, {ask.key: value})]
+    return right[len(right) // 2]

@@ -20,8 +20,7 @@ from studyapp.database.tables import StudySession
 from studyapp.rehearsal.eyes import Eyes, read_sight
 from studyapp.rehearsal.pages import BrokenPageError
 from studyapp.rehearsal.participant import Participant, study_client
-from studyapp.rehearsal.simulation.judgement import judge
-from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.raters import Rater, judge
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import browser

@@ -21,9 +21,8 @@ from studyapp.database.tables import StudySession
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.run import rehearse
 from studyapp.rehearsal.server import rehearsal_server
-from studyapp.rehearsal.simulation.judgement import Conduct, judge
 from studyapp.rehearsal.simulation.population import default_population
-from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.raters import Rater, judge
 from studyapp.rehearsal.simulation.truth import read_truth
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
@@ -98,8 +97,7 @@ def said(rendered: Path) -> list[tuple[object, ...]]:
         place = f"{comparison_name(study.reference, comparison)} {number}"
         for name in chain([place], (f"{place} again {earlier}" for earlier in count(1))):
             rater = Rater(population=population, seed=3, name=name)
-            conduct = Conduct(rater=rater, trials=len(plan), coverage=1)
-            leaves_at = None if conduct.returns else conduct.leaves_at
+            leaves_at = None if rater.returns else rater.leaves_at(len(plan))
             for trial in plan[: leaves_at and leaves_at - 1]:
                 given = judge(study, rater, trial).values
                 rows.extend(

@@ -20,9 +20,8 @@ from analysis.stats.clustered_mean import Estimate
 from benchmarks.rehearsal_recovery import simulated
 from motion.segment import EMOTIONS
 from studyapp.rehearsal.simulation import truth as true_values
-from studyapp.rehearsal.simulation.judgement import judge
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.raters import Rater, judge
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.design.trial import AnswerKey, PlannedTrial
 from studyapp.study.protocols.pairwise import PairwiseStudy

@@ -16,9 +16,8 @@ from sqlalchemy import select
 from studyapp.database.tables import StudySession, Trial
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Departure, Participant
-from studyapp.rehearsal.simulation.judgement import Judgement, judge
 from studyapp.rehearsal.simulation.population import Kind, Population, default_population, ranks
-from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.raters import Judgement, Rater, judge
 from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.reading import parse_text
