@@ -27,6 +27,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from motion.errors import InputError
 from motion.segment import EMOTIONS, SEGMENTS_FILE, check_name
+from studyapp.desk.job_kinds import BRING_IN
 from studyapp.desk.job_page import MOST_SHOWN
 from studyapp.desk.jobs import job_log, job_standings
 from studyapp.desk.lab import OpenedStudy
@@ -236,9 +237,6 @@ class Inbox:
         return folder / upload.name, folder / partial
 
 
-IMPORT: Final = "import"
-"""The kind of job that brings files in."""
-
 REFUSED: Final = "refused: "
 """Begins the lines of its log that say why a file was not brought in."""
 
@@ -246,7 +244,7 @@ REFUSED: Final = "refused: "
 def bring_in(study: OpenedStudy) -> ResponseReturnValue:
     """Show the inbox, and how the last import went."""
     files = Inbox(study.folder).files()
-    log = job_log(study.folder.jobs, IMPORT, most=MOST_SHOWN)
+    log = job_log(study.folder.jobs, BRING_IN.name, most=MOST_SHOWN)
     # Files may have been removed since.
     waiting = tuple(f"{REFUSED}{study.folder.inbox.name}/{file.path}" for file in files)
     return page(
@@ -261,7 +259,7 @@ def bring_in(study: OpenedStudy) -> ResponseReturnValue:
         endings=IMPORTABLE_ENDINGS,
         piece=LARGEST_PIECE,
         largest=LARGEST_FILE,
-        last=job_standings(study.folder.jobs).get(IMPORT),
+        last=job_standings(study.folder.jobs).get(BRING_IN.name),
         refusals=[
             line.removeprefix(f"{REFUSED}{study.folder.inbox.name}/")
             for line in log.splitlines()

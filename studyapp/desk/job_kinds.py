@@ -145,17 +145,15 @@ def segment_names(study: OpenedStudy) -> list[str]:
         return []
 
 
-BRING_IN: Final = (
-    JobKind(
-        name="import",
-        title="Bring in",
-        purpose="Bring what was uploaded into the study",
-        command=_import,
-        needs=Right.STEER,
-        asks="files",
-    ),
+BRING_IN: Final = JobKind(
+    name="import",
+    title="Bring in",
+    purpose="Bring what was uploaded into the study",
+    command=_import,
+    needs=Right.STEER,
+    asks="files",
 )
-"""Jobs that are run from the page of uploads."""
+"""It is run from the page of uploads."""
 
 RUN: Final = (
     JobKind(
@@ -245,4 +243,4 @@ TAKE_HOME: Final = (
 )
 """Jobs whose files are downloaded."""
 
-KINDS: Final = {kind.name: kind for kind in (*BRING_IN, *RUN, *TAKE_HOME)}
+KINDS: Final = {kind.name: kind for kind in (BRING_IN, *RUN, *TAKE_HOME)}
