@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import av
@@ -12,10 +11,6 @@ import pytest
 from motion.audio import Audio
 from renderer.encoder import SOUND_RATE
 from studyapp.preflight.check import check
-from studyapp.preflight.finding import Severity
-from studyapp.preflight.material import Material
-from studyapp.preflight.sound_checks import sound_findings
-from studyapp.preflight.video_checks import finished_video_findings, shown_video_findings
 from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.figures.contact_sheet import write_contact_sheet
 from studyapp.stimuli.rendering import render
@@ -23,43 +18,31 @@ from studyapp.stimuli.video_copies import copy_videos
 from studyapp.study.design.trial import Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media, read_stimuli
+from tests.studyapp.conftest import OwnStudy
 from tests.support.encoded import Told, write_video
 from tests.support.studies.finished_study import write_finished_study
 from tests.support.studies.redefining import redefine
 
-LOUD = Audio((0.4 * np.sin(np.arange(2 * SOUND_RATE) / 20)).astype(np.float32), SOUND_RATE)
-LONGER = Audio((0.1 * np.sin(np.arange(98_000) / 25)).astype(np.float32), SOUND_RATE)
-
-
-@pytest.fixture(scope="module")
-def usual(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("video") / "usual.mp4"
-    write_video(path, Told())
-    return path
-
 
 @pytest.fixture
-def study(tmp_path: Path, usual: Path) -> Callable[..., StudyFolder]:
-    """Return a function that makes a study with one video of 'ours' replaced."""
-
-    def make(protocol: str = "rating", ours: Told | None = None) -> StudyFolder:
-        write_finished_study(tmp_path, protocol, usual)
-        folder = StudyFolder(tmp_path)
-        if ours is not None:
-            write_video(folder.videos / "ours" / "one.mp4", ours)
-        return folder
-
-    return make
+def study(tmp_path: Path) -> StudyFolder:
+    """Return a study of ratings whose finished videos are encoded alike."""
+    write_video(tmp_path / "usual.mp4", Told())
+    folder = StudyFolder(tmp_path / "study")
+    folder.root.mkdir()
+    write_finished_study(folder.root, "rating", tmp_path / "usual.mp4")
+    return folder
 
 
-def errors(folder: StudyFolder, severity: Severity = "error") -> list[str]:
-    material = Material.read(folder, folder.study())
-    findings = [
-        *finished_video_findings(material),
-        *shown_video_findings(material),
-        *sound_findings(material),
-    ]
-    return [finding.what for finding in findings if finding.severity is severity]
+def write_original(folder: StudyFolder, told: Told) -> Path:
+    """Replace the finished video of 'ours' for the first segment."""
+    file = folder.videos / "ours" / "one.mp4"
+    write_video(file, told)
+    return file
+
+
+def errors(folder: StudyFolder) -> list[str]:
+    return [finding.what for finding in check(folder) if finding.severity == "error"]
 
 
 def shown(folder: StudyFolder, condition: str, segment: str = "one") -> Path:
@@ -68,15 +51,13 @@ def shown(folder: StudyFolder, condition: str, segment: str = "one") -> Path:
     return video.file
 
 
-def test_copies_do_not_reveal_their_condition(study: Callable[..., StudyFolder]) -> None:
-    told = Told(name="groundtruth", language="jpn", frames=62)
-    folder = study(ours=told)
-    original = folder.videos / "ours" / "one.mp4"
+def test_copies_do_not_reveal_their_condition(study: StudyFolder) -> None:
+    original = write_original(study, Told(name="groundtruth", language="jpn", frames=62))
     before = original.read_bytes()
 
-    assert render(folder, processes=1).failures == ()
+    assert render(study, processes=1).failures == ()
 
-    files = [shown(folder, condition) for condition in ("ours", "theirs", "real")]
+    files = [shown(study, condition) for condition in ("ours", "theirs", "real")]
     assert len({file.stat().st_size for file in files}) == 1
     assert not any(b"groundtruth" in file.read_bytes() for file in files)
     assert not any(name in str(file) for file in files for name in ("ours", "theirs", "real"))
@@ -86,23 +67,23 @@ def test_copies_do_not_reveal_their_condition(study: Callable[..., StudyFolder])
             lengths.add(container.duration)
     assert len(lengths) == 1
     assert original.read_bytes() == before
-    assert errors(folder) == []
+    assert errors(study) == []
 
 
-def test_a_changed_original_is_found_and_copied_again(study: Callable[..., StudyFolder]) -> None:
-    folder = study(ours=Told(sound=LOUD))
+def test_a_changed_original_is_found_and_copied_again(study: StudyFolder) -> None:
+    write_original(study, Told(name="another"))
 
-    assert errors(folder) == [
+    assert errors(study) == [
         "the video of 'ours' for segment one has changed since it was copied for participants"
     ]
-    assert render(folder, processes=1).made == 1
-    assert errors(folder) == []
+    assert render(study, processes=1).made == 1
+    assert errors(study) == []
 
 
 def test_copies_are_reused_and_a_newer_release_does_not_change_the_design(
-    study: Callable[..., StudyFolder], monkeypatch: pytest.MonkeyPatch
+    own_study: OwnStudy, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder = study("mismatch")
+    folder = own_study("mismatch")
     before = ServedStudy.read(folder.root).design
     copies = read_stimuli(folder.stimuli).copies
     assert copies and render(folder, processes=1).kept == len(copies)
@@ -112,10 +93,8 @@ def test_copies_are_reused_and_a_newer_release_does_not_change_the_design(
     assert ServedStudy.read(folder.root).design == before
 
 
-def test_a_misspelt_original_is_reported_with_a_suggestion(
-    study: Callable[..., StudyFolder],
-) -> None:
-    folder = study()
+def test_a_misspelt_original_is_reported_with_a_suggestion(own_study: OwnStudy) -> None:
+    folder = own_study("rating")
     file = folder.videos / "theirs" / "two.mp4"
     file.rename(file.with_name("Two.mp4"))
 
@@ -129,8 +108,8 @@ def test_a_misspelt_original_is_reported_with_a_suggestion(
     assert "there is no video: add it" in sheet
 
 
-def test_unused_copies_are_removed(study: Callable[..., StudyFolder]) -> None:
-    folder = study("ranking")
+def test_unused_copies_are_removed(own_study: OwnStudy) -> None:
+    folder = own_study("ranking")
     gone = shown(folder, "theirs", "two")
     redefine(folder.root, ('"theirs"]', '"real"]'), ('reference = "real"\n', ""))
 
@@ -140,44 +119,31 @@ def test_unused_copies_are_removed(study: Callable[..., StudyFolder]) -> None:
     assert (folder.videos / "theirs" / "two.mp4").exists()
 
 
+LONGER = Audio((0.1 * np.sin(np.arange(98_000) / 25)).astype(np.float32), SOUND_RATE)
+
+
 @pytest.mark.parametrize(
-    ("ours", "words"),
+    ("original", "name", "words"),
     [
-        (Told(rate=25, frames=50), "the number of frames per second differs"),
-        (Told(size=80), "the size of the picture differs"),
-        (Told(codec="mpeg4"), "is encoded as mpeg4"),
-        (Told(sound=None), "videos/ours/one.mp4 has no sound"),
-        (Told(frames=80), "videos/ours/one.mp4 lasts 2.67 s, its segment 2.00 s"),
+        (Told(rate=25, frames=50), "frame-rate-differs", "25.0 in videos/ours/one.mp4"),
+        (Told(size=80), "picture-size-differs", "80 × 80 in videos/ours/one.mp4"),
+        (Told(codec="mpeg4"), "video-unplayable", "is encoded as mpeg4"),
+        (Told(sound=None), "sound-missing", "videos/ours/one.mp4 has no sound"),
+        (Told(frames=80), "video-length", "one.mp4 lasts 2.67 s, its segment 2.00 s"),
+        # What only tools see.
+        (Told(frames=62), "structure-tells", "how many pictures there are"),
+        (Told(encoder={"g": "10"}), "structure-tells", "encoded from which others"),
+        (Told(encoder={"crf": "30"}), "structure-tells", "settings of the encoder"),
+        (Told(sound=LONGER), "structure-tells", "how long the sound lasts"),
     ],
 )
-def test_differences_that_copying_cannot_remove_are_errors(
-    study: Callable[..., StudyFolder], ours: Told, words: str
+def test_differences_that_copying_cannot_remove_are_found(
+    study: StudyFolder, original: Told, name: str, words: str
 ) -> None:
     # Without speech, a segment is as long as the first condition's video of it.
-    folder = study()
     real = "[conditions.real]\nvideos = true\n"
-    redefine(folder.root, (real, ""), ("[conditions.ours]", f"{real}[conditions.ours]"))
-    write_video(folder.videos / "ours" / "one.mp4", ours)
-    render(folder, processes=1)
+    redefine(study.root, (real, ""), ("[conditions.ours]", f"{real}[conditions.ours]"))
+    write_original(study, original)
+    render(study, processes=1)
 
-    assert any(words in error for error in errors(folder))
-
-
-@pytest.mark.parametrize(
-    ("ours", "words"),
-    [
-        (Told(frames=62), "how many pictures there are"),
-        (Told(encoder={"g": "10"}), "which pictures are encoded from which others"),
-        (Told(encoder={"crf": "30"}), "settings of the encoder"),
-        (Told(sound=LONGER), "how long the sound lasts"),
-    ],
-)
-def test_differences_visible_only_to_tools_give_warnings(
-    study: Callable[..., StudyFolder], ours: Told, words: str
-) -> None:
-    folder = study(ours=ours)
-    render(folder, processes=1)
-
-    warnings = [w for w in errors(folder, "warning") if w.startswith("whoever inspects")]
-
-    assert [words in warning for warning in warnings] == [True]
+    assert [finding.name for finding in check(study) if words in finding.what] == [name]
