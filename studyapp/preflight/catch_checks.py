@@ -8,7 +8,6 @@ Ordinary pairs of the same study are the yardstick.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 from statistics import median
@@ -65,27 +64,19 @@ Pictures = NDArray[np.float32]
 """Downscaled grey pictures of a video, shape (N, H, W), 0 (black) to 255."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Difference:
-    """How much two motions of a segment differ.
+def motion_difference(
+    first: MotionClip, second: MotionClip, framing: str = "upper_body"
+) -> tuple[float, float]:
+    """Return how much two motions differ in the visible joints, up to the end of the shorter.
 
-    Attributes
-    ----------
+    Returns
+    -------
     metres : float
         Mean distance between the same joints at the same time.
     acceleration_ratio : float
         Mean acceleration of the second motion relative to the first; infinite if only the second
         moves.
     """
-
-    metres: float
-    acceleration_ratio: float
-
-
-def motion_difference(
-    first: MotionClip, second: MotionClip, framing: str = "upper_body"
-) -> Difference:
-    """Return how much two motions differ in the visible joints, up to the end of the shorter."""
     rate = min(first.frame_rate, second.frame_rate)
     joints = [joint_index(name) for name in _FRAMED_JOINTS[framing]]
     one, other = (
@@ -94,10 +85,8 @@ def motion_difference(
     )
     frames = min(len(one), len(other))
     reference, flawed = (_mean_acceleration(positions, rate) for positions in (one, other))
-    return Difference(
-        metres=float(np.linalg.norm(one[:frames] - other[:frames], axis=2).mean()),
-        acceleration_ratio=flawed / reference if reference else (np.inf if flawed else 1.0),
-    )
+    metres = float(np.linalg.norm(one[:frames] - other[:frames], axis=2).mean())
+    return metres, flawed / reference if reference else (np.inf if flawed else 1.0)
 
 
 def _mean_acceleration(positions: FloatArray, rate: float) -> float:
@@ -107,7 +96,7 @@ def _mean_acceleration(positions: FloatArray, rate: float) -> float:
     return float(np.linalg.norm(np.diff(positions, n=2, axis=0), axis=2).mean() * rate**2)
 
 
-def picture_difference(first: Pictures, second: Pictures) -> float:
+def _picture_difference(first: Pictures, second: Pictures) -> float:
     """Return the mean grey difference of the pixels that differ most, up to the shorter's end.
 
     A limb covers a small part of a picture, so only the tenth of each picture's pixels that
@@ -121,7 +110,7 @@ def picture_difference(first: Pictures, second: Pictures) -> float:
     return float(np.partition(differences, -pixels, axis=1)[:, -pixels:].mean())
 
 
-def read_pictures(video: Path) -> Pictures | None:
+def _read_pictures(video: Path) -> Pictures | None:
     """Return downscaled pictures of a video; None if it cannot be decoded."""
     pictures: list[Pictures] = []
     try:
@@ -164,12 +153,13 @@ def catch_motion_findings(
             for name, by_segment in clips.items()
             if segment in by_segment
         }
-        difference = motion_difference(shown[reference], shown[flawed], study.video.framing)
-        centimetres[segment] = 100 * difference.metres
-        if difference.acceleration_ratio >= JERKY:
+        framing = study.video.framing
+        metres, ratio = motion_difference(shown[reference], shown[flawed], framing)
+        centimetres[segment] = 100 * metres
+        if ratio >= JERKY:
             jerky.add(segment)
         usual += [
-            100 * motion_difference(shown[a], shown[b], study.video.framing).metres
+            100 * motion_difference(shown[a], shown[b], framing)[0]
             for a, b in combinations([name for name in shown if name in study.conditions], 2)
         ]
     yield from _difference_findings(
@@ -195,12 +185,12 @@ def catch_picture_findings(material: Material) -> Iterator[Finding]:
             name: pictures
             for name in dict.fromkeys((*study.conditions, flawed))
             if (name, segment) in files
-            and (pictures := read_pictures(files[name, segment])) is not None
+            and (pictures := _read_pictures(files[name, segment])) is not None
         }
         if flawed in shown and reference in shown:
-            grey_levels[segment] = picture_difference(shown[flawed], shown[reference])
+            grey_levels[segment] = _picture_difference(shown[flawed], shown[reference])
         ordinary = [pictures for name, pictures in shown.items() if name in study.conditions]
-        usual += [picture_difference(a, b) for a, b in combinations(ordinary, 2)]
+        usual += [_picture_difference(a, b) for a, b in combinations(ordinary, 2)]
     yield from _difference_findings(
         study, grey_levels, usual, "the pictures differ by {:.1f} of 255 grey levels", LEAST_GREY
     )

@@ -5,16 +5,18 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterator
+from contextlib import closing
 from typing import Final
 from urllib.parse import urlsplit
 
 import httpx
+from sqlalchemy import func, select
 
 from motion.errors import InputError
 from studyapp.database.engine import Database, database_url_of, sqlite_url
+from studyapp.database.tables import StudySession
 from studyapp.preflight.finding import Finding, finding_of_error, make_finding
 from studyapp.preflight.material import Material
-from studyapp.preflight.time_checks import count_arrivals
 from studyapp.recruitment.record import count_places
 from studyapp.session.intake import current_intake
 from studyapp.session.served_study import ServedStudy
@@ -64,20 +66,18 @@ def _database_findings(material: Material) -> Iterator[Finding]:
     database.close()
     if current is None:
         return
-    try:
-        count = count_arrivals(current)
+    with closing(current):
+        with current.reading() as session:
+            count = session.scalar(select(func.count(StudySession.id)))
+            state = current_intake(session).state
         if count:
             yield make_finding("answers-there", count=count)
-        with current.reading() as session:
-            state = current_intake(session).state
         if state != "open":
             yield make_finding("intake-closed", state=state)
         design = design_digest(material.study, material.segments, material.shown)
         # Without all videos the design is not known yet.
         if set(material.contents) <= material.shown.keys() and needs_new_version(current, design):
             yield make_finding("design-changed")
-    finally:
-        current.close()
 
 
 def _disk_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:

@@ -41,7 +41,7 @@ def sound_findings(material: Material) -> Iterator[Finding]:
         lufs = integrated_loudness(audio)
         if lufs is not None:
             loudness[stimulus.segment][name] = lufs
-            share = silent_share(audio)
+            share = _silent_share(audio)
             if share > MOST_SILENCE:
                 yield make_finding("sound-mostly-silent", where=name, share=share)
         elif audio.duration >= SHORTEST:
@@ -63,7 +63,7 @@ def _distinct_sounds(material: Material) -> Mapping[str, tuple[Stimulus, Path]]:
     return sounds
 
 
-def silent_share(audio: Audio) -> float:
+def _silent_share(audio: Audio) -> float:
     """Return the share of blocks of 100 ms that are quieter than `QUIET_DB`."""
     length = max(1, round(_BLOCK_SECONDS * audio.sample_rate))
     count = max(1, len(audio.samples) // length)

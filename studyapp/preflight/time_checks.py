@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from statistics import median
 from typing import Final
 
-from sqlalchemy import func, select
+from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.database.engine import Database, database_url_of, sqlite_url
@@ -93,12 +94,12 @@ def _entrance_seconds(study: Study, material: Material) -> float:
     return (
         SECONDS_FOR_INSTRUCTIONS
         + SECONDS_FOR_A_FORM_QUESTION * questions
-        + 60 * count_words(study.page.consent) / WORDS_A_MINUTE
+        + 60 * _count_words(study.page.consent) / WORDS_A_MINUTE
         + (SECONDS_FOR_THE_SOUND_CHECK if study.page.sound_check and speech else 0.0)
     )
 
 
-def count_words(text: str) -> float:
+def _count_words(text: str) -> float:
     """Return the number of words; estimated from characters in text without spaces."""
     unspaced = len(re.findall(r"[\u3040-\u30ff\u4e00-\u9fff]", text))
     spaced = len(re.sub(r"[\u3040-\u30ff\u4e00-\u9fff]", " ", text).split())
@@ -109,26 +110,6 @@ def _video_seconds(content: Content, material: Material) -> float:
     """Return the length of a video, or of its segment before it is rendered."""
     video = material.shown.get(content)
     return video.duration if video else material.segments_by_name[content[0].segment].duration
-
-
-def finished_seconds(database: Database) -> tuple[float, ...]:
-    """Return the seconds from consent to the end, of all who finished and did not withdraw.
-
-    Interruptions count, as they do in the times that recruiting sites report.
-    """
-    with database.reading() as session:
-        rows = session.execute(
-            select(StudySession.consented_at, StudySession.completed_at)
-            .where(StudySession.completed_at.is_not(None), StudySession.withdrawn_at.is_(None))
-            .order_by(StudySession.id)
-        ).all()
-    return tuple((ended - began).total_seconds() for began, ended in rows if ended)
-
-
-def count_arrivals(database: Database) -> int:
-    """Return the number of study sessions."""
-    with database.reading() as session:
-        return session.scalar(select(func.count(StudySession.id))) or 0
 
 
 FEWEST_FINISHED: Final = 3
@@ -187,10 +168,14 @@ def _pace(material: Material, url: str, source: str) -> Pace | None:
     database = Database.open_for_reading(url)
     if database is None or expected is None:
         return None
-    try:
-        durations = finished_seconds(database)
-    finally:
-        database.close()
+    with closing(database), database.reading() as session:
+        # Interruptions count, as they do in the times that recruiting sites report.
+        rows = session.execute(
+            select(StudySession.consented_at, StudySession.completed_at).where(
+                StudySession.completed_at.is_not(None), StudySession.withdrawn_at.is_(None)
+            )
+        ).all()
+    durations = [(ended - began).total_seconds() for began, ended in rows if ended]
     if len(durations) < FEWEST_FINISHED:
         return None
     seconds = median(durations)

@@ -60,7 +60,7 @@ ENCODE: Final = (
 )
 
 
-def encode_like(example: VideoFormat) -> str:
+def _encode_like(example: VideoFormat) -> str:
     """Return the remedy of encoding all videos as `example` is."""
     return ENCODE.format(rate=example.frame_rate, width=example.width, height=example.height)
 
@@ -78,7 +78,7 @@ def finished_video_findings(material: Material) -> Iterator[Finding]:
     yield from _resolution_findings(material, formats)
 
 
-def flaw_finding(flaw: Flaw, name: str, remedy: str) -> Finding:
+def _flaw_finding(flaw: Flaw, name: str, remedy: str) -> Finding:
     """Return the finding of a flaw in the video `name`."""
     return make_finding(flaw.kind, f"{name} {flaw.what}", where=name, remedy=remedy)
 
@@ -102,7 +102,7 @@ def _finished_file_findings(material: Material, file: Path, content: Content) ->
     segment = material.segments_by_name[stimulus.segment]
     flaw = flaw_of(file, segment.duration, sound=stimulus.speech is not None)
     if flaw is not None:
-        yield flaw_finding(flaw, name, f"Replace it; lengths may differ by {DURATION_TOLERANCE} s")
+        yield _flaw_finding(flaw, name, f"Replace it; lengths may differ by {DURATION_TOLERANCE} s")
 
 
 def _format_findings(material: Material, formats: Mapping[Path, VideoFormat]) -> Iterator[Finding]:
@@ -114,7 +114,7 @@ def _format_findings(material: Material, formats: Mapping[Path, VideoFormat]) ->
     some_rendered = not all(study.is_finished(name) for name in study.conditions)
     rendered = VideoFormat.rendered(study.video.size, study.video.frame_rate)
     for finished in by_segment.values():
-        remedy = encode_like(rendered if some_rendered else next(iter(finished.values())))
+        remedy = _encode_like(rendered if some_rendered else next(iter(finished.values())))
         for name, video_format in finished.items():
             if (reason := video_format.unplayable) is not None:
                 yield make_finding(
@@ -208,7 +208,7 @@ def _shown_file_findings(material: Material, content: Content) -> Iterator[Findi
         return
     flaw = flaw_of(video.file, video.duration, sound=stimulus.speech is not None)
     if flaw is not None:
-        yield flaw_finding(flaw, name, "Delete the file and run 'motionjury render'")
+        yield _flaw_finding(flaw, name, "Delete the file and run 'motionjury render'")
         return
     if stimulus.speech is None and (encoded := format_of(video.file)) and encoded.sound:
         yield make_finding("sound-unwanted", where=name)
@@ -299,7 +299,7 @@ def _structure_findings(material: Material) -> Iterator[Finding]:
             "structure-tells",
             differences=listed(list(differing)),
             where=material.display_path(next(iter(differing.values()))),
-            remedy=encode_like(example),
+            remedy=_encode_like(example),
         )
 
 

@@ -33,21 +33,16 @@ SCALE = asked(kind="scale", low=1, high=5, choices=["never", "always"])
         (YES_NO, ["yes", "no"], ["maybe", "Yes", ""]),
         (AGE, ["18", "99"], ["17", "100", "20.5", "old", "", "１８", "9" * 30]),
         (SCALE, ["1", "5"], ["0", "6", "never"]),
+        (asked(choices=["a", "b"], eligible=["b"]), ["a", "b"], ["c"]),
         (asked(kind="text"), ["anything", "<b>"], ["", "   ", "x" * 2001]),
         (asked(kind="text", required=False), ["", "words"], ["x" * 2001]),
     ],
 )
-def test_only_offered_answers_are_accepted(
+def test_only_offered_answers_are_accepted_and_the_example_admits_a_person(
     question: FormQuestion, accepted: list[str], refused: list[str]
 ) -> None:
     assert [question.problem(answer) for answer in accepted] == [None] * len(accepted)
     assert all(question.problem(answer) is not None for answer in refused)
-
-
-@pytest.mark.parametrize(
-    "question", [YES_NO, AGE, SCALE, asked(kind="text"), asked(choices=["a", "b"], eligible=["b"])]
-)
-def test_an_examples_answers_are_valid_and_admit_a_person(question: FormQuestion) -> None:
     assert question.problem(question.example) is None
     assert not question.eligible or question.example in question.eligible
 
