@@ -96,45 +96,17 @@ class Dropout:
     came: int
 
 
-@dataclass(frozen=True, kw_only=True)
-class Dropouts:
-    """All participants who left.
-
-    Attributes
-    ----------
-    by_trial : tuple of Dropout
-        Only trials at which somebody left.
-    withdrawn : int
-        Those who withdrew. If their answers were deleted, nobody knows at which trial.
-    came : int
-        How many came in all.
-    """
-
-    by_trial: tuple[Dropout, ...]
-    withdrawn: int
-    came: int
-
-    @property
-    def left(self) -> int:
-        """How many left without withdrawing."""
-        return sum(dropout.left for dropout in self.by_trial)
-
-
-def dropouts(study_sessions: Sequence[SessionProgress]) -> Dropouts:
-    """Return where participants of `study_sessions` left."""
+def dropouts(study_sessions: Sequence[SessionProgress]) -> tuple[Dropout, ...]:
+    """Return the trials at which participants left, in order; nobody knows where some withdrew."""
     stopped = Counter(each.stands_at for each in study_sessions if each.has_left)
     others = [each for each in study_sessions if each.standing != "withdrawn"]
-    return Dropouts(
-        by_trial=tuple(
-            Dropout(
-                position=position,
-                left=stopped[position],
-                came=sum(each.stands_at >= position for each in others),
-            )
-            for position in sorted(stopped)
-        ),
-        withdrawn=sum(each.standing == "withdrawn" for each in study_sessions),
-        came=len(study_sessions),
+    return tuple(
+        Dropout(
+            position=position,
+            left=stopped[position],
+            came=sum(each.stands_at >= position for each in others),
+        )
+        for position in sorted(stopped)
     )
 
 

@@ -55,51 +55,24 @@ class Event:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrialLine:
-    """A row of the table of trials.
-
-    Attributes
-    ----------
-    watched : float
-        Share of its videos that counts as watched, in [0, 1].
-    outcome : str
-        Empty for a trial that is still to come.
-    """
-
-    position: int
-    kind: str
-    segment: str
-    emotion: str
-    seconds: float | None
-    watched: float
-    outcome: str
-
-
-@dataclass(frozen=True, kw_only=True)
 class OneStudySession:
     """One study session.
 
     Attributes
     ----------
-    version : int
-        Of the study.
-    number : int or None
-        Of the place, from 0.
-    form_answers : tuple of (str, str, str)
-        Answers about the participant: stage, question and answer.
-    recruiter : tuple of (str, str)
-        The recruiter's names of participant, study and session; empty without a recruiter.
+    row : StudySession
+        With its version, answers about the participant, and trials.
+    trials : tuple of (Trial, float, str)
+        Each trial, the share of its videos that counts as watched, in [0, 1], and its outcome,
+        which is empty for a trial that is still to come.
     decisions : sequence of ExclusionDecision
         Researchers' decisions about the participant, newest first.
     """
 
     progress: SessionProgress
-    version: int
-    number: int | None
-    trials: tuple[TrialLine, ...]
+    row: StudySession
+    trials: tuple[tuple[Trial, float, str], ...]
     events: tuple[Event, ...]
-    form_answers: tuple[tuple[str, str, str], ...]
-    recruiter: tuple[tuple[str, str], ...]
     decisions: Sequence[ExclusionDecision]
 
 
@@ -129,15 +102,12 @@ def one_study_session(
         events = [*_own_events(study_session), *map(_refused, session.scalars(refused))]
         return OneStudySession(
             progress=progress,
-            version=study_session.version.number,
-            number=study_session.number,
-            trials=tuple(_line(served.study, trial) for trial in study_session.trials),
-            events=tuple(sorted(events, key=lambda event: event.at)),
-            form_answers=tuple(
-                (answer.stage, answer.question, answer.value)
-                for answer in study_session.form_answers
+            row=study_session,
+            trials=tuple(
+                (trial, watched_share(trial.videos), _outcome(served.study, trial))
+                for trial in study_session.trials
             ),
-            recruiter=_recruiter(study_session),
+            events=tuple(sorted(events, key=lambda event: event.at)),
             decisions=exclusion_decisions(session, number),
         )
 
@@ -157,27 +127,6 @@ def contents_shown(database: Database, number: int, position: int) -> dict[int, 
             stimulus = Stimulus(condition=condition, segment=segment, speech=speech)
             contents[video] = (*contents.get(video, ()), stimulus)
     return contents
-
-
-def _recruiter(study_session: StudySession) -> tuple[tuple[str, str], ...]:
-    names = {
-        "participant": study_session.recruiter_participant or "",
-        "study": study_session.recruiter_study,
-        "session": study_session.recruiter_session,
-    }
-    return tuple((what, name) for what, name in names.items() if name)
-
-
-def _line(study: Study, trial: Trial) -> TrialLine:
-    return TrialLine(
-        position=trial.position,
-        kind=trial.kind,
-        segment=trial.segment,
-        emotion=trial.emotion,
-        seconds=trial.seconds,
-        watched=watched_share(trial.videos),
-        outcome=_outcome(study, trial),
-    )
 
 
 def _outcome(study: Study, trial: Trial) -> str:

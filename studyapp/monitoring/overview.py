@@ -1,9 +1,9 @@
-"""The overview of a running study, read from one state of the database."""
+"""The overview of a running study, from one state of its database, and what needs a decision."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Final
@@ -21,7 +21,7 @@ from studyapp.monitoring.answered_trials import (
 )
 from studyapp.monitoring.counts import (
     Completions,
-    Dropouts,
+    Dropout,
     Forecast,
     PlaceCounts,
     completions,
@@ -38,11 +38,7 @@ from studyapp.monitoring.data_quality import (
     failed_by_session,
     played_videos,
 )
-from studyapp.monitoring.decisions import Decision, decisions
-from studyapp.monitoring.study_sessions import (
-    SessionProgress,
-    progress_of_sessions,
-)
+from studyapp.monitoring.study_sessions import SessionProgress, Standing, progress_of_sessions
 from studyapp.session.ending import JUDGED
 from studyapp.session.form_answers import count_screened_out
 from studyapp.session.intake import Intake, current_intake
@@ -52,19 +48,36 @@ KINDS: Final = ("practice", "main", "repeat", *JUDGED)
 MOST_LISTED: Final = 20
 """Rows of a list that may be very long."""
 
+FEWEST_SHOWINGS: Final = 10
+MOST_STALLED: Final = 0.2
+MOST_DROPPED: Final = 0.1
+"""Shares of a video's showings that stalled, and of its pictures that were left out."""
+
+MOST_UNPLAYABLE: Final = 2
+
+FEWEST_CAREFUL: Final = 5
+MOST_CAREFUL_FAILED: Final = 0.3
+"""Participants who failed nothing else, and the share of them that fails one check."""
+
+FEWEST_LEFT: Final = 3
+MOST_LEFT: Final = 0.1
+"""Participants who left at one trial, and their share of those who came to it."""
+
+LONGER_THAN_SAID: Final = 1.25
+
 
 @dataclass(frozen=True, kw_only=True)
-class FailedChecks:
-    """How many participants failed how many checks of one kind.
+class Decision:
+    """Something that a researcher should look at.
 
     Attributes
     ----------
-    by_failures : tuple of (int, int)
-        Numbers of failed checks, each with how many participants failed so many.
+    what, remedy : str
+        What is wrong, with its numbers, and what can be done, as sentences.
     """
 
-    kind: str
-    by_failures: tuple[tuple[int, int], ...]
+    what: str
+    remedy: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,105 +89,116 @@ class Overview:
     at : datetime
     intake : Intake
         Whether newcomers are admitted, as far as the study file allows it.
-    places, arms : PlaceCounts, tuple of PlaceCounts
-        Of all arms together, and of each.
+    is_open : bool
+        Whether both admit newcomers.
+    announced_minutes : int or None
+        The duration that participants are told.
+    arms : tuple of PlaceCounts
     completions : Completions or None
         Places done over time; None if none is.
+    standings : mapping of Standing to int
+        How many study sessions there are of each; those of earlier versions are not counted.
     earlier : int
         Study sessions of earlier versions of the study, which are counted nowhere else.
-    lapsed, replaced, unwatched : int
-        Study sessions that hold no place.
     screened_out : mapping of str to int
         How many were screened out at each stage, in all versions of the study.
     excluded : int
         Study sessions that researchers exclude from the analysis; most hold places all the same.
     leaving_out : tuple of SessionProgress
         Participants who most often said that a video does not play, if at all.
+    failed : mapping of kind to mapping of int to int
+        Numbers of failed checks of each kind, and how many participants failed so many.
     whole : Durations
         Of whole study sessions, from the first trial to the last answer.
     """
 
     at: datetime
     intake: Intake
-    places: PlaceCounts
+    is_open: bool
+    announced_minutes: int | None
     arms: tuple[PlaceCounts, ...]
     forecast: Forecast
     completions: Completions | None
+    standings: Mapping[Standing, int]
     earlier: int
-    lapsed: int
-    replaced: int
-    unwatched: int
     screened_out: Mapping[str, int]
     excluded: int
     leaving_out: tuple[SessionProgress, ...]
     progress: Progress
-    dropouts: Dropouts
-    failed: tuple[FailedChecks, ...]
+    dropouts: tuple[Dropout, ...]
+    failed: Mapping[str, Mapping[int, int]]
     items: tuple[CheckedItem, ...]
     whole: Durations
     trials: tuple[Durations, ...]
     videos: tuple[PlayedVideo, ...]
     sides: tuple[Sides, ...]
-    decisions: tuple[Decision, ...]
+
+    @property
+    def places(self) -> PlaceCounts:
+        """The places of all arms together."""
+        return total_places(self.arms)
+
+    @property
+    def decisions(self) -> tuple[Decision, ...]:
+        """What needs a decision, the most urgent first."""
+        return (
+            *_of_places(self.places, self.is_open),
+            *(decision for video in self.videos for decision in _of_video(video)),
+            *(decision for item in self.items for decision in _of_item(item)),
+            *(decision for dropout in self.dropouts for decision in _of_dropout(dropout)),
+            *_of_duration(self.whole, self.announced_minutes),
+            *(decision for condition in self.sides for decision in _of_sides(condition)),
+        )
 
 
 def overview(database: Database, served: ServedStudy, now: datetime) -> Overview:
     """Return the study's progress."""
+    study = served.study
     with database.reading() as session:
         everybody = progress_of_sessions(session, served, now)
         present = [each for each in everybody if each.present]
         counted = {each.id: each.arm for each in present if each.standing != "withdrawn"}
         trials = [each for each in answered_trials(session) if each.study_session in counted]
-        names = served.study.display_names
-        judged_checks = checks(session, served.study, counted)
-        videos = played_videos(session, names)
-        balance = sides(session, names)
+        judged_checks = checks(session, study, counted)
+        videos = played_videos(session, study.display_names)
+        balance = sides(session, study.display_names)
         intake = current_intake(session)
         screened_out = count_screened_out(session)
-    arms = count_places(served.study.arms, present, intake.more_places)
-    places, left, items = total_places(arms), dropouts(present), checked_items(judged_checks)
-    finished_at = [each.completed_at for each in present if each.completed_at]
-    seconds = [each.seconds for each in present if each.completed_at and each.seconds is not None]
-    whole = durations("whole study session", seconds)
+    arms = count_places(study.arms, present, intake.more_places)
+    places = total_places(arms)
+    finished = [each for each in present if each.completed_at]
+    done = [each.completed_at for each in finished if each.standing == "done" and each.completed_at]
     began = min((each.consented_at for each in present), default=None)
-    expected = forecast(finished_at, places.remaining, began, now)
-    done = [each.completed_at for each in present if each.standing == "done" and each.completed_at]
+    expected = forecast(
+        [each.completed_at for each in finished if each.completed_at], places.remaining, began, now
+    )
     return Overview(
         at=now,
         intake=intake,
-        places=places,
+        is_open=study.open and intake.state == "open",
+        announced_minutes=study.page.minutes,
         arms=arms,
         forecast=expected,
         completions=completions(done, places.wanted, began, expected.at, now),
+        standings=Counter(each.standing for each in present),
         earlier=len(everybody) - len(present),
-        lapsed=sum(each.standing == "lapsed" for each in present),
-        replaced=sum(each.standing == "replaced" for each in present),
-        unwatched=sum(each.standing == "unwatched" for each in present),
         screened_out=screened_out,
-        leaving_out=_leaving_out(present),
         excluded=sum(each.excluded for each in present),
+        leaving_out=_leaving_out(present),
         progress=progress(trials, counted),
-        dropouts=left,
-        failed=tuple(
-            FailedChecks(kind=kind, by_failures=tuple(sorted(Counter(failures.values()).items())))
+        dropouts=dropouts(present),
+        failed={
+            kind: dict(sorted(Counter(failures.values()).items()))
             for kind in JUDGED
             if (failures := failed_by_session(judged_checks, kind))
+        },
+        items=checked_items(judged_checks),
+        whole=durations(
+            "whole study session", [each.seconds for each in finished if each.seconds is not None]
         ),
-        items=items,
-        whole=whole,
         trials=trial_durations(trials, KINDS),
         videos=videos,
         sides=balance,
-        decisions=decisions(
-            places=places,
-            open_to_newcomers=served.study.open and intake.state == "open",
-            videos=videos,
-            items=items,
-            sides=balance,
-            left=left,
-            whole=whole,
-            announced_minutes=served.study.page.minutes,
-        ),
     )
 
 
@@ -183,10 +207,81 @@ def places_so_far(database: Database, served: ServedStudy, now: datetime) -> Pla
     with database.reading() as session:
         everybody = progress_of_sessions(session, served, now)
         more = current_intake(session).more_places
-    present = [each for each in everybody if each.present]
-    return total_places(count_places(served.study.arms, present, more))
+    return total_places(count_places(served.study.arms, everybody, more))
 
 
 def _leaving_out(present: Sequence[SessionProgress]) -> tuple[SessionProgress, ...]:
     some = [each for each in present if each.left_out]
     return tuple(sorted(some, key=lambda each: -each.left_out)[:MOST_LISTED])
+
+
+def _of_places(places: PlaceCounts, is_open: bool) -> Iterator[Decision]:
+    if places.remaining and not is_open:
+        yield Decision(
+            what=f"{places.remaining} places are not done, and the study admits nobody new.",
+            remedy="Admit participants again, here or by 'open = true' in study.toml, or leave it.",
+        )
+
+
+def _of_video(video: PlayedVideo) -> Iterator[Decision]:
+    if video.unplayable >= MOST_UNPLAYABLE:
+        yield Decision(
+            what=f"{video.unplayable} of {video.shown} said that {video.what} does not play.",
+            remedy="Play it yourself in several browsers; 'motionjury check' looks at its file.",
+        )
+    if video.shown < FEWEST_SHOWINGS:
+        return
+    if video.stalled / video.shown >= MOST_STALLED:
+        yield Decision(
+            what=f"{video.what} waited for data in {video.stalled} of {video.shown} showings, for "
+            f"{video.stalled_seconds:.0f} s in all.",
+            remedy="If it is this video alone, render it smaller; if it is all of them, let a "
+            "web server in front send the videos.",
+        )
+    if video.dropped_share is not None and video.dropped_share >= MOST_DROPPED:
+        yield Decision(
+            what=f"Browsers left out {video.dropped_share:.0%} of the pictures of {video.what}.",
+            remedy="A lower resolution or frame rate is easier to play.",
+        )
+
+
+def _of_item(item: CheckedItem) -> Iterator[Decision]:
+    enough = item.careful >= FEWEST_CAREFUL
+    if enough and item.careful_failed / item.careful >= MOST_CAREFUL_FAILED:
+        yield Decision(
+            what=f"The {item.kind} trial {item.item} was failed by {item.careful_failed} of "
+            f"{item.careful} participants who failed no other one.",
+            remedy="Watch it yourself: perhaps its right answer is not plain to see. To leave it "
+            "out, say so in the report; the rules themselves were settled beforehand.",
+        )
+
+
+def _of_dropout(dropout: Dropout) -> Iterator[Decision]:
+    if dropout.left >= FEWEST_LEFT and dropout.left / dropout.came >= MOST_LEFT:
+        where = f"at trial {dropout.position}" if dropout.position else "before the first trial"
+        yield Decision(
+            what=f"{dropout.left} of {dropout.came} who came so far left {where}.",
+            remedy="Take part yourself up to there, and look at what was refused to them.",
+        )
+
+
+def _of_duration(whole: Durations, announced_minutes: int | None) -> Iterator[Decision]:
+    if announced_minutes is None or whole.middle is None:
+        return
+    minutes = whole.middle / 60
+    if minutes > LONGER_THAN_SAID * announced_minutes:
+        yield Decision(
+            what=f"Half of them take longer than {minutes:.0f} min; {announced_minutes} are "
+            "announced.",
+            remedy="Announce and pay the time it takes ('minutes' in study.toml).",
+        )
+
+
+def _of_sides(sides: Sides) -> Iterator[Decision]:
+    if not sides.balanced:
+        yield Decision(
+            what=f"{sides.condition} was shown {sides.left} times left and {sides.right} times "
+            "right, which is unlikely by chance.",
+            remedy="With few places done it may still even out; else look at the design's seed "
+            "and at who was replaced.",
+        )

@@ -14,7 +14,6 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session, selectinload
 
 from studyapp.database.tables import Place, Response, StudySession, Trial
-from studyapp.monitoring.counts import dropouts
 from studyapp.monitoring.study_sessions import SessionProgress
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.simulation.raters import Rater
@@ -220,6 +219,7 @@ def checks(
     places = select(Place.study_session_id).where(Place.study_session_id.is_not(None))
     held = session.scalars(places).all()
     ended = sum(study_session.standing in ("done", "replaced") for study_session in study_sessions)
+    left = sum(study_session.has_left for study_session in study_sessions)
     dropped_out = sum(
         person.rater.kind == "dropping_out" for person in participants if not person.completed
     )
@@ -229,7 +229,7 @@ def checks(
     yield Check("participants began", len(names), len(study_sessions), "one study session each")
     yield Check("completed, says the live view", len(acknowledged.codes), ended)
     yield Check("completed, says the report", len(acknowledged.codes), completed_in_report)
-    yield Check("left for good", dropped_out, dropouts(study_sessions).left)
+    yield Check("left for good", dropped_out, left)
     yield Check("came back after leaving and finished", len(came_back), back_and_done)
     yield Check(
         "were shown the code that is stored, each another one",

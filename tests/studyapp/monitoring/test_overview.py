@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,11 @@ from sqlalchemy import select, update
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession, Trial, WatchRecord
+from studyapp.monitoring.answered_trials import Durations, Sides
+from studyapp.monitoring.counts import Dropout, PlaceCounts
+from studyapp.monitoring.data_quality import CheckedItem, PlayedVideo
 from studyapp.monitoring.one_study_session import one_study_session
-from studyapp.monitoring.overview import overview
+from studyapp.monitoring.overview import Overview, overview
 from studyapp.monitoring.study_sessions import STANDINGS, Selection, list_study_sessions
 from studyapp.session.ending import MIN_SKIPPED_TRIALS, withdraw
 from studyapp.session.served_study import ServedStudy
@@ -50,10 +54,9 @@ def test_every_event_is_counted_once_and_lists_agree(
 
     places = found.places
     assert (places.done, places.active, places.stale, places.open) == (1, 1, 0, 2)
-    assert (found.lapsed, found.replaced, found.earlier) == (1, 0, 0)
-    left = found.dropouts
-    assert [(each.position, each.left, each.came) for each in left.by_trial] == [(3, 1, 2)]
-    assert (left.withdrawn, left.came) == (1, 4)
+    assert found.standings == {"done": 1, "active": 1, "lapsed": 1, "withdrawn": 1}
+    assert found.earlier == 0
+    assert found.dropouts == (Dropout(position=3, left=1, came=2),)
     analysed = sum(found.progress.of_emotion(emotion) for emotion in found.progress.emotions)
     assert analysed == sum(
         durations.count for durations in found.trials if durations.what in ("main", "repeat")
@@ -65,21 +68,18 @@ def test_every_event_is_counted_once_and_lists_agree(
     shares = [video.dropped_share for video in found.videos]
     assert max(share for share in shares if share is not None) == pytest.approx(0.1)
     assert sum(side.left for side in found.sides) == sum(side.right for side in found.sides)
-    (caught,) = found.failed
-    assert sum(people for _, people in caught.by_failures) == sum(
-        item.answered for item in found.items
-    )
+    assert sum(found.failed["catch"].values()) == sum(item.answered for item in found.items)
     assert found.forecast.at is None
 
     def count(**choice: Any) -> int:
         return len(list_study_sessions(opened, served, Selection(**choice), clock.now()))
 
     assert count(standing="active", arm=found.arms[0].arm) == found.arms[0].active
-    counts = {"done": places.done, "lapsed": found.lapsed, "withdrawn": left.withdrawn}
-    assert {standing: count(standing=standing) for standing in counts} == counts
-    assert sum(count(standing=standing) for standing in STANDINGS) == count() == 4
-    assert [count(left_at=each.position) for each in left.by_trial] == [1]
-    for number, expected in caught.by_failures:
+    for standing in STANDINGS:
+        assert count(standing=standing) == found.standings[standing]
+    assert count() == 4
+    assert count(left_at=3) == 1
+    for number, expected in found.failed["catch"].items():
         assert count(failed=("catch", number)) == expected
     assert count(arm="no such arm") == count(earlier=True) == 0
 
@@ -95,7 +95,7 @@ def test_study_sessions_of_another_design_are_counted_separately(
 
     earlier = list_study_sessions(opened, served, Selection(earlier=True), clock.now())
     assert found.earlier == len(earlier) == 4
-    assert (found.places.done, found.dropouts.came, found.progress.emotions) == (0, 0, ())
+    assert (found.places.done, found.standings, found.progress.emotions) == (0, {}, ())
 
 
 def test_a_study_without_participants_has_an_overview(
@@ -141,11 +141,104 @@ def test_participants_who_skipped_too_many_videos_are_listed_with_the_number(
 
     found = overview(opened, served, clock.now())
 
-    assert (found.unwatched, found.lapsed, found.places.active) == (1, 0, 1)
+    assert found.standings == {"unwatched": 1, "active": 1}
     assert [(each.id, each.standing, each.left_out) for each in found.leaving_out] == [
         (1, "unwatched", MIN_SKIPPED_TRIALS + 1),
         (2, "active", 1),
     ]
+
+
+def video(**changes: Any) -> PlayedVideo:
+    values: dict[str, Any] = {
+        "what": "s: a | b",
+        "shown": 20,
+        "stalled": 0,
+        "stalled_seconds": 0.0,
+        "dropped_share": 0.01,
+        "reason": "",
+        "unplayable": 0,
+    }
+    return PlayedVideo(**(values | changes))
+
+
+def item(careful: int, careful_failed: int) -> CheckedItem:
+    return CheckedItem(
+        kind="catch",
+        item="s: a and broken",
+        answered=20,
+        failed=9,
+        careful=careful,
+        careful_failed=careful_failed,
+    )
+
+
+def left(count: int, came: int, position: int = 3) -> tuple[Dropout, ...]:
+    return (Dropout(position=position, left=count, came=came),)
+
+
+@pytest.fixture
+def quiet(opened: Database, served: ServedStudy, clock: SetClock) -> Overview:
+    """Return an overview in which nothing needs a decision."""
+    return replace(
+        overview(opened, served, clock.now()),
+        arms=(PlaceCounts(arm="", wanted=10, done=4, active=1, stale=0),),
+        whole=Durations(what="whole", count=9, low=500.0, middle=600.0, high=700.0),
+        announced_minutes=10,
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"is_open": False}, "6 places are not done"),
+        ({"videos": (video(unplayable=2),)}, "2 of 20 said that s: a | b does not play"),
+        (
+            {"videos": (video(stalled=4, stalled_seconds=12.0),)},
+            "waited for data in 4 of 20 showings, for 12 s",
+        ),
+        ({"videos": (video(dropped_share=0.25),)}, "left out 25% of the pictures"),
+        ({"items": (item(10, 3),)}, "failed by 3 of 10 participants who failed no other one"),
+        ({"dropouts": left(3, 30)}, "3 of 30 who came so far left at trial 3"),
+        ({"dropouts": left(5, 30, position=0)}, "left before the first trial"),
+        ({"announced_minutes": 7}, "longer than 10 min; 7 are announced"),
+        (
+            {"sides": (Sides(condition="ours", left=66, right=34),)},
+            "ours was shown 66 times left and 34 times right",
+        ),
+    ],
+)
+def test_findings_come_with_their_numbers_and_a_remedy(
+    quiet: Overview, change: dict[str, Any], message: str
+) -> None:
+    (decision,) = replace(quiet, **change).decisions
+
+    assert message in decision.what
+    assert decision.remedy
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"videos": (video(unplayable=1),)},
+        {"videos": (video(stalled=3),)},
+        {"videos": (video(shown=9, stalled=9, dropped_share=0.5),)},
+        {"videos": (video(dropped_share=None, reason="no browser counts them"),)},
+        {"items": (item(10, 2), item(4, 4))},
+        {"dropouts": left(2, 4)},
+        {"dropouts": left(3, 31)},
+        {"announced_minutes": 8},
+        {"announced_minutes": None},
+        {"whole": Durations(what="whole", count=2), "announced_minutes": 1},
+        {"sides": (Sides(condition="ours", left=64, right=36),)},
+        {
+            "arms": (PlaceCounts(arm="", wanted=10, done=10, active=0, stale=0),),
+            "is_open": False,
+        },
+    ],
+)
+def test_chance_and_single_events_need_no_decision(quiet: Overview, change: dict[str, Any]) -> None:
+    assert replace(quiet, **change).decisions == ()
 
 
 def test_the_page_of_a_study_session_lists_its_events_in_order(
@@ -170,11 +263,11 @@ def test_the_page_of_a_study_session_lists_its_events_in_order(
         "at up to 2 times the speed"
     )
     assert played.trouble
-    assert [trial.watched for trial in first.trials][:2] == [0.0, 1.0]
-    assert {trial.outcome for trial in first.trials} <= {"answered", "passed", "failed"}
+    assert [watched for _, watched, _ in first.trials][:2] == [0.0, 1.0]
+    assert {outcome for _, _, outcome in first.trials} <= {"answered", "passed", "failed"}
     assert withdrawn is not None
     assert (withdrawn.trials, withdrawn.events[-1].what) == ((), "Withdrew")
     assert last is not None
     assert any("2 stalls of 1.5 s" in event.what for event in last.events)
-    assert [trial.outcome for trial in last.trials][:2] == ["answered", ""]
+    assert [outcome for _, _, outcome in last.trials][:2] == ["answered", ""]
     assert one_study_session(opened, served, 99, clock.now()) is None
