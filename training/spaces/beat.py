@@ -130,9 +130,7 @@ def upper_body_motion(
     return motion
 
 
-def beat_clip(
-    values: FloatArray, frame_rate: float, skeleton: tuple[BvhJoint, ...] = BEAT_SKELETON
-) -> MotionClip:
+def beat_clip(values: FloatArray, frame_rate: float) -> MotionClip:
     """Return DiffSHEG's motion as a clip of our body.
 
     Parameters
@@ -142,28 +140,23 @@ def beat_clip(
         [0, 1] are taken to the nearer end.
     frame_rate : float
         Frames per second.
-    skeleton : tuple of BvhJoint
-        See `upper_body_motion`.
 
     Returns
     -------
     MotionClip
         Standing on the floor at the origin, facing +z; hips and legs stand still.
     """
-    return beat_clip_piece(values, frame_rate, None, skeleton)[0]
+    return beat_clip_piece(values, frame_rate, None)[0]
 
 
 def beat_clip_piece(
-    values: FloatArray,
-    frame_rate: float,
-    previous: ForearmTwists | None,
-    skeleton: tuple[BvhJoint, ...] = BEAT_SKELETON,
+    values: FloatArray, frame_rate: float, previous: ForearmTwists | None
 ) -> tuple[MotionClip, ForearmTwists]:
     """Return a piece of motion as `beat_clip` does, and the state for the next piece.
 
     The pieces of a motion one after the other are the motion as a whole, bit by bit.
     """
-    motion = upper_body_motion(values[:, :_BODY], frame_rate, skeleton)
+    motion = upper_body_motion(values[:, :_BODY], frame_rate)
     _, joint_map = choose_joint_map(motion.joint_names)
     retargeted, twists = retarget_piece(motion, joint_map, previous)
     clip, _ = place(retargeted)
