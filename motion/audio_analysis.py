@@ -21,12 +21,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.audio import Audio
+from motion.audio import SPEECH_RATE, Audio
 
 DETECTOR: Final = "librosa 0.11 spectral-flux onsets, 16 kHz, 10 ms hop"
 """The detector of `speech_onsets`, for a footnote."""
 
-_RATE: Final = 16000
 _HOP: Final = 160
 _SILENCE: Final = 1e-4
 
@@ -112,7 +111,7 @@ def speech_onsets(audio: Audio) -> NDArray[np.float64]:
     if float(np.max(np.abs(samples), initial=0.0)) < _SILENCE:
         return np.zeros(0)
     librosa = load_librosa()
-    if audio.sample_rate != _RATE:
-        samples = librosa.resample(samples, orig_sr=audio.sample_rate, target_sr=_RATE)
-    onsets = librosa.onset.onset_detect(y=samples, sr=_RATE, hop_length=_HOP, units="time")
+    if audio.sample_rate != SPEECH_RATE:
+        samples = librosa.resample(samples, orig_sr=audio.sample_rate, target_sr=SPEECH_RATE)
+    onsets = librosa.onset.onset_detect(y=samples, sr=SPEECH_RATE, hop_length=_HOP, units="time")
     return np.asarray(onsets, np.float64)

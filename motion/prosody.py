@@ -30,14 +30,13 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import find_peaks
 
-from motion.audio import Audio
+from motion.audio import SPEECH_RATE, Audio
 from motion.audio_analysis import load_librosa
 
 FloatArray = NDArray[np.float64]
 
-_ANALYSIS_RATE: Final = 16000
 _HOP: Final = 160
-_STEPS_PER_SECOND: Final = _ANALYSIS_RATE / _HOP
+_STEPS_PER_SECOND: Final = SPEECH_RATE / _HOP
 _WINDOW: Final = 400
 _PITCH_WINDOW: Final = 1024
 _LOWEST_PITCH: Final = 65.0
@@ -96,7 +95,7 @@ def prosody(audio: Audio, frame_rate: float) -> Prosody:
         Silent audio has energy 0 and no accent.
     """
     frames = round(audio.duration * frame_rate)
-    samples = audio.samples_at(_ANALYSIS_RATE)
+    samples = audio.samples_at(SPEECH_RATE)
     energy = _energy(samples)
     nuclei = _nuclei(energy)
     accents, prominence = _accents(energy, _pitch(samples, energy), nuclei)
@@ -133,7 +132,7 @@ def _pitch(samples: FloatArray, energy: FloatArray) -> FloatArray:
         samples,
         fmin=_LOWEST_PITCH,
         fmax=_HIGHEST_PITCH,
-        sr=_ANALYSIS_RATE,
+        sr=SPEECH_RATE,
         frame_length=_PITCH_WINDOW,
         hop_length=_HOP,
         resolution=0.25,

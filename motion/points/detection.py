@@ -14,7 +14,6 @@ from typing import Any, Final
 
 import av
 import numpy as np
-from av.container import InputContainer
 from numpy.typing import NDArray
 
 from motion.audio import LONGEST
@@ -224,37 +223,31 @@ def _frames(video: Path) -> Iterator[tuple[float, int, int, NDArray[np.uint8]]]:
     """Yield frames a second, number of the frame, how many there will be, and picture (H, W, 3)."""
     if not video.is_file():
         raise InputError("there is no such video", where=video, remedy="Check the path")
+    start, last = None, -1
     try:
         with av.open(str(video)) as container:
-            yield from _frames_of(container, video)
+            if not container.streams.video:
+                raise InputError("the file has no picture", where=video, remedy="Give a video")
+            stream = container.streams.video[0]
+            stream.thread_type = "AUTO"
+            rate = min(float(stream.average_rate or FASTEST), FASTEST)
+            total = round((container.duration or 0) / av.time_base * rate)
+            if total > LONGEST * rate:
+                raise InputError(
+                    f"the video lasts more than {LONGEST // 3600} hours",
+                    where=video,
+                    remedy="Cut it into shorter files",
+                )
+            for frame in container.decode(stream):
+                time = float(frame.time or 0)
+                start = time if start is None else start
+                place = round((time - start) * rate)
+                if place > last:
+                    last = place
+                    yield rate, place, total, np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
     except av.FFmpegError as error:
         raise InputError(
             f"the video cannot be read ({error.strerror})",
             where=video,
             remedy="Export it again as MP4 (H.264)",
         ) from error
-
-
-def _frames_of(
-    container: InputContainer, video: Path
-) -> Iterator[tuple[float, int, int, NDArray[np.uint8]]]:
-    if not container.streams.video:
-        raise InputError("the file has no picture", where=video, remedy="Give a video")
-    stream = container.streams.video[0]
-    stream.thread_type = "AUTO"
-    rate = min(float(stream.average_rate or FASTEST), FASTEST)
-    total = round((container.duration or 0) / av.time_base * rate)
-    if total > LONGEST * rate:
-        raise InputError(
-            f"the video lasts more than {LONGEST // 3600} hours",
-            where=video,
-            remedy="Cut it into shorter files",
-        )
-    start, last = None, -1
-    for frame in container.decode(stream):
-        time = float(frame.time or 0)
-        start = time if start is None else start
-        place = round((time - start) * rate)
-        if place > last:
-            last = place
-            yield rate, place, total, np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)

@@ -140,14 +140,13 @@ class Learner(Generic[Network]):
     def _gradients(self, step: int, number: int, p: Pass) -> dict[str, float]:
         """Sum the gradients of a pass, and its losses."""
         group = self._group
-        rows, parts = self._step_parts(step)
+        parts = self._own_parts(step)
         computed = self._computed(step, number, p, self._network)
         shared = None
-        if len(parts) > 1 and batch_normed(self._network):
+        if len(parts) * group.size > 1 and batch_normed(self._network):
             shared = StepStatistics(self._network, group, computed)
         sums: dict[str, float] = {}
-        for part, compute in zip(parts[group.index :: group.size], computed, strict=True):
-            share = len(part) / len(rows)
+        for (_, _, share), compute in zip(parts, computed, strict=True):
             with shared.applied() if shared is not None else nullcontext():
                 losses = compute()
             torch.autograd.backward(self._scaler.scale(losses["loss"] * share))
@@ -159,20 +158,23 @@ class Learner(Generic[Network]):
         group.sum_gradients(self._network.parameters())
         return group.sum(sums)
 
-    def _step_parts(self, step: int) -> tuple[NDArray[np.int64], Sequence[NDArray[np.int64]]]:
-        """Return the examples of a step, and the parts in which all processes compute it."""
-        config = self._config
+    def _own_parts(self, step: int) -> list[tuple[int, NDArray[np.int64], float]]:
+        """Return number, examples and share of each part of a step that this process computes."""
+        config, group = self._config, self._group
         rows = step_rows(step, self._task.examples, config.batch_size, config.seed)
-        return rows, step_parts(rows, config.accumulate, self._group.size)
+        parts = step_parts(rows, config.accumulate, group.size)
+        return [
+            (number, parts[number], len(parts[number]) / len(rows))
+            for number in range(group.index, len(parts), group.size)
+        ]
 
     def _computed(
         self, step: int, number: int, p: Pass, network: Network
     ) -> Sequence[Callable[[], Mapping[str, Tensor]]]:
         """Return functions for the losses of each of this process' parts of a pass."""
-        _, parts = self._step_parts(step)
         return [
-            partial(self._losses, network, parts[part], p, (step, part, number))
-            for part in range(self._group.index, len(parts), self._group.size)
+            partial(self._losses, network, rows, p, (step, part, number))
+            for part, rows, _ in self._own_parts(step)
         ]
 
     def _losses(
