@@ -225,8 +225,6 @@ class Still:
         The video.
     seconds : float
         Time from the start of the video.
-    word : str
-        The word spoken at that time; empty if unknown.
     image : str
         The picture as a ``data:`` address.
     """
@@ -234,7 +232,6 @@ class Still:
     condition: str
     segment: str
     seconds: float
-    word: str
     image: str
 
 

@@ -49,9 +49,6 @@ from motion.files import sha256_of
 if TYPE_CHECKING:
     from analysis.results.against_people import AgainstPeople
 
-PROTOCOLS: Final = tuple(LAYOUTS)
-"""Names of the protocols that a table can be of."""
-
 Results = PairwiseResults | RatingResults | RankingResults | MismatchResults
 
 DIGITS: Final = 10

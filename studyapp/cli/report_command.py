@@ -149,7 +149,7 @@ def command(
                 remedy="Give a study folder, or a table with --responses FILE --protocol NAME "
                 "--out DIR",
             )
-        from analysis.report import report_table
+        from analysis.report.page import report_table
         from analysis.results.report import analyse_table
 
         results = analyse_table(

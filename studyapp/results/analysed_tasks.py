@@ -20,7 +20,7 @@ from analysis.answers.participants import LeftOut, leave_out
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import LAYOUTS, AnswerTable
 from studyapp.results.answers import has_current_design
-from studyapp.results.stated_beforehand import StudyExclusions, study_exclusions
+from studyapp.results.stated_beforehand import exclusions_of
 from studyapp.results.stored_answers import Answers, StoredAnswers
 from studyapp.session.ending import JudgedTrial
 from studyapp.study.design.trial import AnswerKey
@@ -55,19 +55,6 @@ class AnalysedTask:
     rows: pd.DataFrame
     table: AnswerTable
     left_out: LeftOut
-
-
-def exclusions_of(study: Study, answers: Answers) -> StudyExclusions:
-    """Return the exclusion rules of `study`, and the exclusions by hand.
-
-    The latter, and rules that were added after the first participant arrived, are exploratory.
-    """
-    before = answers.stated if answers.origin == "participants" else None
-    return study_exclusions(
-        study.settled_exclusions,
-        None if before is None else before.settled_exclusions,
-        None if answers.stored is None else answers.stored.study_sessions,
-    )
 
 
 def analysed_tasks(study: Study, answers: Answers) -> list[AnalysedTask]:

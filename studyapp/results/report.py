@@ -13,9 +13,9 @@ from markupsafe import Markup
 
 from analysis.answers.participants import LeftOut
 from analysis.metrics.score_tables import metrics_document, score_table
-from analysis.report import Subject, wording, write_report
-from analysis.report.content import PlayableMotion
-from analysis.report.page import TASKS
+from analysis.report import wording
+from analysis.report.content import PlayableMotion, Subject
+from analysis.report.page import TASKS, write_report
 from analysis.report.sections.metric_table import SCORES
 from analysis.results.against_people import metrics_against_people
 from analysis.results.heterogeneity import PreferredPair, preferred_pairs
@@ -26,7 +26,7 @@ from motion.files import harmless_frame, replacing, write_frame
 from motion.segment import Segment
 from renderer.viewer.page import MotionFigures, scripts, style
 from studyapp.rehearsal.simulation.truth import read_truth
-from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, exclusions_of
+from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks
 from studyapp.results.answers import (
     answers_to_report,
     arm_by_session,
@@ -36,7 +36,7 @@ from studyapp.results.answers import (
 )
 from studyapp.results.looks import earlier_looks, record_look
 from studyapp.results.report_subject import study_subject
-from studyapp.results.stated_beforehand import change_notes
+from studyapp.results.stated_beforehand import change_notes, exclusions_of
 from studyapp.results.stored_answers import Answers
 from studyapp.stimuli.shown_motion import segment_scene, study_look
 from studyapp.study.folder import StudyFolder
@@ -81,7 +81,6 @@ def report(
     study = folder.study()
     segments = _segments(folder, study)
     answers = read_rehearsal(folder) if rehearsal else answers_to_report(folder)
-    before = answers.stated
     subject = study_subject(
         folder,
         study,
@@ -89,8 +88,7 @@ def report(
         origin=answers.origin,
         notes=(
             *exclusions_of(study, answers).notes,
-            *change_notes("margin", study, before),
-            *change_notes("family", study, before),
+            *change_notes(study, answers.stated),
         ),
     )
     on_step("comparing conditions")
@@ -123,13 +121,15 @@ def report(
     remark = record_look(folder, study, answers, way="report", reason=reason)
     if remark and warn is not None:
         warn(remark)
+    metrics: dict[str, object] = {}
+    if subject.metrics is not None:
+        metrics = {"metrics": metrics_document(subject.metrics, folder.root)}
     on_step("drawing figures and tables")
     page = write_report(
         reports[0],
         subject,
         folder.report,
-        extra_keys={"study": _study_document(study, subject, answers)}
-        | _metrics_document(subject, folder),
+        extra_keys={"study": _study_document(study, subject, answers)} | metrics,
         further_tasks=tuple(reports[1:]),
     )
     for number, (task_results, table) in enumerate(zip(reports, tables, strict=True)):
@@ -181,13 +181,6 @@ def _playable_pairs(
         style=style() if playable else "",
         left_out=tuple(left_out),
     )
-
-
-def _metrics_document(subject: Subject, folder: StudyFolder) -> dict[str, object]:
-    """Return the part of `results.json` about automatic metrics; empty without them."""
-    if subject.metrics is None:
-        return {}
-    return {"metrics": metrics_document(subject.metrics, folder.root)}
 
 
 def _segments(folder: StudyFolder, study: Study) -> tuple[Segment, ...]:

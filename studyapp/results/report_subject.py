@@ -183,7 +183,6 @@ def study_stills(folder: StudyFolder, study: Study, segments: Sequence[Segment])
                 condition=condition,
                 segment=chosen.name,
                 seconds=seconds,
-                word="",
                 image=_data_url(frame),
             )
             for seconds, frame in zip(moments, frames, strict=True)

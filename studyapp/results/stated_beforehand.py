@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 from analysis.answers.exclusion_rules import ExclusionRule, excluded_by_hand
 from motion.errors import InputError, listed
 from studyapp.database.tables import StudyVersion
+from studyapp.results.stored_answers import Answers
 from studyapp.study.settings.exclusions import ExclusionSection
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.settings.study import Study
@@ -50,29 +51,19 @@ class StudyExclusions:
 
     rules: tuple[ExclusionRule, ...]
     planned: tuple[ExclusionRule, ...]
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...]
 
 
-def study_exclusions(
-    stated: Sequence[ExclusionSection],
-    before: Sequence[ExclusionSection] | None = None,
-    study_sessions: pd.DataFrame | None = None,
-) -> StudyExclusions:
-    """Return the exclusion rules of a study, and which of them are exploratory.
+def exclusions_of(study: Study, answers: Answers) -> StudyExclusions:
+    """Return the exclusion rules of `study`, those before its first participant, and by hand.
 
-    Parameters
-    ----------
-    stated : sequence of ExclusionSection
-        The rules in the study file.
-    before : sequence of ExclusionSection, optional
-        The rules before the first participant arrived (see `stated_study`); by default, as in a
-        rehearsal, those in the study file.
-    study_sessions : DataFrame, optional
-        See `StoredAnswers`; researchers may have excluded some by hand.
+    Of a rehearsal, all rules of the study file were planned.
     """
-    planned = stated if before is None else before
+    stated = planned = study.settled_exclusions
+    if answers.origin == "participants" and answers.stated is not None:
+        planned = answers.stated.settled_exclusions
+    by_hand = () if answers.stored is None else _decisions(answers.stored.study_sessions)
     planned_names = {rule.shorthand() for rule in planned}
-    by_hand = () if study_sessions is None else _decisions(study_sessions)
     return StudyExclusions(
         rules=(
             *(
@@ -123,18 +114,15 @@ def _changes(
     return tuple(notes)
 
 
-def change_notes(key: str, study: Study, before: Study | None) -> tuple[str, ...]:
-    """Return a note if a setting of the report changed after the first participant arrived.
+def change_notes(study: Study, before: Study | None) -> Iterator[str]:
+    """Yield a note on each setting of the report that changed after the first participant arrived.
 
-    Parameters
-    ----------
-    key : str
-        ``margin`` or ``family`` in the study file.
-    before : Study or None
-        The study as its first participant saw it, if known.
+    `before` is the study as its first participant saw it, if known.
     """
-    value = getattr(study, key)
-    if value is None or before is None or getattr(before, key) == value:
-        return ()
-    name = f"The margin of {value:g}" if key == "margin" else f"The {key} “{value}”"
-    return (f"{name} was set after the first participant arrived: its tests are exploratory.",)
+    for key in ("margin", "family"):
+        value = getattr(study, key)
+        if value is not None and before is not None and getattr(before, key) != value:
+            name = f"The margin of {value:g}" if key == "margin" else f"The {key} “{value}”"
+            yield (
+                f"{name} was set after the first participant arrived: its tests are exploratory."
+            )

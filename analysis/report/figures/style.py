@@ -296,7 +296,7 @@ def make_picture(wide: Drawing, narrow: Drawing, text: FigureText, description: 
 
 
 def inline_svg(
-    drawing: Drawing, *, name: str, title: str, description: str, css_class: str = ""
+    drawing: Drawing, *, name: str, title: str, description: str, css_class: str
 ) -> Markup:
     """Return a drawing as an ``svg`` element for an HTML page; its ids begin with `name`."""
     stream = io.StringIO()
@@ -320,9 +320,10 @@ def inline_svg(
         f'<desc id="{name}-desc">{escape(description)}</desc>'
     )
     svg = svg[:end_of_tag] + words + svg[end_of_tag:]
-    attributes = f'role="img" aria-labelledby="{name}-title" aria-describedby="{name}-desc"'
-    if css_class:
-        attributes = f'class="{css_class}" {attributes}'
+    attributes = (
+        f'class="{css_class}" role="img" '
+        f'aria-labelledby="{name}-title" aria-describedby="{name}-desc"'
+    )
     return Markup(svg.replace("<svg", f"<svg {attributes}", 1))  # noqa: S704 - all words are escaped
 
 

@@ -254,9 +254,7 @@ def stills_section(subject: Subject) -> Section | None:
 def _strip(rows: dict[str, list[Still]]) -> Markup:
     """Return the stills as a table of pictures, each with a text alternative."""
     head = (
-        Markup('<th scope="col">{:.1f} s{}</th>').format(
-            still.seconds, f" “{still.word}”" if still.word else ""
-        )
+        Markup('<th scope="col">{:.1f} s</th>').format(still.seconds)
         for still in next(iter(rows.values()))
     )
     body = (
@@ -271,6 +269,5 @@ def _strip(rows: dict[str, list[Still]]) -> Markup:
 
 
 def _image_cell(still: Still) -> Markup:
-    word = f", at “{still.word}”" if still.word else ""
-    words = f"{wording.condition(still.condition)} after {still.seconds:.1f} seconds{word}"
+    words = f"{wording.condition(still.condition)} after {still.seconds:.1f} seconds"
     return Markup('<td><img src="{}" alt="{}"></td>').format(still.image, words)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from analysis.report import write_report
+from analysis.report.page import write_report
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import pairwise_table, report_of
 from tests.functional.browsing import IN_A_BROWSER, launched

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from bs4 import BeautifulSoup
 
-from analysis.report import report_table, write_report
 from analysis.report.figures import style
+from analysis.report.page import report_table, write_report
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table, report_of
 
@@ -133,7 +133,7 @@ def test_reports_do_not_depend_on_the_hash_seed(
     monkeypatch.setitem(style.STYLE, "pdf.fonttype", 42)
     code = (
         "import sys; from pathlib import Path;"
-        "from analysis.report import report_table;"
+        "from analysis.report.page import report_table;"
         "from analysis.results.report import analyse_table;"
         "results = analyse_table(Path(sys.argv[1]), 'pairwise', margin=0.1);"
         "report_table(results, Path(sys.argv[2]))"

@@ -2,6 +2,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pandas as pd
 import pytest
@@ -12,11 +14,12 @@ from studyapp.cli.main import group
 from studyapp.results.analysed_tasks import MIDDLE, study_answers
 from studyapp.results.answers import answers_to_report, read_rehearsal
 from studyapp.results.export.writing import export
-from studyapp.results.stated_beforehand import study_exclusions
-from studyapp.results.stored_answers import stored_answers
+from studyapp.results.stated_beforehand import exclusions_of
+from studyapp.results.stored_answers import Answers, StoredAnswers, stored_answers
 from studyapp.session.refusal import ConflictError, log_refusal
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.exclusions import FailedCatch, Incomplete
+from studyapp.study.settings.study import Study
 from tests.support.studies.exported import responses_table
 from tests.support.studies.finished_study import PROTOCOLS
 from tests.support.studies.redefining import redefine
@@ -140,8 +143,12 @@ def test_a_report_says_whether_results_had_been_seen(after_look: list[bool], whe
         {"excluded_because": ["asleep", "left", ""], "excluded_after_look": [*after_look, False]}
     )
     # A rule that was changed stays planned as it was.
-    before, stated = (Incomplete(), FailedCatch()), (Incomplete(), FailedCatch(more_than=0))
-    found = study_exclusions(stated, before, sessions)
+    before, stated = (
+        cast(Study, SimpleNamespace(settled_exclusions=(Incomplete(), catch)))
+        for catch in (FailedCatch(), FailedCatch(more_than=0))
+    )
+    stored = cast(StoredAnswers, SimpleNamespace(study_sessions=sessions))
+    found = exclusions_of(stated, Answers(origin="participants", stored=stored, stated=before))
 
     marks = [(rule.name, rule.exploratory) for rule in found.rules]
     assert marks == [("incomplete", False), ("catch", True), ("researcher", True)]

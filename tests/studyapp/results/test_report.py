@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from analysis.report import report_table
+from analysis.report.page import report_table
 from analysis.results.report import analyse_table
 from studyapp.results.report import report
 from studyapp.results.report_subject import report_presets

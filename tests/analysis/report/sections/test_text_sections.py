@@ -164,7 +164,7 @@ def test_looks_are_reported_on_the_first_screen_in_the_methods_and_in_a_section(
 
 def subject_with_stills(*conditions: str, **settings: Any) -> Subject:
     stills = tuple(
-        Still(condition=name, segment="s1", seconds=seconds, word="", image="data:image/webp;x")
+        Still(condition=name, segment="s1", seconds=seconds, image="data:image/webp;x")
         for name in conditions
         for seconds in (0.4, 1.25)
     )
