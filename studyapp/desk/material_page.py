@@ -22,9 +22,8 @@ from studyapp.desk.page import page
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
 from studyapp.study.design.trial import Stimulus
-from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import VIDEO_ENDING, StudyFolder
-from studyapp.study.media import Stimuli, read_stimuli
+from studyapp.study.media import Stimuli, finished_video_path, read_stimuli
 from studyapp.web.research.motion_scenes import Scene, scenes_of, send_scene
 from studyapp.web.research.pages import Page
 

@@ -11,9 +11,8 @@ from typing import Final, Self
 
 from motion.segment import Segment
 from studyapp.study.design.trial import Arm, Content, PlannedTrial
-from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import Media, VideoFile
+from studyapp.study.media import Media, VideoFile, finished_video_path
 from studyapp.study.settings.study import Study
 
 MOST_PLACES: Final = 240

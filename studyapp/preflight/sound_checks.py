@@ -13,7 +13,7 @@ from renderer.loudness import SHORTEST, integrated_loudness
 from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import Material
 from studyapp.study.design.trial import Stimulus
-from studyapp.study.finished_videos import finished_video_path
+from studyapp.study.media import finished_video_path
 
 LOUDNESS_TOLERANCE: Final = 1.0
 """LU by which two videos may differ, as EBU R 128 allows live programmes."""

@@ -31,13 +31,8 @@ from studyapp.stimuli.media_probe import (
 )
 from studyapp.stimuli.video_copies import out_of_date
 from studyapp.study.design.trial import Content, PlannedTrial
-from studyapp.study.finished_videos import (
-    finished_video_path,
-    shows_copy,
-    similar_file,
-    video_duration,
-)
-from studyapp.study.media import VideoFile
+from studyapp.study.folder import similar_file, video_duration
+from studyapp.study.media import VideoFile, finished_video_path, shows_copy
 
 _DIFFERS: Final[Mapping[str, str]] = MappingProxyType(
     {

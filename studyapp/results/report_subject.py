@@ -25,8 +25,7 @@ from motion.segment import Segment
 from renderer.figures.strip import Moment, even_moments, loud_moments
 from studyapp.results.analysed_tasks import compared_conditions, study_notes
 from studyapp.results.metrics import measure_study
-from studyapp.study.finished_videos import video_duration
-from studyapp.study.folder import StudyFolder
+from studyapp.study.folder import StudyFolder, video_duration
 from studyapp.study.media import stimulus_videos
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.rating import RatingStudy

@@ -21,13 +21,13 @@ from motion.segment import SEGMENTS_FILE, check_name
 from studyapp.stimuli.media_probe import DURATION_TOLERANCE, flaw_of
 from studyapp.stimuli.recordings import RecordingFacts, Take, import_clips, import_take
 from studyapp.stimuli.stored_speech import import_speech
-from studyapp.study.finished_videos import video_duration
 from studyapp.study.folder import (
     COMPANION_ENDINGS,
     MOTION_ENDINGS,
     SPEECH_ENDINGS,
     VIDEO_ENDING,
     StudyFolder,
+    video_duration,
 )
 from studyapp.study.study_file import add_condition
 

@@ -21,9 +21,15 @@ from renderer.stream_copy import copy_video, end_of
 from studyapp.stimuli.media_probe import flaw_of
 from studyapp.stimuli.render_record import RenderCount
 from studyapp.study.design.trial import Stimulus
-from studyapp.study.finished_videos import finished_video_path, shows_copy, similar_file
-from studyapp.study.folder import StudyFolder
-from studyapp.study.media import Stimuli, VideoCopy, read_stimuli, write_stimuli
+from studyapp.study.folder import StudyFolder, similar_file
+from studyapp.study.media import (
+    Stimuli,
+    VideoCopy,
+    finished_video_path,
+    read_stimuli,
+    shows_copy,
+    write_stimuli,
+)
 from studyapp.study.settings.study import Study
 
 

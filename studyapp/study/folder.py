@@ -1,19 +1,22 @@
-"""The paths in a study folder, its lock for one command at a time, and the room on its disk."""
+"""A study folder: its paths and segments, its lock for one command at a time, its disk."""
 
 from __future__ import annotations
 
 import fcntl
 import os
 import shutil
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Final
 
+import av
+
+from motion.audio import WHOLE_FORMATS
 from motion.errors import InputError
-from motion.segment import Segment, read_segments
-from studyapp.study.finished_videos import finished_segments
+from motion.segment import EMOTIONS, Segment, check_name, read_segments
 from studyapp.study.settings.reading import read_study
 from studyapp.study.settings.study import Study
 
@@ -27,6 +30,10 @@ COMPANION_ENDINGS: Final = (".csv", ".json", ".textgrid", ".lab", ".txt")
 
 IMPORTABLE_ENDINGS: Final = (*MOTION_ENDINGS, *SPEECH_ENDINGS, VIDEO_ENDING, *COMPANION_ENDINGS)
 """Files that can be imported into a study."""
+
+
+MIN_SIMILARITY: Final = 0.8
+"""Similarity (see `difflib`) from which one name counts as a misspelling of another."""
 
 
 class _PathInFolder:
@@ -142,7 +149,7 @@ class StudyFolder:
         """
         finished = [name for name, condition in study.conditions.items() if condition.videos]
         if len(finished) == len(study.conditions) and not (self.speech / "segments.csv").exists():
-            return finished_segments(self.videos, finished, allow_gaps=study.allow_gaps)
+            return _finished_segments(self.videos, finished, allow_gaps=study.allow_gaps)
         segments = self.segments()
         if not study.allow_gaps:
             return segments
@@ -151,6 +158,121 @@ class StudyFolder:
             for segment in segments
             if all((self.videos / name / f"{segment.name}.mp4").is_file() for name in finished)
         ]
+
+
+def _finished_segments(
+    videos: Path, conditions: Sequence[str], *, allow_gaps: bool = False
+) -> tuple[Segment, ...]:
+    """Return the segments named by the finished videos of `conditions`.
+
+    For studies without speech files: speaker and emotion are unknown.
+
+    Parameters
+    ----------
+    allow_gaps : bool
+        Whether to leave out segments that a condition lacks. Otherwise they stay in the study,
+        and `motionjury check` names the missing videos.
+
+    Raises
+    ------
+    InputError
+        If there is no video, no segment is left, a file name is not a valid segment name, or no
+        video of a segment can be opened.
+    """
+    videos_of = {
+        condition: {
+            path.stem: path
+            for path in sorted((videos / condition).glob("*.mp4"))
+            if "@" not in path.stem
+        }
+        for condition in conditions
+    }
+    owners: dict[str, list[str]] = {}
+    for condition, files in videos_of.items():
+        for name, path in files.items():
+            owners.setdefault(check_name(name, "segment", path), []).append(condition)
+    if allow_gaps:
+        names = {name for name, owning in owners.items() if len(owning) == len(conditions)}
+    else:
+        names = set(owners) - _misspelt_names(owners, conditions[0])
+    if not names:
+        paths = ", ".join(f"{condition}/<segment>.mp4" for condition in conditions)
+        raise InputError(
+            "no segment has a finished video of every condition"
+            if owners
+            else "there are no finished videos yet",
+            where=videos,
+            remedy=f"Save them as {paths}, with the same names in each folder",
+        )
+    return tuple(
+        Segment(
+            name=name,
+            wav="",
+            start=0.0,
+            end=_duration_of_any([videos_of[condition][name] for condition in owners[name]]),
+            speaker="",
+            emotion=EMOTIONS[0],
+        )
+        for name in sorted(names)
+    )
+
+
+def _duration_of_any(videos: Sequence[Path]) -> float:
+    """Return the duration of the first video that can be opened; `check` names the others."""
+    for video in videos[:-1]:
+        with suppress(InputError):
+            return video_duration(video)
+    return video_duration(videos[-1])
+
+
+def _misspelt_names(owners: Mapping[str, Sequence[str]], first: str) -> set[str]:
+    """Return the names that misspell another one: they are similar, and no condition has both.
+
+    The name that more conditions have is right; on a tie, that of the condition `first`.
+    """
+    misspelt: set[str] = set()
+    correct: list[str] = []
+    for name in sorted(
+        owners, key=lambda name: (-len(owners[name]), first not in owners[name], name)
+    ):
+        candidates = [
+            other.casefold() for other in correct if not set(owners[other]) & set(owners[name])
+        ]
+        if get_close_matches(name.casefold(), candidates, n=1, cutoff=MIN_SIMILARITY):
+            misspelt.add(name)
+        else:
+            correct.append(name)
+    return misspelt
+
+
+def similar_file(file: Path, needed: Collection[Path]) -> Path | None:
+    """Return the file that may be the missing `file` under a misspelt name.
+
+    Parameters
+    ----------
+    needed : collection of Path
+        Files that the study needs under their own names.
+    """
+    unneeded = {
+        path.name.casefold(): path
+        for path in sorted(file.parent.glob("*"))
+        if path.is_file() and path not in needed
+    }
+    matches = get_close_matches(file.name.casefold(), unneeded, n=1, cutoff=MIN_SIMILARITY)
+    return unneeded[matches[0]] if matches else None
+
+
+def video_duration(video: Path) -> float:
+    """Return the duration of a video in seconds; `InputError` if it cannot be opened."""
+    try:
+        with av.open(str(video), options=dict(WHOLE_FORMATS)) as container:
+            return (container.duration or 0) / av.time_base
+    except (av.FFmpegError, OSError):
+        raise InputError(
+            "this is not a playable video",
+            where=video,
+            remedy="Provide an MP4 file with H.264 video and AAC audio",
+        ) from None
 
 
 @contextmanager

@@ -1,4 +1,7 @@
-"""`stimuli.json`, the record of all rendered videos, and the video of each content."""
+"""`stimuli.json`, the record of all rendered videos, and the video of each content.
+
+Participants see copies of finished videos from other tools, so the original files stay untouched.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,6 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from motion.errors import InputError
 from motion.files import digest, write_text
 from studyapp.study.design.trial import Content, Stimulus
-from studyapp.study.finished_videos import finished_video_path, shows_copy
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.sections import explain_errors
 from studyapp.study.settings.study import Study
@@ -151,6 +153,29 @@ def read_stimuli(path: Path) -> Stimuli:
 def write_stimuli(path: Path, stimuli: Stimuli) -> None:
     """Write `stimuli.json`."""
     write_text(path, stimuli.model_dump_json(indent=1) + "\n")
+
+
+def finished_video_path(videos: Path, stimulus: Stimulus) -> Path:
+    """Return the path of the finished video of `stimulus` in the folder `videos`.
+
+    It is ``<condition>/<segment>.mp4``, or ``<condition>/<segment>@<speech>.mp4`` with another
+    segment's speech; segment names contain no @. A stimulus without sound is copied from the video
+    with its own speech.
+    """
+    is_mismatched = stimulus.speech not in (None, stimulus.segment)
+    name = f"{stimulus.segment}@{stimulus.speech}" if is_mismatched else stimulus.segment
+    return videos / stimulus.condition / f"{name}.mp4"
+
+
+def shows_copy(study: Study, content: Content) -> bool:
+    """Tell whether participants see a copy of the video of `content`.
+
+    They do for every video without sound, and for every single video of a study that has finished
+    ones: their files would give the condition away.
+    """
+    (first, *others) = content
+    finished = any(map(study.is_finished, (*study.conditions, study.catch.condition)))
+    return not others and (finished or first.speech is None)
 
 
 @dataclass(frozen=True, kw_only=True)

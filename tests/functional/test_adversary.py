@@ -23,8 +23,8 @@ from renderer.encoder import pad_to_equal_size
 from studyapp.database.tables import Trial, TrialStimulus
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.design.trial import Content, Stimulus
-from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
+from studyapp.study.media import finished_video_path
 from studyapp.web.app import create_app
 from studyapp.web.site import attach, site_of
 from tests.functional.adversary import unlike_videos

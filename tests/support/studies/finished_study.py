@@ -14,8 +14,8 @@ import tomlkit
 
 from studyapp.stimuli.rendering import equalise_sizes
 from studyapp.stimuli.video_copies import copy_videos
-from studyapp.study.finished_videos import finished_video_path
 from studyapp.study.folder import StudyFolder
+from studyapp.study.media import finished_video_path
 from tests.support.studies.tiny_study import write_pair_video
 
 Keys = dict[str, Any]
