@@ -19,7 +19,13 @@ from motion.files import replacing
 from motion.formats.joint_positions import is_joint_table
 from motion.segment import SEGMENTS_FILE, check_name
 from studyapp.stimuli.media_probe import DURATION_TOLERANCE, flaw_of
-from studyapp.stimuli.recordings import RecordingFacts, Take, import_clips, import_take
+from studyapp.stimuli.recordings import (
+    RecordingFacts,
+    Take,
+    add_new_condition,
+    import_clips,
+    import_take,
+)
 from studyapp.stimuli.stored_speech import import_speech
 from studyapp.study.folder import (
     COMPANION_ENDINGS,
@@ -29,7 +35,6 @@ from studyapp.study.folder import (
     StudyFolder,
     video_duration,
 )
-from studyapp.study.study_file import add_condition
 
 TABLE: Final = ".csv"
 
@@ -206,11 +211,10 @@ def import_video(study: StudyFolder, video: Path, condition: str) -> list[str]:
             where=stored,
             remedy="Import this one under another condition, or remove that file first",
         )
-    if not is_known:
-        add_condition(study.definition, condition, videos=True)
+    notes = add_new_condition(study, definition, condition, videos=True)
     with replacing(stored) as draft:
         shutil.copyfile(video, draft)
-    return [] if is_known else [f"{study.definition.name}: condition {condition!r} added"]
+    return notes
 
 
 def _expected_seconds(study: StudyFolder, names: Sequence[str], video: Path) -> float:

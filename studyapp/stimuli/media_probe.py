@@ -30,7 +30,7 @@ def _has_picture(container: InputContainer) -> bool:
     return any(stream.codec_context is not None for stream in container.streams.video[:1])
 
 
-FlawKind = Literal["video-damaged", "sound-missing", "video-length"]
+FlawKind = Literal["video-missing", "video-damaged", "sound-missing", "video-length"]
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,8 @@ def flaw_of(video: Path, seconds: float, *, sound: bool = True) -> Flaw | None:
     sound : bool
         Whether it must have sound.
     """
+    if not video.is_file():
+        return Flaw("video-missing", "is missing")
     try:
         with _open(video) as container:
             if "mp4" not in container.format.name:

@@ -138,7 +138,7 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
         write_semantic_scores(folder.semantics(name), spans)
     segments = store_segments(folder, existing, segments)
     if take.condition is not None:
-        notes += _add_new_condition(folder, study, take.condition)
+        notes += add_new_condition(folder, study, take.condition)
     return segments, notes
 
 
@@ -197,7 +197,7 @@ def import_clips(
     _require_same_motion(folder, condition, clips)
     for name, clip in clips.items():
         write_clip(folder.clip(condition, name), clip)
-    return notes + _add_new_condition(folder, study, condition)
+    return notes + add_new_condition(folder, study, condition)
 
 
 def _take_motion(
@@ -293,11 +293,13 @@ def _require_imported(study: Study, condition: str, folder: StudyFolder) -> None
         )
 
 
-def _add_new_condition(folder: StudyFolder, study: Study, condition: str) -> list[str]:
+def add_new_condition(
+    folder: StudyFolder, study: Study, condition: str, *, videos: bool = False
+) -> list[str]:
     """Add `condition` to the study file if it is new; return a note."""
     if condition in (*study.conditions, study.catch.condition):
         return []
-    add_condition(folder.definition, condition)
+    add_condition(folder.definition, condition, videos=videos)
     return [f"{folder.definition.name}: condition {condition!r} added"]
 
 

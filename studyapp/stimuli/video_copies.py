@@ -64,13 +64,15 @@ def copy_videos(folder: StudyFolder) -> RenderCount:
     for name, originals in by_segment.items():
         usable = {}
         for stimulus, original in originals.items():
-            flaw = _flaw_of(original.file, segments[name], sound=stimulus.speech is not None)
+            sound = stimulus.speech is not None
+            flaw = flaw_of(original.file, segments[name].duration, sound=sound)
             if flaw is None:
                 usable[stimulus] = original
                 continue
-            similar = None if original.file.is_file() else similar_file(original.file, sources)
+            is_missing = flaw.kind == "video-missing"
+            similar = similar_file(original.file, sources) if is_missing else None
             hint = "" if similar is None else f" (is it {similar.relative_to(folder.root)}?)"
-            failures.append(f"{original.file.relative_to(folder.root)} {flaw}{hint}")
+            failures.append(f"{original.file.relative_to(folder.root)} {flaw.what}{hint}")
         files = {original.file for original in usable.values()}
         length = max(map(end_of, files), default=Fraction(0))
         for stimulus, original in usable.items():
@@ -137,14 +139,6 @@ def _originals(
         if original is not None:
             originals[stimulus.segment][stimulus] = original
     return originals
-
-
-def _flaw_of(file: Path, segment: Segment, *, sound: bool) -> str | None:
-    """Return why `file` cannot be copied for participants; None if it can."""
-    if not file.is_file():
-        return "is missing"
-    flaw = flaw_of(file, segment.duration, sound=sound)
-    return None if flaw is None else flaw.what
 
 
 def _describe_copy(stimulus: Stimulus, original: _Original, length: Fraction) -> VideoCopy:

@@ -294,6 +294,8 @@ class Study(Section, ABC):
         """Return all contradictions between keys; protocols add their own."""
         unknown = sorted(set(self.freeze) - set(CHANNELS))
         known = ", ".join(CHANNELS)
+        has_equivalence_tests = self.protocol in ("pairwise", "rating")
+        needless_margin = f"margin: a {self.protocol} study has no test of equivalence"
         return [
             *catch_problems(self.conditions, self.catch),
             *label_problems(self.conditions, self.catch),
@@ -301,7 +303,7 @@ class Study(Section, ABC):
             *question_problems(self.questions, self.parts),
             *([f"freeze: unknown {', '.join(unknown)} (use {known})"] if unknown else []),
             *exclusion_problems(self.exclusions, self.catch, self.attention),
-            *self._margin_problems(),
+            *([needless_margin] if self.margin is not None and not has_equivalence_tests else []),
             *self._family_problems(),
             *self.recruitment.problems(self.page.minutes),
             *self.rehearsal.problems(
@@ -323,11 +325,6 @@ class Study(Section, ABC):
         except InputError as error:
             return [f"family: {error.what} ({error.remedy})"]
         return []
-
-    def _margin_problems(self) -> list[str]:
-        if self.margin is None or self.protocol in ("pairwise", "rating"):
-            return []
-        return [f"margin: a {self.protocol} study has no test of equivalence"]
 
     @property
     def catch_against(self) -> str:
