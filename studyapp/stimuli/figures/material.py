@@ -15,8 +15,8 @@ from motion.errors import InputError
 from motion.formats import read_clip, read_motion
 from motion.segment import Segment
 from renderer.clip_video import Stage
-from renderer.figures.panels import Box, align_faces, common_box, face_camera
-from renderer.figures.strip import MAX_MOMENTS, Moment, loud_moments
+from renderer.figures.panels import align_faces, face_camera
+from renderer.figures.strip import MAX_MOMENTS, Moment
 from renderer.framing import Camera
 from renderer.shown_clip import as_shown
 from studyapp.stimuli.render_plan import RenderPlan
@@ -112,18 +112,10 @@ class FigureMaterial:
         plan = self.plan
         return as_shown(clip, plan.model, path, segment.duration, plan.study.freeze, frame_rate)
 
-    def box_around(self, poses: Iterable[MotionClip]) -> Box:
-        """Return the part of the picture that contains the body in all `poses`."""
-        return common_box(self.plan.model, poses, self.camera)
-
-    def speech(self, segment: Segment, *, sample_rate: int) -> Audio:
+    def speech(self, segment: Segment, sample_rate: int = SPEECH_RATE) -> Audio:
         """Return the speech of `segment`."""
         path = self.plan.folder.speech / segment.wav
         return read_audio(path, sample_rate=sample_rate).cut(segment.start, segment.end)
-
-    def loud_moments(self, segment: Segment, count: int) -> tuple[Moment, ...]:
-        """Return `count` moments, at the loudest syllables of equal parts of the speech."""
-        return loud_moments(self.speech(segment, sample_rate=SPEECH_RATE), count)
 
     def ordered_moments(self, segment: Segment, moments: Sequence[Moment]) -> tuple[Moment, ...]:
         """Return `moments` in chronological order.

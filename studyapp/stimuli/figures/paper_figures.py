@@ -10,17 +10,16 @@ from typing import Final
 
 from PIL import Image
 
-from motion.audio import SPEECH_RATE
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.encoder import SOUND_RATE
 from renderer.figures.grid_video import MIN_SPEED, GridLayout, Panel, write_grid
 from renderer.figures.overlay import blended, colours_for, draw_overlay, faded
-from renderer.figures.panels import FULL_BOX, Box, aspect_of, cropped, cut_out, panel
+from renderer.figures.panels import FULL_BOX, Box, aspect_of, common_box, cropped, cut_out, panel
 from renderer.figures.plate import DOTS_PER_INCH, check_ending
 from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
-from renderer.figures.strip import Moment, StripLayout, draw_strip
+from renderer.figures.strip import Moment, StripLayout, draw_strip, loud_moments
 from renderer.shown_clip import frame_at
 from studyapp.stimuli.figures.material import FigureMaterial, require_distinct
 from studyapp.study.folder import StudyFolder
@@ -152,11 +151,8 @@ def write_strip(
     material = FigureMaterial.read(folder)
     segment = material.segment(choice.segment)
     labels = material.labels(choice.conditions)
-    moments = (
-        material.ordered_moments(segment, choice.moments)
-        if choice.moments
-        else material.loud_moments(segment, count)
-    )
+    speech = material.speech(segment)
+    moments = material.ordered_moments(segment, choice.moments) or loud_moments(speech, count)
     clips = {label: material.clip(segment, name) for name, label in labels.items()}
     rows = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
     material, box, rows = _view(material, printed, rows)
@@ -182,7 +178,6 @@ def write_strip(
             )
             for key, pose in poses.items()
         }
-    speech = material.speech(segment, sample_rate=SPEECH_RATE)
     draw_strip(layout, panels, speech, clear=printed.clear).save(printed.outputs)
 
 
@@ -234,7 +229,8 @@ def _view(
         material, rows = material.close_to_faces(rows)
         return material, FULL_BOX, rows
     poses = [pose for row in rows for pose in row]
-    return material, FULL_BOX if printed.whole else material.box_around(poses), rows
+    box = FULL_BOX if printed.whole else common_box(material.plan.model, poses, material.camera)
+    return material, box, rows
 
 
 def _drawn_size(width: int, box: Box) -> int:
