@@ -93,7 +93,9 @@ def clock() -> SetClock:
 
 @pytest.fixture(scope="session", autouse=True)
 def _fast_applications() -> Iterator[None]:
-    with fast_applications():
+    with fast_applications(), pytest.MonkeyPatch.context() as patch:
+        # The answers of these studies are beside them, or where a test says.
+        patch.delenv("DATABASE_URL", raising=False)
         yield
 
 

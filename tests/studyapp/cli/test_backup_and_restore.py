@@ -4,16 +4,13 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-import pytest
-
 from tests.support.command_line import run
 from tests.support.studies.answered_study import answer_study
 
 
 def test_a_backup_is_described_checked_and_restored_with_what_it_lacks(
-    finished_study: Callable[[str], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    finished_study: Callable[[str], Path], tmp_path: Path
 ) -> None:
-    monkeypatch.delenv("DATABASE_URL", raising=False)
     study = Path(shutil.copytree(finished_study("pairwise"), tmp_path / "study"))
     answer_study(study, people=1, stop_after=2)
     archive = tmp_path / "out.tar"

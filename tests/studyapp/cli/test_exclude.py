@@ -43,8 +43,7 @@ def answered(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def folder(answered: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> StudyFolder:
-    monkeypatch.delenv("DATABASE_URL", raising=False)
+def folder(answered: Path, tmp_path: Path) -> StudyFolder:
     return StudyFolder(shutil.copytree(answered, tmp_path / "study"))
 
 

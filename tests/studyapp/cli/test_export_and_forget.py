@@ -20,11 +20,8 @@ PERSON = "5f3c1d9e7a2b4c6d8e0f1a2b"
 
 
 @pytest.fixture
-def study(
-    finished_study: Callable[[str], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Path:
+def study(finished_study: Callable[[str], Path], tmp_path: Path) -> Path:
     """Return a study in which one participant, recruited by name, has seen the first trial."""
-    monkeypatch.delenv("DATABASE_URL", raising=False)
     root = Path(shutil.copytree(finished_study("pairwise"), tmp_path / "study"))
     with taking_part(root) as participant:
         arrival = Arrival(recruiter_participant=PERSON, recruiter_study="one")

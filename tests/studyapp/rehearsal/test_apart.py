@@ -79,9 +79,8 @@ def rehearsed_once(rendered: Path, tmp_path_factory: pytest.TempPathFactory) -> 
 
 
 @pytest.fixture
-def rehearsed(rehearsed_once: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> StudyFolder:
+def rehearsed(rehearsed_once: Path, tmp_path: Path) -> StudyFolder:
     """A copy of it of one's own."""
-    monkeypatch.delenv("DATABASE_URL", raising=False)
     return StudyFolder(shutil.copytree(rehearsed_once, tmp_path / "study"))
 
 
@@ -111,7 +110,7 @@ def test_only_real_people_are_counted_reported_exported_and_backed_up(
     assert rows(rehearsed.rehearsal) == (1, TRIALS * QUESTIONS)
 
 
-def test_rehearsals_pay_nobody(rehearsed: StudyFolder, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rehearsals_pay_nobody(rehearsed: StudyFolder) -> None:
     with opened(rehearsed.rehearsal) as database:
         assert [each.study_status for each in known_participants(database)] == ["completed"]
     write_record(rehearsed.root, RecruitmentRecord(prolific_study="s1"))

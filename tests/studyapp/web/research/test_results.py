@@ -19,8 +19,7 @@ RESULTS = "/research/results"
 
 
 @pytest.fixture
-def figures(app: Flask, monkeypatch: pytest.MonkeyPatch) -> InProcessFigures:
-    monkeypatch.delenv("DATABASE_URL", raising=False)
+def figures(app: Flask) -> InProcessFigures:
     return cast(InProcessFigures, site_of(app).figures)
 
 
