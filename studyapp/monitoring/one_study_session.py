@@ -25,7 +25,7 @@ from studyapp.monitoring.study_sessions import SessionProgress, progress_of_sess
 from studyapp.researchers.exclusion_decisions import exclusion_decisions
 from studyapp.session.ending import JUDGED, has_failed
 from studyapp.session.served_study import ServedStudy
-from studyapp.session.watch_evidence import MAX_RATE, measure_watched, total_seconds, watched_share
+from studyapp.session.watch_evidence import MAX_RATE, watched_seconds, watched_share
 from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.settings.study import Study
 
@@ -104,7 +104,7 @@ def one_study_session(
             progress=progress,
             row=study_session,
             trials=tuple(
-                (trial, watched_share(trial.videos), _outcome(served.study, trial))
+                (trial, _watched_share(trial), _outcome(served.study, trial))
                 for trial in study_session.trials
             ),
             events=tuple(sorted(events, key=lambda event: event.at)),
@@ -127,6 +127,14 @@ def contents_shown(database: Database, number: int, position: int) -> dict[int, 
             stimulus = Stimulus(condition=condition, segment=segment, speech=speech)
             contents[video] = (*contents.get(video, ()), stimulus)
     return contents
+
+
+def _watched_share(trial: Trial) -> float:
+    records = [(video, video.watch_record) for video in trial.videos]
+    return watched_share(
+        (video.duration, video.sent_at, None if record is None else record.intervals)
+        for video, record in records
+    )
 
 
 def _outcome(study: Study, trial: Trial) -> str:
@@ -192,7 +200,7 @@ def _trial_events(trial: Trial) -> Iterator[Event]:
 
 
 def _played(trial: Trial, video: Video, record: WatchRecord) -> Event:
-    watched = total_seconds(measure_watched(video, 0.0).intervals)
+    watched = watched_seconds(video.sent_at, record.intervals)
     notes = [
         f"Had played {record.played_seconds:.1f} s of {_video(trial, video)}",
         f"{watched:.1f} s of its {video.duration:.1f} s count as watched",

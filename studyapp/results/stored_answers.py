@@ -6,10 +6,9 @@ import gc
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from datetime import datetime
 from itertools import groupby
 from operator import itemgetter
-from typing import Any, Final, Literal, NamedTuple
+from typing import Any, Final, Literal
 
 import numpy as np
 import pandas as pd
@@ -325,21 +324,6 @@ def _frame(session: Session, query: Select[*tuple[object, ...]]) -> pd.DataFrame
     return pd.concat(blocks, ignore_index=True) if blocks else pd.DataFrame(columns=names)
 
 
-class _Record(NamedTuple):
-    """The part of a watch record that `watched_share` needs."""
-
-    intervals: list[list[float]]
-    latest: list[list[int]]
-
-
-class _Video(NamedTuple):
-    """A video of a trial with its watch record."""
-
-    duration: float
-    sent_at: datetime | None
-    watch_record: _Record | None
-
-
 def _watched(session: Session, chosen: ColumnElement[bool]) -> pd.DataFrame:
     """Return the watched share of the videos of each answered trial."""
     frame = pd.DataFrame(list(_shares(session, chosen)), columns=["trial", "watched"])
@@ -356,11 +340,5 @@ def _shares(session: Session, chosen: ColumnElement[bool]) -> Iterator[tuple[int
     blocks = session.execute(query.execution_options(yield_per=BATCH_ROWS)).partitions()
     rows: Iterator[tuple[Any, ...]] = (tuple(row) for block in blocks for row in block)
     for trial, videos in groupby(rows, key=itemgetter(0)):
-        yield trial, round(watched_share([_video(*row[1:]) for row in videos]), 4)
-
-
-def _video(
-    duration: float, sent_at: datetime | None, intervals: list[list[float]] | None
-) -> _Video:
-    record = None if intervals is None else _Record(intervals=intervals, latest=[])
-    return _Video(duration=duration, sent_at=sent_at, watch_record=record)
+        share = watched_share(row[1:] for row in videos)
+        yield trial, round(share, 4)

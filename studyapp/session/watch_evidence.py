@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from operator import itemgetter
-from typing import Annotated, ClassVar, Final, Protocol
+from typing import Annotated, ClassVar, Final
 
 from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
 
@@ -125,32 +125,26 @@ class Record(Playback):
 NOTHING_PLAYED: Final = Record(rate=0.0)
 
 
-class Recorded(Protocol):
-    """A watch record, stored or not."""
+@dataclass(frozen=True, kw_only=True)
+class PlayedVideo:
+    """A video with its watch record, in plain columns.
 
-    @property
-    def intervals(self) -> Sequence[Sequence[float]]:
-        """The watched parts, disjoint and in order."""
+    Attributes
+    ----------
+    sent_at : datetime or None
+        When it was first sent.
+    soundless : bool
+        Whether it has no sound.
+    watch_record : Record or None
+        None before the first report.
+    """
 
-    @property
-    def latest(self) -> Sequence[Sequence[int]]:
-        """Numbers and checksums of the latest reports."""
-
-
-class Played(Protocol):
-    """A video with its watch record."""
-
-    @property
-    def duration(self) -> float:
-        """Its duration in seconds."""
-
-    @property
-    def sent_at(self) -> datetime | None:
-        """When it was first sent; None if it never was."""
-
-    @property
-    def watch_record(self) -> Recorded | None:
-        """Its record; None before the first report."""
+    id: int
+    token: str
+    duration: float
+    sent_at: datetime | None
+    soundless: bool
+    watch_record: Record | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -200,7 +194,7 @@ def counts_as_watched(playback: Playback, *, soundless: bool) -> bool:
     )
 
 
-def is_stored(record: Recorded, report: Report) -> bool | None:
+def is_stored(record: Record, report: Report) -> bool | None:
     """Tell whether `record` contains `report`.
 
     Returns
@@ -237,7 +231,7 @@ def _add_counts(total: int | None, count: int | None) -> int | None:
     return total if count is None else (total or 0) + count
 
 
-def measure_watched(video: Played, coverage: float) -> Watched:
+def measure_watched(video: Video | PlayedVideo, coverage: float) -> Watched:
     """Return how much of `video` has been watched; nothing if it was never sent.
 
     Parameters
@@ -270,8 +264,23 @@ def missing_seconds(trial: Trial, coverage: float) -> float:
     return sum(measure_watched(video, coverage).missing for video in trial.videos)
 
 
-def watched_share(videos: Sequence[Played]) -> float:
-    """Return the watched share of all `videos` together, in [0, 1]; nan for no videos."""
-    total = sum(video.duration for video in videos)
-    played = sum(total_seconds(measure_watched(video, 0.0).intervals) for video in videos)
-    return min(1.0, played / total) if total else math.nan
+def watched_seconds(sent_at: datetime | None, intervals: Sequence[Sequence[float]] | None) -> float:
+    """Return the seconds of a video that count as watched; none if it was never sent."""
+    return 0.0 if sent_at is None else total_seconds(intervals or ())
+
+
+def watched_share(
+    videos: Iterable[tuple[float, datetime | None, Sequence[Sequence[float]] | None]],
+) -> float:
+    """Return the watched share of all `videos` together, in [0, 1]; nan for no videos.
+
+    Parameters
+    ----------
+    videos : iterable of (float, datetime or None, sequence of (float, float) or None)
+        Duration of each, when it was first sent, and its watched parts.
+    """
+    total = watched = 0.0
+    for duration, sent_at, intervals in videos:
+        total += duration
+        watched += watched_seconds(sent_at, intervals)
+    return min(1.0, watched / total) if total else math.nan

@@ -7,7 +7,7 @@ of the page. The rules are those of `studyapp.session.state`, in SQL; the same t
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from datetime import datetime
 from typing import Final, cast
 
@@ -25,6 +25,7 @@ from studyapp.session.video_access import CURRENT_POSITION, RUNNING
 from studyapp.session.watch_evidence import (
     MAX_INTERVALS,
     NOTHING_PLAYED,
+    PlayedVideo,
     Record,
     Report,
     Watched,
@@ -73,28 +74,6 @@ PLAYING_QUERY: Final = (
 )
 INSERT_RECORD: Final = insert(_RECORDS).inline()
 UPDATE_RECORD: Final = update(_RECORDS).where(_RECORDS.c.video_id == bindparam("video"))
-
-
-@dataclass(frozen=True, kw_only=True)
-class PlayedVideo:
-    """A video with its watch record.
-
-    Attributes
-    ----------
-    sent_at : datetime or None
-        When it was first sent.
-    soundless : bool
-        Whether it has no sound.
-    watch_record : Record or None
-        None before the first report.
-    """
-
-    id: int
-    token: str
-    duration: float
-    sent_at: datetime | None
-    soundless: bool
-    watch_record: Record | None
 
 
 def load_playing(

@@ -16,7 +16,7 @@ from studyapp.database.tables import FormAnswer, RefusalLine, StudySession, Tria
 from studyapp.results.analysed_tasks import sides
 from studyapp.results.export.columns import REFUSALS, WATCHING
 from studyapp.results.stored_answers import StoredAnswers, select_sessions
-from studyapp.session.watch_evidence import NOTHING_PLAYED, measure_watched, total_seconds
+from studyapp.session.watch_evidence import NOTHING_PLAYED, watched_seconds
 
 
 def answers_table(stored: StoredAnswers) -> pd.DataFrame:
@@ -166,7 +166,7 @@ def watching_table(session: Session) -> pd.DataFrame:
 
 def _of_video(video: Video) -> dict[str, object]:
     record = video.watch_record or NOTHING_PLAYED
-    watched = total_seconds(measure_watched(video, 0.0).intervals)
+    watched = watched_seconds(video.sent_at, record.intervals)
     frames, dropped = record.frames, record.dropped_frames
     return {
         "video": video.number,
