@@ -1,9 +1,9 @@
-"""Answered trials: progress by arm and emotion, durations, and the sides of conditions."""
+"""Answered trials: counts by emotion and arm, durations, and the sides of conditions."""
 
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median, quantiles
@@ -28,7 +28,6 @@ class AnsweredTrial(NamedTuple):
     """One answered trial of somebody who did not withdraw."""
 
     study_session: int
-    position: int
     kind: str
     emotion: str
     seconds: float | None
@@ -37,56 +36,28 @@ class AnsweredTrial(NamedTuple):
 def answered_trials(session: Session) -> list[AnsweredTrial]:
     """Read every answered trial."""
     query = (
-        select(Trial.study_session_id, Trial.position, Trial.kind, Trial.emotion, Trial.seconds)
+        select(Trial.study_session_id, Trial.kind, Trial.emotion, Trial.seconds)
         .join(StudySession, StudySession.id == Trial.study_session_id)
         .where(Trial.answered_at.is_not(None), StudySession.withdrawn_at.is_(None))
     )
     return [AnsweredTrial(*row) for row in session.connection().execute(query).all()]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Progress:
-    """Answered trials that are analysed, by arm and emotion.
-
-    Attributes
-    ----------
-    emotions : tuple of str
-        In alphabetical order; empty for speech without a named emotion.
-    counts : mapping of (arm, emotion) to int
-        Without those that are 0.
-    """
-
-    emotions: tuple[str, ...]
-    counts: Mapping[tuple[str, str], int]
-
-    def of(self, arm: str, emotion: str) -> int:
-        """Return the number of answered trials of one arm and emotion."""
-        return self.counts.get((arm, emotion), 0)
-
-    def of_emotion(self, emotion: str) -> int:
-        """Return the number of answered trials of one emotion in all arms."""
-        return sum(count for (_, name), count in self.counts.items() if name == emotion)
-
-    @property
-    def largest(self) -> int:
-        """The largest number of any emotion; 0 without any answer."""
-        return max((self.of_emotion(emotion) for emotion in self.emotions), default=0)
-
-
-def progress(trials: Iterable[AnsweredTrial], arms: Mapping[int, str]) -> Progress:
-    """Return the progress by arm and emotion.
+def analysed_by_emotion(
+    trials: Iterable[AnsweredTrial], arms: Mapping[int, str]
+) -> dict[str, Counter[str]]:
+    """Count the trials that are analysed, by emotion in alphabetical order and by arm.
 
     Parameters
     ----------
     arms : mapping of study session to arm
-        Trials of other study sessions are not counted.
+        Of all `trials`.
     """
-    counts = Counter(
-        (arms[trial.study_session], trial.emotion)
-        for trial in trials
-        if trial.kind in ANALYSED and trial.study_session in arms
-    )
-    return Progress(emotions=tuple(sorted({emotion for _, emotion in counts})), counts=counts)
+    counts: defaultdict[str, Counter[str]] = defaultdict(Counter)
+    for trial in trials:
+        if trial.kind in ANALYSED:
+            counts[trial.emotion][arms[trial.study_session]] += 1
+    return dict(sorted(counts.items()))
 
 
 @dataclass(frozen=True, kw_only=True)

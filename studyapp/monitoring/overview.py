@@ -11,11 +11,10 @@ from typing import Final
 from studyapp.database.engine import Database
 from studyapp.monitoring.answered_trials import (
     Durations,
-    Progress,
     Sides,
+    analysed_by_emotion,
     answered_trials,
     durations,
-    progress,
     sides,
     trial_durations,
 )
@@ -106,6 +105,8 @@ class Overview:
         Study sessions that researchers exclude from the analysis; most hold places all the same.
     leaving_out : tuple of SessionProgress
         Participants who most often said that a video does not play, if at all.
+    analysed : mapping of str to Counter
+        Answered trials that are analysed, by emotion and arm; the emotion may be empty.
     failed : mapping of kind to mapping of int to int
         Numbers of failed checks of each kind, and how many participants failed so many.
     whole : Durations
@@ -124,7 +125,7 @@ class Overview:
     screened_out: Mapping[str, int]
     excluded: int
     leaving_out: tuple[SessionProgress, ...]
-    progress: Progress
+    analysed: Mapping[str, Counter[str]]
     dropouts: tuple[Dropout, ...]
     failed: Mapping[str, Mapping[int, int]]
     items: tuple[CheckedItem, ...]
@@ -137,6 +138,11 @@ class Overview:
     def places(self) -> PlaceCounts:
         """The places of all arms together."""
         return total_places(self.arms)
+
+    @property
+    def most_analysed(self) -> int:
+        """The largest number of analysed trials of any emotion."""
+        return max((counts.total() for counts in self.analysed.values()), default=0)
 
     @property
     def decisions(self) -> tuple[Decision, ...]:
@@ -185,7 +191,7 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         screened_out=screened_out,
         excluded=sum(each.excluded for each in present),
         leaving_out=_leaving_out(present),
-        progress=progress(trials, counted),
+        analysed=analysed_by_emotion(trials, counted),
         dropouts=dropouts(present),
         failed={
             kind: dict(sorted(Counter(failures.values()).items()))

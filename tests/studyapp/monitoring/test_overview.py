@@ -57,7 +57,7 @@ def test_every_event_is_counted_once_and_lists_agree(
     assert found.standings == {"done": 1, "active": 1, "lapsed": 1, "withdrawn": 1}
     assert found.earlier == 0
     assert found.dropouts == (Dropout(position=3, left=1, came=2),)
-    analysed = sum(found.progress.of_emotion(emotion) for emotion in found.progress.emotions)
+    analysed = sum(counts.total() for counts in found.analysed.values())
     assert analysed == sum(
         durations.count for durations in found.trials if durations.what in ("main", "repeat")
     )
@@ -95,7 +95,7 @@ def test_study_sessions_of_another_design_are_counted_separately(
 
     earlier = list_study_sessions(opened, served, Selection(earlier=True), clock.now())
     assert found.earlier == len(earlier) == 4
-    assert (found.places.done, found.standings, found.progress.emotions) == (0, {}, ())
+    assert (found.places.done, found.standings, found.analysed) == (0, {}, {})
 
 
 def test_a_study_without_participants_has_an_overview(
