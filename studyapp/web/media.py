@@ -11,7 +11,7 @@ from werkzeug.exceptions import RequestedRangeNotSatisfiable
 from werkzeug.wsgi import wrap_file
 
 from motion.errors import InputError
-from studyapp.session.video_access import content_of, content_to_send, earlier_contents
+from studyapp.session.playback import content_of, content_to_send, earlier_contents
 from studyapp.study.design.trial import Content
 from studyapp.web.media_store import KEPT_SECONDS as REDIRECT_SECONDS
 from studyapp.web.site import study_site

@@ -13,10 +13,10 @@ from studyapp.session.answers import Fields, skip_unplayable, store_answers
 from studyapp.session.ending import screened_out_exit, withdraw, withdrawal_promise
 from studyapp.session.form_answers import find_problems, start_trials, store_form_answers
 from studyapp.session.participation import TRIES_BEFORE_LEAVING, leave_break, load_situation
+from studyapp.session.playback import record_watched
 from studyapp.session.refusal import IneligibleError, UnacceptableError
 from studyapp.session.trials import ShownTrial
 from studyapp.session.watch_evidence import read_report
-from studyapp.session.watch_reports import record_watched
 from studyapp.study.settings.questions import Stage
 from studyapp.web.errors import note_and_explain, wants_json
 from studyapp.web.language import say

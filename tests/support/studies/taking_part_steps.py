@@ -19,12 +19,11 @@ from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import Arrival, enrol
 from studyapp.session.form_answers import start_trials
 from studyapp.session.participation import Situation, load_situation
+from studyapp.session.playback import content_to_send, record_watched
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.trials import ShownTrial
 from studyapp.session.versions import open_study
-from studyapp.session.video_access import content_to_send
 from studyapp.session.watch_evidence import Playback, Report, Watched
-from studyapp.session.watch_reports import record_watched
 from tests.support.studies.stored import opened
 
 Result = TypeVar("Result")
