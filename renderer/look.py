@@ -96,28 +96,9 @@ AVATARS: Final[Mapping[str, Avatar]] = MappingProxyType({each.name: each for eac
 FIRST_AVATAR: Final = _AVATARS[0].name
 
 
-def avatar_named(name: str) -> Avatar:
-    """Return avatar `name`.
-
-    Raises
-    ------
-    InputError
-        If there is none of that name.
-    """
-    if name not in AVATARS:
-        raise InputError(f"there is no avatar {name!r}", remedy=f"Use one of {', '.join(AVATARS)}")
-    return AVATARS[name]
-
-
 def default_body(avatar: str = FIRST_AVATAR) -> Path:
-    """Return the file of an avatar's body, in SMPL-X's ``.npz`` layout.
-
-    Raises
-    ------
-    InputError
-        If there is no such avatar.
-    """
-    return avatar_named(avatar).body
+    """Return the file of an avatar's body, in SMPL-X's ``.npz`` layout."""
+    return AVATARS[avatar].body
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,9 +177,9 @@ class Look:
         for label, value, known in (
             ("framing", self.framing, FRAMINGS),
             ("view", self.view, tuple(VIEWS)),
+            ("avatar", self.avatar, tuple(AVATARS)),
         ):
             if value not in known:
                 raise InputError(
                     f"unknown {label} {value!r}", remedy=f"Use one of {', '.join(known)}"
                 )
-        avatar_named(self.avatar)

