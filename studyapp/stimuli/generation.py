@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import zlib
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Final, Protocol
 
 from generators.interface import OnPart, SpeechSegment
 from generators.registry import load_generator, needs_model, needs_source
@@ -20,7 +20,9 @@ from motion.formats import read_clip, write_clip
 from motion.placement import place
 from motion.segment import Segment
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.conditions import Condition
+
+_AS_A_WHOLE: Final = "as a whole"
+"""How a network processes speech that is not long."""
 
 
 class OnClip(Protocol):
@@ -31,11 +33,11 @@ class OnClip(Protocol):
         ...
 
 
-def show_nothing(done: int, total: int, detail: str = "") -> None:
+def _show_nothing(done: int, total: int, detail: str = "") -> None:
     """Ignore the progress."""
 
 
-def show_parts(on_clip: OnClip, done: int, total: int, name: str) -> OnPart:
+def _show_parts(on_clip: OnClip, done: int, total: int, name: str) -> OnPart:
     """Return a function that shows the progress of the clip `name`, after `done` others."""
 
     def on_part(made: int, parts: int) -> None:
@@ -87,7 +89,7 @@ class GenerationCount:
 
 
 def generate(
-    folder: StudyFolder, *, device: str = "cpu", on_clip: OnClip = show_nothing
+    folder: StudyFolder, *, device: str = "cpu", on_clip: OnClip = _show_nothing
 ) -> GenerationCount:
     """Generate all clips that are missing, or out of date with their speech or settings.
 
@@ -106,9 +108,12 @@ def generate(
     conditions = study.generated()
     made = kept = 0
     total = len(conditions) * len(segments)
-    remarks = Remarks()
     for name, condition in conditions.items():
-        settings = resolve_settings(folder, name, condition)
+        try:
+            settings = condition.settings.resolved_in(folder.root)
+        except InputError as error:
+            what = f"conditions.{name}: {error.what}"
+            raise InputError(what, where=error.where, remedy=error.remedy) from error
         generator = load_generator(str(condition.generator), settings, device)
         source = ConditionClips(folder, condition.source, segments) if condition.source else None
         shared = digest(
@@ -128,7 +133,7 @@ def generate(
                 remedy="Remove the generator from study.toml to use the file, or move the file "
                 "away to generate the motion",
             )
-            if is_up_to_date(path, inputs, foreign=imported):
+            if _is_up_to_date(path, inputs, foreign=imported):
                 kept += 1
             else:
                 clip = generator.generate(
@@ -136,17 +141,20 @@ def generate(
                     seed=zlib.crc32(f"{study.seed}/{name}/{segment.name}".encode()),
                     frame_rate=study.video.frame_rate,
                     source=source,
-                    on_part=show_parts(on_clip, made + kept, total, f"{name}/{segment.name}"),
+                    on_part=_show_parts(on_clip, made + kept, total, f"{name}/{segment.name}"),
                 )
                 write_clip(path, place(clip)[0].with_provenance(inputs=inputs))
                 made += 1
             on_clip(made + kept, total)
-            if needs_model(str(condition.generator)):
-                remarks.add(name, segment.name, path)
-    return GenerationCount(made=made, kept=kept, remarks=remarks.sentences())
+    of_networks = {
+        name: [folder.clip(name, segment.name) for segment in segments]
+        for name, condition in conditions.items()
+        if needs_model(str(condition.generator))
+    }
+    return GenerationCount(made=made, kept=kept, remarks=_remarks(of_networks))
 
 
-def is_up_to_date(path: Path, inputs: str, *, foreign: InputError) -> bool:
+def _is_up_to_date(path: Path, inputs: str, *, foreign: InputError) -> bool:
     """Return whether the clip at `path` exists and was made from `inputs`.
 
     Raises
@@ -171,44 +179,25 @@ def _excerpt(speech: Path, segment: Segment) -> Audio:
         raise InputError(error.what, where=where, remedy=error.remedy) from error
 
 
-def resolve_settings(folder: StudyFolder, name: str, condition: Condition) -> Settings:
-    """Return the settings of condition `name`, with paths relative to the study folder."""
-    try:
-        return condition.settings.resolved_in(folder.root)
-    except InputError as error:
-        raise InputError(
-            f"conditions.{name}: {error.what}", where=error.where, remedy=error.remedy
-        ) from error
-
-
-class Remarks:
-    """Collects remarks in clips, once for all clips of a condition."""
-
-    def __init__(self) -> None:
-        self._stand_ins: dict[str, dict[str, None]] = defaultdict(dict)
-        self._in_parts: dict[tuple[str, str], list[str]] = defaultdict(list)
-
-    def add(self, condition: str, segment: str, path: Path) -> None:
-        """Add the remarks of the clip at `path` on stand-ins and on long speech."""
-        provenance = read_clip(path).provenance
-        for stand_in in provenance.get("stand_ins", "").split("; "):
-            if stand_in:
-                self._stand_ins[condition].setdefault(stand_in)
-        processed = provenance.get("heard", "as a whole")
-        if processed != "as a whole":
-            self._in_parts[condition, processed].append(segment)
-
-    def sentences(self) -> tuple[str, ...]:
-        """Return a sentence for each remark."""
-        stood_in = (
-            f"Uses stand-ins: {condition}: {'; '.join(names)}"
-            for condition, names in self._stand_ins.items()
-        )
-        in_parts = (
-            f"Long speech was processed {processed}: {condition}: {', '.join(segments)}"
-            for (condition, processed), segments in self._in_parts.items()
-        )
-        return (*stood_in, *in_parts)
+def _remarks(clips: Mapping[str, Sequence[Path]]) -> tuple[str, ...]:
+    """Return a sentence for each remark on stand-ins and on long speech in a condition's clips."""
+    stood_in: list[str] = []
+    in_parts: list[str] = []
+    for condition, paths in clips.items():
+        stand_ins: dict[str, None] = {}
+        by_processing: defaultdict[str, list[str]] = defaultdict(list)
+        for path in paths:
+            provenance = read_clip(path).provenance
+            stand_ins |= dict.fromkeys(filter(None, provenance.get("stand_ins", "").split("; ")))
+            by_processing[provenance.get("heard", _AS_A_WHOLE)].append(path.stem)
+        by_processing.pop(_AS_A_WHOLE, None)
+        if stand_ins:
+            stood_in.append(f"Uses stand-ins: {condition}: {'; '.join(stand_ins)}")
+        for processed, names in by_processing.items():
+            in_parts.append(
+                f"Long speech was processed {processed}: {condition}: {', '.join(names)}"
+            )
+    return (*stood_in, *in_parts)
 
 
 def generate_files(
@@ -221,7 +210,7 @@ def generate_files(
     seed: int,
     frame_rate: float,
     emotion: str,
-    on_clip: OnClip = show_nothing,
+    on_clip: OnClip = _show_nothing,
 ) -> GenerationCount:
     """Write a clip ``<out>/<name>.npz`` for each file of speech, unless it is up to date.
 
@@ -269,7 +258,6 @@ def generate_files(
         *settings.fingerprint(),
     )
     made = 0
-    remarks = Remarks()
     for number, path in enumerate(speech, start=1):
         target = out / f"{path.stem}.npz"
         inputs = digest(shared, path)
@@ -278,7 +266,7 @@ def generate_files(
             where=target,
             remedy="Move it away, or choose another folder (--out)",
         )
-        if not is_up_to_date(target, inputs, foreign=foreign):
+        if not _is_up_to_date(target, inputs, foreign=foreign):
             audio = read_audio(path)
             segment = Segment(
                 name=path.stem,
@@ -292,10 +280,11 @@ def generate_files(
                 SpeechSegment(segment=segment, audio=audio),
                 seed=seed,
                 frame_rate=frame_rate,
-                on_part=show_parts(on_clip, number - 1, len(speech), path.stem),
+                on_part=_show_parts(on_clip, number - 1, len(speech), path.stem),
             )
             write_clip(target, clip.with_provenance(inputs=inputs))
             made += 1
-        remarks.add(generator, path.stem, target)
         on_clip(number, len(speech))
-    return GenerationCount(made=made, kept=len(speech) - made, remarks=remarks.sentences())
+    clips = [out / f"{path.stem}.npz" for path in speech]
+    remarks = _remarks({generator: clips})
+    return GenerationCount(made=made, kept=len(speech) - made, remarks=remarks)
