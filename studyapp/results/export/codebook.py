@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from analysis.answers.exclusion_rules import excluded_by_hand
 from motion.files import sha256_of
 from studyapp.results.export.columns import Column, TableColumns, fixed_values, preference_values
-from studyapp.study.design.order import PREFERENCES
+from studyapp.study.design.allocation import PREFERENCES
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.mismatch import MismatchStudy
 from studyapp.study.settings.questions import (

@@ -10,8 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from motion.segment import Segment
-from studyapp.study.design.allocation import shuffled
-from studyapp.study.design.order import number_trials, scatter_by_part
+from studyapp.study.design.allocation import number_trials, scatter_by_part, shuffled
 from studyapp.study.design.trial import Answers, Kind, PlannedTrial, Stimulus
 from studyapp.study.settings.questions import SCALE_STEPS
 from studyapp.study.settings.sections import Name, Section

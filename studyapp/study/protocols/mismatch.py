@@ -22,15 +22,17 @@ import numpy as np
 from pydantic import Field
 
 from motion.segment import Segment
-from studyapp.study.design.allocation import allocate_segments, even_quotas, shuffled
-from studyapp.study.design.order import (
+from studyapp.study.design.allocation import (
     PREFERENCES,
     Levels,
     StimulusPair,
+    allocate_segments,
+    even_quotas,
     number_trials,
     pair_trials,
     prefers_side,
     scatter_by_part,
+    shuffled,
 )
 from studyapp.study.design.trial import (
     NO_VOTES,

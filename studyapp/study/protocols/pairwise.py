@@ -29,14 +29,15 @@ from pydantic import Field
 from motion.errors import listed
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.design.adaptive import Pair, most_informative_pairs
-from studyapp.study.design.allocation import allocate_segments, shuffled
-from studyapp.study.design.order import (
+from studyapp.study.design.allocation import (
     PREFERENCES,
+    allocate_segments,
     number_trials,
     pair_trials,
     pair_videos,
     prefers_side,
     scatter,
+    shuffled,
 )
 from studyapp.study.design.trial import (
     NO_VOTES,

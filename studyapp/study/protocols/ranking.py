@@ -20,8 +20,7 @@ import numpy as np
 from pydantic import Field
 
 from motion.segment import Segment
-from studyapp.study.design.allocation import allocate_segments, shuffled
-from studyapp.study.design.order import draw_segments
+from studyapp.study.design.allocation import allocate_segments, draw_segments, shuffled
 from studyapp.study.design.trial import (
     NO_VOTES,
     Answers,

@@ -14,7 +14,7 @@ from analysis.results.grouping import read_family
 from motion.clip import CHANNELS
 from motion.errors import InputError
 from motion.segment import Segment
-from studyapp.study.design.order import draw_segments
+from studyapp.study.design.allocation import draw_segments
 from studyapp.study.design.trial import (
     NO_VOTES,
     Answers,
