@@ -11,7 +11,7 @@ from studyapp.cli.arguments import refuse_options, study_folder
 from studyapp.cli.output import counted
 from studyapp.researchers.audit import read_reason
 from studyapp.results.export.sharing import Shared, share
-from studyapp.results.export.writing import export
+from studyapp.results.export.tables import export
 from studyapp.study.folder import StudyFolder
 
 

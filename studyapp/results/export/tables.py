@@ -1,9 +1,10 @@
-"""The tables of an export, from the study's database, with who is left out of the analysis."""
+"""The tables of an export: their rows with who is left out of the analysis, and their files."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Final
 
 import pandas as pd
@@ -13,12 +14,16 @@ from sqlalchemy.orm import Session
 from analysis.answers.exclusion_rules import BY_HAND, RuleOutcome
 from analysis.answers.table import ANALYSED_KINDS
 from motion.errors import InputError
+from motion.files import write_text
 from studyapp.database.tables import AuditLine, StudySession
 from studyapp.researchers.audit import detail_label
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.analysed_tasks import PARTS_OF, AnalysedTask, analysed_tasks
+from studyapp.results.answers import answers_in, snapshot
+from studyapp.results.export.codebook import as_json, codebook, codebook_page
 from studyapp.results.export.columns import (
     ANSWERS,
+    ENDINGS,
     FORM,
     LOG,
     PARTICIPANTS,
@@ -26,7 +31,9 @@ from studyapp.results.export.columns import (
     REFUSALS,
     WATCHING,
     TableColumns,
+    csv_text,
     typed,
+    write_table,
 )
 from studyapp.results.export.rows import (
     answers_table,
@@ -35,26 +42,167 @@ from studyapp.results.export.rows import (
     refusals_table,
     watching_table,
 )
-from studyapp.results.stored_answers import Answers, StoredAnswers, stored_answers
+from studyapp.results.looks import record_look
+from studyapp.results.stored_answers import (
+    NO_ANSWERS,
+    Answers,
+    Source,
+    StoredAnswers,
+    stored_answers,
+)
+from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
 TRIAL: Final = ["study_session", "position"]
 
+EXCLUSION: Final = ("excluded", "exclusion_rule", "exclusion_kind", "exclusion_reason")
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ExportedTable:
-    """A table, with what its columns are.
-
-    Attributes
-    ----------
-    about : TableColumns
-        Its columns.
-    frame : DataFrame
-        Its rows, typed.
-    """
+    """A table: what its columns are, and its typed rows."""
 
     about: TableColumns
     frame: pd.DataFrame
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Judged:
+    """What the rules of a study say of each participant.
+
+    Attributes
+    ----------
+    rows : DataFrame
+        The columns about exclusion by `study_session`, and by `part` where each part of the study
+        is judged by itself. Study sessions that the rules were not applied to are not there.
+    remark : str
+        Why the rules were applied to nobody, as a sentence; empty where they were.
+    """
+
+    rows: pd.DataFrame = field(
+        default_factory=lambda: pd.DataFrame(columns=["study_session", *EXCLUSION], dtype=object)
+    )
+    remark: str = ""
+
+    def mark_answers(self, answers: pd.DataFrame) -> pd.DataFrame:
+        """Return `answers` with the columns about exclusion; of a task, by its own rules."""
+        keys = [key for key in ("study_session", "part") if key in self.rows]
+        return answers.merge(self.rows, on=keys, how="left")
+
+    def mark_participants(self, participants: pd.DataFrame) -> pd.DataFrame:
+        """Return `participants` with the same columns: of a task that leaves them out, if any."""
+        worst_first = self.rows.sort_values("excluded", ascending=False, kind="stable")
+        once = worst_first.drop_duplicates("study_session")
+        return participants.merge(
+            once[["study_session", *EXCLUSION]], on="study_session", how="left"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exported:
+    """The result of an export.
+
+    Attributes
+    ----------
+    answers : int
+        Rows of the main table.
+    files : tuple of Path
+        All written files, the main table first.
+    remark : str
+        What could not be done, as a sentence; may be empty.
+    look : str
+        A warning about interim looks; empty once all have finished.
+    """
+
+    answers: int
+    files: tuple[Path, ...]
+    remark: str = ""
+    look: str = ""
+
+
+def export(
+    folder: StudyFolder,
+    path: Path,
+    *,
+    rehearsal: bool = False,
+    withdrawn: bool = False,
+    with_recruiter_ids: bool = False,
+    reason: str = "",
+) -> Exported:
+    """Write the real answers, or the rehearsal's, as tidy tables with a codebook.
+
+    Beside the main table are ``<name>_participants``, ``<name>_form``, ``<name>_watching``,
+    ``<name>_refusals``, ``<name>_log``, and ``<name>_codebook.md`` and ``.json``. A pseudonym key
+    is created if there is none.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    path : Path
+        The main table; its ending, ``.csv`` or ``.parquet``, is that of all tables.
+    withdrawn : bool
+        Export the remaining data of participants who withdrew instead.
+    with_recruiter_ids : bool
+        Also write ``recruiter_ids.csv``, which identifies people and is private to its owner.
+    reason : str
+        The reason in the log of looks.
+
+    Raises
+    ------
+    InputError
+        If the study or its database cannot be read, the key is damaged, or the ending is unknown.
+    """
+    if path.suffix not in ENDINGS:
+        raise InputError(
+            f"{path.name} ends neither in .csv nor in .parquet",
+            where="--out",
+            remedy="Use one of these endings",
+        )
+    study = folder.study()
+    origin: Source = "rehearsal" if rehearsal else "participants"
+    answers = NO_ANSWERS
+    judged = Judged()
+    names: ExportedTable | None = None
+    tables = tuple(
+        ExportedTable(about=about, frame=typed(pd.DataFrame(), about))
+        for about in (ANSWERS, PARTICIPANTS, FORM, WATCHING, REFUSALS, LOG)
+    )
+    with snapshot(folder, origin) as session:
+        if not withdrawn:
+            answers = answers_in(session, origin, in_full=True)
+            judged = judge(study, answers)
+        if session is not None:
+            key = PseudonymKey.read_or_make(folder.pseudonym_key)
+            tables = (
+                _withdrawn_tables(session, key)
+                if answers.stored is None
+                else exported_tables(session, answers.stored, key, judged)
+            )
+            names = _recruiter_ids(session, key) if with_recruiter_ids else None
+    look = record_look(folder, study, answers, way="export", reason=reason)
+    written: list[Path] = []
+    described = []
+    for table in tables:
+        file = path.with_stem("_".join(filter(None, (path.stem, table.about.name))))
+        write_table(file, table.frame, table.about)
+        written.append(file)
+        described.append((table.about, [file.name]))
+    if names is not None:
+        file = path.with_name(f"{RECRUITER_IDS.name}.csv")
+        write_text(file, csv_text(names.frame, names.about), private=True)
+        written.append(file)
+        described.append((RECRUITER_IDS, [file.name]))
+    book = codebook(folder, study, described)
+    page = path.with_name(f"{path.stem}_codebook.md")
+    write_text(page, codebook_page(book))
+    write_text(page.with_suffix(".json"), as_json(book))
+    return Exported(
+        answers=len(tables[0].frame),
+        files=(*written, page, page.with_suffix(".json")),
+        remark=judged.remark,
+        look=look,
+    )
 
 
 def exported_tables(
@@ -62,10 +210,7 @@ def exported_tables(
 ) -> tuple[ExportedTable, ...]:
     """Return all tables but that of the recruiter's names, the answers first.
 
-    Parameters
-    ----------
-    stored : StoredAnswers
-        In full, of the same state of the database.
+    `stored` is in full, of the same state of the database.
     """
     watching = watching_table(session)
     answers = judged.mark_answers(_with_watching(answers_table(stored), watching))
@@ -87,7 +232,7 @@ def exported_tables(
     )
 
 
-def withdrawn_tables(session: Session, key: PseudonymKey) -> tuple[ExportedTable, ...]:
+def _withdrawn_tables(session: Session, key: PseudonymKey) -> tuple[ExportedTable, ...]:
     """Return what was kept of participants who withdrew; no rule is applied to it."""
     answers = answers_table(stored_answers(session, withdrawn=True, in_full=True))
     form = form_answers_table(session, withdrawn=True)
@@ -95,7 +240,7 @@ def withdrawn_tables(session: Session, key: PseudonymKey) -> tuple[ExportedTable
     return (_table(ANSWERS, answers, names), _table(FORM, form, names))
 
 
-def recruiter_ids(session: Session, key: PseudonymKey) -> ExportedTable:
+def _recruiter_ids(session: Session, key: PseudonymKey) -> ExportedTable:
     """Return the table of the recruiter's names; it is never written with the others."""
     query = (
         select(
@@ -158,41 +303,6 @@ def _log(session: Session) -> pd.DataFrame:
         for line in lines
     ]
     return pd.DataFrame(rows, columns=list(LOG.names))
-
-
-EXCLUSION: Final = ("excluded", "exclusion_rule", "exclusion_kind", "exclusion_reason")
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Judged:
-    """What the rules of a study say of each participant.
-
-    Attributes
-    ----------
-    rows : DataFrame
-        The columns about exclusion by `study_session`, and by `part` where each part of the study
-        is judged by itself. Study sessions that the rules were not applied to are not there.
-    remark : str
-        Why the rules were applied to nobody, as a sentence; empty where they were.
-    """
-
-    rows: pd.DataFrame = field(
-        default_factory=lambda: pd.DataFrame(columns=["study_session", *EXCLUSION], dtype=object)
-    )
-    remark: str = ""
-
-    def mark_answers(self, answers: pd.DataFrame) -> pd.DataFrame:
-        """Return `answers` with the columns about exclusion; of a task, by its own rules."""
-        keys = [key for key in ("study_session", "part") if key in self.rows]
-        return answers.merge(self.rows, on=keys, how="left")
-
-    def mark_participants(self, participants: pd.DataFrame) -> pd.DataFrame:
-        """Return `participants` with the same columns: of a task that leaves them out, if any."""
-        worst_first = self.rows.sort_values("excluded", ascending=False, kind="stable")
-        once = worst_first.drop_duplicates("study_session")
-        return participants.merge(
-            once[["study_session", *EXCLUSION]], on="study_session", how="left"
-        )
 
 
 def judge(study: Study, answers: Answers) -> Judged:

@@ -12,8 +12,7 @@ import pytest
 from studyapp.database.engine import Database
 from studyapp.researchers.audit import latest_changes
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.export.tables import pseudonyms
-from studyapp.results.export.writing import export
+from studyapp.results.export.tables import export, pseudonyms
 from studyapp.results.report import report
 from studyapp.results.stored_answers import stored_answers
 from studyapp.session.intake import add_places

@@ -23,7 +23,7 @@ from studyapp.recruitment.prolific_client import ProlificClient
 from studyapp.recruitment.record import RecruitmentRecord, write_record
 from studyapp.rehearsal.resumption import prepare
 from studyapp.results.answers import answers_to_report, read_answers
-from studyapp.results.export.writing import export
+from studyapp.results.export.tables import export
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app

@@ -13,7 +13,7 @@ from motion.errors import InputError
 from studyapp.cli.main import group
 from studyapp.results.analysed_tasks import MIDDLE, study_answers
 from studyapp.results.answers import answers_to_report, read_rehearsal
-from studyapp.results.export.writing import export
+from studyapp.results.export.tables import export
 from studyapp.results.stated_beforehand import exclusions_of
 from studyapp.results.stored_answers import Answers, StoredAnswers, stored_answers
 from studyapp.session.refusal import ConflictError, log_refusal

@@ -20,7 +20,7 @@ from studyapp.database.tables import StudySession
 from studyapp.researchers.audit import StudyState, latest_looks, log_look
 from studyapp.results.answers import read_answers
 from studyapp.results.export.sharing import share
-from studyapp.results.export.writing import export
+from studyapp.results.export.tables import export
 from studyapp.results.looks import earlier_looks, record_look
 from studyapp.results.report import report
 from studyapp.study.folder import StudyFolder

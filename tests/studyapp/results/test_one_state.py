@@ -15,7 +15,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.results.answers import answers_to_report
 from studyapp.results.export.sharing import share
-from studyapp.results.export.writing import export
+from studyapp.results.export.tables import export
 from studyapp.results.looks import agreement_so_far
 from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy

@@ -14,7 +14,7 @@ from motion.errors import InputError
 from studyapp.results.answers import read_answers
 from studyapp.results.export.shared_folder import copy_study
 from studyapp.results.export.sharing import share
-from studyapp.results.export.writing import export
+from studyapp.results.export.tables import export
 from studyapp.results.report import report
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.conftest import leave, with_motion

@@ -21,7 +21,7 @@ from studyapp.results.export.columns import (
     WATCHING,
     TableColumns,
 )
-from studyapp.results.export.writing import Exported, export
+from studyapp.results.export.tables import Exported, export
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
 from tests.support.studies.finished_study import PROTOCOLS
