@@ -256,7 +256,7 @@ def reason_for_no_figure(*, answers: int, participants: int, tied: str = "") -> 
     answers, participants : int
         How many are analysed.
     tied : str, optional
-        The reason if all answers are the same; '' if they differ.
+        How all answers are the same; '' if they differ.
     """
     if not answers or not participants:
         return "No answer is left to analyse, so no figure is drawn."
@@ -265,4 +265,4 @@ def reason_for_no_figure(*, answers: int, participants: int, tied: str = "") -> 
             "Only one participant's answers are analysed. How much people differ is unknown, so "
             "there are no intervals and no figure; the tables hold the answers."
         )
-    return tied
+    return tied and f"{tied}, so there is nothing to draw and nothing to test."

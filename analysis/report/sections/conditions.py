@@ -85,8 +85,7 @@ def _rating_section(
         no_figure=reason_for_no_figure(
             answers=sum(c.n for c in conditions),
             participants=max(c.participants for c in conditions),
-            tied=f"Every rating is {scores.pop()}: nothing tells the conditions apart, so there is "
-            "nothing to draw and nothing to test."
+            tied=f"Every rating is {scores.pop()}: nothing tells the conditions apart"
             if len(scores) == 1
             else "",
         ),
@@ -270,7 +269,9 @@ def _ranking_section(
         no_figure=reason_for_no_figure(
             answers=sum(c.n for c in conditions),
             participants=max(c.mean_rank.participants for c in conditions),
-            tied=_reason_if_tied(conditions),
+            tied="Every ranking ties all conditions: nobody put one before another"
+            if _are_tied(conditions)
+            else "",
         ),
         pictures=lambda: (
             *_place_pictures(conditions, places, suffix, mark),
@@ -284,15 +285,9 @@ def _place_pictures(
     conditions: Sequence[RankedCondition], places: int, suffix: str, mark: str
 ) -> tuple[Picture, ...]:
     """Draw how often each condition came to each place, with mean ranks: a panel per question."""
-    mean_ranks = {
-        c.condition: c.mean_rank.estimate
-        for c in conditions
-        if c.question == conditions[0].question
-    }
-    names = sorted(
-        dict.fromkeys(c.condition for c in conditions),
-        key=lambda name: mean_ranks.get(name, places + 1),
-    )
+    on_first = [c for c in conditions if c.question == conditions[0].question]
+    best_first = sorted(on_first, key=lambda c: c.mean_rank.estimate)
+    names = dict.fromkeys(c.condition for c in (*best_first, *conditions))
     panels, rows = condition_bars(conditions, names, lambda c: _ranking_bar(c, places))
     return bar_pictures(
         panels,
@@ -315,8 +310,8 @@ def _ranking_bar(ranked: RankedCondition, places: int) -> Bar:
     )
 
 
-def _reason_if_tied(conditions: Sequence[RankedCondition]) -> str:
-    """Return why there is no figure if every ranking ties all conditions, else ''."""
+def _are_tied(conditions: Sequence[RankedCondition]) -> bool:
+    """Tell whether every ranking ties all conditions."""
     middle = (1 + len(conditions[0].rank_percent)) / 2
     is_even = all(
         c.mean_rank.estimate == middle and len({round(p, 9) for p in c.rank_percent.values()}) == 1
@@ -324,12 +319,7 @@ def _reason_if_tied(conditions: Sequence[RankedCondition]) -> str:
         if c.n
     )
     is_certain = all(c.mean_rank.standard_error == 0 or c.mean_rank.reason for c in conditions)
-    if is_even and is_certain:
-        return (
-            "Every ranking ties all conditions: nobody put one before another, so there is nothing "
-            "to draw and nothing to test."
-        )
-    return ""
+    return is_even and is_certain
 
 
 def strength_pictures(

@@ -117,8 +117,7 @@ class PreferenceGroup:
         return reason_for_no_figure(
             answers=answers,
             participants=max(row.result.attentive for row in self.rows),
-            tied=f"Every one of the {answers} answers is “no difference”: nobody preferred "
-            "anything, so there is nothing to draw and nothing to test."
+            tied=f"Every one of the {answers} answers is “no difference”: nobody preferred anything"
             if is_tied
             else "",
         )
