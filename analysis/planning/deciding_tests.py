@@ -16,13 +16,8 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.planning.part import Opinions, Part, preference_thresholds
-from analysis.results.mixed_models import (
-    Expected,
-    SidedAnswers,
-    expected,
-    net_preference,
-)
+from analysis.planning.part import Part
+from analysis.results.mixed_models import SidedAnswers, net_preference
 from analysis.results.preference import FEWEST
 from analysis.stats.clustered_mean import Clusters, clustered_variance
 from analysis.stats.multiple_testing import holm_rows
@@ -47,15 +42,9 @@ class DecidingTests:
     ----------
     part : Part
         What is tested.
-    opinions : Opinions
-        How people answer.
-    effect : float
-        By how much condition 0 is better than all others, in logits.
     """
 
     part: Part
-    opinions: Opinions
-    effect: float
 
     @cached_property
     def pairs(self) -> Sequence[tuple[int, int]]:
@@ -70,11 +59,6 @@ class DecidingTests:
         if self.part.kind == "rankings":
             return (True,) * len(self.pairs)
         return tuple(self._groups(rows) >= FEWEST for rows in self._rows)
-
-    @cached_property
-    def _near(self) -> dict[int, Expected | None]:
-        """Starting values of the fits of each test, where they are known."""
-        return {}
 
     @cached_property
     def _rows(self) -> list[NDArray[np.intp]]:
@@ -109,10 +93,7 @@ class DecidingTests:
                 continue
             for test, (rows, modelled) in enumerate(zip(self._rows, self.by_model, strict=True)):
                 if modelled:
-                    sided = self._sided(study_answers[rows], sides[rows], rows)
-                    if self._near.get(test) is None:
-                        self._near[test] = self._expected(sided, self.pairs[test])
-                    net = net_preference(sided, self._near[test])
+                    net = net_preference(self._sided(study_answers[rows], sides[rows], rows))
                     results.p_values[study, test] = net.p_value
                     results.signs[study, test] = np.sign(net.estimate)
         return results
@@ -140,20 +121,6 @@ class DecidingTests:
             on_right=on_right,
             participants=self.part.trials.participants[rows],
             segments=self.part.trials.items[rows],
-        )
-
-    def _expected(self, answers: SidedAnswers, pair: tuple[int, int]) -> Expected | None:
-        """Return where fits begin; None where not all answers were given yet."""
-        above = preference_thresholds(self.part.levels, self.opinions)
-        thresholds = tuple(sorted({*above, *(-each for each in above)}))
-        if len(np.unique(answers.responses)) != len(thresholds) + 1:
-            return None
-        return expected(
-            answers,
-            thresholds=thresholds,
-            effect=self.effect if pair[0] == 0 else 0.0,
-            sd_participant=self.opinions.participant_sd,
-            sd_segment=self.opinions.item_sd,
         )
 
     def _worth_tests(self, ranks: Floats) -> tuple[Floats, Floats]:

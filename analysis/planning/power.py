@@ -148,7 +148,7 @@ class _Pool:
     def of(
         cls, part: Part, opinions: Opinions, effect: float, effort: Effort, seed: Sequence[int]
     ) -> _Pool:
-        tests = DecidingTests(part, opinions, effect)
+        tests = DecidingTests(part)
         width = part.trials.conditions if part.kind != "pairs" else 1
         chunk = max(1, AT_ONCE // max(1, len(part.trials.items) * width))
         keep = effort.exact if any(tests.by_model) else 0

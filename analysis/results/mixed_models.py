@@ -12,11 +12,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.results.grouping import codes, is_on_right, shown_conditions
-from analysis.stats.ordinal.maximum import Beginning
 from analysis.stats.ordinal.mixed_model import (
     OrdinalFit,
     RandomEffect,
-    beginning_of,
     fit,
     likelihood_ratio,
 )
@@ -121,36 +119,7 @@ class NetPreference:
     reason: str = ""
 
 
-Expected = tuple[Beginning, Beginning]
-"""Where the fits with and without the preference begin."""
-
-
-def expected(
-    answers: SidedAnswers,
-    *,
-    thresholds: tuple[float, ...],
-    effect: float,
-    sd_participant: float,
-    sd_segment: float,
-) -> Expected:
-    """Return where `net_preference` begins for answers that are drawn like `answers`."""
-    side, random = _model(answers)
-    deviations = {"participant": sd_participant, "segment": sd_segment}
-    full, reduced = (
-        beginning_of(
-            answers.responses,
-            covariates,
-            random,
-            thresholds=thresholds,
-            effects=[effect] * len(covariates),
-            deviations=deviations,
-        )
-        for covariates in ({"preference": side}, {})
-    )
-    return full, reduced
-
-
-def net_preference(answers: SidedAnswers, start: Expected | None = None) -> NetPreference:
+def net_preference(answers: SidedAnswers) -> NetPreference:
     """Fit ``response ~ s + (0 + s | participant) + (0 + s | segment)``, s = ±1 for the side.
 
     The thresholds absorb what favours a side; ties stay the middle answer.
@@ -159,8 +128,6 @@ def net_preference(answers: SidedAnswers, start: Expected | None = None) -> NetP
     ----------
     answers : SidedAnswers
         To one question about one comparison.
-    start : Expected, optional
-        Where the fits begin. Then they take a third of the time, and there are no standard errors.
     """
     answers_given = tuple(np.unique(answers.responses).tolist())
     unknown = NetPreference(n=len(answers.responses), answers_given=answers_given)
@@ -168,12 +135,9 @@ def net_preference(answers: SidedAnswers, start: Expected | None = None) -> NetP
     if reason:
         return replace(unknown, reason=reason)
     side, random = _model(answers)
-    of_full, of_reduced = start or (None, None)
     try:
-        full = fit(
-            answers.responses, {"preference": side}, random, errors=start is None, begin=of_full
-        )
-        reduced = fit(answers.responses, {}, random, errors=False, begin=of_reduced)
+        full = fit(answers.responses, {"preference": side}, random)
+        reduced = fit(answers.responses, {}, random, errors=False)
     except InputError as error:
         return replace(unknown, reason=error.what)
     if not full.converged:

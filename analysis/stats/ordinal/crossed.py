@@ -71,12 +71,6 @@ class Layout:
             for other in range(number)
         }
 
-    def part(self, chosen: Codes | NDArray[np.bool_]) -> Layout:
-        """Return the layout of the answers `chosen`, without the groups that have none."""
-        terms = [np.unique(codes[chosen], return_inverse=True) for codes in self.groups]
-        groups = tuple(codes.astype(np.intp) for _, codes in terms)
-        return Layout(groups, tuple(len(names) for names, _ in terms))
-
     def spread(self, effects: Floats) -> list[Floats]:
         """Return each answer's effect of each term."""
         per_answer, start = [], 0

@@ -153,10 +153,6 @@ class Thresholds:
         by_location_and_gaps = np.append(1.0, np.exp(parameters[1:]))
         return np.asarray(np.tril(np.ones((self.count, self.count))) * by_location_and_gaps)
 
-    def parameters(self, thresholds: Floats) -> Floats:
-        """Return the free parameters of `thresholds`, shape (categories - 1,)."""
-        return np.concatenate([thresholds[:1], np.log(np.diff(thresholds))])
-
     def start(self, counts: NDArray[np.int64]) -> Floats:
         """Return parameters that fit the answers' `counts` where nothing else has an effect."""
         total = counts.sum()

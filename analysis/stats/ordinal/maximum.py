@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,12 +43,6 @@ ROUNDING: Final = 1e-10
 SHORT: Final = 0.05
 """Way, in standard errors, over which neither curvature nor likelihood changes visibly."""
 
-MANY: Final = 40_000
-"""Answers from which on the climb begins where a part of them leads."""
-
-PART: Final = 1 / 12
-"""The size of that part, at most."""
-
 BOUNDARY: Final = 0.01
 """A smaller standard deviation, in units of the noise's scale, counts as zero."""
 
@@ -59,36 +53,8 @@ LARGEST: Final = 12.0
 """An effect or a deviation beyond it, in units of the noise's scale, has no finite estimate."""
 
 
-@dataclass(frozen=True, eq=False)
-class Beginning:
-    """Where a climb begins that is known to end nearby.
-
-    Attributes
-    ----------
-    parameters : ndarray, shape (answers.count,)
-        See `Answers.split`.
-    scale : ndarray, shape (answers.count, answers.count)
-        About the covariance of the estimates, times the number of answers.
-    """
-
-    parameters: Floats
-    scale: Floats
-
-
-def beginning(answers: Answers, parameters: Floats) -> Beginning:
-    """Return a beginning at `parameters` for `answers` and others like them.
-
-    The likelihood need not be curved like a hill there: where it is flat or hollow, the scale is
-    as of one answer.
-    """
-    curvature = _Climb(answers).curvature(parameters)
-    heights, directions = np.linalg.eigh((curvature + curvature.T) / 2)
-    scale = (directions / np.maximum(heights, 1.0)) @ directions.T * len(answers.codes)
-    return Beginning(parameters, (scale + scale.T) / 2)
-
-
 def maximum(
-    answers: Answers, *, curved: bool = True, begin: Beginning | None = None
+    answers: Answers, *, curved: bool = True
 ) -> tuple[Floats, Likelihood, Floats | None, bool]:
     """Return the best parameters, their likelihood, the curvature there and whether it is one.
 
@@ -99,19 +65,15 @@ def maximum(
     curved : bool
         Whether the curvature is wanted. It takes longer than the climb; without it, the climb's
         own idea of it tells whether the maximum was reached.
-    begin : Beginning, optional
-        Of similar answers; it does not count where it has other parameters.
     """
-    start: Floats
-    scale: Floats | None
-    if begin is not None and len(begin.parameters) == answers.count:
-        start, scale = begin.parameters, begin.scale
-    else:
-        start, scale = _start(answers)
+    counts = np.bincount(answers.codes, minlength=answers.thresholds.categories)
+    thresholds = answers.thresholds.start(counts)
+    effects, deviations = np.zeros(answers.fixed.shape[1]), np.full(answers.terms, 0.5)
+    start = np.concatenate([thresholds, effects, deviations])
     climb = _Climb(answers)
     precision = ROUGH if curved else FINE
     for _ in range(CLIMBS):
-        candidate, distance = _climbed(climb, start, scale, precision)
+        candidate, distance = _climbed(climb, start, precision)
         if curved:
             best, current, curvature, maximal = _stepped(climb, candidate)
         else:
@@ -124,7 +86,6 @@ def maximum(
             break
         else:
             start, precision = best, precision / FINER
-        scale = None
     return best, current, curvature, maximal
 
 
@@ -143,16 +104,10 @@ def _off_the_boundary(climb: _Climb, at: Floats, current: Likelihood) -> Floats 
     return None
 
 
-def _climbed(
-    climb: _Climb, start: Floats, scale: Floats | None, precision: float
-) -> tuple[Floats, float]:
+def _climbed(climb: _Climb, start: Floats, precision: float) -> tuple[Floats, float]:
     """Climb by a quasi-Newton method; also return its own idea of the way left, in errors."""
-    options: dict[str, Any] = {
-        "gtol": precision * _gradient_unit(climb.answers),
-        "maxiter": ITERATIONS,
-        "hess_inv0": scale,
-    }
-    end = minimize(climb.descent, start, jac=True, method="BFGS", options=options)  # type: ignore[call-overload]
+    options = {"gtol": precision * _gradient_unit(climb.answers), "maxiter": ITERATIONS}
+    end = minimize(climb.descent, start, jac=True, method="BFGS", options=options)
     left = math.sqrt(len(climb.answers.codes) * abs(float(end.jac @ end.hess_inv @ end.jac)))
     return np.asarray(end.x, np.float64), left
 
@@ -196,43 +151,6 @@ def free_parameters(answers: Answers, parameters: Floats) -> NDArray[np.bool_]:
     free = np.ones(len(parameters), bool)
     free[-answers.terms :] = np.abs(deviations) >= BOUNDARY
     return free
-
-
-def _start(answers: Answers) -> tuple[Floats, Floats | None]:
-    """Return where to begin, and the scale of the parameters there.
-
-    Very many answers are begun where a random part of them has its maximum.
-    """
-    if len(answers.codes) > MANY:
-        fewer = _part(answers)
-        parameters, _, curvature, maximal = maximum(fewer)
-        if maximal and curvature is not None and free_parameters(answers, parameters).all():
-            scale = np.linalg.inv(curvature) * len(fewer.codes)
-            return parameters, (scale + scale.T) / 2
-    counts = np.bincount(answers.codes, minlength=answers.thresholds.categories)
-    thresholds = answers.thresholds.start(counts)
-    start = [thresholds, np.zeros(answers.fixed.shape[1]), np.full(answers.terms, 0.5)]
-    return np.concatenate(start), None
-
-
-def _part(answers: Answers) -> Answers:
-    """Return the answers of a random part of the groups, at most `PART` of all."""
-    chance = np.random.default_rng(0)
-    chosen = np.arange(len(answers.codes))
-    most = int(PART * len(chosen))
-    layout = answers.layout
-    while len(chosen) > most:
-        largest = int(np.argmax(layout.sizes))
-        drawn = chance.permutation(layout.sizes[largest]) % 2 == 0
-        of_drawn = drawn[layout.groups[largest]]
-        chosen, layout = chosen[of_drawn], layout.part(of_drawn)
-    return replace(
-        answers,
-        codes=answers.codes[chosen],
-        fixed=answers.fixed[chosen],
-        layout=layout,
-        multipliers=tuple(multiplier[chosen] for multiplier in answers.multipliers),
-    )
 
 
 class _Climb:

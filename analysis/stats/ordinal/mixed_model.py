@@ -16,8 +16,6 @@ from analysis.stats.ordinal.laplace import Answers, Likelihood, Thresholds
 from analysis.stats.ordinal.maximum import (
     BOUNDARY,
     LARGEST,
-    Beginning,
-    beginning,
     free_parameters,
     maximum,
 )
@@ -98,7 +96,6 @@ def fit(
     random: Sequence[RandomEffect],
     *,
     errors: bool = True,
-    begin: Beginning | None = None,
 ) -> OrdinalFit:
     """Fit a cumulative link mixed model by Laplace's approximation.
 
@@ -116,8 +113,6 @@ def fit(
     errors : bool
         Whether standard errors are wanted. A model that only another is compared with needs none,
         and is fitted in half the time.
-    begin : Beginning, optional
-        Where the search begins; see `beginning_of`.
 
     Raises
     ------
@@ -125,32 +120,7 @@ def fit(
         If there are no answers, or all are alike.
     """
     data, ordered = _data(answers, covariates, random)
-    return _result(data, list(covariates), ordered, *maximum(data, curved=errors, begin=begin))
-
-
-def beginning_of(
-    answers: Sequence[int] | NDArray[np.integer],
-    covariates: Mapping[str, Sequence[float] | Floats],
-    random: Sequence[RandomEffect],
-    *,
-    thresholds: Sequence[float],
-    effects: Sequence[float],
-    deviations: Mapping[str, float],
-) -> Beginning:
-    """Return where to begin the fits of answers that are drawn like `answers`.
-
-    Parameters
-    ----------
-    answers, covariates, random
-        As of `fit`.
-    thresholds, effects, deviations
-        About what is to be found: of neighbouring answers, of the covariates in order, and of
-        random effects by name.
-    """
-    data, ordered = _data(answers, covariates, random)
-    free = data.thresholds.parameters(np.asarray(thresholds, np.float64))
-    sds = [deviations[effect.name] for effect in ordered]
-    return beginning(data, np.concatenate([free, np.asarray(effects, np.float64), sds]))
+    return _result(data, list(covariates), ordered, *maximum(data, curved=errors))
 
 
 def _data(

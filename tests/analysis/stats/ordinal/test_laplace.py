@@ -86,4 +86,3 @@ def test_thresholds_are_always_in_order(free: list[float]) -> None:
     values = thresholds.values(np.array(free))
 
     assert (np.diff(values) > 0).all()
-    np.testing.assert_allclose(thresholds.values(thresholds.parameters(values)), values, atol=1e-9)

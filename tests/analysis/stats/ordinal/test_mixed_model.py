@@ -56,21 +56,6 @@ def test_skipping_standard_errors_keeps_the_likelihood(size: tuple[int, int]) ->
     assert np.isnan(quick.standard_errors["side"])
 
 
-def test_starting_from_a_subsample_reaches_the_same_maximum(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    made = made_answers(60, 50)
-    whole = fitted(made)
-
-    monkeypatch.setattr("analysis.stats.ordinal.maximum.MANY", 1000)
-    begun = fitted(made)
-
-    assert begun.converged
-    assert begun.log_likelihood == pytest.approx(whole.log_likelihood, abs=1e-5)
-    assert begun.estimates["side"] == pytest.approx(whole.estimates["side"], abs=1e-4)
-    assert begun.standard_errors["side"] == pytest.approx(whole.standard_errors["side"], rel=2e-3)
-
-
 def test_a_variance_at_its_boundary_is_reported() -> None:
     made = made_answers()
     # Two items with identical answers differ less than by chance.
