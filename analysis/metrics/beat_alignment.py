@@ -32,9 +32,6 @@ SHALLOWEST: Final = 0.01
 SHALLOWEST_TURN: Final = 0.04
 """The same in radians per second, for bones of a quarter of a metre."""
 
-_DISTANCES_AT_A_TIME: Final = 2_000_000
-"""Distances between beats held at a time: bounds the memory on long clips."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class BeatSettings:
@@ -224,15 +221,12 @@ def chance_score(
     The shifts are evenly spaced, so that the level is the same at every call; the unshifted
     motion is not among them.
     """
-    shifts = duration * (np.arange(SHIFTS) + 0.5) / SHIFTS
-    at_a_time = max(1, _DISTANCES_AT_A_TIME // (len(motion) * len(audio)))
-    axis = 2 if direction == "motion to audio" else 1
-    total = 0.0
-    for start in range(0, SHIFTS, at_a_time):
-        shifted = (motion + shifts[start : start + at_a_time, None]) % duration
-        distance = np.abs(shifted[:, :, None] - audio).min(axis=axis)
-        total += float(np.exp(-(distance**2) / (2 * sigma**2)).mean(axis=1).sum())
-    return total / SHIFTS
+    scores = []
+    for shift in duration * (np.arange(SHIFTS) + 0.5) / SHIFTS:
+        shifted = (motion + shift) % duration
+        pair = (shifted, audio) if direction == "motion to audio" else (audio, shifted)
+        scores.append(alignment_score(*pair, sigma))
+    return float(np.mean(scores))
 
 
 def beat_alignment(

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +17,6 @@ from scipy.spatial.distance import pdist
 from analysis.metrics.scores import Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
-
-_BLOCK: Final = 500
-"""Clips whose distances to all others are held at a time."""
-
-_FEW: Final = 300
-"""Clips up to which distances are computed one by one; for more, by matrix products."""
 
 
 def l1_deviation(values: FloatArray, *, settings: Mapping[str, str] | None = None) -> MetricResult:
@@ -77,8 +70,7 @@ def mean_pair_distance(
     count = len(features)
     if count < 2:
         return metric.missing("a distance needs two clips", settings)
-    mean = pdist(features).mean() if count <= _FEW else _mean_distance(features)
-    return metric.score(float(mean), count * (count - 1) // 2, settings)
+    return metric.score(float(pdist(features).mean()), count * (count - 1) // 2, settings)
 
 
 def feature_variance(
@@ -110,19 +102,6 @@ def feature_variance(
     if len(features) < 2:
         return metric.missing("a variance needs two clips", described)
     return metric.score(float(features.var(axis=0, ddof=1).mean()), len(features), described)
-
-
-def _mean_distance(features: FloatArray) -> float:
-    """Return the mean distance over all pairs, by blocks of matrix products."""
-    centred = features - features.mean(axis=0)
-    squares = np.einsum("nd,nd->n", centred, centred)
-    total = 0.0
-    for start in range(0, len(centred), _BLOCK):
-        block = slice(start, start + _BLOCK)
-        squared = squares[block, None] + squares - 2 * centred[block] @ centred.T
-        np.fill_diagonal(squared[:, start:], 0)
-        total += float(np.sqrt(np.maximum(squared, 0)).sum())
-    return total / (len(centred) * (len(centred) - 1))
 
 
 def motion_features(clips: Sequence[FloatArray]) -> FloatArray:

@@ -6,7 +6,6 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
-from functools import lru_cache
 from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
@@ -55,7 +54,7 @@ def score_table(metrics: StudyMetrics) -> pd.DataFrame:
             {
                 **_row(score),
                 "segment": "",
-                "settings": _in_words(tuple(score.settings.items())),
+                "settings": _in_words(score.settings),
             }
             for score in metrics.conditions
         ),
@@ -198,7 +197,7 @@ def _row(score: ConditionScore | ClipScore) -> dict[str, object]:
     }
     if isinstance(score, ClipScore):
         row |= {"segment": score.segment, "n": score.result.n}
-        row["settings"] = _in_words(tuple(result.settings.items()))
+        row["settings"] = _in_words(result.settings)
     else:
         row |= {"spread_between_clips": score.spread, "clips_scored": score.scored}
         row["clips"] = score.clips
@@ -210,7 +209,5 @@ def _plain(value: object) -> object:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-@lru_cache(maxsize=1024)
-def _in_words(settings: tuple[tuple[str, str], ...]) -> str:
-    """Return settings in words, one text for all scores that share them: there are many."""
-    return "; ".join(f"{key}: {value}" for key, value in settings)
+def _in_words(settings: Mapping[str, str]) -> str:
+    return "; ".join(f"{key}: {value}" for key, value in settings.items())

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
-from types import MappingProxyType
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -59,15 +57,6 @@ class MetricResult:
             raise ValueError(f"metric {self.name}: a reason belongs to NaN and to nothing else")
         if self.interval is not None and not self.interval[0] <= self.interval[1]:
             raise ValueError(f"metric {self.name}: {self.interval} is no interval")
-        object.__setattr__(self, "settings", _shared(tuple(self.settings.items())))
-
-    def __getstate__(self) -> dict[str, object]:
-        """Return what another process needs; a read-only mapping does not travel."""
-        return {**vars(self), "settings": tuple(self.settings.items())}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take over what another process sent."""
-        vars(self).update(state, settings=_shared(state["settings"]))
 
 
 @dataclass(frozen=True)
@@ -110,12 +99,6 @@ class Metric:
             reason=reason,
             better=self.better,
         )
-
-
-@lru_cache(maxsize=1024)
-def _shared(settings: tuple[tuple[str, str], ...]) -> Mapping[str, str]:
-    """Return one read-only mapping for all scores of equal settings: there are a great many."""
-    return MappingProxyType(dict(settings))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.metrics import beat_alignment as module
 from analysis.metrics.beat_alignment import (
     AMUSE,
     BEAT,
@@ -160,18 +159,6 @@ def test_both_directions_are_reported_and_labelled() -> None:
     settings = aligned(positions, onsets, BEAT).score.settings
     assert (settings["sigma"], settings["onsets"]) == ("0.3 s", "ears")
     assert "7 frames" in settings["extremum window"]
-
-
-def test_the_chance_score_of_a_long_clip_pools_its_blocks(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    chance = np.random.default_rng(0)
-    motion, audio = chance.uniform(0, 30, 40), chance.uniform(0, 30, 50)
-    for direction in ("motion to audio", "audio to motion"):
-        at_once = chance_score(motion, audio, 30.0, 0.1, direction)
-        with monkeypatch.context() as patch:
-            patch.setattr(module, "_DISTANCES_AT_A_TIME", 3 * 40 * 50 + 1)
-            assert chance_score(motion, audio, 30.0, 0.1, direction) == pytest.approx(at_once)
 
 
 def test_oscillating_bones_have_beats_at_their_turning_points() -> None:
