@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationError
 from torch import Tensor
 
-from analysis.evaluators import network_names as names
+from analysis.evaluators import feature_networks as names
 from analysis.evaluators.clip_views import TOLERANCE, ClipView, Facts, cut_windows, long_enough
 from analysis.evaluators.design import Design, Network
 from analysis.evaluators.examples import Normalisation
@@ -132,7 +132,7 @@ class Evaluator:
 
     @property
     def name(self) -> str:
-        """A name in `analysis.evaluators.network_names`."""
+        """A name in `analysis.evaluators.feature_networks`."""
         return names.OF_CHANNELS[self.facts.channels]
 
     @property

@@ -1,4 +1,7 @@
-"""Feature networks for metrics, trained here or published, and their features of a clip."""
+"""Feature networks for metrics: their names, those of their scores, and their features of a clip.
+
+Papers use one name for distances in different features, so each name includes the network.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.evaluators import network_names as names
 from analysis.metrics.frechet import Rule
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -21,15 +23,78 @@ if TYPE_CHECKING:
     from analysis.evaluators.evaluator import Evaluator
     from analysis.evaluators.published import PublishedEvaluator
 
-_FACE_NETWORKS: Final = (names.EXPRESSION, names.LANDMARKS)
+EMOTION: Final = "emotion network"
+GESTURE: Final = "gesture autoencoder"
+EXPRESSION: Final = "expression autoencoder"
+WHOLE: Final = "autoencoder of gesture and expression"
+LANDMARKS: Final = "landmark autoencoder"
+
+OF_CHANNELS: Final = {
+    "body": EMOTION,
+    "landmarks": LANDMARKS,
+    "gesture": GESTURE,
+    "expression": EXPRESSION,
+    "both": WHOLE,
+}
+"""The networks that are trained here, by their input."""
+
+PUBLISHED: Final = {
+    "emage": "EMAGE's evaluator",
+    "beat": "BEAT's evaluator",
+    "ted": "TED's evaluator",
+    "talkshow": "TalkSHOW's evaluator",
+}
+"""The published networks that `analysis.evaluators` loads, by preset."""
+
+FGD_OF_EMOTION: Final = f"FGD ({EMOTION})"
+FGD: Final = f"FGD ({GESTURE})"
+FED: Final = f"FED ({EXPRESSION})"
+FMD: Final = f"FMD ({WHOLE})"
+FLD: Final = f"FLD ({LANDMARKS})"
+VARIANCE_OF_EMOTION: Final = f"variance of features ({EMOTION})"
+EMOTION_ACCURACY: Final = f"gesture emotion accuracy ({EMOTION})"
+
+DISTANCES: Final = {
+    EMOTION: FGD_OF_EMOTION,
+    GESTURE: FGD,
+    EXPRESSION: FED,
+    WHOLE: FMD,
+    LANDMARKS: FLD,
+    **{name: f"FGD ({name})" for name in PUBLISHED.values()},
+}
+"""The Fréchet distance in the features of each network."""
+
+
+def distance_of(network: str) -> str:
+    """Return the name of the Fréchet distance in the features of a network."""
+    kind, _, number = network.partition(", ")
+    return DISTANCES[kind].replace(kind, network) if number else DISTANCES[kind]
+
+
+def extrapolated(distance: str) -> str:
+    """Return the name of a Fréchet distance extrapolated to infinitely many samples."""
+    return distance.replace(" (", "∞ (", 1)
+
+
+def as_published(distance: str) -> str:
+    """Return the name of a Fréchet distance by the published code's rule."""
+    return distance.replace(" (", " by the published rule (", 1)
+
+
+def kernel_of(network: str) -> str:
+    """Return the name of the kernel distance in the features of a network."""
+    return f"kernel distance (KID, {network})"
+
+
+_FACE_NETWORKS: Final = (EXPRESSION, LANDMARKS)
 """Networks that see nothing but the face."""
 
 COMMANDS: Final = {
-    names.EMOTION: "motionjury train evaluator emotion",
-    names.GESTURE: "motionjury train evaluator motion",
-    names.EXPRESSION: "motionjury train evaluator motion --channels expression",
-    names.WHOLE: "motionjury train evaluator motion --channels both",
-    names.LANDMARKS: "motionjury train evaluator face",
+    EMOTION: "motionjury train evaluator emotion",
+    GESTURE: "motionjury train evaluator motion",
+    EXPRESSION: "motionjury train evaluator motion --channels expression",
+    WHOLE: "motionjury train evaluator motion --channels both",
+    LANDMARKS: "motionjury train evaluator face",
 }
 """The commands that train networks, by name."""
 
@@ -41,7 +106,7 @@ class PublishedFile:
     Attributes
     ----------
     preset : str
-        The network; a key of `analysis.evaluators.network_names.PUBLISHED`.
+        The network; a key of `PUBLISHED`.
     file : Path
         Its checkpoint.
     statistics : Path or None
@@ -68,7 +133,7 @@ class Network:
     sha256 : str
         Hash of the file.
     name : str
-        As in `analysis.evaluators.network_names`, with the start of the hash if there are several
+        As in `DISTANCES`, with the start of the hash if there are several
         networks of one kind.
     settings : mapping of str to str
         Quoted by every score.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from torch import nn
 
-from analysis.evaluators.network_names import PUBLISHED
+from analysis.evaluators.feature_networks import PUBLISHED
 from analysis.evaluators.published_networks import EmageNetwork, TalkShowNetwork, YoonNetwork
 from analysis.metrics.frechet import Rule
 from motion.clip import MotionClip

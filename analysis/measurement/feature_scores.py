@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from analysis.evaluators import network_names as names
+from analysis.evaluators import feature_networks as names
 from analysis.evaluators.feature_networks import ClipFeatures, Network
 from analysis.metrics.diversity import feature_variance
 from analysis.metrics.emotion_accuracy import emotion_accuracy, emotion_confusion
@@ -132,7 +132,7 @@ def scores_without_network(
     Parameters
     ----------
     name : str
-        The network's, as in `analysis.evaluators.network_names`.
+        The network's, as in `analysis.evaluators.feature_networks`.
     command : str
         Trains one.
     condition, clips : str, int

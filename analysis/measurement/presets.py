@@ -12,7 +12,7 @@ from itertools import chain
 from types import MappingProxyType
 from typing import Any, Final
 
-from analysis.evaluators import network_names
+from analysis.evaluators import feature_networks
 from analysis.metrics import beat_alignment, correct_motion
 from analysis.metrics.beat_alignment import BeatSettings
 from analysis.metrics.correct_motion import CorrectSettings
@@ -58,7 +58,7 @@ class Preset:
     speed_histogram : bool
         Distance of speed histograms.
     networks : tuple of str
-        Feature networks (`analysis.evaluators.network_names`) whose scores the paper reports.
+        Feature networks (`analysis.evaluators.feature_networks`) whose scores the paper reports.
     """
 
     beats: tuple[BeatSettings, ...] = ()
@@ -114,30 +114,34 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             beats=(beat_alignment.AMUSE,),
             derivatives=(HANDS_UNFILTERED,),
             correct=(correct_motion.AMUSE,),
-            networks=(network_names.EMOTION,),
+            networks=(feature_networks.EMOTION,),
         ),
         "beat": Preset(
             beats=(beat_alignment.BEAT,),
             mean_pose_deviation=True,
             correct=(correct_motion.BEAT,),
-            networks=(network_names.GESTURE,),
+            networks=(feature_networks.GESTURE,),
         ),
         "diffsheg": Preset(
             beats=(beat_alignment.BEAT,),
             pair_distance=True,
             expression_distance=True,
             correct=(correct_motion.DIFFSHEG,),
-            networks=(network_names.WHOLE, network_names.EXPRESSION, network_names.GESTURE),
+            networks=(
+                feature_networks.WHOLE,
+                feature_networks.EXPRESSION,
+                feature_networks.GESTURE,
+            ),
         ),
         "genea": Preset(
             derivatives=(GENEA, GENEA_ACCELERATION),
             speed_histogram=True,
-            networks=(network_names.GESTURE,),
+            networks=(feature_networks.GESTURE,),
         ),
         "s2ue": Preset(
             joint_errors=(MAJE, MACE_POSES),
             landmark_errors=(MALE, MACE_LANDMARKS),
-            networks=(network_names.LANDMARKS, network_names.GESTURE),
+            networks=(feature_networks.LANDMARKS, feature_networks.GESTURE),
         ),
         "talkshow": Preset(beats=(beat_alignment.TALKSHOW,)),
         "physical": Preset(

@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from analysis.evaluators import network_names as names
+from analysis.evaluators import feature_networks as names
 from benchmarks.learned_motion.compared_study import (
     MISMATCHED,
     RULE_BASED,

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from analysis.evaluators import network_names as names
+from analysis.evaluators import feature_networks as names
 from analysis.metrics.scores import EmotionConfusion, StudyMetrics
 from benchmarks.learned_motion.comparison import Followings, Verdict, score_of, written
 from benchmarks.learned_motion.editing import BY_NAME, BY_RECORDING, Edited

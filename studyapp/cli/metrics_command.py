@@ -8,8 +8,7 @@ from pathlib import Path
 
 import click
 
-from analysis.evaluators.feature_networks import PublishedFile, Source
-from analysis.evaluators.network_names import PUBLISHED
+from analysis.evaluators.feature_networks import PUBLISHED, PublishedFile, Source
 from analysis.measurement.presets import PRESETS
 from analysis.metrics.score_tables import check_ending, write_scores
 from analysis.metrics.scores import ConditionScore

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.evaluators import network_names as names
+from analysis.evaluators import feature_networks as names
 from analysis.evaluators.feature_networks import ClipFeatures, Network
 from analysis.measurement.feature_scores import feature_scores
 from tests.analysis.measurement.reading import score_of

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.evaluators import network_names
+from analysis.evaluators import feature_networks
 from analysis.measurement.measured_clips import Excerpt
 from analysis.measurement.measuring import study_metrics
 from analysis.measurement.presets import PRESETS, combined
@@ -260,7 +260,7 @@ def test_an_unknown_preset_is_refused_with_the_known_ones() -> None:
 
 
 def test_a_papers_table_shows_each_score_of_its_preset_once() -> None:
-    distances = set(network_names.DISTANCES.values())
+    distances = set(feature_networks.DISTANCES.values())
     for preset, columns in PAPER_TABLES.items():
         assert preset in PRESETS
         metrics = {column.metric for column in columns}

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.evaluators import feature_networks
-from analysis.evaluators import network_names as names
+from analysis.evaluators import feature_networks as names
 from analysis.evaluators.feature_networks import networks
 from analysis.measurement.measured_clips import LandmarkBody
 from analysis.measurement.measuring import study_metrics

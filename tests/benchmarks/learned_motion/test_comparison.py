@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from analysis.evaluators import network_names as names
+from analysis.evaluators import feature_networks as names
 from analysis.metrics.scores import ConditionScore, EmotionConfusion, StudyMetrics
 from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
 from benchmarks.learned_motion.comparison import Followings, edit_verdicts, verdicts

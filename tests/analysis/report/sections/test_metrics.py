@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from analysis.evaluators import network_names
+from analysis.evaluators import feature_networks
 from analysis.metrics.scores import (
     Better,
     ConditionScore,
@@ -108,12 +108,12 @@ def test_stated_generative_conditions_are_marked_in_diffshegs_blocks() -> None:
 
 
 def test_a_missing_score_is_a_dash_and_footnotes_give_reasons_and_remarks() -> None:
-    (table,) = tables(scores(network_names.FMD, [math.nan, 3.0, 4.0, 5.0], reason="is itself"))
+    (table,) = tables(scores(feature_networks.FMD, [math.nan, 3.0, 4.0, 5.0], reason="is itself"))
     assert column(table, "FMD ↓")[0] == "–\xa0(a)"
     assert table.rows[0][1].value is None
     assert "(a) holistic FMD of ground truth: is itself." in table.notes
     assert any("gesture PCM" in note and "not measured" in note for note in table.notes)
-    fmd = scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0], remark="n < 2d")[1:]
+    fmd = scores(feature_networks.FMD, [1.0, 3.0, 4.0, 5.0], remark="n < 2d")[1:]
     (table,) = tables(fmd, scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95]))
     notes = " ".join(table.notes)
     assert "of ground truth: recorded motion is not compared with itself." in notes
@@ -122,7 +122,7 @@ def test_a_missing_score_is_a_dash_and_footnotes_give_reasons_and_remarks() -> N
 
 def test_other_metrics_follow_in_tables_that_fit_a_page_and_details_stay_in_the_files() -> None:
     paper, *others, missing = tables(
-        scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0]),
+        scores(feature_networks.FMD, [1.0, 3.0, 4.0, 5.0]),
         scores("beat alignment by chance (beat)", [0.1, 0.1, 0.1, 0.1]),
         *(scores(f"metric {number}", [1.0, 2.0, 3.0, 4.0]) for number in range(8)),
         scores("new metric", [math.nan] * 4, reason="no network: train one"),
