@@ -78,14 +78,8 @@ class DecidingTests:
         means, p_values = (np.column_stack(column) for column in zip(*tests, strict=True))
         return BlockTests(p_values=p_values, signs=np.sign(means))
 
-    def exact(self, answers: Floats, sides: NDArray[np.bool_]) -> BlockTests:
-        """Test each study of `answers` by the models that the report decides by.
-
-        Parameters
-        ----------
-        sides : ndarray of bool, shape (N,)
-            Of pairs, whether the condition with the lower number was shown on the right.
-        """
+    def exact(self, answers: Floats) -> BlockTests:
+        """Test each study of `answers` by the models that the report decides by."""
         results = self.quick(answers)
         for study, study_answers in enumerate(answers):
             if self.part.kind == "rankings":
@@ -93,7 +87,7 @@ class DecidingTests:
                 continue
             for test, (rows, modelled) in enumerate(zip(self._rows, self.by_model, strict=True)):
                 if modelled:
-                    net = net_preference(self._sided(study_answers[rows], sides[rows], rows))
+                    net = net_preference(self._sided(study_answers, rows))
                     results.p_values[study, test] = net.p_value
                     results.signs[study, test] = np.sign(net.estimate)
         return results
@@ -112,15 +106,15 @@ class DecidingTests:
         a, b = pair
         return clustered_tests(scores[..., a] - scores[..., b], participants, items)
 
-    def _sided(
-        self, preferences: Floats, on_right: NDArray[np.bool_], rows: NDArray[np.intp]
-    ) -> SidedAnswers:
-        signed = preferences.astype(np.int64)
+    def _sided(self, preferences: Floats, rows: NDArray[np.intp]) -> SidedAnswers:
+        trials, signed = self.part.trials, preferences[rows].astype(np.int64)
+        left, right = trials.sides
+        on_right = (left > right)[rows]
         return SidedAnswers(
             responses=3 + np.where(on_right, signed, -signed),
             on_right=on_right,
-            participants=self.part.trials.participants[rows],
-            segments=self.part.trials.items[rows],
+            participants=trials.participants[rows],
+            segments=trials.items[rows],
         )
 
     def _worth_tests(self, ranks: Floats) -> tuple[Floats, Floats]:
@@ -208,50 +202,30 @@ class BlockTests:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class FamilyRest:
-    """The other blocks of tests of a family, which a report corrects together with one.
-
-    Attributes
-    ----------
-    pools : tuple of ndarray, shape (studies, tests)
-        Of each part of the family, p values of simulated blocks.
-    counts : tuple of int
-        How many blocks of each part stand beside the one.
-    """
-
-    pools: tuple[Floats, ...]
-    counts: tuple[int, ...]
-
-    def drawn(self, blocks: int, generator: np.random.Generator) -> Floats:
-        """Return p values of the rest of `blocks` random families, shape (blocks, tests)."""
-        columns = [
-            pool[generator.integers(len(pool), size=(blocks, count))].reshape(blocks, -1)
-            for pool, count in zip(self.pools, self.counts, strict=True)
-            if count
-        ]
-        return np.concatenate(columns, axis=1) if columns else np.empty((blocks, 0))
-
-
-def decided_by_holm(p_values: Floats, rest: FamilyRest, seed: int) -> Floats:
+def decided_by_holm(p_values: Floats, rest: Sequence[tuple[Floats, int]], seed: int) -> Floats:
     """Return how probable it is that each test of each block decides, shape (blocks, tests).
 
     Parameters
     ----------
     p_values : ndarray, shape (blocks, tests)
         Of one block each.
-    rest : FamilyRest
-        What they are corrected together with.
+    rest : sequence of (ndarray, shape (studies, tests), int)
+        The other blocks of the family, with which each is corrected: of each part, p values of
+        simulated blocks, and how many of them are drawn.
     seed : int
         Draws the rest; the same for what is to be compared.
     """
     generator = np.random.default_rng(seed)
-    rounds = ROUNDS if any(rest.counts) else 1
-    tests = p_values.shape[1]
+    blocks, tests = p_values.shape
+    rounds = ROUNDS if any(count for _, count in rest) else 1
     decided = np.zeros(p_values.shape)
     for _ in range(rounds):
-        family = np.concatenate([p_values, rest.drawn(len(p_values), generator)], axis=1)
-        decided += holm_rows(family)[:, :tests] < LEVEL
+        drawn = [
+            pool[generator.integers(len(pool), size=(blocks, count))].reshape(blocks, -1)
+            for pool, count in rest
+            if count
+        ]
+        decided += holm_rows(np.concatenate([p_values, *drawn], axis=1))[:, :tests] < LEVEL
     return decided / rounds
 
 

@@ -89,11 +89,18 @@ class Trials:
         """How many items are judged by anybody."""
         return len(np.unique(self.items))
 
+    @property
+    def sides(self) -> tuple[Codes, Codes]:
+        """Of pairs, the conditions shown on the left and on the right."""
+        if self.left is None or self.right is None:
+            raise ValueError("trials of pairs say which conditions they show")
+        return self.left, self.right
+
     def of_pair(self, a: int, b: int) -> NDArray[np.intp]:
         """Return the trials that show the conditions `a` and `b`."""
-        if self.left is None or self.right is None:
+        if self.left is None:
             return np.arange(len(self.participants))
-        low, high = np.minimum(self.left, self.right), np.maximum(self.left, self.right)
+        low, high = np.sort(self.sides, axis=0)
         return np.flatnonzero((low == a) & (high == b))
 
 
@@ -244,11 +251,9 @@ def _differences(
             + opinions.participant_sd * _each(trials.participants, studies, (), generator)
             + opinions.item_sd * _each(trials.items, studies, (), generator)
         )
-    if trials.left is None or trials.right is None:
-        raise ValueError("trials of pairs say which conditions they show")
     worth = _worths(trials, opinions, effect, studies, generator)
     rows = np.arange(len(trials.items))
-    first, second = np.minimum(trials.left, trials.right), np.maximum(trials.left, trials.right)
+    first, second = np.sort(trials.sides, axis=0)
     return np.asarray(worth[:, rows, first] - worth[:, rows, second], np.float64)
 
 

@@ -14,7 +14,6 @@ from analysis.planning.deciding_tests import (
     LEVEL,
     BlockTests,
     DecidingTests,
-    FamilyRest,
     decided_by_holm,
     detection_shares,
 )
@@ -142,7 +141,6 @@ class _Pool:
     tests: DecidingTests
     quick: BlockTests
     kept: Floats
-    sides: NDArray[np.bool_]
 
     @classmethod
     def of(
@@ -166,19 +164,17 @@ class _Pool:
                 kept.append(
                     answers[: keep - start].astype(np.int8 if part.levels < 100 else np.int16)
                 )
-        left, right = part.trials.left, part.trials.right
         return cls(
             tests=tests,
             quick=BlockTests.joined(results),
             kept=np.concatenate(kept) if kept else np.empty(0),
-            sides=np.empty(0, bool) if left is None or right is None else left > right,
         )
 
     def first(self, count: int) -> BlockTests:
         return BlockTests(p_values=self.quick.p_values[:count], signs=self.quick.signs[:count])
 
     def exact(self, start: int, stop: int) -> BlockTests:
-        return self.tests.exact(self.kept[start:stop].astype(np.float64), self.sides)
+        return self.tests.exact(self.kept[start:stop].astype(np.float64))
 
 
 def _power(
@@ -192,15 +188,18 @@ def _power(
 ) -> Power:
     part, pool = parts[number], pools[number]
     true = [a == 0 for a, _ in pool.tests.pairs]
-    family = [n for n, other in enumerate(parts) if other.family == part.family]
-    counts = tuple(parts[n].blocks - (n == number) for n in family)
+    family = {
+        n: other.blocks - (n == number)
+        for n, other in enumerate(parts)
+        if other.family == part.family
+    }
+    with_effect = [(pools[n].quick.p_values, count) for n, count in family.items()]
+    without = [(nulls[n], count) for n, count in family.items()]
 
     def shares(results: BlockTests) -> Mapping[str, Floats]:
         def share_of(decided: Floats) -> Floats:
             return detection_shares(results, decided, true, effect=effect)
 
-        with_effect = FamilyRest(tuple(pools[n].quick.p_values for n in family), counts)
-        without = FamilyRest(tuple(nulls[n] for n in family), counts)
         return {
             "power": share_of(decided_by_holm(results.p_values, with_effect, seed)),
             "alone": share_of(decided_by_holm(results.p_values, without, seed)),

@@ -7,7 +7,6 @@ import pytest
 
 from analysis.planning.deciding_tests import (
     BlockTests,
-    FamilyRest,
     clustered_tests,
     decided_by_holm,
     detection_shares,
@@ -53,7 +52,7 @@ def test_a_block_is_corrected_with_the_rest_of_its_family(
     block: list[float], company: float | None, decided: list[float]
 ) -> None:
     p_values = np.array([block])
-    rest = FamilyRest((np.full((10, 1), company or 0.0),), (4 if company else 0,))
+    rest = [(np.full((10, 1), company or 0.0), 4 if company else 0)]
 
     if len(block) == 3:
         assert [p < 0.05 for p in holm(block)] == [bool(share) for share in decided]

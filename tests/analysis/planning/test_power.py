@@ -71,7 +71,7 @@ def test_the_win_share_decides_for_few_participants_and_the_mixed_model_for_many
     answers = simulate_answers(pairs, ALIKE, 0.4, 4, np.random.default_rng(1))
     on_right = np.asarray(pairs.trials.left) > np.asarray(pairs.trials.right)
 
-    decided = tests.exact(answers, on_right)
+    decided = tests.exact(answers)
 
     assert tests.by_model == (by_model,)
     for study, given in enumerate(answers.astype(int)):
@@ -90,7 +90,7 @@ def test_the_quick_tests_bias_is_corrected() -> None:
     rankings = part(RANKINGS, 15, 8)
     tests = DecidingTests(rankings)
     answers = simulate_answers(rankings, ALIKE, 0.6, 300, np.random.default_rng(9))
-    exact = tests.exact(answers, np.empty(0, bool))
+    exact = tests.exact(answers)
     plain = float(np.mean(holm_rows(exact.p_values)[:, :2] < 0.05))
 
     result = simulate_power((rankings,), ALIKE, 0.6, Effort(quick=600, exact=100), (4,))[0]
