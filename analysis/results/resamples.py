@@ -13,11 +13,12 @@ from typing import Final
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy import sparse
 
 from analysis.metrics.scores import Better, StudyMetrics
 from analysis.results.grouping import codes, shown_codes
 from analysis.results.mixed_models import sided
-from analysis.stats.samples import Table, bootstrap_counts, table_of, weighted_row_sums
+from analysis.stats.samples import bootstrap_counts
 from analysis.stats.strength_models import fit_strengths_of_tables
 
 Floats = NDArray[np.float64]
@@ -49,15 +50,15 @@ class Tallies:
     groups : ndarray of int, shape (G, 1) or (G, 2)
         What an answer is about: a condition, or of pairwise comparisons a pair of them, of which
         the answer is a win of the first.
-    sums, counts : array or sparse array, shape (participants, G * segments)
+    sums, counts : sparse array, shape (participants, G * segments)
         Sum and number of answers; columns by group, then segment.
     """
 
     conditions: tuple[str, ...]
     segments: tuple[str, ...]
     groups: Codes
-    sums: Table
-    counts: Table
+    sums: sparse.csr_array
+    counts: sparse.csr_array
 
     @property
     def participants(self) -> int:
@@ -98,8 +99,8 @@ def tally(protocol: str, answers: pd.DataFrame) -> Tallies:
         conditions=tuple(map(str, names[present])),
         segments=tuple(map(str, answers["segment"].cat.categories[segments])),
         groups=groups.astype(np.intp),
-        sums=table_of(values, rows, columns, shape),
-        counts=table_of(np.ones(len(values)), rows, columns, shape),
+        sums=sparse.csr_array((values, (rows, columns)), shape),
+        counts=sparse.csr_array((np.ones(len(values)), (rows, columns)), shape),
     )
 
 
@@ -175,10 +176,10 @@ def resample_preferences(tallies: Tallies, *, resamples: int, seed: int) -> Resa
 
 
 def _resampled_sums(
-    table: Table, participants: Floats, segments: Floats, shape: tuple[int, ...]
+    table: sparse.csr_array, participants: Floats, segments: Floats, shape: tuple[int, ...]
 ) -> Floats:
     """Return the sum of each group over drawn participants and segments, shape (B, G)."""
-    by_cell = weighted_row_sums(table, participants).reshape(-1, *shape)
+    by_cell = np.asarray((table.T @ participants.T).T, np.float64).reshape(-1, *shape)
     return np.asarray(np.einsum("bgi,bi->bg", by_cell, segments))
 
 

@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse, stats
+from scipy import stats
 
 from motion.errors import InputError
 
@@ -77,21 +77,6 @@ def tied_ranks(values: Floats) -> Floats:
     return np.asarray(stats.rankdata(levels(values), axis=-1), np.float64)
 
 
-Table = Floats | sparse.csr_array
-
-
-FULL: Final = 0.05
-"""Share of filled cells from which on a table is dense, whose products are then faster."""
-
-
-def table_of(
-    values: Floats, rows: NDArray[np.intp], columns: NDArray[np.intp], shape: tuple[int, int]
-) -> Table:
-    """Return the sums of `values` by row and column; sparse where most cells are empty."""
-    table = sparse.coo_array((values, (rows, columns)), shape=shape).tocsr()
-    return table if table.nnz < FULL * shape[0] * shape[1] else table.toarray()
-
-
 def percentile_interval(draws: Floats) -> tuple[float, float]:
     """Return the ends between which the middle 95% of the draws lie."""
     low, high = np.nanquantile(draws, [0.025, 0.975])
@@ -110,10 +95,3 @@ def bootstrap_counts(chance: np.random.Generator, size: int, count: int) -> Floa
     drawn += count * np.arange(size)[:, None]
     counts = np.bincount(drawn.ravel(), minlength=size * count)
     return counts.reshape(size, count).astype(np.float64)
-
-
-def weighted_row_sums(table: Table, counts: Floats) -> Floats:
-    """Return the sums of rows times `counts`, (resamples, rows), shape (resamples, columns)."""
-    if isinstance(table, np.ndarray):
-        return np.asarray(counts @ table, np.float64)
-    return np.asarray((table.T @ counts.T).T, np.float64)

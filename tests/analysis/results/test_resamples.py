@@ -95,19 +95,6 @@ def test_answers_are_summed_by_preferred_condition_on_either_side(
     assert result.cells[1].sum() == len(rows)
 
 
-def test_a_sparse_table_of_many_participants_is_resampled_like_a_full_one(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    answers, _ = AgreeingStudy(conditions=3).drawn(np.random.default_rng(1))
-    draws = []
-    for full in (0, 2):
-        monkeypatch.setattr("analysis.stats.samples.FULL", full)
-        tallies = tally("rating", answers)
-        assert isinstance(tallies.counts, np.ndarray) == (not full)
-        draws.append(resample_preferences(tallies, resamples=50, seed=1).draws)
-    assert draws[0] == pytest.approx(draws[1])
-
-
 SCORES = np.array([[1.0, 3.0], [4.0, 6.0], [math.nan, 2.0]])
 
 NAMES = ("c00", "c01", "c02")
