@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
+from itertools import count
 from pathlib import Path
-from typing import Self, TypeVar
+from typing import TypeVar
 
 from analysis.evaluators.feature_networks import Source, networks
 from analysis.measurement.conditions import condition_scores, network_scores, recorded_conditions
@@ -35,6 +37,11 @@ from motion.errors import InputError
 from motion.formats import read_motion
 from motion.formats.clip_npz import read_frame_rate
 from motion.processes import ProcessPool
+
+Progress = Callable[[int, int], None]
+"""Called with the tasks done and all tasks."""
+
+_Result = TypeVar("_Result")
 
 
 def study_metrics(
@@ -130,15 +137,26 @@ def study_metrics(
     recorded_files = sorted({files.recorded for files in segments if files.recorded is not None})
     if not preset.needs_recorded_spread:
         recorded_files = []
-    with Workers(processes, len(recorded_files) + len(segments), on_progress) as workers:
-        extents = workers.map(partial(recorded_extent, setup=setup), recorded_files)
+    steps = count(1)
+
+    def collect(results: Iterable[_Result]) -> list[_Result]:
+        collected = []
+        for result in results:
+            collected.append(result)
+            if on_progress is not None:
+                on_progress(next(steps), len(recorded_files) + len(segments))
+        return collected
+
+    with ProcessPool(processes) if processes > 1 else nullcontext() as pool:
+        run = map if pool is None else pool.map
+        extents = collect(run(partial(recorded_extent, setup=setup), recorded_files))
         setup = replace(
             setup,
             spread=recorded_spread(extent for extent in extents if extent is not None),
             networks=feature_networks,
             penetrable=penetrable,
         )
-        measured = workers.map(partial(segment_scores, setup=setup), segments)
+        measured = collect(run(partial(segment_scores, setup=setup), segments))
     skipped += {str(e): e for segment in measured for e in segment.skipped}.values()
     if not skip_unusable and skipped:
         raise skipped[0]
@@ -221,10 +239,10 @@ def _remarks(
         yield "no recordings are given, so nothing is compared with them"
 
 
-def _named(segments: Sequence[str], count: int) -> str:
+def _named(segments: Sequence[str], of_all: int) -> str:
     """Return the number of segments and the first names."""
     names = ", ".join(segments[:3]) + (", …" if len(segments) > 3 else "")
-    return f"{len(segments)} of {count} segments ({names})"
+    return f"{len(segments)} of {of_all} segments ({names})"
 
 
 def _clip_scores(measured: Sequence[SegmentScores], penetrable: Path | None) -> Iterator[ClipScore]:
@@ -243,47 +261,3 @@ def _clip_scores(measured: Sequence[SegmentScores], penetrable: Path | None) -> 
             if clip.depths is not None and len(clip.depths):
                 for result in self_penetration(clip.depths, body=body):
                     yield ClipScore(condition=condition, segment=segment, result=result)
-
-
-Progress = Callable[[int, int], None]
-"""Called with the tasks done and all tasks."""
-
-_Task = TypeVar("_Task")
-_Result = TypeVar("_Result")
-
-
-class Workers:
-    """Maps a function over tasks in this process or in several; results keep their order.
-
-    Parameters
-    ----------
-    processes : int
-        How many.
-    steps : int
-        The number of all tasks.
-    on_progress : callable, optional
-        Called with the tasks done and all tasks.
-    """
-
-    def __init__(self, processes: int, steps: int, on_progress: Progress | None) -> None:
-        self._pool = ProcessPool(processes) if processes > 1 else None
-        self._done, self._steps = 0, steps
-        self._on_progress = on_progress
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
-
-    def map(self, function: Callable[[_Task], _Result], tasks: Iterable[_Task]) -> list[_Result]:
-        """Return the results of a function for all tasks."""
-        apply = map if self._pool is None else self._pool.map
-        results = []
-        for result in apply(function, tasks):
-            results.append(result)
-            self._done += 1
-            if self._on_progress is not None:
-                self._on_progress(self._done, self._steps)
-        return results

@@ -224,8 +224,8 @@ def chance_score(
     scores = []
     for shift in duration * (np.arange(SHIFTS) + 0.5) / SHIFTS:
         shifted = (motion + shift) % duration
-        pair = (shifted, audio) if direction == "motion to audio" else (audio, shifted)
-        scores.append(alignment_score(*pair, sigma))
+        queries, targets = (shifted, audio) if direction == "motion to audio" else (audio, shifted)
+        scores.append(alignment_score(queries, targets, sigma))
     return float(np.mean(scores))
 
 

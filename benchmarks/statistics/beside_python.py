@@ -12,6 +12,7 @@ from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from analysis.results.resamples import Tallies, resample_preferences
 from analysis.stats.strength_models import Votes, bradley_terry
@@ -144,8 +145,8 @@ def beside_gather(
         conditions=("ours",),
         segments=tuple(map(str, range(items))),
         groups=np.zeros((1, 1), np.intp),
-        sums=table,
-        counts=np.ones_like(table),
+        sums=sparse.csr_array(table),
+        counts=sparse.csr_array(np.ones_like(table)),
     )
 
     def ours() -> Floats:

@@ -106,8 +106,13 @@ def _off_the_boundary(climb: _Climb, at: Floats, current: Likelihood) -> Floats 
 
 def _climbed(climb: _Climb, start: Floats, precision: float) -> tuple[Floats, float]:
     """Climb by a quasi-Newton method; also return its own idea of the way left, in errors."""
-    options = {"gtol": precision * _gradient_unit(climb.answers), "maxiter": ITERATIONS}
-    end = minimize(climb.descent, start, jac=True, method="BFGS", options=options)
+    end = minimize(
+        climb.descent,
+        start,
+        jac=True,
+        method="BFGS",
+        options={"gtol": precision * _gradient_unit(climb.answers), "maxiter": ITERATIONS},
+    )
     left = math.sqrt(len(climb.answers.codes) * abs(float(end.jac @ end.hess_inv @ end.jac)))
     return np.asarray(end.x, np.float64), left
 
