@@ -158,10 +158,3 @@ def test_one_recording_is_split_in_time_and_normalised_without_its_held_out_part
     assert found.how == "the last fifth of every clip, since there is one recording"
     np.testing.assert_allclose(found.normalisation.mean, np.arange(80).mean())
     np.testing.assert_allclose(found.normalisation.deviation, np.arange(80).std(), rtol=1e-5)
-
-
-def test_labels_go_with_their_windows() -> None:
-    found = parts([f"r{n}" for n in range(4)], ["y", "x", "y", "x"])
-    rows = np.arange(len(found.training))
-    clip = places(found, rows)[:, 0] // 1000
-    np.testing.assert_array_equal(found.training.batch(rows)[1], clip % 2 == 0)

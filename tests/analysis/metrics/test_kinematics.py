@@ -45,15 +45,6 @@ def test_a_cubic_has_the_same_jerk_at_every_frame_rate(
     assert found.value == pytest.approx(expected["value"], rel=1e-6)
 
 
-def test_a_sinusoid_agrees_with_its_closed_form(closed_form: Mapping[str, Any]) -> None:
-    expected = closed_form["jerk"]
-    time = np.arange(600) / expected["fps"]
-    curve = expected["A"] * np.sin(2 * np.pi * expected["f"] * time)
-    found = mean_derivative(along_x(curve), frame_rate=expected["fps"], settings=HANDS_UNFILTERED)
-    # The mean of |sin| is 2 / pi of the amplitude that the closed form gives.
-    assert found.value == pytest.approx(expected["value_sin"] * 2 / math.pi, rel=1e-2)
-
-
 def test_the_filter_keeps_gestures_and_removes_jitter() -> None:
     time = np.arange(600) / 30
     gesture = along_x(0.2 * np.sin(2 * np.pi * 1.0 * time))
