@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
@@ -223,7 +222,7 @@ class Evaluator:
         }
         if facts.frozen:
             described["held still"] = ", ".join(facts.frozen)
-        return MappingProxyType(described)
+        return described
 
     def _held_out(self) -> str:
         facts = self.facts

@@ -201,7 +201,7 @@ def networks(sources: Iterable[Source]) -> tuple[Network, ...]:
                 source=source,
                 sha256=network.sha256,
                 name=f"{kind}, {network.sha256[:8]}" if several else kind,
-                settings=dict(network.describe()),
+                settings=network.describe(),
                 labels=network.labels,
                 sees=frozenset({"face"} if kind in _FACE_NETWORKS else ()),
                 rule=network.rule,

@@ -6,7 +6,6 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -121,16 +120,14 @@ class PublishedEvaluator:
     def describe(self) -> Mapping[str, str]:
         """Return the settings that every score of this network quotes, in words."""
         preset = self.preset
-        return MappingProxyType(
-            {
-                "feature network": f"{preset.source}, {preset.features} features",
-                "network sha256": self.sha256[:SHOWN_OF_HASH],
-                "representation": preset.sees,
-                "frame rate": f"{preset.frame_rate:g} fps, resampled",
-                "window": preset.cut,
-                "batch normalisation": "as stored (evaluation mode)",
-            }
-        )
+        return {
+            "feature network": f"{preset.source}, {preset.features} features",
+            "network sha256": self.sha256[:SHOWN_OF_HASH],
+            "representation": preset.sees,
+            "frame rate": f"{preset.frame_rate:g} fps, resampled",
+            "window": preset.cut,
+            "batch normalisation": "as stored (evaluation mode)",
+        }
 
     def _check(self, motion: FloatArray) -> None:
         preset = self.preset

@@ -193,10 +193,10 @@ def _smallest(
     request: Request, size: Size, cells: Sequence[Cell], effort: Effort, runner: Runner
 ) -> tuple[Smallest, ...]:
     known = [cell for cell in cells if cell.size.numbers == size.numbers]
-    further: dict[float, Cell] = {}
+    smallest = []
+    for number, part in enumerate(size.parts):
 
-    def simulated(effect: float) -> Cell:
-        if effect not in further:
+        def power_at(effect: float, number: int = number) -> float:
             task = Task(
                 size=size,
                 effect=effect,
@@ -204,14 +204,8 @@ def _smallest(
                 effort=effort,
                 seed=request.seed,
             )
-            (further[effect],) = runner.cells([task])
-        return further[effect]
-
-    smallest = []
-    for number, part in enumerate(size.parts):
-
-        def power_at(effect: float, number: int = number) -> float:
-            return simulated(effect).powers[number].power
+            (cell,) = runner.cells([task])
+            return cell.powers[number].power
 
         powers = {
             cell.powers[number].effect: cell.powers[number].power
