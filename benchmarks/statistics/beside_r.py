@@ -47,7 +47,7 @@ class BesideR:
     estimates_apart : float
         Largest difference of an estimate, thresholds included.
     errors_apart : float
-        Largest relative difference of a standard error.
+        Relative difference of the effect's standard error.
     log_likelihood_apart : float
         Difference of the log-likelihoods.
     """
@@ -112,12 +112,12 @@ def beside_r(answers: Preferences, *, turns: int = 3) -> BesideR:
     theirs = _by_r(answers)
     # R gives the thresholds first.
     estimates = np.array([*our_fit.thresholds, *our_fit.estimates.values()])
-    errors = np.array([*our_fit.threshold_errors, *our_fit.standard_errors.values()])
+    errors = np.array([*our_fit.standard_errors.values()])
     return BesideR(
         seconds=seconds,
         seconds_r=theirs["seconds"],
         estimates_apart=float(np.abs(estimates - theirs["estimates"]).max()),
-        errors_apart=float(np.abs(errors / theirs["errors"] - 1).max()),
+        errors_apart=float(np.abs(errors / theirs["errors"][-len(errors) :] - 1).max()),
         log_likelihood_apart=abs(our_fit.log_likelihood - theirs["log_likelihood"]),
     )
 

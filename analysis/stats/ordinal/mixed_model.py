@@ -57,8 +57,8 @@ class OrdinalFit:
     estimates, standard_errors : mapping of covariate to float
         Fixed effects on the latent scale; the error is NaN where the model did not converge, or
         no errors were asked for.
-    thresholds, threshold_errors : tuple of float
-        In order; the errors are NaN where those of the effects are.
+    thresholds : tuple of float
+        In order.
     deviations : mapping of random effect to float
         Standard deviations.
     log_likelihood : float
@@ -74,7 +74,6 @@ class OrdinalFit:
     estimates: Mapping[str, float]
     standard_errors: Mapping[str, float]
     thresholds: tuple[float, ...]
-    threshold_errors: tuple[float, ...]
     deviations: Mapping[str, float]
     log_likelihood: float
     parameters: int
@@ -179,15 +178,12 @@ def _result(
     covariance = np.full((len(parameters), len(parameters)), math.nan)
     if converged and curvature is not None:
         covariance[np.ix_(inside, inside)] = np.linalg.inv(curvature[np.ix_(inside, inside)])
-    jacobian = answers.thresholds.jacobian(free)
-    first = len(free)
-    of_thresholds = jacobian @ covariance[:first, :first] @ jacobian.T
-    of_effects = covariance[first : first + len(names), first : first + len(names)]
+    of_effects = slice(len(free), len(free) + len(names))
+    errors = np.sqrt(np.diagonal(covariance)[of_effects])
     zero = tuple(
         effect.name for effect, sd in zip(random, deviations, strict=True) if abs(sd) < BOUNDARY
     )
     most = LARGEST if converged else LARGE
-    errors = np.sqrt(np.diagonal(of_effects))
     separated = [
         name
         for name, b, error in zip(names, effects, errors, strict=True)
@@ -198,7 +194,6 @@ def _result(
         estimates=dict(zip(names, effects.tolist(), strict=True)),
         standard_errors=dict(zip(names, errors.tolist(), strict=True)),
         thresholds=tuple(answers.thresholds.values(free).tolist()),
-        threshold_errors=tuple(np.sqrt(np.diagonal(of_thresholds)).tolist()),
         deviations={e.name: abs(float(s)) for e, s in zip(random, deviations, strict=True)},
         log_likelihood=likelihood.value,
         parameters=answers.count,
