@@ -31,6 +31,9 @@ _KINDS: Final[Mapping[str, Kind]] = {"rating": "ratings", "ranking": "rankings"}
 def planned_parts(study: Study, shown: Shown, of_segment: Mapping[str, int]) -> Iterator[Part]:
     """Yield the parts of a study, and those questions of a part apart that have other scales.
 
+    A part without a single trial, such as a block for long segments where all are short, is left
+    out unless there are no trials at all.
+
     Parameters
     ----------
     study : Study
@@ -40,7 +43,8 @@ def planned_parts(study: Study, shown: Shown, of_segment: Mapping[str, int]) -> 
     of_segment : mapping of str to int
         Numbers of the segments.
     """
-    for name in study.parts or ("",):
+    used = {trial.part for _, trial in shown}
+    for name in [part for part in study.parts if part in used] or study.parts or ("",):
         part_trials = [(participant, trial) for participant, trial in shown if trial.part == name]
         trials, alike = _trials(study, name, part_trials, of_segment)
         scales = _scales(study, name)

@@ -177,7 +177,8 @@ def _tables(study: Study, stored: StoredAnswers) -> dict[str, pd.DataFrame]:
             ["trial", "stimulus", "condition"]
         ]
         rows = rows.merge(single, on=["trial", "stimulus"], validate="many_to_one")
-        return {study.protocol: _table(study.protocol, _each_stimulus(study, rows))}
+        judged = _each_stimulus(study, rows)
+        return {study.protocol: _table(study.protocol, judged, has_sets=len(study.parts) > 1)}
     rows = rows.merge(sides(stored.stimuli), on="trial", validate="many_to_one")
     if study.protocol == "pairwise":
         return {"pairwise": _table("pairwise", _pairs(rows))}
@@ -190,14 +191,17 @@ def _tables(study: Study, stored: StoredAnswers) -> dict[str, pd.DataFrame]:
     return tables
 
 
-def _table(protocol: str, rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the columns of a protocol's table, with all cells as text."""
+def _table(protocol: str, rows: pd.DataFrame, *, has_sets: bool = False) -> pd.DataFrame:
+    """Return the columns of a protocol's table, with all cells as text.
+
+    A study with several sets names them even if only one has answers yet.
+    """
     named = rows.drop(columns="trial").rename(
         columns={"study_session": "participant", "position": "trial", "seconds": "response_seconds"}
     )
     named = named.rename(columns={"part": "set"})
     names = [*SHARED, *OWN[protocol]]
-    if named["set"].nunique() < 2:
+    if not has_sets:
         names.remove("set")
     return pd.DataFrame({name: _text(named[name]) for name in names}, dtype=str).reset_index(
         drop=True

@@ -111,6 +111,17 @@ def test_every_protocol_has_parts(name: str, kind: str, tmp_path: Path) -> None:
         assert len(np.unique(shown, axis=1).T) == shown.shape[1]
 
 
+def test_a_block_for_which_every_segment_is_too_short_leaves_the_others_to_be_planned(
+    tmp_path: Path,
+) -> None:
+    study = template("ranking", tmp_path)
+    assert study.parts == ("long", "short")
+
+    part = only(study)
+
+    assert (part.trials.conditions, part.trials.analysed) == (3, 6)
+
+
 def test_a_plan_without_speech_needs_the_number_of_segments(tmp_path: Path) -> None:
     study = template("pairwise", tmp_path)
     folder = StudyFolder(tmp_path)

@@ -18,6 +18,7 @@ from studyapp.results.stated_beforehand import exclusions_of
 from studyapp.results.stored_answers import Answers, StoredAnswers, stored_answers
 from studyapp.session.refusal import ConflictError, log_refusal
 from studyapp.study.folder import StudyFolder
+from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.settings.exclusions import FailedCatch, Incomplete
 from studyapp.study.settings.study import Study
 from tests.support.studies.exported import responses_table
@@ -105,6 +106,23 @@ def test_table_and_export_have_the_same_answers(answered_once: Once, protocol: s
         assert table["participant"].astype(int).tolist() == part["study_session"].tolist()
         assert table["trial"].astype(int).tolist() == part["position"].tolist()
         assert table["watched"].astype(float).tolist() == part["watched"].tolist()
+
+
+def test_a_block_is_named_even_if_no_other_has_answers(answered_once: Once) -> None:
+    folder = StudyFolder(answered_once("ranking"))
+    study = folder.study()
+    assert isinstance(study, RankingStudy)
+    with reading(folder.responses) as session:
+        stored = stored_answers(session)
+    (block,) = study.blocks
+    blocks = (block, block.model_copy(update={"name": "unanswered"}))
+
+    (alone, _), (tables, _) = (
+        study_answers(each, stored) for each in (study, study.model_copy(update={"blocks": blocks}))
+    )
+
+    assert "set" not in alone["ranking"]
+    assert set(tables["ranking"]["set"]) == {block.name}
 
 
 def test_right_answers_and_failures_match_the_protocol(
