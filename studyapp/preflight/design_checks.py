@@ -113,3 +113,6 @@ def balance_findings(material: Material) -> Iterator[Finding]:
         many = len(unused) > 5
         names = [*unused[:4], f"{len(unused) - 4} more"] if many else unused
         yield make_finding("segments-unused", segments=listed(names))
+    used = {trial.part for plan in planned for trial in plan}
+    if empty := [part for part in material.study.parts if part not in used]:
+        yield make_finding("parts-unused", parts=listed(empty))

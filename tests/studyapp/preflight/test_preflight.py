@@ -21,6 +21,7 @@ from studyapp.results.analysed_tasks import study_notes
 from studyapp.stimuli.rendering import equalise_sizes
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli, write_stimuli
+from studyapp.study.study_file import new_study
 from tests.support.studies.made_study import make_segments, make_study
 from tests.support.studies.redefining import edited
 from tests.support.studies.takes import write_motion
@@ -257,3 +258,17 @@ def test_judgements_of_segments_are_counted(
     assert balance in findings["balance"]
     assert ("segments-unused" in findings) == bool(unused)
     assert unused in findings.get("segments-unused", "")
+
+
+def test_a_block_that_no_segment_is_long_enough_for_is_a_warning(tmp_path: Path) -> None:
+    material = Material(
+        folder=StudyFolder(tmp_path),
+        study=new_study(tmp_path / "study.toml", template="ranking", name="short-speech"),
+        segments=make_segments(["neutral"] * 12),
+        media=None,
+    )
+
+    (finding,) = (each for each in balance_findings(material) if each.name == "parts-unused")
+
+    assert finding.severity == "warning"
+    assert "no segment fits long," in finding.what
