@@ -47,8 +47,8 @@ from studyapp.results.metrics import measure_study
 from studyapp.stimuli.generation import generate
 from studyapp.study.settings.study import GROUND_TRUTH
 from training.corpus.making import make_corpus
+from training.corpus.plan import CorpusRequest
 from training.corpus.process import VERSION
-from training.corpus.request import CorpusRequest
 from training.data.folders import read_takes
 from training.data.take import Take
 from training.weights_file import read_weights

@@ -225,7 +225,7 @@ def corpus_command(folder: Path, fps: float, processes: int, **options: Any) -> 
     """
     # Imported here: signal processing takes a second to load, which --help should not wait for.
     from training.corpus.making import make_corpus
-    from training.corpus.request import CorpusRequest
+    from training.corpus.plan import CorpusRequest
 
     request = CorpusRequest(frame_rate=fps, **options)
     with progress("corpus", "take") as show:

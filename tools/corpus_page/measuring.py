@@ -15,8 +15,7 @@ from motion.audio import read_audio
 from motion.formats.beat_tracks import read_arkit_json
 from motion.formats.bvh import read_bvh
 from training.corpus.making import RecordingFiles
-from training.corpus.plan import PlannedTake, Split, planned_takes
-from training.corpus.request import read_request
+from training.corpus.plan import PlannedTake, planned_takes, read_request
 from training.corpus.speech_curves import SpeechCurves, analyse
 from training.corpus.truth import (
     MotionCurves,
@@ -25,6 +24,7 @@ from training.corpus.truth import (
     read_truth,
     wrist_positions,
 )
+from training.data.take import Split
 from training.spaces.beat import body_values, face_values
 
 FloatArray = NDArray[np.float64]

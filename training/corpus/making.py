@@ -26,9 +26,8 @@ from motion.formats.bvh_motion import BvhJoint, write_bvh
 from motion.processes import ProcessPool
 from motion.synthesis import speak_as
 from training.corpus.chance import Chance
-from training.corpus.plan import PlannedTake, planned_takes
+from training.corpus.plan import CorpusRequest, PlannedTake, claim_folder, planned_takes
 from training.corpus.process import Process
-from training.corpus.request import CorpusRequest, claim_folder
 from training.corpus.speakers import EMOTION_MOTION, spoken_prosody, voice_of
 from training.corpus.truth import Truth, write_truth
 from training.spaces.beat import BEAT_SKELETON, upper_body_motion

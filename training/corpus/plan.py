@@ -1,4 +1,4 @@
-"""The takes of a corpus and their splits.
+"""The request of a corpus, and its takes and their splits; ``corpus.json`` in it says what it is.
 
 Every speaker has their own passages, unless all speak the same ones. With p the number of a speaker
 plus that of an emotion, counted from 0 in the order of `motion.segment.EMOTIONS`:
@@ -17,23 +17,129 @@ of sentences that occur nowhere else; the same number before it is for validatio
 
 All takes of held-out speakers are for testing; every other passage is unheard, or those that are
 unheard for all.
+
+Recordings are named as in BEAT, ``{number}_{name}_0_{start}_{end}``: start and end are numbers of
+texts, and each emotion has its own. No two recordings of a speaker have the same pair.
 """
 
 from __future__ import annotations
 
+import json
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final, Literal
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Final
 
+from pydantic import TypeAdapter, ValidationError
+
+from motion.clip import check_frame_rate
+from motion.errors import InputError
+from motion.files import write_text
 from motion.segment import EMOTIONS
-from training.corpus.request import CorpusRequest, recording_name
+from motion.synthesis import synthesiser_version
+from training.corpus.process import VERSION
 from training.corpus.speakers import CorpusSpeaker, read_table, speaker_of
+from training.data.beat import LAST_TEXTS
+from training.data.take import Split
+
+
+def _text_ranges(emotion: str) -> list[tuple[int, int]]:
+    """Return possible starts and ends: single texts first, then ever longer runs of them."""
+    index = EMOTIONS.index(emotion)
+    first, last = (1, *(text + 1 for text in LAST_TEXTS))[index], LAST_TEXTS[index]
+    return [
+        (start, start + extra)
+        for extra in range(last - first + 1)
+        for start in range(first, last + 1 - extra)
+    ]
+
+
+MOST_RECORDINGS: Final = min(len(_text_ranges(emotion)) for emotion in EMOTIONS)
+"""Of one speaker in one emotion."""
+
+MOST_SPEAKERS: Final = 9999
+"""As many as BEAT's names can number."""
+
+
+_LEAST_SHARED: Final = 4
+"""Passages of an emotion that all speak: one for testing, one for validation, and two to
+compare."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CorpusRequest:
+    """The request of a corpus.
+
+    Attributes
+    ----------
+    speakers : int
+        Number of speakers, with held-out ones.
+    sentences : int
+        Passages that each speaker speaks, a multiple of eight: as many in each emotion.
+    takes : int
+        Number of takes of each passage.
+    held_out_speakers : int
+        The last speakers, whose takes are all for testing.
+    frame_rate : float
+        Frames per second of the body's motion.
+    seed : int
+        Of all random numbers, at least 0.
+    shared_passages : bool
+        Whether all speakers speak the same passages, as BEAT's do, rather than their own.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range.
+    """
+
+    speakers: int = 8
+    sentences: int = 16
+    takes: int = 2
+    held_out_speakers: int = 2
+    frame_rate: float = 30.0
+    seed: int = 1
+    shared_passages: bool = False
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.speakers <= MOST_SPEAKERS:
+            raise InputError(
+                f"{self.speakers} speakers cannot be made", remedy=f"Give 1 to {MOST_SPEAKERS}"
+            )
+        if not 0 <= self.held_out_speakers < self.speakers:
+            raise InputError(
+                f"{self.held_out_speakers} of {self.speakers} speakers cannot be held out",
+                remedy="Leave at least one to train on",
+            )
+        if self.sentences < 1 or self.sentences % len(EMOTIONS):
+            raise InputError(
+                f"{self.sentences} sentences are not as many in each of eight emotions",
+                remedy="Give a multiple of eight",
+            )
+        if self.shared_passages and self.passages < _LEAST_SHARED:
+            raise InputError(
+                f"of {self.sentences} shared sentences, too few are left to learn from",
+                remedy=f"Give at least {_LEAST_SHARED * len(EMOTIONS)}",
+            )
+        if self.takes < 1 or self.passages * self.takes > MOST_RECORDINGS:
+            raise InputError(
+                f"{self.passages} sentences an emotion in {self.takes} takes cannot be named as "
+                "BEAT names its recordings",
+                remedy=f"Make them {MOST_RECORDINGS} together at most, and ask for more speakers",
+            )
+        if self.seed < 0:
+            raise InputError(f"seed {self.seed} is not usable", remedy="Give 0 or more")
+        check_frame_rate(self.frame_rate)
+
+    @property
+    def passages(self) -> int:
+        """Passages of each emotion that a speaker speaks."""
+        return self.sentences // len(EMOTIONS)
+
 
 SENTENCES: Final[Mapping[str, Mapping[str, Sequence[str]]]] = read_table("sentences.toml")
 """Of each emotion, ``openings`` and ``closings``: what speakers say is one of each."""
-
-Split = Literal["train", "validation", "test"]
 
 RESERVED_SENTENCES: Final = 3
 """Openings, and closings, of each emotion that occur only in test passages."""
@@ -120,7 +226,8 @@ def _take(
     if held_out or unheard:
         split = "test"
     first_passage = 0 if request.shared_passages else (speaker.number - 1) * request.passages
-    name = recording_name(speaker.number, speaker.name, emotion, place * request.takes + take)
+    start, end = _text_ranges(emotion)[place * request.takes + take]
+    name = f"{speaker.number}_{speaker.name}_0_{start}_{end}"
     return PlannedTake(
         name=name,
         speaker=speaker,
@@ -159,3 +266,79 @@ def passage(emotion: str, number: int, *, unheard: bool = False) -> str:
     count = len(openings)
     opening, shift = number % count, number // count % count
     return f"{openings[opening]} {closings[(opening + shift) % count]}"
+
+
+DESCRIPTION: Final = "corpus.json"
+
+_SHARED: Final = "shared_passages"
+"""Recorded only if true."""
+
+
+def claim_folder(folder: Path, request: CorpusRequest) -> None:
+    """Record in a folder which corpus it holds.
+
+    Raises
+    ------
+    InputError
+        If it holds another one, or something else.
+    """
+    description = json.dumps(_description(request), indent=2) + "\n"
+    path = folder / DESCRIPTION
+    if path.exists():
+        if path.read_text(encoding="utf-8") != description:
+            raise InputError(
+                "the folder holds another corpus: of other numbers, or made with another version "
+                "of the process or of the synthesiser",
+                where=path,
+                remedy="Name another folder, or remove this one",
+            )
+        return
+    if folder.exists() and any(folder.iterdir()):
+        raise InputError(
+            "the folder is not empty, and holds no corpus",
+            where=folder,
+            remedy="Name a folder that is empty or does not exist",
+        )
+    write_text(path, description)
+
+
+def read_request(folder: Path) -> CorpusRequest:
+    """Return the request of the corpus in a folder.
+
+    Raises
+    ------
+    InputError
+        If it holds none, or one of another version of the process, whose truth cannot be computed.
+    """
+    path = folder / DESCRIPTION
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        version = content["process_version"]
+        settings = {
+            field.name: content[field.name]
+            for field in fields(CorpusRequest)
+            if field.name in content or field.name != _SHARED
+        }
+        request = TypeAdapter(CorpusRequest).validate_python(settings)
+    except (OSError, ValueError, KeyError, TypeError, ValidationError) as error:
+        raise InputError(
+            "the folder holds no synthetic corpus",
+            where=path,
+            remedy="Give a folder that 'motionjury corpus' made",
+        ) from error
+    if version != VERSION:
+        raise InputError(
+            f"the corpus was made by version {version} of the process, this is version {VERSION}",
+            where=path,
+            remedy="Make the corpus again",
+        )
+    return request
+
+
+def _description(request: CorpusRequest) -> dict[str, object]:
+    return {
+        "corpus": "synthetic speech and motion with known truth, in the files and folders of BEAT",
+        "process_version": VERSION,
+        "speech": synthesiser_version(),
+        **{key: value for key, value in asdict(request).items() if value or key != _SHARED},
+    }

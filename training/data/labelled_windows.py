@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from motion.errors import InputError
-from training.corpus.request import DESCRIPTION, read_request
+from training.corpus.plan import DESCRIPTION, read_request
 from training.data.beat import BeatName
 from training.data.take import TakeFolder
 from training.data.windows import Windows

@@ -17,7 +17,7 @@ from motion.errors import InputError
 from tests.generators.amuse.small_networks import SMALL_SPEECH as SMALL
 from tests.generators.amuse.toy_speech import toy_speech
 from tests.generators.small_training import Learn, require_one_device, training_on
-from training.corpus.request import CorpusRequest, claim_folder
+from training.corpus.plan import CorpusRequest, claim_folder
 
 TOY_SPEECH: Final = toy_speech()
 TWO_TEXTS_HELD_OUT: Final = toy_speech(held_out=2)

@@ -16,9 +16,8 @@ from motion.formats.transcript import read_transcript
 from tools.corpus_page.__main__ import tables
 from tools.corpus_page.measuring import decided, minutes, read_measured
 from training.corpus.making import RecordingFiles, make_corpus
-from training.corpus.plan import planned_takes
+from training.corpus.plan import CorpusRequest, planned_takes, read_request
 from training.corpus.process import Process
-from training.corpus.request import CorpusRequest, read_request
 from training.corpus.speakers import speaker_of
 from training.corpus.truth import read_truth
 from training.data.folders import read_takes

@@ -6,8 +6,14 @@ import pytest
 
 from motion.errors import InputError
 from motion.segment import EMOTIONS
-from training.corpus.plan import RESERVED_SENTENCES, SENTENCES, passage, planned_takes
-from training.corpus.request import MOST_RECORDINGS, CorpusRequest
+from training.corpus.plan import (
+    MOST_RECORDINGS,
+    RESERVED_SENTENCES,
+    SENTENCES,
+    CorpusRequest,
+    passage,
+    planned_takes,
+)
 
 
 def test_the_default_corpus_is_as_documented() -> None:
