@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 RESAMPLES: Final = 2000
 BLOCK: Final = 200
-"""Resamples drawn at a time: bounds the memory."""
+"""Resamples drawn at a time, which divide `RESAMPLES`: bounds the memory."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,12 +47,7 @@ class Alpha(Interval):
 
 
 def krippendorff_alpha(
-    values: NDArray[np.number],
-    raters: NDArray[np.generic],
-    items: NDArray[np.generic],
-    *,
-    resamples: int = RESAMPLES,
-    seed: int = 0,
+    values: NDArray[np.number], raters: NDArray[np.generic], items: NDArray[np.generic]
 ) -> Alpha:
     """Estimate alpha from ordered answers, of which some may be missing (Krippendorff 2011).
 
@@ -62,8 +57,6 @@ def krippendorff_alpha(
         Answers as numbers in their order.
     raters, items : ndarray, shape (N,)
         Who answered about what; one answer of each about each.
-    resamples, seed : int
-        Bootstrap resamples of the items, and what draws them.
     """
     table = pd.DataFrame({"value": finite(values), "rater": raters, "item": items})
     table = table[table.groupby("item")["rater"].transform("size") > 1]
@@ -81,9 +74,9 @@ def krippendorff_alpha(
     alpha = replace(unknown, estimate=float(estimate))
     if count < 2:
         return replace(alpha, reason="one item gives no interval")
-    drawn = [_alphas(tables) for tables in _drawn_tables(coincidences, resamples, seed)]
+    drawn = [_alphas(tables) for tables in _drawn_tables(coincidences)]
     low, high = percentile_interval(np.concatenate(drawn))
-    return replace(alpha, low=low, high=high, method=f"bootstrap over items, {resamples} resamples")
+    return replace(alpha, low=low, high=high, method=f"bootstrap over items, {RESAMPLES} resamples")
 
 
 def _coincidences(counts: Floats) -> Floats:
@@ -171,7 +164,7 @@ def retest_agreement(
         return replace(retest, reason="one participant gives no interval")
     if math.isnan(retest.estimate):
         return replace(retest, reason="all answers alike")
-    drawn = [_kappas(resampled) for resampled in _drawn_tables(tables, RESAMPLES, 0)]
+    drawn = [_kappas(resampled) for resampled in _drawn_tables(tables)]
     low, high = percentile_interval(np.concatenate(drawn))
     reason = "one side's answers are all alike" if math.isnan(retest.spearman) else ""
     method = f"bootstrap over participants, {RESAMPLES} resamples"
@@ -196,15 +189,14 @@ def _spearman(first: NDArray[np.int64], repeat: NDArray[np.int64]) -> float:
     return float(stats.spearmanr(first, repeat).statistic)
 
 
-def _drawn_tables(tables: Floats, resamples: int, seed: int) -> Iterator[Floats]:
+def _drawn_tables(tables: Floats) -> Iterator[Floats]:
     """Give the summed tables of resampled items or participants, shape (resamples, k, k)."""
-    chance = np.random.default_rng(seed)
+    chance = np.random.default_rng(0)
     count, size, _ = tables.shape
     flat = tables.reshape(count, -1)
-    for start in range(0, resamples, BLOCK):
-        block = min(BLOCK, resamples - start)
-        times = chance.multinomial(count, np.full(count, 1 / count), size=block)
-        yield (times @ flat).reshape(block, size, size)
+    for _ in range(RESAMPLES // BLOCK):
+        times = chance.multinomial(count, np.full(count, 1 / count), size=BLOCK)
+        yield (times @ flat).reshape(BLOCK, size, size)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -259,15 +251,13 @@ class Concordance(Interval):
     method: str = ""
 
 
-def kendall_w(rankings: Placements, *, resamples: int = RESAMPLES, seed: int = 0) -> Concordance:
+def kendall_w(rankings: Placements) -> Concordance:
     """Measure how far participants agree (Kendall & Babington Smith 1939, corrected for ties).
 
     Parameters
     ----------
     rankings : Placements
         Of one question.
-    resamples, seed : int
-        Bootstrap resamples of participants and segments, and what draws them.
     """
     segments = tuple(
         _of_segment(rankings, number, name) for number, name in enumerate(rankings.segment_names)
@@ -284,14 +274,14 @@ def kendall_w(rankings: Placements, *, resamples: int = RESAMPLES, seed: int = 0
     if len(known) < 2:
         few = "one segment gives no interval" if known else "no segment was ranked by two"
         return replace(concordance, reason=overall.reason or few)
-    drawn = resampled_concordance(rankings, resamples=resamples, seed=seed)
+    drawn = resampled_concordance(rankings)
     # What a few participants leave after the correction may lie below zero, where W cannot.
     low, high = percentile_interval(np.clip(drawn, 0.0, 1.0))
     return replace(
         concordance,
         low=low,
         high=high,
-        method=f"bootstrap over participants and segments, {resamples} resamples",
+        method=f"bootstrap over participants and segments, {RESAMPLES} resamples",
     )
 
 
@@ -309,10 +299,8 @@ def _of_segment(rankings: Placements, number: int, name: str) -> SegmentConcorda
     )
 
 
-def resampled_concordance(
-    rankings: Placements, *, resamples: int = RESAMPLES, seed: int = 0
-) -> Floats:
-    """Return the mean W over segments of resampled studies, shape (resamples,).
+def resampled_concordance(rankings: Placements) -> Floats:
+    """Return the mean W over segments of resampled studies, shape (RESAMPLES,).
 
     A participant drawn twice agrees with themselves, which would raise W. So only pairs of
     different participants count: with their mean correlation r, W of n rankings is
@@ -322,15 +310,13 @@ def resampled_concordance(
     ----------
     rankings : Placements
         Of one question; rankings that leave conditions out do not count.
-    resamples, seed : int
-        How many to draw, and what draws them.
 
     Returns
     -------
-    ndarray, shape (resamples,)
+    ndarray, shape (RESAMPLES,)
         NaN where no segment drawn has two different participants who tell conditions apart.
     """
-    chance = np.random.default_rng(seed)
+    chance = np.random.default_rng(0)
     complete = rankings.complete
     participants, segments = rankings.participants[complete], rankings.segments[complete]
     centred = rankings.ranks[complete] - (len(rankings.conditions) + 1) / 2
@@ -338,10 +324,9 @@ def resampled_concordance(
     participant_count, segment_count = len(rankings.participant_names), len(rankings.segment_names)
     of_segment = [np.flatnonzero(segments == segment) for segment in range(segment_count)]
     means = []
-    for start in range(0, resamples, BLOCK):
-        size = min(BLOCK, resamples - start)
-        by_participant = bootstrap_counts(chance, size, participant_count)
-        by_segment = bootstrap_counts(chance, size, segment_count)
+    for _ in range(RESAMPLES // BLOCK):
+        by_participant = bootstrap_counts(chance, BLOCK, participant_count)
+        by_segment = bootstrap_counts(chance, BLOCK, segment_count)
         concordances = np.stack(
             [
                 _concordance(by_participant[:, participants[rows]], centred[rows], squares[rows])
