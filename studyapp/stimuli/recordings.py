@@ -203,12 +203,23 @@ def import_clips(
 def _take_motion(
     folder: StudyFolder, study: Study, take: Take, audio: Audio
 ) -> tuple[MotionClip | None, float, list[str]]:
-    """Return a take's motion, if any, its usable length, and notes."""
+    """Return a take's motion, if any, the seconds with both motion and speech, and notes."""
     if take.motion is None:
         return None, audio.duration, []
     clip, notes = _read(take.motion, take, licensed_hands(folder, study))
-    seconds, note = _common_length(take.motion, audio, clip)
-    return clip, seconds, [*notes, *note]
+    difference = abs(audio.duration - clip.duration)
+    lengths = f"the motion lasts {clip.duration:.2f} s, the speech {audio.duration:.2f} s"
+    if difference > TAKE_TOLERANCE:
+        raise InputError(
+            lengths,
+            where=take.motion,
+            remedy=f"They may differ by {TAKE_TOLERANCE} s: check that the files belong together "
+            "and that the frame rate is right (--fps)",
+        )
+    seconds = min(audio.duration, clip.duration)
+    if difference > 1e-3:
+        notes.append(f"{take.motion.name}: {lengths}; cut to the common {seconds:.2f} s")
+    return clip, seconds, notes
 
 
 def _read(
@@ -229,23 +240,6 @@ def _cut_and_place(clip: MotionClip, start: float, end: float) -> MotionClip:
     Otherwise a segment would reveal whether its condition was imported as takes or as segments.
     """
     return place(cut(clip, start, end))[0]
-
-
-def _common_length(motion: Path, audio: Audio, clip: MotionClip) -> tuple[float, list[str]]:
-    """Return the seconds of a take with both motion and speech, and notes."""
-    difference = abs(audio.duration - clip.duration)
-    lengths = f"the motion lasts {clip.duration:.2f} s, the speech {audio.duration:.2f} s"
-    if difference > TAKE_TOLERANCE:
-        raise InputError(
-            lengths,
-            where=motion,
-            remedy=f"They may differ by {TAKE_TOLERANCE} s: check that the files belong together "
-            "and that the frame rate is right (--fps)",
-        )
-    seconds = min(audio.duration, clip.duration)
-    if difference <= 1e-3:
-        return seconds, []
-    return seconds, [f"{motion.name}: {lengths}; cut to the common {seconds:.2f} s"]
 
 
 def _make_segments(take: Take, seconds: float) -> list[Segment]:

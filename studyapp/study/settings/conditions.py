@@ -95,10 +95,10 @@ class Attention(Section):
     max_failed: int = Field(1, ge=0, le=10)
 
 
-def source_problems(conditions: Mapping[str, Condition], name: str) -> list[str]:
-    """Return what is wrong with the source of motion of condition `name`."""
-    problem = _source_problem(conditions, name)
-    return [f"conditions.{name}: {problem}"] if problem else []
+def source_problems(conditions: Mapping[str, Condition]) -> list[str]:
+    """Return what is wrong with the sources of motion."""
+    problems = {name: _source_problem(conditions, name) for name in conditions}
+    return [f"conditions.{name}: {problem}" for name, problem in problems.items() if problem]
 
 
 def _source_problem(conditions: Mapping[str, Condition], name: str) -> str:

@@ -299,7 +299,7 @@ class Study(Section, ABC):
         return [
             *catch_problems(self.conditions, self.catch),
             *label_problems(self.conditions, self.catch),
-            *(p for name in self.conditions for p in source_problems(self.conditions, name)),
+            *source_problems(self.conditions),
             *question_problems(self.questions, self.parts),
             *([f"freeze: unknown {', '.join(unknown)} (use {known})"] if unknown else []),
             *exclusion_problems(self.exclusions, self.catch, self.attention),
