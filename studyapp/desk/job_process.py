@@ -43,7 +43,7 @@ STOPPING: Final = (
 def main(arguments: Sequence[str]) -> int:
     """Run the job in a folder to its end."""
     folder, lock = Path(arguments[0]), int(arguments[1])
-    lower_priority()
+    lower_priority_of_session()
     # A server that a script started in the background ignores it, and so would its children.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     job = Job.model_validate_json((folder / DESCRIPTION).read_bytes())
@@ -64,6 +64,9 @@ def main(arguments: Sequence[str]) -> int:
         process_group=0,
         pass_fds=(lock,),
     )
+    with suppress(AttributeError, OSError):
+        # A processor that only runs idle work counts as free for a participant's request.
+        os.sched_setscheduler(process.pid, os.SCHED_IDLE, os.sched_param(0))
     status = _wait(process, folder / STOP)
     if status == 0 and job.packed:
         packed = study / job.packed
@@ -75,17 +78,15 @@ def main(arguments: Sequence[str]) -> int:
     return 0
 
 
-def lower_priority() -> None:
-    """Let this session of processes come after the server's.
+def lower_priority_of_session() -> None:
+    """Let all processes of this session come after the server's.
 
     Linux may share the processors equally among sessions, whatever their processes' priorities
-    (autogroup, see sched(7)). A processor that only runs idle work counts as free for a request.
+    (autogroup, see sched(7)).
     """
     os.nice(LESS_URGENT)
-    with suppress(AttributeError, OSError):
-        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
     with suppress(OSError):
-        Path("/proc/self/autogroup").write_text("19", encoding="ascii")
+        Path("/proc/self/autogroup").write_text(str(LESS_URGENT), encoding="ascii")
 
 
 def _wait(process: subprocess.Popen[bytes], stop: Path) -> int:

@@ -63,7 +63,7 @@ def rehearsal_server(folder: StudyFolder, *, speed: float) -> Iterator[str]:
             stdout=output,
             stderr=subprocess.STDOUT,
             # Ctrl-C reaches only the rehearsal, which then stops the server.
-            start_new_session=True,
+            process_group=0,
         )
         try:
             address = f"http://{HOST}:{port}"
