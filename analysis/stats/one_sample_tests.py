@@ -173,9 +173,6 @@ def pooled_tests(towards_first: NDArray[np.number]) -> Pooled:
 LEVEL: Final = 0.05
 """Level of each of the two tests; the interval that decides is therefore the 90% one."""
 
-STUDENT: Final = "two one-sided t tests"
-NORMAL: Final = "two one-sided z tests"
-
 
 @dataclass(frozen=True, kw_only=True)
 class Equivalence(Interval):
@@ -188,7 +185,7 @@ class Equivalence(Interval):
     margin : float
         A difference up to it does not matter: stated before the data were seen.
     standard_error, df : float
-        Of the difference; infinite degrees of freedom for a normal one.
+        Of the difference.
     p_value : float
         Larger one of the two one-sided p values; NaN where there is no test.
     verdict : {'equivalent', 'different', 'equivalent and different', 'undecided', 'unknown'}
@@ -211,7 +208,7 @@ class Equivalence(Interval):
 
 
 def equivalence(
-    estimate: float, standard_error: float, margin: float, *, df: float = math.inf, n: int = 0
+    estimate: float, standard_error: float, margin: float, *, df: float, n: int = 0
 ) -> Equivalence:
     """Test whether a difference lies within a margin (Schuirmann 1987).
 
@@ -252,7 +249,7 @@ def equivalence(
         high=estimate + half_width,
         p_value=max(above, below),
         verdict=_verdict(max(above, below) < LEVEL, different),
-        method=NORMAL if math.isinf(df) else STUDENT,
+        method="two one-sided t tests",
     )
 
 
@@ -297,8 +294,8 @@ def equivalence_of_means(differences: Floats, margin: float) -> Equivalence:
     count = len(differences)
     if count < 2:
         mean = float(differences[0]) if count else math.nan
-        result = equivalence(mean, math.nan, margin, n=count)
-        return replace(result, df=math.nan, reason="fewer than two participants")
+        result = equivalence(mean, math.nan, margin, df=math.nan, n=count)
+        return replace(result, reason="fewer than two participants")
     spread = float(differences.std(ddof=1))
     if spread <= ROUNDING * float(np.abs(differences).max()):
         spread = 0.0

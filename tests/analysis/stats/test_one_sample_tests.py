@@ -79,7 +79,7 @@ def test_equivalence_agrees_with_another_implementation() -> None:
     ],
 )
 def test_equivalence_distinguishes_four_cases(estimate: float, error: float, verdict: str) -> None:
-    assert equivalence(estimate, error, 0.5).verdict == verdict
+    assert equivalence(estimate, error, 0.5, df=200).verdict == verdict
 
 
 @given(st.floats(-2, 2), st.floats(0.01, 2), st.floats(0.01, 2), st.floats(1, 200))
@@ -95,4 +95,4 @@ def test_means_are_equivalent_if_the_interval_lies_within_the_margins(
 @pytest.mark.parametrize("margin", [0, -0.1, math.nan, math.inf])
 def test_a_margin_must_be_positive(margin: float) -> None:
     with pytest.raises(InputError, match="the margin of equivalence is"):
-        equivalence(0.0, 0.1, margin)
+        equivalence(0.0, 0.1, margin, df=200)
