@@ -84,8 +84,10 @@ class Cell:
 
     @property
     def is_bad(self) -> bool:
-        """Whether something must be fixed."""
-        return any(finding.severity == "error" for finding in self.findings)
+        """Whether something that is there must be fixed."""
+        return self.state != "missing" and any(
+            finding.severity == "error" for finding in self.findings
+        )
 
 
 class Material:

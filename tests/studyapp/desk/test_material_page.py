@@ -70,10 +70,15 @@ def test_the_table_shows_present_missing_and_bad_material(
     assert "The archive is damaged. Do it." in page.text
     os.utime(folder.root / RECORD, (1, 1))
     assert cells(ada.get(MATERIAL))["take-1", "mismatched"] == "motion"
-    # A problem of a pair is shown for both sides.
-    write_finding(folder, read_stimuli(folder.stimuli).pairs[0].file, "has no sound")
+    # A problem of a pair is shown for both sides, as far as they are there.
+    pair = read_stimuli(folder.stimuli).pairs[0].file
+    write_finding(folder, pair, f"{pair} has no sound")
+    assert cells(ada.get(MATERIAL))["take-0", "mismatched"] == "missing"
+    write_motion(folder.clip("mismatched", "take-0"), 2.0)
+    write_finding(folder, pair, f"{pair} has no sound")
     table_cells = cells(ada.get(MATERIAL))
     assert table_cells["take-0", "rule based"] == table_cells["take-0", "mismatched"] == "bad"
+    assert f"{pair} has no sound. Do it." in ada.get(f"{MATERIAL}/mismatched/take-0").text
     shutil.rmtree(folder.speech)
     assert "the study has no speech yet" in ada.get(MATERIAL).text.lower()
     ada.get(TINY)
