@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta, timezone
 from typing import Any
 
 import pytest
-from sqlalchemy.exc import IntegrityError
+from sqlalchemy import literal, select
+from sqlalchemy.exc import IntegrityError, StatementError
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import (
@@ -22,6 +23,7 @@ from studyapp.database.tables import (
     Video,
     WatchRecord,
 )
+from studyapp.database.tables.base import UtcMoment
 from tests.support.studies.stored import filled
 
 NOW = datetime(2026, 5, 4, tzinfo=UTC)
@@ -89,3 +91,13 @@ def test_the_database_enforces_its_constraints(
     with pytest.raises(IntegrityError) as found, database.writing() as session:
         session.add(refused())
     assert "NOT NULL" not in str(found.value)
+
+
+def test_timestamps_keep_and_require_a_time_zone(database: Database) -> None:
+    paris = datetime(2026, 5, 4, 12, 30, 15, 250, tzinfo=timezone(timedelta(hours=2)))
+    with database.reading() as session:
+        read = session.scalar(select(literal(paris, UtcMoment())))
+        assert read is not None
+        assert (read, read.tzinfo) == (paris, UTC)
+        with pytest.raises(StatementError, match="time zone"):
+            session.scalar(select(literal(paris.replace(tzinfo=None), UtcMoment())))
