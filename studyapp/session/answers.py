@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Final, cast
+
+from sqlalchemy import Table, insert
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
@@ -18,6 +20,7 @@ from studyapp.session.state import (
     find_trial,
     load_videos,
     require_current_trial,
+    update_row,
 )
 from studyapp.session.watch_evidence import failed_to_play, missing_seconds
 from studyapp.study.design.trial import AnswerKey, Ask
@@ -33,6 +36,8 @@ WHOLE_NUMBER: Final = re.compile(r"-?[1-9][0-9]{0,2}|0")
 
 SubmittedAnswers = Mapping[AnswerKey, tuple[int, tuple[str, ...]]]
 """Valid answers to one trial: value and reasons of each."""
+
+RESPONSES: Final = insert(cast(Table, Response.__table__))
 
 
 def store_answers(
@@ -80,19 +85,22 @@ def store_answers(
                 seconds=max(1, round(missing)),
             )
         now = clock.now()
-        session.add_all(
-            Response(
-                trial_id=trial.id,
-                question=question,
-                stimulus=stimulus,
-                value=value,
-                reasons=list(reasons),
-                answered_at=now,
-            )
-            for (question, stimulus), (value, reasons) in submitted.items()
+        session.connection().execute(
+            RESPONSES,
+            [
+                {
+                    "trial_id": trial.id,
+                    "question": question,
+                    "stimulus": stimulus,
+                    "value": value,
+                    "reasons": list(reasons),
+                    "answered_at": now,
+                }
+                for (question, stimulus), (value, reasons) in submitted.items()
+            ],
         )
-        trial.answered_at, trial.seconds = now, clock.seconds_since(shown_at)
-        advance(study_session, served.study, now)
+        update_row(session, trial, answered_at=now, seconds=clock.seconds_since(shown_at))
+        advance(session, study_session, served.study, now)
 
 
 def skip_unplayable(
@@ -141,10 +149,10 @@ def skip_unplayable(
         trials = study_session.trials
         skipped = sum(each.unplayable_at is not None for each in trials)
         if skipped >= max_skipped_trials(len(trials)):
-            end_as_unwatched(study_session, now)
+            end_as_unwatched(session, study_session, now)
         else:
             trial.unplayable_at = now
-            advance(study_session, served.study, now)
+            advance(session, study_session, served.study, now)
 
 
 def _find_unplayable_video(trial: Trial, video_token: str) -> Video:

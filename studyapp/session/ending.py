@@ -22,7 +22,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, RefusalLine, StudySession, Trial
 from studyapp.researchers.exclusion_decisions import erase_decisions
 from studyapp.session.refusal import ConflictError
-from studyapp.session.state import current_trial, find_study_session, form_due, state_of
+from studyapp.session.state import current_trial, find_study_session, form_due, state_of, update_row
 from studyapp.study.settings.presentation import Page
 from studyapp.study.settings.recruitment import Channel, Outcome, Recruitment, draw_code
 from studyapp.study.settings.study import Study
@@ -80,22 +80,21 @@ def max_skipped_trials(trials: int) -> int:
     return max(MIN_SKIPPED_TRIALS, trials // TRIALS_PER_SKIP)
 
 
-def end_as_unwatched(study_session: StudySession, now: datetime) -> None:
+def end_as_unwatched(session: Session, study_session: StudySession, now: datetime) -> None:
     """End a study session in which too many videos did not play, and release its place.
 
     There is no completion code: a researcher decides about pay.
     """
-    study_session.last_active_at = now
-    study_session.outcome = "unwatched"
+    update_row(session, study_session, last_active_at=now, outcome="unwatched")
     study_session.place = None
 
 
-def advance(study_session: StudySession, study: Study, now: datetime) -> None:
+def advance(session: Session, study_session: StudySession, study: Study, now: datetime) -> None:
     """Store the activity; after the very last answer, complete the study session.
 
     If the study replaces excluded participants, their places are released.
     """
-    study_session.last_active_at = now
+    update_row(session, study_session, last_active_at=now)
     if study_session.started_at is None or current_trial(study_session) is not None:
         return
     if form_due(study_session, study) is None:

@@ -151,7 +151,7 @@ def store_form_answers(
                 "The next page shows how to go on.",
             )
         study_session.form_answers.extend(answers)
-        advance(study_session, study, now)
+        advance(session, study_session, study, now)
 
 
 def read_form_answers(

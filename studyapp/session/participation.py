@@ -29,6 +29,7 @@ from studyapp.session.state import (
     has_tried_comprehension,
     load_videos,
     state_of,
+    update_row,
 )
 from studyapp.session.trials import (
     ShownTrial,
@@ -120,7 +121,7 @@ def load_situation(database: Database, served: ServedStudy, token: str, clock: C
         if situation.state not in ("instructed", "started"):
             return situation
         now = clock.now()
-        study_session.last_active_at = now
+        update_row(session, study_session, last_active_at=now)
         if sound_check_due(study_session, served):
             draw_digits(study_session)
             return replace(situation, sound_tries=study_session.sound_tries)
@@ -136,7 +137,7 @@ def load_situation(database: Database, served: ServedStudy, token: str, clock: C
         trials = study_session.trials
         load_videos(session, [trial, *following_trials(trials, trial)[:1]])
         if trial.shown_at is None:
-            trial.shown_at = now
+            update_row(session, trial, shown_at=now)
         return replace(situation, trial=shown_trial(trials, trial, served.study, minutes))
 
 

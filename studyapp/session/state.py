@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from datetime import datetime
+from functools import cache
 from types import MappingProxyType
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, cast
 
-from sqlalchemy import Row, bindparam, select
+from sqlalchemy import Row, Table, Update, bindparam, select, update
 from sqlalchemy.orm import Session, joinedload
 from sqlalchemy.orm.attributes import set_committed_value
 
@@ -190,3 +191,20 @@ def _attach(trial: Trial, videos: Sequence[Video]) -> None:
     stimuli = [stimulus for video in videos for stimulus in video.stimuli]
     set_committed_value(trial, "videos", list(videos))
     set_committed_value(trial, "stimuli", sorted(stimuli, key=lambda stimulus: stimulus.number))
+
+
+ROW = "the_row"
+
+
+def update_row(session: Session, row: StudySession | Trial, **values: object) -> None:
+    """Store `values` in the columns of `row`, in the database and in the object."""
+    table = cast(Table, type(row).__table__)
+    session.connection().execute(_update_of(table, tuple(values)), {ROW: row.id, **values})
+    for name, value in values.items():
+        set_committed_value(row, name, value)
+
+
+@cache
+def _update_of(table: Table, names: tuple[str, ...]) -> Update:
+    values: dict[str, Any] = {name: bindparam(name) for name in names}
+    return update(table).where(table.c.id == bindparam(ROW)).values(values)

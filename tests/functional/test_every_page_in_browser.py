@@ -21,7 +21,7 @@ from sqlalchemy import update
 
 from studyapp.database.tables import StudySession
 from studyapp.session.ending import advance
-from studyapp.session.state import current_trial, find_study_session
+from studyapp.session.state import current_trial, find_study_session, update_row
 from studyapp.web.language import language_of, speak
 from studyapp.web.site import attach, site_of
 from tests.functional.browsing import IN_A_BROWSER, follow, press, watched_page
@@ -118,8 +118,8 @@ def leave_trial(page: Page, app: Flask) -> None:
         study_session = find_study_session(session, token)
         trial = current_trial(study_session)
         assert trial is not None
-        trial.unplayable_at = site.clock.now()
-        advance(study_session, site.study, site.clock.now())
+        update_row(session, trial, unplayable_at=site.clock.now())
+        advance(session, study_session, site.study, site.clock.now())
     page.reload()
     expect(page.locator(f"#answers [name=trial][value='{trial.token}']")).to_have_count(0)
 
