@@ -75,6 +75,8 @@ def main(arguments: Sequence[str]) -> int:
     job.model_copy(
         update={"status": status, "ended_at": datetime.now(UTC), "stopped_by": stopped_by}
     ).write(folder)
+    # Before this interpreter ends: the page already shows that another job may begin.
+    os.close(lock)
     return 0
 
 
