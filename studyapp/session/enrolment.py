@@ -49,7 +49,7 @@ from studyapp.session.places import (
 )
 from studyapp.session.refusal import CrowdedAddressError, UnprovenError
 from studyapp.session.served_study import ServedStudy, changed_study_error
-from studyapp.session.trials import make_trial, new_token
+from studyapp.session.trials import new_token, store_trials
 from studyapp.study.design.trial import NO_VOTES, Tally
 
 ARRIVAL_SLOTS: Final = threading.BoundedSemaphore(4)
@@ -269,10 +269,10 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
         consented_at=now,
         last_active_at=now,
         form_answers=answers,
-        trials=[make_trial(trial, served) for trial in planned],
     )
     session.add(study_session)
     session.flush()
+    store_trials(session, study_session.id, planned, served)
     session.execute(
         update(Place).where(Place.id == place.id).values(study_session_id=study_session.id)
     )
