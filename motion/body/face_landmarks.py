@@ -34,6 +34,9 @@ _MIN_DISTANCE: Final = 0.006
 _MIN_SHIFT: Final = 1e-3
 """Smallest movement of a landmark by its component, in metres."""
 
+_MAX_SHIFT: Final = 0.2
+"""Largest plausible shift of a landmark, in metres."""
+
 _SKIN: Final = ("skin", "lips")
 """Materials that may have landmarks, if the body names the materials of its vertices."""
 
@@ -106,7 +109,8 @@ class FaceLandmarks:
     def _check_actions(self) -> None:
         if not self.body.has_arkit_slots:
             raise InputError(
-                "the body's face has no facial actions", remedy="Use an avatar with ARKit's"
+                "the body's face has no facial actions",
+                remedy="Name an avatar with ARKit's under [video] in study.toml",
             )
 
     def facial_actions(self, shifts: FloatArray, *, misfit: float = _EXACT) -> FloatArray:
@@ -129,9 +133,16 @@ class FaceLandmarks:
         Raises
         ------
         InputError
-            If the body's face moves by components.
+            If the body's face moves by components, or a landmark shifts farther than any face
+            moves.
         """
         self._check_actions()
+        farthest = float(np.linalg.norm(shifts, axis=2).max(initial=0))
+        if not farthest <= _MAX_SHIFT:
+            raise InputError(
+                f"a landmark shifts by {farthest:.3g} m, farther than any face moves",
+                remedy="Give metres, as shifts from the neutral face while the head is held still",
+            )
         directions = self.body.expression_directions[: self.count]
         slots = min(directions.shape[2], ARKIT_COUNT)
         effects = directions[:, :, :slots].reshape(-1, slots).astype(np.float64)

@@ -75,6 +75,16 @@ def test_unshowable_faces_and_bodies_without_a_face_are_refused(
         by_components.facial_actions(by_components.neutral[None])
 
 
+@pytest.mark.parametrize("shift", [0.25, np.nan])
+def test_shifts_farther_than_any_face_moves_are_refused(
+    landmarks: FaceLandmarks, shift: float
+) -> None:
+    shifts = np.zeros((2, landmarks.count, 3), np.float32)
+    shifts[1, 3, 2] = shift
+    with pytest.raises(InputError, match="farther than any face moves"):
+        landmarks.facial_actions(shifts)
+
+
 def test_the_stored_landmarks_match_the_default_body(landmarks: FaceLandmarks) -> None:
     frozen = FaceLandmarks.of_default_body()
     for name, array in landmarks.arrays().items():
