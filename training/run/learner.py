@@ -36,6 +36,9 @@ from training.run.batches import (
 from training.run.group import Group
 from training.run.task import Network, Task, TaskInPasses
 
+_Part = tuple[int, NDArray[np.int64], float]
+"""Number, examples and share of a part of a step."""
+
 
 class Learner(Generic[Network]):
     """A network that learns.
@@ -104,7 +107,7 @@ class Learner(Generic[Network]):
             average = self._average.network
             self._pass_weights.prepare(average, step)
             for number, p in self._due_passes(step) if batch_normed(average) else ():
-                computed = self._computed(step, number, p, average)
+                computed = self._computed(self._own_parts(step), step, number, p, average)
                 StepStatistics(average, self._group, computed).remember()
         return losses
 
@@ -141,7 +144,7 @@ class Learner(Generic[Network]):
         """Sum the gradients of a pass, and its losses."""
         group = self._group
         parts = self._own_parts(step)
-        computed = self._computed(step, number, p, self._network)
+        computed = self._computed(parts, step, number, p, self._network)
         shared = None
         if len(parts) * group.size > 1 and batch_normed(self._network):
             shared = StepStatistics(self._network, group, computed)
@@ -158,8 +161,8 @@ class Learner(Generic[Network]):
         group.sum_gradients(self._network.parameters())
         return group.sum(sums)
 
-    def _own_parts(self, step: int) -> list[tuple[int, NDArray[np.int64], float]]:
-        """Return number, examples and share of each part of a step that this process computes."""
+    def _own_parts(self, step: int) -> list[_Part]:
+        """Return the parts of a step that this process computes."""
         config, group = self._config, self._group
         rows = step_rows(step, self._task.examples, config.batch_size, config.seed)
         parts = step_parts(rows, config.accumulate, group.size)
@@ -169,12 +172,11 @@ class Learner(Generic[Network]):
         ]
 
     def _computed(
-        self, step: int, number: int, p: Pass, network: Network
+        self, parts: Sequence[_Part], step: int, number: int, p: Pass, network: Network
     ) -> Sequence[Callable[[], Mapping[str, Tensor]]]:
-        """Return functions for the losses of each of this process' parts of a pass."""
+        """Return functions for the losses of each of the parts of a pass."""
         return [
-            partial(self._losses, network, rows, p, (step, part, number))
-            for part, rows, _ in self._own_parts(step)
+            partial(self._losses, network, rows, p, (step, part, number)) for part, rows, _ in parts
         ]
 
     def _losses(
@@ -232,6 +234,10 @@ class _PassWeights:
         self._passes = passes
         self._learning = {name for name, w in network.named_parameters() if w.requires_grad}
         self._by_pass = {p.name: self._learning & _weights(network, p) for p in passes}
+        self._by_module = {
+            prefix: {name for name, _ in module.named_parameters(prefix)}
+            for prefix, module in network.named_modules()
+        }
         idle = next(
             (step for step in range(steps) if not any(p.is_due(step) for p in passes)), None
         )
@@ -246,7 +252,7 @@ class _PassWeights:
         network.train()
         learning = set().union(*(self._by_pass[p.name] for p in self._passes if p.in_stage(step)))
         for prefix, module in network.named_modules():
-            weights = {name for name, _ in module.named_parameters(prefix)}
+            weights = self._by_module[prefix]
             if weights and weights.isdisjoint(learning):
                 module.eval()
 
