@@ -270,7 +270,8 @@ def _requested_preset(request: TrainingRequest, dataset: str) -> TrainingPreset:
             f"represented as {dataset.upper()}'s",
             remedy=f"Use --config {' or '.join(fitting)}",
         )
-    changes = ABLATIONS.get(str(request.choices.get("ablation")), {})
+    ablation = request.choices.get("ablation")
+    changes = {} if ablation is None else ABLATIONS[ablation]
     return replace(
         preset,
         network=replace(preset.network, **changes),
@@ -313,6 +314,7 @@ def _describe(
         f"Share of the noise that it does not predict in {len(task.held_out)} held-out windows: "
         f"{measured['noise']:.3f} (untrained {untrained['noise']:.3f}); loss "
         f"{measured['loss']:.4g} (untrained {untrained['loss']:.4g}).",
+        f"Weights are chosen by the least {METRIC.replace('_', ' ')} of held-out windows.",
     )
     warnings = []
     if measured[METRIC] >= untrained[METRIC]:

@@ -182,7 +182,8 @@ def _spread(values: FloatArray) -> float:
 def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
     """Train Speech2UnifiedExpressions; see `generators.registry.TrainGenerator`."""
     preset, kind = PRESETS[request.config], request.takes.kind
-    changes = ABLATIONS.get(str(request.choices.get("ablation")), {})
+    ablation = request.choices.get("ablation")
+    changes = {} if ablation is None else ABLATIONS[ablation]
     vectors = load_word_vectors(request.choices.get("vectors"))
     face = FaceLandmarks.of_default_body()
     sizes = NetworkConfig(speakers=1, words=vectors.width, **preset.sizes)
