@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 import torch
@@ -64,7 +64,7 @@ class Normalisation:
         return np.asarray(self.std >= _LARGEST_ROUNDING)
 
 
-def load_released(path: Path, dataset: str) -> Denoiser:
+def load_released(path: Path, dataset: Literal["beat", "show"]) -> Denoiser:
     """Return the released network of a data set, in evaluation mode, on the CPU.
 
     The file is what ``torch.save(state_dict)`` or safetensors wrote: the weights alone, or under
@@ -203,7 +203,7 @@ def write_network(path: Path, network: MotionNetwork) -> None:
     )
 
 
-def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
+def load_network(path: Path, dataset: Literal["beat", "show"], stats: Path | None) -> MotionNetwork:
     """Return the network of a file that `write_network` or DiffSHEG's authors wrote.
 
     Parameters

@@ -7,6 +7,7 @@ import pickle
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -96,7 +97,9 @@ def test_unusable_content_is_refused(stats: Path, values: np.ndarray, message: s
 
 @pytest.mark.slow
 @pytest.mark.parametrize("dataset", ["beat", "show"])
-def test_the_forward_pass_matches_the_released_network(dataset: str, tmp_path: Path) -> None:
+def test_the_forward_pass_matches_the_released_network(
+    dataset: Literal["beat", "show"], tmp_path: Path
+) -> None:
     reference = reference_arrays(f"diffsheg_{dataset}")
     shapes = json.loads((REFERENCE / f"diffsheg_{dataset}_state_dict.json").read_text())
     torch.save({"encoder": reference_weights(shapes)}, tmp_path / "released.pt")

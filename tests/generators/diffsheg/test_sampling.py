@@ -23,6 +23,8 @@ from generators.diffsheg.sampling import (
     Sampler,
     Window,
     WindowSampler,
+    draw_noise,
+    sample_window,
     sample_windows,
     stream,
 )
@@ -115,6 +117,21 @@ def test_motion_is_available_before_the_speech_ends() -> None:
     assert asked == [0]
     with pytest.raises(InputError, match="cannot share 8"):
         moved(sampler, sampling=replace(SAMPLING, overlap=FRAMES))
+
+
+@pytest.mark.parametrize("name", ["fast", "smooth"])
+def test_shared_frames_connect_one_window_to_the_next(name: str) -> None:
+    sampling = replace(SAMPLINGS[name], overlap=4)
+
+    def always_two(noisy: Tensor, place: int) -> Tensor:
+        alpha_bar = float(LINEAR.alpha_bar[sampling.timesteps[place]])
+        noise: Tensor = (noisy - 2 * alpha_bar**0.5) / (1 - alpha_bar) ** 0.5
+        return noise
+
+    noise = draw_noise((6, 1), sampling, torch.Generator().manual_seed(2), continues=True)
+    motion = sample_window(always_two, sampling, noise, torch.full((4, 1), -1.0))
+    expected = [-1.0, -0.25, 0.5, 1.25, 2.0, 2.0]
+    np.testing.assert_allclose(motion[:, 0], expected, rtol=0, atol=1e-5)
 
 
 @pytest.mark.parametrize(
