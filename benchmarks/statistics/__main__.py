@@ -45,7 +45,7 @@ def _ordinal(side: int, large: int) -> None:
         print(f"clmm_r_s: {comparison.seconds_r:.3f}")
         print(f"clmm_times_faster: {comparison.times_faster:.1f}")
         print(f"clmm_estimates_apart: {comparison.estimates_apart:.1e}")
-        print(f"clmm_errors_apart: {comparison.errors_apart:.1e}")
+        print(f"clmm_effect_error_apart: {comparison.effect_error_apart:.1e}")
         print(f"clmm_log_likelihood_apart: {comparison.log_likelihood_apart:.1e}")
         print(f"clmm_agrees: {'yes' if comparison.agrees else 'no'}")
     answers = made_answers(large, large)

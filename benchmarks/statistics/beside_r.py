@@ -46,8 +46,8 @@ class BesideR:
         Processor time of each.
     estimates_apart : float
         Largest difference of an estimate, thresholds included.
-    errors_apart : float
-        Relative difference of the effect's standard error.
+    effect_error_apart : float
+        Relative difference of the standard error of the effect `s`; thresholds' are left out.
     log_likelihood_apart : float
         Difference of the log-likelihoods.
     """
@@ -55,7 +55,7 @@ class BesideR:
     seconds: float
     seconds_r: float
     estimates_apart: float
-    errors_apart: float
+    effect_error_apart: float
     log_likelihood_apart: float
 
     @property
@@ -68,7 +68,7 @@ class BesideR:
         """Whether all three differences are as small as promised."""
         return (
             self.estimates_apart < 1e-3
-            and self.errors_apart < 1e-2
+            and self.effect_error_apart < 1e-2
             and self.log_likelihood_apart < 1e-3
         )
 
@@ -117,7 +117,7 @@ def beside_r(answers: Preferences, *, turns: int = 3) -> BesideR:
         seconds=seconds,
         seconds_r=theirs["seconds"],
         estimates_apart=float(np.abs(estimates - theirs["estimates"]).max()),
-        errors_apart=float(np.abs(errors / theirs["errors"][-len(errors) :] - 1).max()),
+        effect_error_apart=float(np.abs(errors / theirs["errors"][-len(errors) :] - 1).max()),
         log_likelihood_apart=abs(our_fit.log_likelihood - theirs["log_likelihood"]),
     )
 
