@@ -111,7 +111,7 @@ def public_address(
         show_default=default is not None,
         metavar="URL",
         envvar="MOTIONJURY_ADDRESS",
-        callback=lambda context, parameter, value: check_address(value or ""),
+        callback=lambda context, parameter, value: check_address(value) if value else "",
         help=help,
     )
 
@@ -120,7 +120,7 @@ def check_address(address: str) -> str:
     """Return a public address without a final slash; `InputError` if it is none."""
     parts = urlsplit(address)
     has_host = parts.scheme in ("http", "https") and parts.hostname
-    if address and (not has_host or parts.query or parts.fragment):
+    if not has_host or parts.query or parts.fragment:
         raise InputError(
             "this is not the address of a study",
             where=f"address {address!r}",

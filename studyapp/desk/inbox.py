@@ -238,7 +238,7 @@ class Inbox:
 
 
 REFUSED: Final = "refused: "
-"""Begins the lines of its log that say why a file was not brought in."""
+"""Begins the lines of the import's log that say why a file was not brought in."""
 
 
 def bring_in(study: OpenedStudy) -> ResponseReturnValue:

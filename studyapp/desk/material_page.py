@@ -109,7 +109,8 @@ class Material:
     def __init__(self, folder: StudyFolder) -> None:
         self.folder = folder
         self.study = folder.study()
-        self.segments = {each.name: each for each in folder.segments_of(self.study)}
+        segments = folder.segments_of(self.study, allow_damaged=True)
+        self.segments = {each.name: each for each in segments}
         catch = (self.study.catch.condition,) if self.study.catch.trials else ()
         self.conditions = (*self.study.conditions, *catch)
         stimuli = read_stimuli(folder.stimuli) if folder.stimuli.exists() else Stimuli()

@@ -1,4 +1,4 @@
-"""All pages of the desk, with the right that each needs, which one guard asks for.
+"""All pages of the desk, with the right that each needs; a study's are asked for as it is opened.
 
 The views here list the studies, show one, and lead into it.
 """

@@ -89,7 +89,7 @@ class Overview:
     intake : Intake
         Whether newcomers are admitted, as far as the study file allows it.
     is_open : bool
-        Whether both admit newcomers.
+        Whether the study file and the researchers' decision admit newcomers.
     announced_minutes : int or None
         The duration that participants are told.
     arms : tuple of PlaceCounts

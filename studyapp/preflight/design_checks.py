@@ -89,6 +89,9 @@ def _exclusion_findings(study: Study) -> Iterator[Finding]:
 def balance_findings(material: Material) -> Iterator[Finding]:
     """Yield how often the planned participants will judge each segment."""
     planned = list(material.plans)
+    used = {trial.part for plan in planned for trial in plan}
+    if empty := [part for part in material.study.parts if part not in used]:
+        yield make_finding("parts-unused", parts=listed(empty))
     if not any(planned):
         return
     if material.study.follows_votes:
@@ -113,6 +116,3 @@ def balance_findings(material: Material) -> Iterator[Finding]:
         many = len(unused) > 5
         names = [*unused[:4], f"{len(unused) - 4} more"] if many else unused
         yield make_finding("segments-unused", segments=listed(names))
-    used = {trial.part for plan in planned for trial in plan}
-    if empty := [part for part in material.study.parts if part not in used]:
-        yield make_finding("parts-unused", parts=listed(empty))

@@ -46,7 +46,7 @@ class Material:
         return cls(
             folder=folder,
             study=study,
-            segments=tuple(folder.segments_of(study)),
+            segments=tuple(folder.segments_of(study, allow_damaged=True)),
             media=Media.of(folder, study) if folder.stimuli.exists() else None,
         )
 

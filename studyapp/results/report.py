@@ -99,6 +99,7 @@ def report(
     if with_motion:
         on_step("packing motion")
         subject = replace(subject, motion=_playable_pairs(folder, study, segments, tasks))
+    known = read_truth(folder.rehearsal_truth) if answers.origin == "rehearsal" else None
     for task in tasks:
         tables.append(_with_exclusions(task.rows, task.left_out))
         results = task_report(
@@ -115,9 +116,8 @@ def report(
             task.table, task.left_out.analysed, subject.metrics, subject.recorded
         )
         reports.append(replace(results, metrics_against_people=agreement))
-    if answers.origin == "rehearsal":
-        known = read_truth(folder.rehearsal_truth).expected
-        subject = replace(subject, truth=found_values(reports, known))
+    if known is not None:
+        subject = replace(subject, truth=found_values(reports, known.expected))
     remark = record_look(folder, study, answers, way="report", reason=reason)
     if remark and warn is not None:
         warn(remark)

@@ -306,7 +306,8 @@ def add_newcomer(session: Session, address: str | None, now: datetime) -> None:
     expired = select(Newcomer.id).where(Newcomer.at <= now - WINDOW)
     # Rows that another transaction is deleting are skipped.
     session.execute(
-        delete(Newcomer).where(Newcomer.id.in_(expired.with_for_update(skip_locked=True)))
+        delete(Newcomer).where(Newcomer.id.in_(expired.with_for_update(skip_locked=True))),
+        execution_options={"synchronize_session": False},
     )
     if address is not None:
         session.add(Newcomer(at=now, address=address))

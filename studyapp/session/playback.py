@@ -1,8 +1,8 @@
 """Which videos may be served at this moment, and browsers' reports about playing them.
 
-Both are requested most. A video takes one statement; a report takes three, and reads one row for
-each video of the page. The rules are those of `studyapp.session.state`, in SQL; the same tests
-check both.
+Both are requested most. A video takes one statement after its first sending; a report takes three,
+and reads one row for each video of the page. The rules are those of `studyapp.session.state`, in
+SQL; the same tests check both.
 """
 
 from __future__ import annotations

@@ -35,6 +35,8 @@ def store_trials(
 
     One statement a table: objects for the 150 rows took longer than all else in an enrolment.
     """
+    if not planned:
+        return
     trial_ids = session.scalars(
         insert(Trial).returning(Trial.id, sort_by_parameter_order=True),
         [{**_trial_row(trial), "study_session_id": study_session_id} for trial in planned],

@@ -189,6 +189,8 @@ def test_each_person_on_a_list_is_invited_once_and_only_its_owner_reads_the_tabl
     refusal = recruit(tiny_study, "invite", *moved, status=1)
     assert "it has links to another address" in refusal
     assert "begin with https://new.example.org/?invitation=, as" in refusal
+    nowhere = ("--list", str(people), "--address", "")
+    assert "not the address of a study" in recruit(tiny_study, "invite", *nowhere, status=1)
 
 
 def test_a_code_that_differs_from_prolifics_is_found(folder: Path, stand_in: StandIn) -> None:
