@@ -18,7 +18,7 @@ from analysis.planning.power import FEWEST_EXACT, Effort, Power, simulate_power
 from motion.files import write_text
 from motion.processes import ProcessPool
 
-VERSION: Final = "2"
+VERSION: Final = "3"
 """Raised whenever the same task is simulated otherwise."""
 
 
@@ -114,8 +114,10 @@ def _seconds(part: Part, effort: Effort, *, with_null: bool) -> float:
     quick = 2.5e-7 * answers * effort.quick * (2 if with_null else 1)
     if part.kind == "ratings":
         return quick
-    tests = len(part.trials.pairs) if part.kind == "pairs" else 1
-    each = (0.018 if part.kind == "pairs" else 0.006) * tests + 6e-6 * answers
+    if part.kind == "pairs":
+        each = 0.018 * len(part.trials.pairs) + 1e-5 * answers
+    else:
+        each = 0.006 + 6e-6 * answers
     return quick + each * min(effort.exact, USUAL)
 
 
