@@ -232,13 +232,16 @@ class LocalWorkers:
     def begin(self, number: int, job: Job) -> None:
         """Give `job` to an idle process, or to a new one."""
         while self._idle:
-            worker = self._idle.pop()
+            worker = self._idle[-1]
+            # Busy before it is no longer idle: `__exit__` ends it wherever an exception comes.
+            self._busy[worker.pipe] = worker, number, job
+            self._idle.pop()
             try:
                 worker.pipe.send(job)
             except ConnectionError:  # it died while it was idle
+                del self._busy[worker.pipe]
                 worker.bury()
             else:
-                self._busy[worker.pipe] = worker, number, job
                 return
         self._begin_in_new_process(number, job)
 
@@ -254,10 +257,11 @@ class LocalWorkers:
         while not ended:
             ready = wait(list(self._busy))
             for pipe in [pipe for pipe in self._busy if pipe in ready]:
-                worker, number, job = self._busy.pop(pipe)
+                worker, number, job = self._busy[pipe]
                 try:
                     outcome: Outcome = pipe.recv()
                 except (EOFError, ConnectionError):
+                    del self._busy[pipe]
                     reason = worker.bury()
                     self._deaths[number] += 1
                     if self._deaths[number] < _ATTEMPTS:
@@ -269,6 +273,7 @@ class LocalWorkers:
                     )
                 else:
                     self._idle.append(worker)
+                    del self._busy[pipe]
                 ended.append((number, outcome))
         return ended
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import multiprocessing
 import os
 import pickle
 import signal
@@ -8,6 +9,7 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import pytest
@@ -84,6 +86,21 @@ def test_a_job_is_retried_until_it_has_killed_two_processes(
     assert (doomed.because_of, doomed.error) == ("long", "its clip long could not be made")
     assert not video_of(long_job).exists()
     assert video_of(pair_job).exists()
+
+
+class _UnsendableName(str):
+    __slots__ = ()
+
+    def __reduce__(self) -> NoReturn:
+        raise ValueError("cannot be sent")
+
+
+def test_an_idle_process_is_ended_if_its_next_job_cannot_be_sent(job: ClipJob) -> None:
+    before = multiprocessing.active_children()
+    failing = replace(job, motion=Path("none.npz"), video=Path("none.mp4"))
+    with pytest.raises(ValueError, match="cannot be sent"):
+        run_jobs([failing, replace(failing, name=_UnsendableName("x"))], processes=1)
+    assert multiprocessing.active_children() == before
 
 
 def _running_in_group(group: int) -> list[str]:
