@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -65,6 +66,12 @@ def test_every_condition_gets_every_metric_as_the_mean_over_its_clips(study: Stu
     motionless = score_of(metrics, "static", "beat alignment above chance (amuse)")
     assert math.isnan(motionless.value)
     assert (motionless.scored, motionless.reason) == (0, "the motion has no beat (2 of 2 clips)")
+
+
+def test_scores_of_all_metrics_can_be_sent_to_another_process(study: Study) -> None:
+    clips = study_metrics(*study, presets=PRESETS).clips
+    scores = [score for score in clips if not score.result.reason]
+    assert pickle.loads(pickle.dumps(scores)) == scores  # noqa: S301
 
 
 def test_a_missing_motion_is_named(study: Study, tmp_path: Path) -> None:
