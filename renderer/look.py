@@ -97,7 +97,7 @@ FIRST_AVATAR: Final = _AVATARS[0].name
 
 
 def default_body(avatar: str = FIRST_AVATAR) -> Path:
-    """Return the file of an avatar's body, in SMPL-X's ``.npz`` layout."""
+    """Return the file of the body of one of `AVATARS`, in SMPL-X's ``.npz`` layout."""
     return AVATARS[avatar].body
 
 
