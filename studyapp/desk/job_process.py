@@ -64,9 +64,6 @@ def main(arguments: Sequence[str]) -> int:
         process_group=0,
         pass_fds=(lock,),
     )
-    with suppress(AttributeError, OSError):
-        # A processor that only runs idle work counts as free for a participant's request.
-        os.sched_setscheduler(process.pid, os.SCHED_IDLE, os.sched_param(0))
     status = _wait(process, folder / STOP)
     if status == 0 and job.packed:
         packed = study / job.packed
@@ -84,11 +81,11 @@ def lower_priority_of_session() -> None:
     """Let all processes of this session come after the server's.
 
     Linux may share the processors equally among sessions, whatever their processes' priorities
-    (autogroup, see sched(7)).
+    (autogroup, see sched(7)). The session then has a quarter of a busy processor.
     """
     os.nice(LESS_URGENT)
     with suppress(OSError):
-        Path("/proc/self/autogroup").write_text(str(LESS_URGENT), encoding="ascii")
+        Path("/proc/self/autogroup").write_text("5", encoding="ascii")
 
 
 def _wait(process: subprocess.Popen[bytes], stop: Path) -> int:

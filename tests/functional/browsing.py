@@ -18,7 +18,7 @@ from studyapp.rehearsal.server import free_port
 from tests.functional.page_checks import LAPTOP
 
 CHROMIUM = Path("/usr/bin/chromium")
-PATIENCE_MS = 60_000
+PATIENCE_MS = 120_000
 """Longest wait for a page on a busy machine: waiting ends as soon as the page is done."""
 expect.set_options(timeout=PATIENCE_MS)
 

@@ -11,7 +11,7 @@ from studyapp.desk.jobs import Job, JobStanding, State, job_standings, run_job
 SLOW = ("rehearse", "--speed", "1")
 """A command of the tiny study that takes minutes."""
 
-PATIENCE = 120.0
+PATIENCE = 300.0
 """Seconds; waiting ends as soon as it is over."""
 
 
