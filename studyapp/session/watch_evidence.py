@@ -240,11 +240,10 @@ def measure_watched(video: Video | PlayedVideo, coverage: float) -> Watched:
         Required share of the video, in [0, 1].
     """
     record = video.watch_record or NOTHING_PLAYED
-    watched = record.intervals if video.sent_at is not None else ()
-    intervals = tuple((start, end) for start, end in watched)
-    missing = max(0.0, coverage * video.duration - total_seconds(intervals))
+    watched = _watched_parts(video.sent_at, record.intervals)
+    missing = max(0.0, coverage * video.duration - total_seconds(watched))
     return Watched(
-        intervals=intervals,
+        intervals=tuple((start, end) for start, end in watched),
         missing=0.0 if missing < 1e-3 else missing,
         next_batch=record.latest[-1][0] + 1 if record.latest else 0,
     )
@@ -266,7 +265,13 @@ def missing_seconds(trial: Trial, coverage: float) -> float:
 
 def watched_seconds(sent_at: datetime | None, intervals: Sequence[Sequence[float]] | None) -> float:
     """Return the seconds of a video that count as watched; none if it was never sent."""
-    return 0.0 if sent_at is None else total_seconds(intervals or ())
+    return total_seconds(_watched_parts(sent_at, intervals))
+
+
+def _watched_parts(
+    sent_at: datetime | None, intervals: Sequence[Sequence[float]] | None
+) -> Sequence[Sequence[float]]:
+    return () if sent_at is None or intervals is None else intervals
 
 
 def watched_share(
