@@ -61,7 +61,11 @@ def commanded(command: str, folder: Path, *options: str) -> Iterator[tuple[str, 
             yield f"http://127.0.0.1:{port}", link
         finally:
             server.send_signal(signal.SIGTERM)
-            server.wait(timeout=PATIENCE_MS / 1000)
+            try:
+                server.wait(timeout=PATIENCE_MS / 1000)
+            except subprocess.TimeoutExpired:
+                server.kill()
+                raise
 
 
 @contextmanager

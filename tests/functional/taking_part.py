@@ -19,15 +19,26 @@ from studyapp.session.enrolment import Arrival, enrol
 from studyapp.session.form_answers import start_trials
 from studyapp.web.app import create_app
 from studyapp.web.site import site_of
+from tests.functional.browsing import PATIENCE_MS
 from tests.functional.page_checks import expect_videos
 from tests.support.servers.local_server import listening
 
 WATCHED = "Watched ✓"
 MOST_TIMES = 5
-AWAIT_END = """video => {
-    window.ended = new Promise(end => video.addEventListener("ended", end, {once: true}))
-        .then(() => true);
+AWAIT_END = """(video, patience) => {
+    window.ended = new Promise((end, fail) => {
+        for (const name of ["ended", "emptied"]) {
+            video.addEventListener(name, () => end(true), {once: true});
+        }
+        setTimeout(() => {
+            const {currentSrc, currentTime, paused, readyState, networkState, error} = video;
+            const state = {currentSrc, currentTime, paused, readyState, networkState};
+            const fault = document.getElementById(`${video.id}-fault`)?.innerText;
+            fail(new Error(JSON.stringify({...state, error: error?.message, fault})));
+        }, patience);
+    });
 }"""
+"""Ends with the video, or when another copy takes its place: that one is to be played anew."""
 
 
 @contextmanager
@@ -74,7 +85,7 @@ def watch(page: Page | Frame) -> None:
         for number, video in enumerate(page.locator("video").all()):
             label = video.get_attribute("data-label") or ""
             if re.search(rf"\b{label}\b", watched.inner_text()):
-                video.evaluate(AWAIT_END)
+                video.evaluate(AWAIT_END, PATIENCE_MS)
                 page.locator(".play").nth(number).click()
                 page.evaluate("window.ended")
                 assert page.locator(".playing").count() <= 1
