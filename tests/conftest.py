@@ -22,6 +22,9 @@ settings.register_profile(
 )
 settings.load_profile("patient")
 
+BEGIN_LONG_WITHIN = 0.8
+"""Share of the short files, by the end of which all long ones have begun."""
+
 # What is imported to collect tests stays until the end: no garbage collection need look through it.
 gc.disable()
 
@@ -32,9 +35,10 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """In continuous integration, rerun a failed browser test once; run long files first.
+    """In continuous integration, rerun a failed browser test once; spread long files over a run.
 
-    Short files at the end keep parallel processes evenly busy.
+    They often wait, and short ones beside them use the processors meanwhile. Only short ones come
+    at the end, where they keep parallel processes evenly busy.
     """
     if "CI" in os.environ:
         for item in items:
@@ -43,7 +47,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if hasattr(config, "workerinput"):
         marks = ("slow", "browser")
         slow = {item.path for item in items if any(map(item.get_closest_marker, marks))}
-        items.sort(key=lambda item: item.path not in slow)
+        long = sorted(slow, key=lambda path: ("functional" not in path.parts, path))
+        short = sorted({item.path for item in items} - slow)
+        places = {path: BEGIN_LONG_WITHIN * number / len(long) for number, path in enumerate(long)}
+        places |= {path: number / len(short) for number, path in enumerate(short)}
+        items.sort(key=lambda item: places[item.path])
 
 
 @pytest.fixture(scope="session")
