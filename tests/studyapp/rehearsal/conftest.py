@@ -14,12 +14,13 @@ from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import Stimuli, read_stimuli, write_stimuli
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.web.app import create_app
 from studyapp.web.site import EXTENSION
 from tests.studyapp.rehearsal.steps import SPEED, participant_of
+from tests.support.studies.added_condition import add_condition
 from tests.support.studies.made_study import make_study
+from tests.support.studies.redefining import redefine
 from tests.support.studies.stored import opened
 
 
@@ -46,26 +47,10 @@ def rendered(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory
 
     What its videos show is nothing to a simulated rater, so the two comparisons share them.
     """
-    root = tmp_path_factory.mktemp("rendered") / "study"
-    folder = StudyFolder(Path(shutil.copytree(tiny_study_template, root)))
-    text = folder.definition.read_text(encoding="utf-8")
-    text = text.replace("participants_per_comparison = 4", "participants_per_comparison = 3")
-    text = text.replace("[conditions.mismatched]", "[conditions.mismatched]\n[conditions.static]")
-    folder.definition.write_text(text, encoding="utf-8")
-    known = read_stimuli(folder.stimuli).pairs
-    more = [
-        pair.model_copy(
-            update={
-                "left": pair.left.replace("mismatched", "static"),
-                "right": pair.right.replace("mismatched", "static"),
-                "key": f"static-{pair.key}",
-            }
-        )
-        for pair in known
-        if "mismatched" in (pair.left, pair.right)
-    ]
-    write_stimuli(folder.stimuli, Stimuli(pairs=(*known, *more)))
-    return folder.root
+    root = Path(shutil.copytree(tiny_study_template, tmp_path_factory.mktemp("rendered") / "study"))
+    redefine(root, ("participants_per_comparison = 4", "participants_per_comparison = 3"))
+    add_condition(root)
+    return root
 
 
 @pytest.fixture
