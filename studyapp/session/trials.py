@@ -8,9 +8,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 from statistics import median
-from typing import Any, Final
+from typing import Any, Final, cast
 
-from sqlalchemy import insert
+from sqlalchemy import Table, insert
 from sqlalchemy.orm import Session
 
 from studyapp.database.tables import Trial, TrialStimulus, Video
@@ -28,6 +28,11 @@ def new_token() -> str:
     return secrets.token_urlsafe(TOKEN_BYTES)
 
 
+TRIALS: Final = cast(Table, Trial.__table__)
+VIDEOS: Final = cast(Table, Video.__table__)
+STIMULI: Final = cast(Table, TrialStimulus.__table__)
+
+
 def store_trials(
     session: Session, study_session_id: int, planned: Sequence[PlannedTrial], served: ServedStudy
 ) -> None:
@@ -37,31 +42,36 @@ def store_trials(
     """
     if not planned:
         return
-    trial_ids = session.scalars(
-        insert(Trial).returning(Trial.id, sort_by_parameter_order=True),
-        [{**_trial_row(trial), "study_session_id": study_session_id} for trial in planned],
-    ).all()
-    trials = dict(zip(trial_ids, planned, strict=True))
+    trials = [{**_trial_row(trial), "study_session_id": study_session_id} for trial in planned]
+    trial_ids = _insert_rows(session, TRIALS, trials)
     videos = [
-        {**_video_row(player, content, served), "trial_id": trial_id}
-        for trial_id, trial in trials.items()
+        {**_video_row(player, content, served), "trial_id": trial_ids[row["token"]]}
+        for row, trial in zip(trials, planned, strict=True)
         for player, content in trial.players.items()
     ]
-    video_ids = session.scalars(
-        insert(Video).returning(Video.id, sort_by_parameter_order=True), videos
-    ).all()
-    numbers = [(video["trial_id"], video["number"]) for video in videos]
-    video_of = dict(zip(numbers, video_ids, strict=True))
+    video_ids = _insert_rows(session, VIDEOS, videos)
+    video_of = {(row["trial_id"], row["number"]): video_ids[row["token"]] for row in videos}
     stimuli = [
         {
             **_stimulus_row(number, stimulus),
-            "trial_id": trial_id,
-            "video_id": video_of[trial_id, player],
+            "trial_id": trial_ids[row["token"]],
+            "video_id": video_of[trial_ids[row["token"]], player],
         }
-        for trial_id, trial in trials.items()
+        for row, trial in zip(trials, planned, strict=True)
         for player, number, stimulus in numbered_stimuli(trial.players)
     ]
-    session.execute(insert(TrialStimulus), stimuli)
+    session.connection().execute(insert(STIMULI), stimuli)
+
+
+def _insert_rows(
+    session: Session, table: Table, rows: Sequence[dict[str, Any]]
+) -> Mapping[str, int]:
+    """Store `rows`, and return their ids by token.
+
+    Databases return ids in any order; in the order of `rows`, SQLite stores one at a time.
+    """
+    storing = insert(table).returning(table.c.token, table.c.id)
+    return dict(session.connection().execute(storing, rows).all())
 
 
 def make_trial(planned: PlannedTrial, served: ServedStudy) -> Trial:
