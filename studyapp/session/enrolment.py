@@ -47,7 +47,7 @@ from studyapp.session.places import (
     stale_before,
     take_open_place,
 )
-from studyapp.session.refusal import CrowdedAddressError, UnprovenError
+from studyapp.session.refusal import CrowdedAddressError, TakenPartError, UnprovenError
 from studyapp.session.served_study import ServedStudy, changed_study_error
 from studyapp.session.trials import new_token, store_trials
 from studyapp.study.design.trial import NO_VOTES, Tally
@@ -185,7 +185,7 @@ def _is_proven(existing: StudySession, arrival: Arrival) -> bool:
 
 def _require_inactive(existing: StudySession, served: ServedStudy, now: datetime) -> None:
     if _is_over(existing):
-        raise UnprovenError(
+        raise TakenPartError(
             "Somebody with this participant ID has already taken part.",
             "If it was you, everything is stored: your last page is in the browser you used.",
         )

@@ -72,6 +72,10 @@ class UnprovenError(RefusalError):
     """Nothing proves that the study session belongs to this person."""
 
 
+class TakenPartError(UnprovenError):
+    """It is over, besides."""
+
+
 class IneligibleError(RefusalError):
     """The person cannot take part in the study."""
 

@@ -79,6 +79,11 @@ KINDS = {
 """What a page is, by something that only it holds; a new kind of page is one line here."""
 
 
+SUBMITTED_TWICE = """form => [1, 2].map(
+    () => form.dispatchEvent(new SubmitEvent("submit", { cancelable: true })))"""
+"""What a double click does: of each time, whether the form would be sent."""
+
+
 def walk(page: Page, address: str, app: Flask) -> Iterator[str]:
     """Go from the first page to the completion code; give a name for each state of each page."""
     page.goto(address)
@@ -205,6 +210,8 @@ def test_every_side_page_is_accessible_and_withdrawing_deletes(
         # The browser logs an error for each refusal here.
         page = browser.new_context(viewport=LAPTOP).new_page()
         database = site_of(app).database
+        page.goto(address)
+        assert page.locator("#eligibility").evaluate(SUBMITTED_TWICE) == [True, False]
         page.goto(address)
         page.get_by_label("no", exact=True).check()
         press(page, "Next")

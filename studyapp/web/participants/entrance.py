@@ -23,7 +23,12 @@ from studyapp.session.form_answers import (
     note_screen_out,
     was_screened_out,
 )
-from studyapp.session.refusal import IneligibleError, StudyFullError, UnacceptableError
+from studyapp.session.refusal import (
+    IneligibleError,
+    StudyFullError,
+    TakenPartError,
+    UnacceptableError,
+)
 from studyapp.study.settings.presentation import Device, Message
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
@@ -149,8 +154,9 @@ def start() -> ResponseReturnValue:
 
 
 @pages.errorhandler(StudyFullError)
-def turn_away(refusal: StudyFullError) -> ResponseReturnValue:
-    """Say why nobody new is admitted, with the ways back to a recruiter or a begun session."""
+@pages.errorhandler(TakenPartError)
+def turn_away(refusal: StudyFullError | TakenPartError) -> ResponseReturnValue:
+    """Say why they are not admitted, with the ways back to a recruiter or a begun session."""
     site = study_site()
     what, remedy = refusal.messages
     recruitment = site.study.recruitment

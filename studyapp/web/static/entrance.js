@@ -5,12 +5,20 @@ import { recall, remember } from "./storage.js";
 import { say } from "./words.js";
 
 const SMALLEST_SIDE = 600; // CSS pixels of a tablet
+const AGAIN_MS = 5000; // sooner, a click is of the same answer
 
 const entrance = document.getElementById("entrance");
 const visit = entrance.querySelector("[name=visit]");
 const stored = recall("visit");
 if (stored) visit.value = stored;
 else remember("visit", visit.value);
+
+// Whoever cannot take part is counted, and has no name by which to be counted once.
+let sentAt = -AGAIN_MS;
+entrance.querySelector("form").addEventListener("submit", (event) => {
+  if (event.timeStamp - sentAt < AGAIN_MS) event.preventDefault();
+  else sentAt = event.timeStamp;
+});
 
 // What is touched, and how large it is. What the browser calls itself was the server's first guess.
 function kindOfDevice() {

@@ -70,6 +70,16 @@ def test_finishing_returns_to_prolific_with_the_code(
     assert last.value("#leave", "href") == address
     assert all(CODES[other] not in last.text for other in ("screened_out", "failed_attention"))
 
+    # With another submission in another browser, nothing is left but to return it.
+    other = visitor.app.test_client()
+    once_more = other.get(f"/{BY_PROLIFIC.replace('x1', 'x2')}")
+    refused = submit(other, PageReader(once_more.text))
+    assert refused.status_code == 403
+    assert all(code not in refused.text for code in CODES.values())
+    page = PageReader(refused.text)
+    assert "return your place there" in page.text
+    assert page.value("#leave", "href") == "https://app.prolific.com"
+
 
 def test_failed_attention_checks_are_counted_from_the_answers(
     serve_with: ServeWith, clock: SetClock
