@@ -2,7 +2,7 @@
 
 A study may also ask questions below its instructions. Participants who answer those wrongly have a
 second try, as Prolific requires; after that, everything about them is deleted except the fact of
-the screen-out if a recruiter named them.
+the screen-out if the channel names everybody.
 
 A screen-out is final for participants with a name or an invitation. The recruiter's screen-out
 code is shown only once it is stored: nobody can get it, go back and change their answers.
@@ -268,10 +268,10 @@ def start_trials(
 
 
 def _screen_out_and_delete(session: Session, study: Study, study_session: StudySession) -> None:
-    """Delete a study session, and screen out the name under which its participant was sent."""
-    name = study_session.recruiter_participant
-    if name is None and study.recruitment.names_participants:
-        name = study_session.visit
+    """Delete a study session, and screen out its participant, by name if the channel names all."""
+    name = None
+    if study.recruitment.names_participants:
+        name = study_session.recruiter_participant or study_session.visit
     _screen_out(session, name, "comprehension", study_session.last_active_at)
     study_session.place = None
     session.flush()

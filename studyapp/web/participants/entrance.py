@@ -107,7 +107,7 @@ def arrive() -> ResponseReturnValue:
         return Entrant(visit=visit, recruiter={}, answers={}).page("preview")
     entrant = Entrant(visit=visit, recruiter=read_names(request.args), answers={})
     if _was_screened_out(entrant):
-        return _screened_out(entrant)
+        return screened_out_page(), 403
     _require_welcome(entrant)
     return entrant.first_page()
 
@@ -124,7 +124,7 @@ def consent() -> ResponseReturnValue:
     if token is not None:
         return _redirect(token)
     if _was_screened_out(entrant):
-        return _screened_out(entrant)
+        return screened_out_page(), 403
     _require_welcome(entrant)
     try:
         check_eligibility(site.study, entrant.answers)
@@ -142,7 +142,7 @@ def start() -> ResponseReturnValue:
     site.record.require_unchanged()
     entrant = _entrant()
     if _was_screened_out(entrant):
-        return _screened_out(entrant)
+        return screened_out_page(), 403
     try:
         token = enrol(site.database, site.served, entrant.arrival, site.clock)
     except UnacceptableError as refusal:
@@ -201,12 +201,7 @@ def _screen_out(entrant: Entrant) -> ResponseReturnValue:
     name = entrant.arrival.name if site.study.recruitment.names_participants else None
     stage = ineligible_stage(site.study, entrant.answers)
     note_screen_out(site.database, name, stage, site.clock)
-    return _screened_out(entrant)
-
-
-def _screened_out(entrant: Entrant) -> ResponseReturnValue:
-    named = study_site().study.recruitment.names_participants
-    return screened_out_page(named=named, was_sent=bool(entrant.recruiter)), 403
+    return screened_out_page(), 403
 
 
 def _entrant() -> Entrant:

@@ -72,8 +72,7 @@ def begin_trials(token: str) -> ResponseReturnValue:
         problem = note_and_explain(refusal)
         return current_page(token, problem=problem, comprehension=comprehension), 422
     except IneligibleError:
-        named = site.study.recruitment.names_participants
-        return screened_out_page(named=named, was_sent=named, has_tried=True), 403
+        return screened_out_page(has_tried=True), 403
     return redirect_to_current_page(token)
 
 
@@ -216,15 +215,11 @@ def current_page(
     )
 
 
-def screened_out_page(*, named: bool, was_sent: bool, has_tried: bool = False) -> str:
+def screened_out_page(*, has_tried: bool = False) -> str:
     """Return the page for people who cannot take part.
 
     Parameters
     ----------
-    named : bool
-        Whether their visit is stored, under the recruiter's name for them.
-    was_sent : bool
-        Whether a recruiter sent them.
     has_tried : bool
         Whether they failed the questions about the instructions.
     """
@@ -232,8 +227,7 @@ def screened_out_page(*, named: bool, was_sent: bool, has_tried: bool = False) -
     return render_template(
         "screened_out.html",
         study=study,
-        named=named,
-        was_sent=was_sent,
+        named=study.recruitment.names_participants,
         has_tried=has_tried,
         leaving=screened_out_exit(study.recruitment),
     )

@@ -61,12 +61,13 @@ def test_questions_before_and_after_the_trials_are_answered_once(
 @pytest.fixture
 def reader(open_changed: Open) -> Participant:
     """Return somebody who reads the instructions of a study that asks about them."""
-    return open_changed(added=COMPREHENSION).enrol()
+    return open_changed(added=COMPREHENSION)
 
 
 def test_an_unanswered_question_is_not_an_attempt_and_a_wrong_answer_leaves_one(
     reader: Participant,
 ) -> None:
+    reader.enrol()
     for answer in ("", "the hats"):
         with pytest.raises(UnacceptableError):
             reader.begin(judged=answer)
@@ -82,11 +83,12 @@ def test_an_unanswered_question_is_not_an_attempt_and_a_wrong_answer_leaves_one(
         assert session.scalars(select(FormAnswer.value)).all() == ["the clothes"]
 
 
+@pytest.mark.parametrize("arrival", [Arrival(visit="visit"), Arrival(recruiter_participant="p1")])
 def test_two_wrong_attempts_leave_no_data_and_free_the_place(
-    reader: Participant,
+    reader: Participant, arrival: Arrival
 ) -> None:
     with pytest.raises(UnacceptableError):
-        reader.begin(judged="the clothes")
+        reader.arrive(arrival).begin(judged="the clothes")
 
     # The page of the second try may be sent again as well.
     for _ in range(2):
@@ -102,4 +104,4 @@ def test_two_wrong_attempts_leave_no_data_and_free_the_place(
         assert session.scalars(select(ScreenOut)).all() == []
         counts = count_screened_out(session)
     assert counts == {"eligibility": 0, "consent": 0, "comprehension": 1}
-    assert reader.enrol().begin(judged="the gestures").look().state == "started"
+    assert reader.arrive(arrival).begin(judged="the gestures").look().state == "started"
