@@ -107,8 +107,6 @@ def create_app(
         If the study, its media or its database cannot be used, `prefix` is not a path, or the
         study's design has changed since participants came.
     """
-    if rehearsal_speed is not None and not rehearsal_speed > 0:
-        raise InputError("a rehearsal's speed must be above 0", where=f"speed {rehearsal_speed}")
     prefix = checked_prefix(prefix)
     rehearsal = rehearsal_speed is not None
     served = served or ServedStudy.read(folder)

@@ -20,13 +20,18 @@ ATTENTION = "\n[attention]\ntrials = 1\nmax_failed = 0\n"
 Change = tuple[str, str]
 
 
-def finish(open_changed: Open, careless: str, *changes: Change, added: str = "") -> Participant:
-    """Take part in the changed study, and fail the trials of the kind `careless`."""
+def finish(
+    open_changed: Open, careless: str, *changes: Change, added: str = "", skip: bool = False
+) -> Participant:
+    """Take part in the changed study, and fail the trials of the kind `careless`, or skip them."""
     participant = open_changed(*changes, added=added).enrol().begin()
     while (shown := participant.look().trial) is not None:
         with participant.database.reading() as session:
             trial = session.scalars(select(Trial).where(Trial.token == shown.token)).one()
         good = trial.instructed or (1 if trial.expected == 2 else -1)
+        if trial.kind == careless and skip:
+            participant.leave_out()
+            continue
         value = str(-good if trial.kind == careless else good)
         participant.take_trial({"rhythm": value, "emotion": value})
     return participant
@@ -50,6 +55,10 @@ def test_failing_frees_the_place_and_keeps_code_and_answers(
     participant.another().enrol("next")
     with participant.database.reading() as session:
         assert session.scalars(select(StudySession.number)).all() == [0, 0]
+
+
+def test_a_skipped_catch_trial_is_failed(open_changed: Open) -> None:
+    assert held_places(finish(open_changed, "catch", REPLACING, STRICT, skip=True)) == 0
 
 
 @pytest.mark.parametrize(

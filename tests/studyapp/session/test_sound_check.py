@@ -59,6 +59,8 @@ def test_wrong_digits_are_counted_and_exclude_nobody(
     assert hear(listener, spoken)
 
     assert hear(listener, "000" if spoken != "000" else "111")
+    with pytest.raises(ConflictError, match="check is over"):
+        digits(listener)
     assert listener.stored().sound_tries == 5
     assert listener.look().sound_tries is None
     assert listener.begin().look().state == "started"

@@ -9,6 +9,7 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
+from motion.errors import InputError
 from studyapp.database.tables import ScreenOut, StudySession, StudyVersion, Trial
 from studyapp.recruitment.invitations import make_invitations
 from studyapp.web.participants.recruiter_names import COOKIE
@@ -154,6 +155,11 @@ def test_with_signed_links_unsigned_names_are_ignored(
     again = PageReader(stranger.get("/?prolific_token=signed").text)
     assert submit(stranger, again).location == first.location
     assert stored_in(app, select(StudySession.recruiter_participant)) == ["p1"]
+
+
+def test_a_study_without_its_recruiters_codes_is_not_served(serve_with: ServeWith) -> None:
+    with pytest.raises(InputError, match="no code for"):
+        serve_with(PROLIFIC.replace("failed_attention", "# failed_attention"))
 
 
 OTHER_SITES = (

@@ -21,7 +21,7 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, publish
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli, write_stimuli
-from studyapp.web.media_store import FILE, SIGNED_SECONDS, MediaStore, Place
+from studyapp.web.media_store import FILE, SIGNED_SECONDS, Bucket, MediaStore, Place
 from studyapp.web.site import attach, site_of
 from studyapp.web.worker import StudyWorker
 from tests.studyapp.web.conftest import Serve
@@ -142,6 +142,8 @@ def test_videos_replaced_while_serving_are_not_shown(
     write_stimuli(tiny_study / "stimuli.json", before)
     for each in requested:
         assert app.test_client().get(each, buffered=True).status_code == 200
+    (tiny_study / "stimuli.json").unlink()
+    assert app.test_client().get("/").status_code == 200
 
 
 @pytest.fixture(scope="module")
@@ -234,6 +236,20 @@ def require_alike(answers: list[TestResponse]) -> None:
     assert headers[0]["Referrer-Policy"] == "no-referrer"
     assert headers[0]["Cache-Control"] == "private, max-age=300"
     assert "Set-Cookie" not in headers[0]
+
+
+def test_this_server_sends_a_video_whose_address_cannot_be_signed(
+    from_store: Flask, clock: SetClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(bucket: Bucket, name: str, seconds: int) -> str:
+        raise InputError("the keys have expired")
+
+    page = Visitor(from_store, clock).enrol().begin().page()
+    monkeypatch.setattr(Bucket, "address", fail)
+
+    answer = from_store.test_client().get(page.value("video", "src"), buffered=True)
+
+    assert (answer.status_code, answer.mimetype) == (200, "video/mp4")
 
 
 def test_pages_may_load_media_only_from_the_store(
