@@ -81,19 +81,7 @@ def read_entrance_answers(
 
 def _require_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> None:
     if not is_eligible(study, stage, fields):
-        raise _ineligible_error()
-
-
-def _ineligible_error() -> IneligibleError:
-    return IneligibleError(
-        "Thank you for your interest: this study looks for other participants.",
-        "Nothing about you has been stored, and you may close this page.",
-    )
-
-
-def ineligible_stage(study: Study, fields: Mapping[str, str]) -> Stage:
-    """Return the stage before enrolment at which somebody ineligible said so."""
-    return next(stage for stage in BEFORE_ENROLMENT if not is_eligible(study, stage, fields))
+        raise IneligibleError(stage)
 
 
 def is_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> bool:
@@ -241,7 +229,7 @@ def start_trials(
         except UnknownAddressError:
             # The second try, sent again. People with names get their code by their own link alone.
             if tries and not study.recruitment.names_participants:
-                raise _ineligible_error() from None
+                raise IneligibleError("comprehension") from None
             raise
         waiting = sound_check_due(study_session, served) or form_due(study_session, study)
         if state_of(study_session) != "instructed" or waiting:
@@ -260,7 +248,7 @@ def start_trials(
         if is_out:
             _screen_out_and_delete(session, study, study_session)
     if is_out:
-        raise _ineligible_error()
+        raise IneligibleError("comprehension")
     raise UnacceptableError(
         "At least one answer does not fit the instructions.",
         "Please read them again: you have one more try.",

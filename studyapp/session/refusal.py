@@ -13,6 +13,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import RefusalLine, StudySession
 from studyapp.study.settings.presentation import Message, Value
+from studyapp.study.settings.questions import Stage
 
 
 class RefusalError(Exception):
@@ -76,10 +77,6 @@ class TakenPartError(UnprovenError):
     """It is over, besides."""
 
 
-class IneligibleError(RefusalError):
-    """The person cannot take part in the study."""
-
-
 class UninvitedError(RefusalError):
     """The study takes only participants whom its channel names."""
 
@@ -90,6 +87,14 @@ class UnacceptableError(RefusalError):
 
 class TooMuchWatchedError(UnacceptableError):
     """More was reported as played than is possible."""
+
+
+class IneligibleError(Exception):
+    """The answers to the questions of `stage` do not let somebody take part."""
+
+    def __init__(self, stage: Stage) -> None:
+        super().__init__(stage)
+        self.stage = stage
 
 
 MAX_LOGGED: Final = 100

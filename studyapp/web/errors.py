@@ -15,7 +15,6 @@ from studyapp.database.sqlite import WriterLockError
 from studyapp.session.refusal import (
     ConflictError,
     CrowdedAddressError,
-    IneligibleError,
     NotTheirsError,
     RefusalError,
     UnacceptableError,
@@ -31,7 +30,6 @@ from studyapp.web.site import study_site
 STATUS: Final[dict[type[RefusalError], int]] = {
     UnknownAddressError: 404,
     NotTheirsError: 403,
-    IneligibleError: 403,
     UninvitedError: 403,
     UnprovenError: 403,
     CrowdedAddressError: 429,

@@ -19,7 +19,6 @@ from studyapp.session.ending import return_address
 from studyapp.session.enrolment import Arrival, enrol, require_admission, resume
 from studyapp.session.form_answers import (
     check_eligibility,
-    ineligible_stage,
     note_screen_out,
     was_screened_out,
 )
@@ -130,8 +129,8 @@ def consent() -> ResponseReturnValue:
         check_eligibility(site.study, entrant.answers)
     except UnacceptableError as refusal:
         return entrant.page("eligibility", problem=note_and_explain(refusal)), 422
-    except IneligibleError:
-        return _screen_out(entrant)
+    except IneligibleError as error:
+        return _screen_out(entrant, error.stage)
     return entrant.page("consent")
 
 
@@ -148,8 +147,8 @@ def start() -> ResponseReturnValue:
     except UnacceptableError as refusal:
         stage: Stage = "eligibility" if problems_of("eligibility", entrant.answers) else "consent"
         return entrant.page(stage, problem=note_and_explain(refusal)), 422
-    except IneligibleError:
-        return _screen_out(entrant)
+    except IneligibleError as error:
+        return _screen_out(entrant, error.stage)
     return _redirect(token)
 
 
@@ -195,11 +194,10 @@ def _was_screened_out(entrant: Entrant) -> bool:
     return was_screened_out(site.database, entrant.arrival.name)
 
 
-def _screen_out(entrant: Entrant) -> ResponseReturnValue:
+def _screen_out(entrant: Entrant, stage: Stage) -> ResponseReturnValue:
     """Count them; people named by the recruiter stay screened out, and only then get a code."""
     site = study_site()
     name = entrant.arrival.name if site.study.recruitment.names_participants else None
-    stage = ineligible_stage(site.study, entrant.answers)
     note_screen_out(site.database, name, stage, site.clock)
     return screened_out_page(), 403
 
