@@ -41,9 +41,6 @@ from studyapp.study.design.trial import Content, Stimulus
 _Other = aliased(Trial)
 _Asked = aliased(Video)
 
-Shown = Row[str, str, str | None, datetime | None]
-"""A stimulus and the time at which its video was first sent."""
-
 CURRENT_POSITION: Final = (
     select(func.min(_Other.position))
     .where(
@@ -86,30 +83,19 @@ MARK_SENT: Final = (
 )
 
 
-def content_of(database: Database, video_token: str) -> Content | None:
-    """Return the content of a video that may be served now; None for all others.
-
-    Only the current and the next trial of a running study session have videos.
-    """
-    return _content(_find_stimuli(database, video_token)) or None
-
-
 def content_to_send(database: Database, video_token: str, clock: Clock) -> Content | None:
-    """Return `content_of` the video, and store when it was first sent.
+    """Return the content of a video that may be sent now, None for others; store its first sending.
 
-    A video that was never sent cannot have been watched. Only its first request writes.
+    Only the current and the next trial of a running study session have videos. A video that was
+    never sent cannot have been watched. Only its first request writes.
     """
-    shown = _find_stimuli(database, video_token)
+    with database.looking_up() as connection:
+        shown = connection.execute(SHOWN_STIMULI, {"token": video_token}).all()
     if shown and shown[0].sent_at is None:
         with database.writing() as session:
             parameters = {"video_token": video_token, "now": clock.now()}
             session.connection().execute(MARK_SENT, parameters)
     return _content(shown) or None
-
-
-def _find_stimuli(database: Database, video_token: str) -> Sequence[Shown]:
-    with database.looking_up() as connection:
-        return connection.execute(SHOWN_STIMULI, {"token": video_token}).all()
 
 
 def _content(rows: Iterable[Row[*tuple[Any, ...]]]) -> Content:

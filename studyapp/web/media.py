@@ -11,7 +11,7 @@ from werkzeug.exceptions import RequestedRangeNotSatisfiable
 from werkzeug.wsgi import wrap_file
 
 from motion.errors import InputError
-from studyapp.session.playback import content_of, content_to_send, earlier_contents
+from studyapp.session.playback import content_to_send, earlier_contents
 from studyapp.study.design.trial import Content
 from studyapp.web.media_store import KEPT_SECONDS as REDIRECT_SECONDS
 from studyapp.web.site import study_site
@@ -61,10 +61,7 @@ def video(token: str) -> Response:
     The headers are the same for every file: name and age would tell videos apart.
     """
     site = study_site()
-    if request.method == "HEAD":
-        content = content_of(site.database, token)
-    else:
-        content = content_to_send(site.database, token, site.clock)
+    content = content_to_send(site.database, token, site.clock)
     video_file = site.served.videos.get(content) if content is not None else None
     if content is None or video_file is None:
         abort(404)
