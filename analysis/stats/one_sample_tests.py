@@ -302,7 +302,9 @@ def equivalence_of_means(differences: Floats, margin: float) -> Equivalence:
     result = equivalence(
         float(differences.mean()), spread / math.sqrt(count), margin, df=count - 1, n=count
     )
-    return result if spread else replace(result, reason="all participants differ alike")
+    return (
+        result if spread else replace(result, reason="all participants differ by the same amount")
+    )
 
 
 def _verdict(equivalent: bool, different: bool) -> Verdict:

@@ -114,7 +114,7 @@ def mean_difference(cells: RatedCells, a: int, b: int) -> Estimate:
         limits=(-math.inf, math.inf),
     )
     if difference.reason == "all answers alike":
-        difference = replace(difference, reason="all pairs of ratings differ alike")
+        difference = replace(difference, reason="all pairs of ratings differ by the same amount")
     return replace(difference, method=f"{PAIRED}, {difference.method}" if difference.method else "")
 
 

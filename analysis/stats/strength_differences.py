@@ -24,10 +24,6 @@ from analysis.stats.f_tests import FTest
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
 
-ONE_PARTICIPANT: Final = (
-    "one participant: there are no errors, because it is unknown how people differ"
-)
-
 MIXED: Final = f"{TWO_WAY}; by one of them alone where that variance is larger"
 
 

@@ -21,7 +21,6 @@ from scipy.sparse.csgraph import connected_components
 from scipy.special import expit
 
 from analysis.stats.strength_differences import (
-    ONE_PARTICIPANT,
     TwoWayErrors,
     count_kinds,
     standard_errors,
@@ -288,7 +287,7 @@ class FittedStrengths:
     @property
     def remark(self) -> str:
         """Why clustered errors are NaN although there are strengths; empty where they are not."""
-        return ONE_PARTICIPANT if self.participants < 2 and not self.reason else ""
+        return "one participant" if self.participants < 2 and not self.reason else ""
 
 
 def centring(count: int) -> Floats:

@@ -62,7 +62,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: equivalence_of_means(np.array([0.1]), 0.3), "fewer than two participants"),
     (
         lambda: equivalence_of_means(np.array([0.1, 0.3 - 0.2]), 0.3),
-        "all participants differ alike",
+        "all participants differ by the same amount",
     ),
     (lambda: intraclass_correlation(VALUES, WHO, 0 * WHAT), "one item"),
     (lambda: intraclass_correlation(VALUES, 0 * WHO, WHAT), "one participant"),
@@ -83,7 +83,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: rated([3, 4, 5, 2], [0, 1, 0, 1], [0] * 4, [0, 0, 1, 1]), "one participant"),
     (
         lambda: rated([3, 4, 2, 3], [0, 1, 0, 1], [0, 0, 1, 1], [0, 0, 1, 1]),
-        "all pairs of ratings differ alike",
+        "all pairs of ratings differ by the same amount",
     ),
     (lambda: dominant([1, 2, 2, 1], [1, 0, 1, 0], [0] * 4), "one participant"),
     (lambda: dominant([4, 5, 1, 2], [1, 1, 0, 0], [0, 1, 0, 1]), "the ratings do not overlap"),

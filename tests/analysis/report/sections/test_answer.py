@@ -66,11 +66,12 @@ def test_undecided_comparisons_are_not_called_equal_unless_a_margin_was_stated(
     table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=40, segments=20)
 
     effect, certainty_words = answered(table, "pairwise")
-    within, _ = answered(table, "pairwise", margin=0.2)
+    within, further = answered(table, "pairwise", margin=0.2)
 
     assert effect.startswith("The test is not significant")
     assert "no evidence that two conditions are equally good" in certainty_words
     assert within.endswith("; equivalent within 0.2: twin and ours on emotion.")
+    assert "Equivalent" not in further
 
 
 def test_if_everybody_agrees_the_sign_test_decides_and_is_mentioned_once(
@@ -131,8 +132,8 @@ def test_an_interval_that_does_not_decide_is_explained(tmp_path: Path) -> None:
 
     assert "(difference of strengths in logits " in answer(report, subject_of(report))[0]
     assert (
-        "Intervals are not corrected for multiple tests: 1 of them excludes no difference, "
-        "although the corrected p is not significant."
+        "Intervals are not corrected for multiple tests: 1 of them does not contain "
+        "“no difference”, although the corrected p is not significant."
     ) in certainty(seen, subject_of(report))
 
 
