@@ -307,12 +307,12 @@ def within_conditions(tallies: Tallies, metric: OrientedMetric) -> WithinCorrela
     scores = np.where(usable, scores, 0)
     means = np.where(usable, sums / np.where(answers, answers, 1), 0)
     for values, name in ((scores, "scores"), (means, "answers")):
-        if not _differ(values, weights):
+        if np.abs(_deviations(values, weights)).max() <= _ROUNDING * np.abs(values).max():
             return replace(counted, reason=f"the {name} do not differ within conditions")
-    products = np.stack([weights * product for product in _products(scores, means)])
-    estimate = float(_correlation(products.sum(axis=2)[..., None])[0])
-    without_each = (products.sum(axis=2)[..., None] - products)[:, :, usable.any(axis=0)]
-    low, high, reason = _interval(estimate, _correlation(without_each))
+    estimate = _correlation(scores, means, weights)
+    others = ~np.eye(weights.shape[1], dtype=bool)[usable.any(axis=0)]
+    without_each = np.array([_correlation(scores, means, weights * kept) for kept in others])
+    low, high, reason = _interval(estimate, without_each)
     return replace(counted, estimate=estimate, low=low, high=high, reason=reason)
 
 
@@ -325,33 +325,18 @@ def _scores_of_groups(tallies: Tallies, metric: OrientedMetric, clips: Floats) -
     return np.asarray(oriented[tallies.groups[:, 0]] - oriented[tallies.groups[:, 1]])
 
 
-def _differ(values: Floats, weights: Floats) -> bool:
-    """Tell whether values differ within any group by more than rounding errors."""
+def _deviations(values: Floats, weights: Floats) -> Floats:
+    """Return how far values are from the mean of their group, 0 where they have no weight."""
     totals = weights.sum(axis=1, keepdims=True)
     means = (weights * values).sum(axis=1, keepdims=True) / np.where(totals, totals, 1)
-    deviation = np.abs(np.where(weights > 0, values - means, 0)).max()
-    return bool(deviation > _ROUNDING * np.abs(values).max())
+    return np.where(weights > 0, values - means, 0)
 
 
-def _products(first: Floats, second: Floats) -> tuple[Floats, ...]:
-    """Return the terms of a correlation: one, both values, their squares and their product."""
-    # Centred, so that the squares lose no digits.
-    first, second = first - first.mean(), second - second.mean()
-    return np.ones_like(first), first, second, first**2, second**2, first * second
-
-
-def _correlation(sums: Floats) -> Floats:
-    """Return the pooled correlation within groups from sums, shape (6, G, ...); NaN for none."""
-    count, first, second, first_squares, second_squares, products = sums
-    count = np.where(count > 0, count, 1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        covariance = (products - first * second / count).sum(axis=0)
-        first_variance = (first_squares - first**2 / count).sum(axis=0)
-        second_variance = (second_squares - second**2 / count).sum(axis=0)
-        correlation = covariance / np.sqrt(
-            np.maximum(first_variance, 0) * np.maximum(second_variance, 0)
-        )
-    return np.asarray(np.clip(correlation, -1, 1))
+def _correlation(first: Floats, second: Floats, weights: Floats) -> float:
+    """Return the pooled correlation within groups; NaN where either does not vary."""
+    x, y = _deviations(first, weights), _deviations(second, weights)
+    spread = math.sqrt((weights * x**2).sum() * (weights * y**2).sum())
+    return float((weights * x * y).sum()) / spread if spread else math.nan
 
 
 def _interval(estimate: float, without_each: Floats) -> tuple[float, float, str]:

@@ -18,6 +18,7 @@ from scipy import sparse
 from analysis.metrics.scores import Better, StudyMetrics
 from analysis.results.grouping import codes, shown_codes
 from analysis.results.mixed_models import sided
+from analysis.results.strengths import RANKING
 from analysis.stats.samples import bootstrap_counts
 from analysis.stats.strength_models import fit_strengths_of_tables
 
@@ -109,15 +110,9 @@ def _values(protocol: str, answers: pd.DataFrame) -> Floats:
     if protocol in ("pairwise", "mismatch"):
         return sided(answers).wins
     if protocol == "ranking":
-        return -_ranks(answers)
+        rankings = answers.groupby(RANKING, observed=True, dropna=False)["value"]
+        return -rankings.rank().to_numpy(np.float64)
     return answers["value"].to_numpy(np.float64)
-
-
-def _ranks(answers: pd.DataFrame) -> Floats:
-    """Return the rank of each placed condition in its ranking, ties sharing theirs."""
-    rankings = [codes(answers, "participant"), codes(answers, "segment")]
-    ranks = pd.Series(answers["value"].to_numpy(np.float64))
-    return ranks.groupby(rankings).rank(method="average").to_numpy(np.float64)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -297,7 +292,10 @@ def oriented_metrics(
         if clip_values is not None:
             clips = _table(clip_values, conditions, segments)
             recorded_clips = _table(clip_values, [recorded or ""], segments)[0]
-            whole, reference = _means(clips), float(_means(recorded_clips[None])[0])
+            once = np.ones((1, len(segments)))
+            [whole], [[reference]] = (
+                _drawn_means(table, once) for table in (clips, recorded_clips[None])
+            )
         else:
             clips, recorded_clips = None, np.full(len(segments), math.nan)
             values = {c: s.value for (name, c), s in scores.items() if name == score.name}
@@ -330,13 +328,6 @@ def _table(
     values: Mapping[tuple[str, str], float], conditions: Sequence[str], segments: Sequence[str]
 ) -> Floats:
     return np.array([[values.get((c, s), math.nan) for s in segments] for c in conditions])
-
-
-def _means(clips: Floats) -> Floats:
-    """Return the mean over clips that have a score, NaN for none."""
-    scored = ~np.isnan(clips)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(np.where(scored, clips, 0).sum(axis=1) / scored.sum(axis=1))
 
 
 def _drawn_means(clips: Floats, segments: Floats) -> Floats:

@@ -82,6 +82,13 @@ SPEECHES = ("condition", "left_speech", "right_speech", "response")
         ),
         # Tied ranks share their places, and the best is the highest.
         ("ranking", ("condition", "rank"), [("x", 1), ("y", 2), ("z", 2)], [-1, -2.5, -2.5]),
+        # A segment that was ranked twice has two orders.
+        (
+            "ranking",
+            ("condition", "rank", "trial"),
+            [("x", 1, "1"), ("y", 2, "1"), ("x", 2, "2"), ("y", 1, "2")],
+            [-3, -3],
+        ),
     ],
 )
 def test_answers_are_summed_by_preferred_condition_on_either_side(
