@@ -19,8 +19,9 @@ from analysis.results.conditions import RankingResults, RatedDifference, RatingR
 from analysis.results.grouping import ResultKey, Row
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.preference import FEWEST, Comparison, Decision, MatchedCondition
-from analysis.results.report import TableReport
+from analysis.results.report import Results, TableReport
 from analysis.results.strengths import StrengthDifference
+from analysis.stats.one_sample_tests import Equivalence
 
 MOST: Final = 4
 """How many of a kind a sentence names; the tables hold all of them."""
@@ -191,9 +192,6 @@ def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
     in_order = verdicts(report)
     by_size = sorted(in_order, key=lambda v: math.inf if math.isnan(v.size) else -v.size)
     replaced = [v for v in in_order if v.outcome in ("significant", "not significant") and v.why]
-    equivalence = (
-        results.equivalence if isinstance(results, PairwiseResults | RatingResults) else ()
-    )
     return {
         "report": report,
         "people": subject.people,
@@ -202,7 +200,7 @@ def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
         "significant": [v for v in by_size if v.outcome == "significant"],
         "undecided": [v for v in in_order if v.outcome == "not significant"],
         "most": MOST,
-        "equivalent": [pair for pair in equivalence if pair.verdict.startswith("equivalent")],
+        "equivalent": _equivalent_pairs(results),
         "excluded": report.participants.recruited - report.participants.attentive,
         "exploratory": sum(rule.removed for rule in report.rules if rule.exploratory),
         "segments": report.segments,
@@ -225,6 +223,16 @@ def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
             if effect.remark
         ],
     }
+
+
+def _equivalent_pairs(results: Results) -> list[ResultKey]:
+    """Return the pairs that differ by less than the margin, segments being a sample as well."""
+    tests: list[tuple[ResultKey, Equivalence]] = []
+    if isinstance(results, PairwiseResults):
+        tests = [(pair, pair) for pair in results.equivalence]
+    elif isinstance(results, RatingResults):
+        tests = [(pair, pair.two_way) for pair in results.equivalence]
+    return [pair for pair, test in tests if test.verdict.startswith("equivalent")]
 
 
 def _omnibus_tests(report: TableReport) -> list[str]:
