@@ -276,7 +276,7 @@ def enable_second_factor(
         database, clock, researcher_id, password, address, Event.SECOND_FACTOR_ON
     ) as researcher:
         now = clock.now()
-        step = _matching_step(secret, "".join(code.split()), now) if _is_secret(secret) else None
+        step = _matching_step(secret, "".join(code.split()), now) if is_secret(secret) else None
         if step is None:
             raise InputError(
                 "the code is wrong",
@@ -340,7 +340,7 @@ def _matching_step(secret: str, code: str, now: datetime) -> int | None:
     return None
 
 
-def _is_secret(text: str) -> bool:
+def is_secret(text: str) -> bool:
     """Tell whether `text` has the form of a secret."""
     return len(text) == SECRET_LENGTH and set(text) <= set("ABCDEFGHIJKLMNOPQRSTUVWXYZ234567")
 

@@ -24,6 +24,7 @@ from studyapp.researchers.credentials import (
     TooManyAttemptsError,
     disable_second_factor,
     enable_second_factor,
+    is_secret,
     new_secret,
     provisioning_uri,
 )
@@ -184,7 +185,9 @@ def turn_on_second_factor() -> ResponseReturnValue:
             address=client_address(),
         )
     except InputError as error:
-        return _second_factor_page(new_secret(), error), 422
+        # The device may hold the key already.
+        shown = secret if is_secret(secret) else new_secret()
+        return _second_factor_page(shown, error), 422
     return page("second_factor", codes=codes)
 
 
