@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Final
+from typing import Final, NamedTuple
 
 from sqlalchemy import select
 from sqlalchemy.orm import selectinload
@@ -54,24 +54,46 @@ class Event:
     trouble: bool = False
 
 
+class ShownTrial(NamedTuple):
+    """One trial, without its conditions and answers.
+
+    `watched` is the share of its videos that counts as watched; `outcome` is empty for a trial that
+    is still to come.
+    """
+
+    position: int
+    kind: str
+    segment: str
+    emotion: str
+    seconds: float | None
+    watched: float
+    outcome: str
+
+
 @dataclass(frozen=True, kw_only=True)
 class OneStudySession:
-    """One study session.
+    """What researchers see of one study session while data are collected.
 
     Attributes
     ----------
-    row : StudySession
-        With its version, answers about the participant, and trials.
-    trials : tuple of (Trial, float, str)
-        Each trial, the share of its videos that counts as watched, in [0, 1], and its outcome,
-        which is empty for a trial that is still to come.
+    place : int or None
+        Its place in the arm, from 0.
+    version : int
+        The version of the study.
+    recruiter_names : tuple of (str, str)
+        What the recruiter names, and its name, for owners alone.
+    form_answers : sequence of FormAnswer
+        Answers about the participant.
     decisions : sequence of ExclusionDecision
         Researchers' decisions about the participant, newest first.
     """
 
     progress: SessionProgress
-    row: StudySession
-    trials: tuple[tuple[Trial, float, str], ...]
+    place: int | None
+    version: int
+    recruiter_names: tuple[tuple[str, str], ...]
+    form_answers: Sequence[FormAnswer]
+    trials: tuple[ShownTrial, ...]
     events: tuple[Event, ...]
     decisions: Sequence[ExclusionDecision]
 
@@ -84,13 +106,13 @@ def one_study_session(
         select(StudySession)
         .where(StudySession.id == number)
         .options(
-            selectinload(StudySession.version),
-            selectinload(StudySession.form_answers),
-            selectinload(StudySession.trials).selectinload(Trial.responses),
-            selectinload(StudySession.trials).selectinload(Trial.stimuli),
-            selectinload(StudySession.trials)
-            .selectinload(Trial.videos)
-            .options(selectinload(Video.watch_record), selectinload(Video.stimuli)),
+            selectinload(StudySession.trials).options(
+                selectinload(Trial.responses),
+                selectinload(Trial.stimuli),
+                selectinload(Trial.videos).options(
+                    selectinload(Video.watch_record), selectinload(Video.stimuli)
+                ),
+            )
         )
     )
     refused = select(RefusalLine).where(RefusalLine.study_session_id == number)
@@ -100,13 +122,18 @@ def one_study_session(
             return None
         (progress,) = progress_of_sessions(session, served, now, only=number)
         events = [*_own_events(study_session), *map(_refused, session.scalars(refused))]
+        names = {
+            "participant": study_session.recruiter_participant,
+            "study": study_session.recruiter_study,
+            "session": study_session.recruiter_session,
+        }
         return OneStudySession(
             progress=progress,
-            row=study_session,
-            trials=tuple(
-                (trial, _watched_share(trial), _outcome(served.study, trial))
-                for trial in study_session.trials
-            ),
+            place=study_session.number,
+            version=study_session.version.number,
+            recruiter_names=tuple((kind, name) for kind, name in names.items() if name),
+            form_answers=study_session.form_answers,
+            trials=tuple(_shown_trial(served.study, trial) for trial in study_session.trials),
             events=tuple(sorted(events, key=lambda event: event.at)),
             decisions=exclusion_decisions(session, number),
         )
@@ -129,11 +156,19 @@ def contents_shown(database: Database, number: int, position: int) -> dict[int, 
     return contents
 
 
-def _watched_share(trial: Trial) -> float:
+def _shown_trial(study: Study, trial: Trial) -> ShownTrial:
     records = [(video, video.watch_record) for video in trial.videos]
-    return watched_share(
-        (video.duration, video.sent_at, None if record is None else record.intervals)
-        for video, record in records
+    return ShownTrial(
+        position=trial.position,
+        kind=trial.kind,
+        segment=trial.segment,
+        emotion=trial.emotion,
+        seconds=trial.seconds,
+        watched=watched_share(
+            (video.duration, video.sent_at, None if record is None else record.intervals)
+            for video, record in records
+        ),
+        outcome=_outcome(study, trial),
     )
 
 

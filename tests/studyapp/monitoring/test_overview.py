@@ -263,11 +263,11 @@ def test_the_page_of_a_study_session_lists_its_events_in_order(
         "at up to 2 times the speed"
     )
     assert played.trouble
-    assert [watched for _, watched, _ in first.trials][:2] == [0.0, 1.0]
-    assert {outcome for _, _, outcome in first.trials} <= {"answered", "passed", "failed"}
+    assert [trial.watched for trial in first.trials][:2] == [0.0, 1.0]
+    assert {trial.outcome for trial in first.trials} <= {"answered", "passed", "failed"}
     assert withdrawn is not None
     assert (withdrawn.trials, withdrawn.events[-1].what) == ((), "Withdrew")
     assert last is not None
     assert any("2 stalls of 1.5 s" in event.what for event in last.events)
-    assert [outcome for _, _, outcome in last.trials][:2] == ["answered", ""]
+    assert [trial.outcome for trial in last.trials][:2] == ["answered", ""]
     assert one_study_session(opened, served, 99, clock.now()) is None
