@@ -6,6 +6,7 @@ the inherited lock, which the command inherits too: the study is busy as long as
 
 from __future__ import annotations
 
+import ctypes
 import os
 import shutil
 import signal
@@ -31,6 +32,9 @@ from studyapp.desk.jobs import (
 from studyapp.side_process import LESS_URGENT, available_processors
 
 POLL_SECONDS: Final = 0.3
+
+PR_SET_PDEATHSIG: Final = 1
+"""See prctl(2)."""
 
 STOPPING: Final = (
     (0.0, signal.SIGINT),
@@ -63,6 +67,7 @@ def main(arguments: Sequence[str]) -> int:
         stdin=subprocess.DEVNULL,
         process_group=0,
         pass_fds=(lock,),
+        preexec_fn=_end_with_parent if sys.platform == "linux" else None,
     )
     status = _wait(process, folder / STOP)
     if status == 0 and job.packed:
@@ -86,6 +91,11 @@ def lower_priority_of_session() -> None:
     os.nice(LESS_URGENT)
     with suppress(OSError):
         Path("/proc/self/autogroup").write_text("5", encoding="ascii")
+
+
+def _end_with_parent() -> None:
+    """Interrupt the command if this process is killed: nobody could stop it then."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGINT)
 
 
 def _wait(process: subprocess.Popen[bytes], stop: Path) -> int:
