@@ -61,7 +61,8 @@ def check_study_name(name: str) -> str:
     if NAME.fullmatch(name) is None or name in RESERVED:
         raise InputError(
             f"a study of a desk cannot be called {name!r}",
-            remedy="Use letters, digits, '-' and '_', such as gestures-2",
+            remedy="Use letters, digits, '-' and '_', such as gestures-2; the desk itself uses "
+            f"{', '.join(RESERVED)}",
         )
     return name
 

@@ -105,7 +105,9 @@ def read_pay(text: str, channel: str | None) -> Pay | None:
 
 def read_count(text: str, maximum: int, *, unit: str) -> int:
     """Return a number of `unit` from 1 to `maximum`, or raise `InputError`."""
-    if not text.isdecimal() or not 1 <= int(text) <= maximum:
+    # Python converts no number of thousands of digits.
+    is_number = text.isdecimal() and len(text) <= len(str(maximum))
+    if not is_number or not 1 <= int(text) <= maximum:
         raise InputError(
             f"{text!r} is not a number of {unit}",
             remedy=f"Give a whole number from 1 to {maximum}",

@@ -100,6 +100,7 @@ def test_the_forms_values_are_written_into_the_study_file(lab: Lab, grace: Resea
         ({"name": "research"}, "cannot be called"),
         ({"name": "tiny"}, "already"),
         ({"trials": "many"}, "not a number"),
+        ({"participants": "9" * 5000}, "not a number"),
         ({"contact": "me"}, "how to reach"),
         ({"channel": "prolific"}, "must be told"),
         ({"conditions": "own", "condition": "ours", "source": "no_such"}, "unknown source"),
