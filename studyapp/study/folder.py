@@ -212,7 +212,8 @@ def _finished_segments(
             if owners
             else "there are no finished videos yet",
             where=videos,
-            remedy=f"Save them as {paths}, with the same names in each folder",
+            remedy="Bring them in with 'motionjury import', or save them as "
+            f"{paths}, with the same names in each folder",
         )
     return tuple(
         Segment(
