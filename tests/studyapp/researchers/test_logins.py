@@ -20,7 +20,6 @@ from studyapp.researchers.credentials import (
     WINDOW,
     TooManyAttemptsError,
     check_password,
-    disable_second_factor,
     enable_second_factor,
     hash_password,
     new_secret,
@@ -221,22 +220,6 @@ def test_a_recovery_code_logs_in_once_and_none_is_stored(door: Door, device: Dev
         kept = session.scalars(select(Researcher.recovery_hashes)).one()
     assert len(kept) == len(device.recovery) - 2
     assert not set(kept) & set(device.recovery)
-
-
-def test_turning_the_second_factor_on_or_off_needs_password_and_code(door: Door) -> None:
-    secret = new_secret()
-    right = {"secret": secret, "code": code_of(door, secret), "password": PASSWORD}
-    for wrong in ({"password": "wrong"}, {"code": "000000"}, {"secret": "short"}):
-        with pytest.raises(InputError):
-            enable_second_factor(door.database, door.clock, door.ada, **right | wrong, address=HERE)
-    door.enter()
-    enable_second_factor(door.database, door.clock, door.ada, **right, address=HERE)
-
-    with pytest.raises(InputError):
-        disable_second_factor(door.database, door.clock, door.ada, password="wrong", address=HERE)  # noqa: S106
-    door.turns_away()
-    disable_second_factor(door.database, door.clock, door.ada, password=PASSWORD, address=HERE)
-    door.enter()
 
 
 def test_guesses_of_codes_are_limited(door: Door, device: Device) -> None:
