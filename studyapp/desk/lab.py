@@ -109,8 +109,6 @@ class LabStudy:
         self._problem: InputError | None = None
         self._awaits_new_version = False
         self._next_read = 0.0
-        self._videos_stamp: tuple[int, int] | None = None
-        self._video_folders: list[Path] = []
 
     @property
     def database(self) -> Database:
@@ -191,19 +189,16 @@ class LabStudy:
 
     def _stamp(self) -> tuple[tuple[int, int], ...]:
         """Return what changes with the files that define what is served."""
+        videos = self.folder.videos
+        folders = sorted(filter(Path.is_dir, videos.iterdir())) if videos.is_dir() else []
         files = (
             self.folder.definition,
             self.folder.stimuli,
             self.folder.speech / "segments.csv",
-            self.folder.videos,
+            videos,
+            *folders,
         )
-        stamps = tuple(map(_file_stamp, files))
-        if stamps[-1] != self._videos_stamp:
-            # There may be thousands of videos, and every request comes by here.
-            paths = sorted(self.folder.videos.iterdir()) if self.folder.videos.is_dir() else ()
-            self._video_folders = [path for path in paths if path.is_dir()]
-            self._videos_stamp = stamps[-1]
-        return (*stamps, *map(_file_stamp, self._video_folders))
+        return tuple(map(_file_stamp, files))
 
 
 def _file_stamp(path: Path) -> tuple[int, int]:

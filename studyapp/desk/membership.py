@@ -7,9 +7,10 @@ account in the study; or, of a study that nobody owns, by an owner of the desk.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Final
 
-from flask import abort, redirect, request, url_for
+from flask import abort, make_response, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
@@ -105,19 +106,13 @@ def take_over(study: str) -> ResponseReturnValue:
 
 def study_link(study: str, token: str) -> ResponseReturnValue:
     """Show what a link of an owner of the study is for."""
-    try:
-        joinable, link = _invitation(study, token)
-    except UnusableLinkError as error:
-        return refusal_page(error, 404)
+    joinable, link = _invitation(study, token)
     return page("join", link=link, token=token, study=joinable)
 
 
 def use_study_link(study: str, token: str) -> ResponseReturnValue:
     """Join the study."""
-    try:
-        joinable, link = _invitation(study, token)
-    except UnusableLinkError as error:
-        return refusal_page(error, 404)
+    joinable, link = _invitation(study, token)
     try:
         if current_lab().opened_study(study, researcher()) is None:
             _join(joinable, token, request.form.get("name", ""), researcher())
@@ -127,19 +122,16 @@ def use_study_link(study: str, token: str) -> ResponseReturnValue:
 
 
 def _invitation(name: str, token: str) -> tuple[LabStudy, Link]:
-    """Return the study that a link of one of its owners is for, and the link.
-
-    Raises
-    ------
-    UnusableLinkError
-        Also of a link for a new password: it is of no use where one logs in at the desk.
-    """
+    """Return the study that a link of one of its owners is for, and the link."""
     lab = current_lab()
     study = lab.study(name)
-    link = None if study is None else find_link(study.database, token, lab.clock.now())
-    if study is None or link is None or link.role is None:
-        raise UnusableLinkError
-    return study, link
+    if study is not None:
+        with suppress(UnusableLinkError):
+            link = find_link(study.database, token, lab.clock.now())
+            # A new password is of no use where one logs in at the desk.
+            if link.role is not None:
+                return study, link
+    abort(make_response(refusal_page(UnusableLinkError(), 404)))
 
 
 def existing_account() -> ResponseReturnValue:
