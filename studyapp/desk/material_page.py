@@ -141,7 +141,10 @@ class Material:
             source = self.folder.clip(condition, segment)
             video = self.folder.root / clip
         source_name = source.relative_to(self.folder.root).as_posix()
-        files = dict.fromkeys((source_name, clip, *self._shown_in[segment, condition]))
+        # Findings of no file are about the whole study.
+        files = dict.fromkeys(
+            filter(None, (source_name, clip, *self._shown_in[segment, condition]))
+        )
         return Cell(
             condition=condition,
             label=self.study.display_names[condition],

@@ -70,6 +70,9 @@ def test_the_table_shows_present_missing_and_bad_material(
     assert "The archive is damaged. Do it." in page.text
     os.utime(folder.root / RECORD, (1, 1))
     assert cells(ada.get(MATERIAL))["take-1", "mismatched"] == "motion"
+    # A problem of the whole study is no clip's.
+    write_finding(folder, "", "the consent text is missing")
+    assert "bad" not in cells(ada.get(MATERIAL)).values()
     # A problem of a pair is shown for both sides, as far as they are there.
     pair = read_stimuli(folder.stimuli).pairs[0].file
     write_finding(folder, pair, f"{pair} has no sound")
