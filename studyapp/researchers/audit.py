@@ -114,12 +114,6 @@ def log_change(
     )
 
 
-def event_label(line: AuditLine) -> str:
-    """Return the event in words."""
-    event = Event(line.event)
-    return EVENT_LABELS.get(event, event.replace("_", " "))
-
-
 def detail_label(line: AuditLine) -> str:
     """Return the study session and the details of a change, in words."""
     subject = "" if line.study_session is None else f"study session {line.study_session}"
@@ -143,7 +137,7 @@ def latest_changes(database: Database, *, before: int | None = None) -> list[Log
                 id=line.id,
                 at=line.at,
                 researcher=line.researcher,
-                event=event_label(line),
+                event=EVENT_LABELS.get(Event(line.event), line.event.replace("_", " ")),
                 detail=detail_label(line),
                 reason=line.reason,
             )

@@ -35,51 +35,30 @@ from studyapp.database.tables import (
 from studyapp.researchers.audit import StudyState, count_answers
 from studyapp.side_process import SideProcessError, output_of
 
-FORMAT: Final = 2
+FORMAT: Final = 3
 """Version of the documents; to be raised with each change, so that older ones are recomputed."""
 
 FigureKind = Literal["agreement", "results"]
 
 
-class _FrozenModel(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Basis(_FrozenModel):
-    """The data behind figures.
-
-    Attributes
-    ----------
-    finished, planned, answers : int
-        See `StudyState`.
-    answered, analysed : int
-        Participants with at least one analysable answer, and those whom no rule excludes.
-    """
-
-    finished: int
-    planned: int
-    answers: int
-    answered: int
-    analysed: int
-
-    @property
-    def state(self) -> StudyState:
-        """The same, for the log."""
-        return StudyState(finished=self.finished, planned=self.planned, answers=self.answers)
-
-
-class Document(_FrozenModel):
+class Document(BaseModel):
     """Agreement or results so far.
 
     Attributes
     ----------
+    answered, analysed : int
+        Participants with at least one analysable answer, and those whom no rule excludes.
     rows : tuple of dict
         Plain data of `analysis.results.headline.AgreedSoFar` for each question, or of each
         `HeadlineNumber`; with the `task` of the analysis, and an empty `set` if there is one.
     """
 
-    format: Literal[2] = FORMAT
-    basis: Basis
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    format: Literal[3] = FORMAT
+    state: StudyState
+    answered: int
+    analysed: int
     rows: tuple[dict[str, Any], ...] = Field(max_length=10_000)
 
     @classmethod

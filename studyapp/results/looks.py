@@ -20,7 +20,7 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
 from studyapp.desk.jobs import RESEARCHER
 from studyapp.researchers.audit import StudyState, log_look
-from studyapp.researchers.interim_figures import Basis, Document
+from studyapp.researchers.interim_figures import Document
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
 from studyapp.results.answers import has_current_design, read_answers
 from studyapp.results.stored_answers import Answers, StoredAnswers
@@ -142,19 +142,15 @@ def _document(
     answers = read_answers(folder, "participants")
     if answers.stored is None or answers.origin == "none":
         planned = sum(arm.places for arm in study.arms)
-        basis = Basis(finished=0, planned=planned, answers=0, answered=0, analysed=0)
-        return Document(basis=basis, rows=())
+        state = StudyState(finished=0, planned=planned, answers=0)
+        return Document(state=state, answered=0, analysed=0, rows=())
     tasks = analysed_tasks(study, answers)
-    state = study_state(study, answers.stored)
-    basis = Basis(
-        finished=state.finished,
-        planned=state.planned,
-        answers=state.answers,
+    return Document(
+        state=study_state(study, answers.stored),
         answered=max(task.left_out.recruited for task in tasks),
         analysed=max(task.left_out.attentive for task in tasks),
+        rows=tuple(_row(task.protocol, number) for task in tasks for number in summarise(task)),
     )
-    rows = tuple(_row(task.protocol, number) for task in tasks for number in summarise(task))
-    return Document(basis=basis, rows=rows)
 
 
 def _row(task: str, number: AgreedSoFar | HeadlineNumber) -> dict[str, Any]:

@@ -46,7 +46,7 @@ def results() -> ResponseReturnValue:
             log_look(
                 session,
                 site.clock.now(),
-                document.basis.state,
+                document.state,
                 way="page",
                 by=researcher().name,
                 reason=reason,

@@ -11,6 +11,7 @@ from sqlalchemy import delete
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import InterimFigures
+from studyapp.researchers.audit import StudyState
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.researchers.interim_figures import (
     ABANDONED_AFTER,
@@ -151,8 +152,7 @@ def test_the_process_returns_documents_or_a_reason(
     agreement = agreement_so_far(StudyFolder(tiny_study))
     results = Document.model_validate_json(process.compute("results"))
 
-    assert agreement.basis == results.basis
-    assert (results.basis.finished, results.basis.planned, results.basis.answers) == (2, 4, 28)
+    assert agreement.state == results.state == StudyState(finished=2, planned=4, answers=28)
     assert {row["question"] for row in agreement.rows} == {"rhythm", "emotion"}
     assert {row["measure"] for row in results.rows} == {"win_share"}
     (tiny_study / "study.toml").write_text("title = 1", "utf-8")
@@ -162,6 +162,6 @@ def test_the_process_returns_documents_or_a_reason(
         process.compute("agreement", seconds=0.01)
 
 
-@pytest.mark.parametrize("text", ["", '{"rows": []}', '{"basis": null, "more": 1}'])
+@pytest.mark.parametrize("text", ["", '{"rows": []}', '{"state": null, "more": 1}'])
 def test_values_kept_by_another_version_are_ignored(text: str) -> None:
     assert Document.read(text) is None
