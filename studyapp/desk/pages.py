@@ -20,6 +20,7 @@ from studyapp.desk.job_kinds import RUN, TAKE_HOME
 from studyapp.desk.lab import OpenedStudy, current_lab, study_token
 from studyapp.desk.membership import enter_study
 from studyapp.desk.page import DUTIES, at_the_desk, page, problem_at_the_desk
+from studyapp.monitoring.alarms import AlarmChannels
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.researchers.account import Right, has_owner
 from studyapp.session.served_study import ServedStudy
@@ -82,6 +83,7 @@ def study_page(study: OpenedStudy) -> ResponseReturnValue:
         title=_title(study),
         standing=study.study.standing(),
         link="" if served is None else served.study.recruitment.link(address),
+        alarm_problem=None if served is None else _alarm_problem(served),
         sections=[
             (template, title, context(study))
             for template, title, needs, context in (
@@ -97,6 +99,15 @@ def study_page(study: OpenedStudy) -> ResponseReturnValue:
             if study.account.may(needs)
         ],
     )
+
+
+def _alarm_problem(served: ServedStudy) -> InputError | None:
+    """Return why the study's alarms reach nobody, None if they do or there are none."""
+    try:
+        AlarmChannels.of(served.study)
+    except InputError as error:
+        return error
+    return None
 
 
 WAYS: Final = ("", "preview", "study-sessions", "newcomers", "results", "researchers", "changes")

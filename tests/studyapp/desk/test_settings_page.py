@@ -89,3 +89,11 @@ def test_the_number_of_participants_may_change_while_people_take_part(
     text = file.read_text("utf-8").replace("comparison = 4", "comparison = 6")
     assert ada.post(SETTINGS, text=text, seen=digest_of(ada.get(SETTINGS))).status_code == 303
     assert taken.standing().wanted == 6
+
+
+def test_alarms_that_cannot_be_sent_are_announced_on_the_studys_page(
+    ada: ResearchBrowser, file: Path
+) -> None:
+    assert "No alarm" not in ada.get(TINY).text
+    file.write_text(file.read_text("utf-8") + '\n[alarms]\nmail = ["ada@example.org"]\n', "utf-8")
+    assert "no mail server is named" in ada.get(TINY).text
