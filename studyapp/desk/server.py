@@ -120,7 +120,7 @@ def run_desk(
 
     def make() -> Flask:
         lab = open_desk(folder, origin=origin)
-        watch_for_alarms(partial(_raise_alarms, lab))
+        watch_for_alarms(partial(raise_alarms_of_studies, lab))
         return create_desk(lab)
 
     serve_application(
@@ -128,7 +128,7 @@ def run_desk(
     )
 
 
-def _raise_alarms(lab: Lab) -> None:
+def raise_alarms_of_studies(lab: Lab) -> None:
     """Send the alarms that are due in each study; one that cannot be read stops no other."""
     for study in lab.studies():
         try:

@@ -239,9 +239,7 @@ def _due(session: Session, served: ServedStudy, now: datetime) -> Iterator[Event
         require_open_intake(served, intake)
     except StudyFullError:
         return
-    version = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).first()
-    if version is None:
-        return
+    version = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).one()
     try:
         require_open_place(session, served, intake, now)
     except StudyFullError:

@@ -126,8 +126,6 @@ class Sides:
     @property
     def balanced(self) -> bool:
         """Whether chance may explain the difference."""
-        if self.shown == 0:
-            return True
         spread = 0.5 * math.sqrt(self.shown)
         return abs(self.left - self.shown / 2) <= MAX_DEVIATION * spread
 

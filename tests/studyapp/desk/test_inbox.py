@@ -191,6 +191,7 @@ def test_refusals_give_a_reason_or_where_to_go_on(ada: ResearchBrowser) -> None:
     assert status == 422
     assert "cannot be called" in str(answer["problem"])
     assert send_piece(ada, b"x", offset=0, size=10**11)[0] == 422
+    assert ada.client.get(UPLOADS, query_string={**WHAT, "size": "0"}).status_code == 422
     assert ada.client.get(UPLOADS, query_string={"name": "a.wav"}).status_code == 400
     assert send_piece(ada, b"x" * 2 * LARGEST_PIECE, offset=0, size=2 * LARGEST_PIECE)[0] == 413
 

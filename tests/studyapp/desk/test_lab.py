@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
+import sqlite3
+from contextlib import closing
+
+import pytest
+
 from studyapp.desk.lab import Lab, LabStudy
+from studyapp.desk.server import raise_alarms_of_studies
+from studyapp.monitoring.alarms import WEBHOOK, AlarmChannels
+from studyapp.session.enrolment import add_newcomer
+from studyapp.session.intake import change_intake
 from tests.support.studies.redefining import redefine
 
 AGAIN = ("fit the rhythm of the speech better", "follow the speech better")
@@ -23,6 +33,33 @@ def test_a_study_is_in_preparation_until_its_videos_exist(tiny: LabStudy) -> Non
     away.rename(video)
     assert tiny.standing().state == "ready"
     assert tiny.application() is not None
+
+
+def test_a_study_stands_as_its_recruitment_does(taken: LabStudy, lab: Lab) -> None:
+    served = taken.served()
+    assert served is not None
+    standings = [taken.standing().state]
+    for state in ("paused", "open", "closed"):
+        change_intake(taken.database, served, lab.clock, state, by="Ada", reason="a test")
+        standings.append(taken.standing().state)
+    assert standings == ["running", "paused", "running", "closed"]
+
+
+def test_each_studys_alarms_are_sent_even_if_another_study_is_damaged(
+    lab: Lab, tiny: LabStudy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(tiny.folder.root, lab.folder / "damaged")
+    with closing(sqlite3.connect(lab.folder / "damaged" / "responses.db")) as database:
+        database.execute("DROP TABLE alarms")
+    sent: list[str] = []
+    monkeypatch.setenv(WEBHOOK, "https://hooks.example.org/")
+    monkeypatch.setattr(AlarmChannels, "send", lambda _, text: sent.append(text) or True)
+    with tiny.database.writing() as session:
+        for _ in range(10):
+            add_newcomer(session, "192.0.2.9", lab.clock.now())
+    raise_alarms_of_studies(lab)
+    assert len(sent) == 1
+    assert "10 participants" in sent[0]
 
 
 def test_a_change_before_the_first_participant_is_served_at_once(tiny: LabStudy) -> None:

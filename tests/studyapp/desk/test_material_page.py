@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from studyapp.desk.job_kinds import RECORD
 from studyapp.desk.lab import Lab, LabStudy
+from studyapp.desk.material_page import Material
 from studyapp.researchers.audit import latest_changes
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, read_stimuli, write_stimuli
@@ -85,6 +88,12 @@ def test_the_table_shows_present_missing_and_bad_material(
     shutil.rmtree(folder.speech)
     assert "the study has no speech yet" in ada.get(MATERIAL).text.lower()
     ada.get(TINY)
+
+
+def test_finished_videos_are_shown_as_they_are(finished_study: Callable[[str], Path]) -> None:
+    rows = Material(StudyFolder(finished_study("rating"))).rows()
+    assert rows
+    assert {cell.state for _, row in rows for cell in row} == {"video"}
 
 
 def test_a_viewer_plays_a_video_and_is_offered_no_removal(

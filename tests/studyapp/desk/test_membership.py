@@ -76,6 +76,7 @@ def test_an_owners_link_admits_a_logged_in_member_of_the_desk(
     link = f"{INSIDE}join/{invited(lab, tiny)}"
     answer = mary.client.get(link, follow_redirects=True)
     assert answer.request.path.startswith(f"{TINY}join/")
+    assert mary.post(answer.request.path, name="Ada").status_code == 422, "the name is taken"
     assert mary.post(answer.request.path, name="Mary").status_code == 303
     assert "tiny" in mary.get("/research/").text
     assert mary.post(answer.request.path, name="Mary").status_code == 404, "works once"
@@ -85,13 +86,17 @@ def test_an_existing_account_is_joined_only_with_its_password(
     lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
     join(tiny.database, lab.clock, invited(lab, tiny), name="Mary", password=PASSWORD)
-    mary = researcher("Mary", "viewer")
-    fields = {"study": "tiny", "name": "Mary"}
-    wrong = mary.post("/research/own-account-there", **fields, password="something else")  # noqa: S106
-    assert wrong.status_code == 403
+    join(tiny.database, lab.clock, invited(lab, tiny), name="Mary's other", password=PASSWORD)
+    mary, form = researcher("Mary", "viewer"), "/research/own-account-there"
+    mary.get(form)
+    fields = {"study": "tiny", "name": "Mary", "password": PASSWORD}
+    for wrong in ({"password": "something else"}, {"study": "none"}):
+        assert mary.post(form, **fields | wrong).status_code == 403
     mary.get(TINY, 404)
-    assert mary.post("/research/own-account-there", **fields, password=PASSWORD).status_code == 303
+    assert mary.post(form, **fields).status_code == 303
     mary.get(TINY)
+    second = mary.post(form, **fields | {"name": "Mary's other"})
+    assert "you have another account in this study" in second.text.casefold()
 
 
 def shut_out(lab: Lab, database: Database, name: str) -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from studyapp.desk.lab import Lab, LabStudy
 from studyapp.researchers.audit import latest_changes
+from tests.studyapp.desk.conftest import Joined
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 
@@ -51,6 +52,9 @@ def test_an_invalid_file_is_not_saved_and_its_line_is_shown(
     assert "did you mean" in answer.text
     assert "seeed = 3" in again.soup.select_one("textarea").text  # type: ignore[union-attr]
     assert file.read_text("utf-8") == before
+    # A file that somebody breaks on the server does not hide its study.
+    file.write_text(text, "utf-8")
+    assert "tiny" in ada.get("/research/").text
 
 
 def test_a_colleagues_concurrent_change_is_shown_and_kept(ada: ResearchBrowser, file: Path) -> None:
@@ -67,7 +71,7 @@ def test_a_colleagues_concurrent_change_is_shown_and_kept(ada: ResearchBrowser, 
 
 
 def test_changing_the_design_while_people_take_part_makes_a_new_version(
-    taken: LabStudy, ada: ResearchBrowser, file: Path
+    taken: LabStudy, ada: ResearchBrowser, joined: Joined, file: Path
 ) -> None:
     page, before = ada.get(SETTINGS), file.read_text("utf-8")
     text = before.replace("fit the rhythm of the speech better", "follow the speech better")
@@ -75,6 +79,8 @@ def test_changing_the_design_while_people_take_part_makes_a_new_version(
     answer = ada.post(SETTINGS, **fields)
     assert answer.status_code == 422
     assert "questions may not change under them" in answer.text
+    by_analyst = joined("analyst").post(SETTINGS, **fields, new_version="")
+    assert "only owners begin a new version" in by_analyst.text
     assert file.read_text("utf-8") == before
     assert ada.post(SETTINGS, **fields, new_version="").status_code == 303
     now = taken.served()

@@ -150,26 +150,38 @@ def test_a_webhook_gets_the_alarm_as_json_and_its_failure_names_no_secret(
     assert not any("secret" in line for line in caplog.messages if "alarm" in line)
 
 
+@pytest.mark.parametrize(
+    ("scheme", "port", "steps"),
+    [
+        ("smtp", 587, ["starttls", "login", "send_message"]),
+        ("smtps", 465, ["login", "send_message"]),
+    ],
+)
 def test_mail_is_sent_encrypted_with_credentials_from_the_environment(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch, scheme: str, port: int, steps: list[str]
 ) -> None:
     server = MagicMock()
-    monkeypatch.setattr(smtplib, "SMTP", server)
-    monkeypatch.setenv(SMTP, "smtp://lab%40example.org:s3cret@mail.example.org")
+    monkeypatch.setattr(smtplib, "SMTP" if scheme == "smtp" else "SMTP_SSL", server)
+    monkeypatch.setenv(SMTP, f"{scheme}://lab%40example.org:s3cret@mail.example.org")
 
     study = make_study(alarms={"mail": ["ada@example.org"]})
     assert AlarmChannels.of(study).send("It is full.")
 
-    assert server.call_args.args == ("mail.example.org", 587)
+    assert server.call_args.args == ("mail.example.org", port)
     done = [(name, arguments) for name, arguments, _ in server.return_value.method_calls]
-    assert [name for name, _ in done] == ["starttls", "login", "send_message"]
-    assert done[1][1] == ("lab@example.org", "s3cret")
-    assert done[2][1][0]["To"] == "ada@example.org"
+    assert [name for name, _ in done] == steps
+    assert done[-2][1] == ("lab@example.org", "s3cret")
+    assert done[-1][1][0]["To"] == "ada@example.org"
     assert server.return_value.__exit__.called
 
 
 @pytest.mark.parametrize(
-    ("server", "problem"), [("", "no mail server is named"), ("mail.example.org:s3cret", SMTP)]
+    ("server", "problem"),
+    [
+        ("", "no mail server is named"),
+        ("mail.example.org:s3cret", SMTP),
+        ("smtp://mail.example.org:s3cret", SMTP),
+    ],
 )
 def test_mail_without_a_usable_server_is_refused(
     monkeypatch: pytest.MonkeyPatch, server: str, problem: str

@@ -247,8 +247,11 @@ def test_the_page_of_a_study_session_lists_its_events_in_order(
     people(opened, served, clock)
     with opened.writing() as session:
         session.execute(
-            update(WatchRecord).where(WatchRecord.id == 1).values(rate=2.0, intervals=[])
+            update(WatchRecord)
+            .where(WatchRecord.id == 1)
+            .values(rate=2.0, intervals=[], hidden_seconds=1.5, silent_seconds=0.5)
         )
+    Participant(opened, served, clock).enrol("visit 4").begin().leave_out()
 
     first, withdrawn = (one_study_session(opened, served, n, clock.now()) for n in (1, 2))
     last = one_study_session(opened, served, 4, clock.now())
@@ -260,7 +263,7 @@ def test_the_page_of_a_study_session_lists_its_events_in_order(
     played = next(event for event in first.events if event.what.startswith("Had played"))
     assert played.what == (
         "Had played 2.0 s of the video, 0.0 s of its 2.0 s count as watched, "
-        "at up to 2 times the speed"
+        "at up to 2 times the speed, 1.5 s out of sight, 0.5 s unheard"
     )
     assert played.trouble
     assert [trial.watched for trial in first.trials][:2] == [0.0, 1.0]
@@ -270,4 +273,11 @@ def test_the_page_of_a_study_session_lists_its_events_in_order(
     assert last is not None
     assert any("2 stalls of 1.5 s" in event.what for event in last.events)
     assert [trial.outcome for trial in last.trials][:2] == ["answered", ""]
+    left_out = one_study_session(opened, served, 5, clock.now())
+    assert left_out is not None
+    assert left_out.trials[0].outcome == "does not play"
+    assert [event.what for event in left_out.events if event.trouble] == [
+        "Said that the video does not play",
+        "Went on without trial 1",
+    ]
     assert one_study_session(opened, served, 99, clock.now()) is None

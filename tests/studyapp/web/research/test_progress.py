@@ -246,3 +246,5 @@ def test_participants_have_the_exports_pseudonyms_except_for_viewers(
         nobody = analyst.client.get(LIST, query_string={"called": name})
         assert nobody.status_code == 200
         assert "No study session is called" in nobody.text
+    StudyFolder(site.folder).pseudonym_key.chmod(0o644)
+    assert "Pseudonyms cannot be shown: other users" in analyst.get(LIST).text
