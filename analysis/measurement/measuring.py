@@ -58,7 +58,6 @@ def study_metrics(
     presets: Iterable[str] = (REPORT,),
     own_files: bool = True,
     file_rate: float | None = None,
-    skip_unusable: bool = False,
     kept: Path | None = None,
     processes: int = 1,
     on_progress: Progress | None = None,
@@ -93,8 +92,6 @@ def study_metrics(
         format and are brought into the study's world.
     file_rate : float, optional
         Frames per second of all motion files, in place of the stated rate.
-    skip_unusable : bool
-        Whether unusable files are left out and listed instead of raising an error.
     kept : Path, optional
         Folder that keeps joint positions, features and the like between runs. Arrays under the
         settings of this run that it does not use are removed.
@@ -107,8 +104,8 @@ def study_metrics(
     Raises
     ------
     InputError
-        If a preset is unknown, a network cannot be used, or a file cannot be used and is not
-        skipped.
+        If a preset is unknown, or a network cannot be used. Motion files that cannot be used are
+        left out and listed.
     """
     preset = combined(presets)
     feature_networks = networks(evaluators)
@@ -123,8 +120,6 @@ def study_metrics(
         for name in sorted({segment for paths in clips.values() for segment in paths})
     ]
     segments = [files for files in segments if files.clips]
-    if not skip_unusable and skipped:
-        raise skipped[0]
     if not segments:
         return StudyMetrics(frame_rate=math.nan, clips=(), conditions=(), skipped=tuple(skipped))
     setup = Setup(
@@ -158,8 +153,6 @@ def study_metrics(
         )
         measured = collect(run(partial(segment_scores, setup=setup), segments))
     skipped += {str(e): e for segment in measured for e in segment.skipped}.values()
-    if not skip_unusable and skipped:
-        raise skipped[0]
     forget_unused(frozenset[Path]().union(*(segment.kept for segment in measured)))
     recordings_shown = recorded_conditions(clips, segments)
     by_network = [

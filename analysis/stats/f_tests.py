@@ -142,12 +142,10 @@ def between_groups(values: Floats, groups: Codes, participants: Codes, segments:
     values : ndarray, shape (N,)
         Answers.
     groups, participants, segments : ndarray of int, shape (N,)
-        Which group each is about, who gave it, and which segment it is about.
+        Which group each is about (at least two), who gave it, and which segment it is about.
     """
     group = np.unique(groups, return_inverse=True)[1]
     count = int(group.max(initial=-1)) + 1
-    if count < 2:
-        return FTest(reason="fewer than two groups")
     by_person = _complete_means(values, group, participants, count)
     units = np.unique(segments * count + group, return_inverse=True)[1]
     by_segment = group_means(values, units)
@@ -184,8 +182,6 @@ def between_segments(values: Floats, participants: Codes, segments: Codes) -> FT
     person = np.unique(participants, return_inverse=True)[1]
     segment = np.unique(segments, return_inverse=True)[1]
     count = int(segment.max(initial=-1)) + 1
-    if count < 2:
-        return FTest(reason="one segment")
     cells, cell = np.unique(person * count + segment, return_inverse=True)
     y, person, segment = group_means(values, cell), cells // count, cells % count
     y = y - y.mean()

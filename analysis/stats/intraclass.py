@@ -88,7 +88,7 @@ def intraclass_correlation(
     rater_count, item_count = (int(c.max(initial=-1)) + 1 for c in (rater_codes, item_codes))
     complete = len(y) == rater_count * item_count
     unknown = Intraclass(
-        participants_per_item=float(stats.hmean(np.bincount(item_codes))) if len(y) else math.nan,
+        participants_per_item=float(stats.hmean(np.bincount(item_codes))),
         n=len(y),
         items=item_count,
         participants=rater_count,
@@ -96,10 +96,7 @@ def intraclass_correlation(
     reason = _why_not(y, item_count, rater_count)
     if reason:
         return _without(unknown, reason)
-    variances = _variances(y, rater_codes, item_codes)
-    if variances is None:
-        return _without(unknown, TOO_FEW)
-    item, rater, residual = variances
+    item, rater, residual = _variances(y, rater_codes, item_codes)
     components = replace(
         unknown,
         item_variance=item,
@@ -129,8 +126,6 @@ def _without(components: Intraclass, reason: str) -> Intraclass:
 
 
 def _why_not(y: Floats, items: int, raters: int) -> str:
-    if not len(y):
-        return "no answers"
     if items < 2:
         return "one item"
     if raters < 2:
@@ -144,7 +139,7 @@ def _why_not(y: Floats, items: int, raters: int) -> str:
 
 def _variances(
     y: Floats, raters: NDArray[np.intp], items: NDArray[np.intp]
-) -> tuple[float, float, float] | None:
+) -> tuple[float, float, float]:
     """Return the variances between items, between raters and of the rest (Henderson's method 1).
 
     Each of four sums of squares is, on average, a known mixture of them.
@@ -167,8 +162,7 @@ def _variances(
             [len(by_rater) - item_share, count - rater_share, len(by_rater) - 1],
         ]
     )
-    if np.linalg.matrix_rank(mixture) < 3:
-        return None
+    # It is singular only where one item, or one rater, has all answers.
     components = np.linalg.solve(mixture, squares)
     # What rounding leaves of a variance is none.
     components[np.abs(components) < 1e-12 * np.abs(components).max()] = 0.0

@@ -124,8 +124,6 @@ def _of_all(cells: RatedCells, pair: Sequence[int], rated: NDArray[np.bool_]) ->
     values = cells.means[rows, np.array(pair)[column]]
     clusters = Clusters.of(cells.participants[rows], cells.segments[rows])
     counts = np.bincount(column, minlength=2)
-    if not counts.all():
-        return clusters.unknown("one of the conditions has no ratings")
     means = np.bincount(column, weights=values) / counts
     difference = replace(clusters.unknown(), estimate=float(means[0] - means[1]))
     if difference.participants < 2:
@@ -162,8 +160,6 @@ def cliffs_delta(
     y = finite(values)
     clusters = Clusters.of(participants, segments)
     first, second = int(of_first.sum()), int((~of_first).sum())
-    if not (first and second):
-        return clusters.unknown("one of the conditions has no ratings")
     dominance = np.where(of_first, _above(y, y[~of_first]), -_above(y, y[of_first]))
     estimate = float(dominance[of_first].mean())
     delta = replace(clusters.unknown(), estimate=estimate)

@@ -254,15 +254,13 @@ def _speeches(rows: pd.DataFrame) -> pd.DataFrame:
 def _each_stimulus(study: Study, rows: pd.DataFrame) -> pd.DataFrame:
     """Return ratings and ranks, without catch trials, which have no correct side here."""
     rows = rows[rows["kind"] != "catch"]
-    if isinstance(study, RankingStudy):
-        first = rows["instructed"] == rows["stimulus"]
-        return rows.assign(rank=rows["value"], instructed=np.where(first, 1.0, np.nan))
     if isinstance(study, RatingStudy):
         # An attention check asks for a label; a slider has more values.
         labels = [q.name for q in study.questions if len(q.values) == SCALE_STEPS]
         instructed = rows["instructed"].where(rows["question"].isin(labels))
         return rows.assign(response=rows["value"], instructed=instructed)
-    raise TypeError(f"answers of a {study.protocol} study are not about single stimuli")
+    first = rows["instructed"] == rows["stimulus"]
+    return rows.assign(rank=rows["value"], instructed=np.where(first, 1.0, np.nan))
 
 
 def _known_facts(study: Study, stored: StoredAnswers) -> dict[str, KnownFacts]:

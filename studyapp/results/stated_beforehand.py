@@ -21,13 +21,11 @@ from studyapp.study.settings.study import Study
 def stated_study(session: Session, version: int) -> Study | None:
     """Return `version` of the study as its first participant saw it; None if unreadable."""
     definition = select(StudyVersion.definition).where(StudyVersion.number == version)
-    return parse_version(session.scalars(definition).first(), version)
+    return parse_version(session.scalars(definition).one(), version)
 
 
-def parse_version(definition: str | None, version: int) -> Study | None:
-    """Return the study of `definition`; None if it is missing or no longer readable."""
-    if definition is None:
-        return None
+def parse_version(definition: str, version: int) -> Study | None:
+    """Return the study of `definition`; None if it is no longer readable."""
     try:
         return parse_text(definition, where=f"version {version}")
     except InputError:

@@ -74,13 +74,6 @@ def test_scores_of_all_metrics_can_be_sent_to_another_process(study: Study) -> N
     assert pickle.loads(pickle.dumps(scores)) == scores  # noqa: S301
 
 
-def test_a_missing_motion_is_named(study: Study, tmp_path: Path) -> None:
-    clips, speech = study
-    clips["static"]["c"] = tmp_path / "nowhere.npz"
-    with pytest.raises(InputError, match=r"nowhere\.npz"):
-        study_metrics(clips, speech)
-
-
 @pytest.fixture
 def recorded_study(
     tmp_path: Path, study: Study, waving: Callable[..., MotionClip]
@@ -131,6 +124,7 @@ def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(
     bad = tmp_path / "waving" / "c.npz"
     bad.write_bytes(b"PK no archive")
     clips["waving"]["c"] = bad
+    clips["static"]["c"] = tmp_path / "nowhere.npz"
     torn = tmp_path / "static" / "b.npz"
     torn.write_bytes(torn.read_bytes()[:-200])
     speech["a"] = (tmp_path / "silent.wav", 0.0, 4.0)
@@ -142,15 +136,17 @@ def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(
         recorded=clips["waving"],
         semantics={"a": damaged},
         presets=("report", "amuse"),
-        skip_unusable=True,
     )
     assert sorted(file.where for file in metrics.skipped) == sorted(
-        [str(bad), str(torn), str(tmp_path / "silent.wav"), f"{damaged}, line 1"]
+        [
+            *(str(bad), str(torn), str(tmp_path / "nowhere.npz")),
+            *(str(tmp_path / "silent.wav"), f"{damaged}, line 1"),
+        ]
     )
     assert score_of(metrics, "waving", "jerk (hands)").scored == 2
     assert score_of(metrics, "static", "jerk (hands)").scored == 1
     assert score_of(metrics, "waving", "beat alignment (amuse)").clips == 1
-    nothing = study_metrics({"x": {"a": bad}}, {}, skip_unusable=True)
+    nothing = study_metrics({"x": {"a": bad}}, {})
     assert nothing.conditions == ()
     assert [file.where for file in nothing.skipped] == [str(bad)]
 

@@ -81,6 +81,11 @@ CASES: list[tuple[Callable[[], Any], str]] = [
         "participants differ alike in every segment",
     ),
     (lambda: rated([3, 4, 5, 2], [0, 1, 0, 1], [0] * 4, [0, 0, 1, 1]), "one participant"),
+    (lambda: rated([3, 4, 5, 2], [0, 1, 0, 1], [0] * 4, range(4)), "one participant"),
+    (
+        lambda: rated([3, 4, 3, 4], [0, 1, 0, 1], range(4), range(4)),
+        "all ratings of a condition alike",
+    ),
     (
         lambda: rated([3, 4, 2, 3], [0, 1, 0, 1], [0, 0, 1, 1], [0, 0, 1, 1]),
         "all pairs of ratings differ by the same amount",
