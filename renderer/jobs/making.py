@@ -15,6 +15,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from importlib.util import find_spec
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
@@ -74,6 +75,8 @@ def run_jobs(
     ------
     InputError
         If the cluster cannot be used.
+    ModuleNotFoundError
+        If clips are to be drawn on this machine, which has no pyrender.
     KeyboardInterrupt
         When interrupted. Processes of this machine are ended first, and no half-written file is
         left; workers of a cluster finish the video they are at.
@@ -92,6 +95,9 @@ def _workers(
     jobs: Sequence[Job], processes: int, cluster: str | None
 ) -> LocalWorkers | ClusterWorkers:
     if cluster is None:
+        # Otherwise each clip's process would die of it, one after the other.
+        if any(isinstance(job, ClipJob) for job in jobs) and find_spec("pyrender") is None:
+            raise ModuleNotFoundError("No module named 'pyrender'", name="pyrender")
         return LocalWorkers(processes)
     # Imported here: Dask is an optional extra.
     from renderer.jobs.cluster import ClusterWorkers

@@ -88,6 +88,15 @@ def test_a_job_is_retried_until_it_has_killed_two_processes(
     assert video_of(pair_job).exists()
 
 
+def test_without_graphics_no_process_is_started(
+    job: ClipJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pyrender", None)
+    with pytest.raises(ModuleNotFoundError, match="pyrender"):
+        run_jobs([job], processes=1)
+    assert not multiprocessing.active_children()
+
+
 class _UnsendableName(str):
     __slots__ = ()
 
