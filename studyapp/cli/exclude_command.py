@@ -118,8 +118,9 @@ def forget_command(folder: StudyFolder, participant: str, yes: bool) -> None:
         "the study is open. A participant who returns with the same id starts from the beginning. "
         "Later reports do not count erased answers, even if they were analysed before."
     )
-    if not yes:
-        click.confirm("Erase this permanently?", abort=True)
+    if not (yes or click.confirm("Erase this permanently?")):
+        click.echo("Nothing was erased.")
+        return
     _erase(folder, participant)
     click.echo("Erased; nothing is left in the database's files.")
     click.echo(_describe_manual_steps(folder))

@@ -106,7 +106,8 @@ class _Lines:
         parts = [f"{self._title}: {done} of {total} {self._unit}s"]
         if done > first_done:
             rate = (done - first_done) / max(now - first_time, 1e-6)
-            parts.append(f"{rate:.3g} per second")
+            number = f"{rate:,.0f}" if rate >= 100 else f"{rate:.3g}"
+            parts.append(f"{number} per second")
             if done < total:
                 parts.append(f"about {tqdm.format_interval((total - done) / rate)} left")
         if detail:

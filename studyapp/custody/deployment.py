@@ -48,6 +48,12 @@ def _check_folder(folder: PurePosixPath) -> PurePosixPath:
             where=f"folder {str(folder)!r}",
             remedy="Give the absolute path on the server, without quotes, $ and \\",
         )
+    if folder.parts[1:2] in (("home",), ("root",)):
+        raise InputError(
+            "a service cannot see this folder",
+            where=f"folder {str(folder)!r}",
+            remedy=f"Give one outside /home and /root, such as {STUDIES}/gestures-2",
+        )
     if _NAME.fullmatch(_service_name(folder)) is None:
         raise InputError(
             "no service or database can be named after this folder",

@@ -265,8 +265,8 @@ def _explain_failures(url: str) -> Iterator[None]:
         remedy = "Check that the server runs, and the name, password and database in the address"
         if _address(url).get_backend_name() == "sqlite":
             remedy = (
-                "Check that the path is right and writable; if the file is damaged, restore a "
-                "backup"
+                "Check that the path is right and writable, and that its disk has space; if the "
+                "file is damaged, restore a backup"
             )
         raise InputError(
             f"the database cannot be opened: {error.orig}",
