@@ -6,13 +6,12 @@ import hashlib
 import os
 import re
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Final
 
-from motion.errors import InputError, listed
+from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.custody.archive import (
     ENDINGS,
@@ -224,7 +223,7 @@ def _origin_of_archive(path: Path) -> str | None:
 
 
 def check_archive(archive: Path, on_file: OnFile) -> Manifest:
-    """Check the files of a backup, its database, and the number of rows.
+    """Check the files of a backup and its database.
 
     Raises
     ------
@@ -236,22 +235,15 @@ def check_archive(archive: Path, on_file: OnFile) -> Manifest:
         manifest = read_archive(
             archive, lambda entry: copy if entry.path == DATABASE else None, on_file
         )
-        require_intact(copy, manifest, archive)
+        require_intact(copy, archive)
     return manifest
 
 
-def require_intact(copy: Path, manifest: Manifest, archive: Path) -> None:
-    """Raise `InputError` unless the database `copy` is intact and as `manifest` states."""
-    flaws: Sequence[str] = find_flaws(copy)
-    if not flaws and schema_of_copy(copy) != manifest.schema_name:
-        flaws = ["it has another schema"]
-    if not flaws and (rows := count_rows(copy)) != manifest.rows:
-        tables = sorted({*rows, *manifest.rows})
-        differing = [name for name in tables if rows.get(name) != manifest.rows.get(name)]
-        flaws = [f"another number of rows in {listed(differing)}"]
-    if flaws:
+def require_intact(copy: Path, archive: Path) -> None:
+    """Raise `InputError` unless the database `copy` of `archive` is an intact study's."""
+    if flaws := find_flaws(copy):
         raise InputError(
-            f"its database is not the one that was backed up: {'; '.join(flaws[:3])}",
+            f"its database cannot be used: {'; '.join(flaws[:3])}",
             where=archive,
             remedy=REMEDY,
         )

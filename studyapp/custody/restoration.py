@@ -107,7 +107,7 @@ def _restore(
         accept=lambda manifest: _require_room(folder.root, manifest),
     )
     copy = unpacked.root / DATABASE
-    require_intact(copy, manifest, archive)
+    require_intact(copy, archive)
     with found_at(archive):
         if unpacked.stimuli.exists():
             read_stimuli(unpacked.stimuli)
