@@ -81,16 +81,17 @@ def watch(page: Page | Frame) -> None:
     If the machine was too busy to show a part, the page says so, and the video is played again.
     """
     watched = page.locator("#watched")
+    expect(watched).not_to_be_empty()
     for _time in range(MOST_TIMES):
+        if watched.inner_text() == WATCHED:
+            return
         for number, video in enumerate(page.locator("video").all()):
             label = video.get_attribute("data-label") or ""
             if re.search(rf"\b{label}\b", watched.inner_text()):
                 video.evaluate(AWAIT_END, PATIENCE_MS)
                 page.locator(".play").nth(number).click()
-                page.evaluate("window.ended")
+                assert page.evaluate("window.ended"), "another page was shown meanwhile"
                 assert page.locator(".playing").count() <= 1
-        if watched.inner_text() == WATCHED:
-            return
     expect(watched).to_have_text(WATCHED)
 
 

@@ -51,6 +51,7 @@ def test_videos_play_and_preload_without_revealing_the_page_to_the_store(
         store.asked.clear()
         begin_study(page, address)
         for number in (1, 2):
+            expect_trial(page, number)
             watch(page)
             expect(page.locator("#ahead")).to_contain_text("next page ready")
             take_trial(page, number)
