@@ -28,7 +28,7 @@ from studyapp.desk.jobs import job_log, job_standings
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.desk.job_watching import begin, wait_until_under_way
 from tests.support.servers.databases import Backend, fresh_database
-from tests.support.servers.processes import children
+from tests.support.servers.processes import children, descendants
 from tests.support.servers.study_server import study_server
 from tests.support.servers.visitor import Ledger
 from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
@@ -130,11 +130,6 @@ def rendering(jobs: Path) -> Iterator[Sequence[int]]:
             raise RuntimeError("the job has ended too early: " + job_log(jobs, KIND, most=2000))
     finally:
         _send(processes, signal.SIGKILL)
-
-
-def descendants(pid: int) -> tuple[int, ...]:
-    """Return the processes that process `pid`, and those that it started, have started."""
-    return tuple(process for child in children(pid) for process in (child, *descendants(child)))
 
 
 def _send(processes: Sequence[int], number: signal.Signals) -> None:

@@ -6,11 +6,12 @@ import os
 import signal
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
 from renderer.video_jobs import ClipJob, Job, PairJob
+from tests.support.servers.processes import descendants
 
 
 def video_of(job: Job) -> Path:
@@ -55,16 +56,14 @@ def numbered(clip: ClipJob, number: int) -> ClipJob:
 
 
 def _writers_into(folder: Path) -> list[int]:
-    """Return the processes that have a file open in `folder`, from Linux's /proc."""
-    result = []
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            files = [link.readlink() for link in (process / "fd").iterdir()]
-        except OSError:
-            continue
-        if any(file.parent == folder for file in files):
-            result.append(int(process.name))
-    return result
+    """Return the descendants of this process that have a file open in `folder`."""
+    writers = []
+    for pid in descendants(os.getpid()):
+        with suppress(OSError):
+            files = [link.readlink() for link in Path(f"/proc/{pid}/fd").iterdir()]
+            if any(file.parent == folder for file in files):
+                writers.append(pid)
+    return writers
 
 
 @contextmanager

@@ -9,10 +9,15 @@ from pathlib import Path
 def children(pid: int) -> tuple[int, ...]:
     """Return the processes that process `pid` has started and that still run."""
     try:
-        listed = Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii")
+        files = Path(f"/proc/{pid}/task").glob("*/children")
+        return tuple(int(child) for file in files for child in file.read_text("ascii").split())
     except OSError:
         return ()
-    return tuple(int(child) for child in listed.split())
+
+
+def descendants(pid: int) -> tuple[int, ...]:
+    """Return the processes that process `pid` or its descendants have started."""
+    return tuple(process for child in children(pid) for process in (child, *descendants(child)))
 
 
 def cpu_seconds(pid: int) -> float:
