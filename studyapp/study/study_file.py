@@ -281,7 +281,7 @@ def text_digest(text: str) -> str:
 
 def add_condition(path: Path, name: str, *, videos: bool = False) -> Study:
     """Add a condition of motion files or finished videos to a study file, keeping its comments."""
-    document = tomlkit.parse(path.read_text(encoding="utf-8"))
+    document = tomlkit.parse(read_text(path))
     table = tomlkit.table()
     if videos:
         table.add("videos", True)

@@ -92,6 +92,7 @@ class PairwiseStudy(Study):
     trials: int = Field(24, ge=1, le=500)
     practice: int = Field(3, ge=0, le=20)
     layout: Literal["composed", "players"] = "composed"
+    margin: float | None = Field(None, gt=0, lt=0.5, strict=False)
     conditions: dict[Name, Condition] = Field(min_length=2)
 
     def problems(self) -> list[str]:

@@ -120,7 +120,9 @@ class RatingQuestion(Question):
         if self.scale == "labels" and not has_labels:
             raise ValueError("give five labels, from the worst to the best")
         if self.scale == "mean_opinion" and has_labels:
-            raise ValueError('mean_opinion has its own labels; use scale = "labels"')
+            raise ValueError(
+                'mean_opinion has its own labels: leave labels out, or use scale = "labels"'
+            )
         if len(set(self.labels)) != SCALE_STEPS:
             raise ValueError("give five different labels, from the worst to the best")
         return self
@@ -145,6 +147,7 @@ SCREENING_STAGES: Final[tuple[Stage, ...]] = ("eligibility", "consent", "compreh
 """The stages whose answers decide who can take part."""
 
 MAX_TEXT_LENGTH: Final = 2000
+MAX_CHOICES: Final = 40
 
 
 class FormQuestion(Section):
@@ -165,7 +168,7 @@ class FormQuestion(Section):
     name: Name
     text: str = Field(min_length=1, max_length=1000)
     kind: Literal["text", "choice", "number", "scale"] = "choice"
-    choices: tuple[str, ...] = Field((), max_length=40, strict=False)
+    choices: tuple[str, ...] = Field((), max_length=MAX_CHOICES, strict=False)
     low: int = 0
     high: int = 120
     required: bool = True
@@ -181,6 +184,13 @@ class FormQuestion(Section):
             raise ValueError(f"a question of kind {self.kind!r} cannot have choices")
         if self.low >= self.high:
             raise ValueError(f"low ({self.low}) must be below high ({self.high})")
+        if len({choice.strip() for choice in self.choices} - {""}) < len(self.choices):
+            raise ValueError("all choices must be different, and none may be empty")
+        if self.kind == "scale" and self.high - self.low >= MAX_CHOICES:
+            raise ValueError(
+                f"a scale from {self.low} to {self.high} has more than {MAX_CHOICES} steps: set "
+                "low and high, or ask for a number"
+            )
         if not set(self.eligible) <= set(self.choices if self.kind == "choice" else ()):
             raise ValueError("eligible may only name choices of the question")
         return self

@@ -52,6 +52,17 @@ MESSAGES: Final = {
     "too_short": "needs at least {min_length}, not {actual_length}",
     "union_tag_not_found": "'rule' is missing",
     "union_tag_invalid": "unknown rule {tag!r} (use one of {expected_tags})",
+    "literal_error": "must be {expected}",
+    "greater_than": "must be above {gt}",
+    "greater_than_equal": "must be at least {ge}",
+    "less_than": "must be below {lt}",
+    "less_than_equal": "must be at most {le}",
+    "multiple_of": "must be a multiple of {multiple_of}",
+    "finite_number": "must be a finite number",
+    "float_parsing": "must be a number",
+    "too_long": "may have at most {max_length}, not {actual_length}",
+    "string_too_short": "must not be empty",
+    "string_too_long": "may have at most {max_length} characters",
     "dict_type": "must be a table of keys and values",
     "model_type": "must be a table of keys and values",
     "model_attributes_type": "must be a table of keys and values",
@@ -64,7 +75,8 @@ def explain_errors(
 ) -> str:
     """Return all errors as ``key: what is wrong``, joined by semicolons.
 
-    Each names its line in `text`, and the closest known key of `section` for an unknown one.
+    Each names its line in `text`. Of an unknown key, it names the closest known key of `section`,
+    or says that the key belongs to the study as a whole.
     """
     lines = _lines(text)
     errors = error.errors(include_url=False)
@@ -87,6 +99,8 @@ def explain_errors(
             *path, last = location
             if matches := get_close_matches(str(last), _known_keys(section, path), n=1):
                 message += f" (did you mean {matches[0]!r}?)"
+            elif last in _known_keys(section, ()):
+                message += " (it belongs above the first heading in [brackets])"
         elif line:
             message += f" (line {line})"
         sentences.append(f"{key}: {message}" if key else message)

@@ -162,6 +162,7 @@ def test_adding_a_condition_keeps_the_comments(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     new_study(path, name="s")
     comments = path.read_text().count("#")
+    path.write_text(path.read_text(), "utf-8-sig")
     study = add_condition(path, "ground_truth")
     assert study.conditions["ground_truth"].generator is None
     assert path.read_text().count("#") == comments

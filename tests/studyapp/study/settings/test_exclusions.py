@@ -113,7 +113,7 @@ def test_rules_written_in_shorthand_are_read_back(text: str, meant: str) -> None
         ("coverage>0.9", "Write coverage<NUMBER"),
         ("incomplete>1", "Write incomplete"),
         ("coverage<90%", "below: must be a number"),
-        ("coverage<2", "below: Input should be less than or equal to 1"),
+        ("coverage<2", "below: must be at most 1"),
         ("catch>nan", "more_than: must be a whole number"),
         ("time<3,speed=2", "speed: unknown key"),
         ("time<3,share", "'share' in 'time<3,share' is not KEY=NUMBER"),

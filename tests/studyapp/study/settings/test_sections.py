@@ -61,6 +61,9 @@ def test_a_scale_labels_its_ends() -> None:
         ({"kind": "scale", "choices": ["a"]}, "or two"),
         ({"kind": "number", "low": 5, "high": 5}, "must be below"),
         ({"choices": ["yes", "no"], "eligible": ["perhaps"]}, "only name choices"),
+        ({"choices": ["yes", "yes "]}, "must be different"),
+        ({"choices": ["yes", " "]}, "none may be empty"),
+        ({"kind": "scale"}, "from 0 to 120 has more than 40 steps"),
     ],
 )
 def test_an_invalid_question_is_refused(keys: dict[str, Any], said: str) -> None:
@@ -124,6 +127,7 @@ CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attent
         ({"pay": {"currency": "euro"}}, "pattern"),
         ({"pay": {"amount": "2.50"}}, "recruitment.pay: an amount needs a currency"),
         ({"pay": {"hourly_minimum": "12.00"}}, "recruitment.pay: an amount needs a currency"),
+        ({"channel": "mturk", "pay": {"currency": "EUR"}}, "pays in USD, not in EUR"),
     ],
 )
 def test_invalid_codes_and_pay_are_refused(keys: dict[str, Any], said: str) -> None:

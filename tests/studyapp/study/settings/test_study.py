@@ -46,7 +46,10 @@ def changed(path: Path, **changes: Any) -> Path:
         ({"family": "the main ones"}, "not a family"),
         ({"evaluator": {"preset": "genea", "file": "x"}}, "preset"),
         ({"reference": "amuse"}, "reference 'amuse' is not a condition"),
-        ({"margin": float("inf")}, "margin: Input should be a finite number"),
+        ({"margin": float("inf")}, "margin: must be a finite number"),
+        # No win share is further from one half: any two conditions would be equivalent.
+        ({"margin": 0.5}, "margin: must be below 0.5"),
+        ({"page__margin": 0.05}, "it belongs above the first heading"),
         ({"practice": 20, "trials": 10}, "practice (20) is more than trials (10)"),
         ({"freeze": ["nose"]}, "freeze: unknown nose"),
         ({"conditions__rule_based__generator": "magic"}, "unknown generator 'magic'"),
