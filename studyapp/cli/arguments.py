@@ -99,7 +99,7 @@ cluster: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
 
 
 def public_address(
-    *, default: str | None, help: str
+    *, help: str, default: str | None = None, required: bool = False
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Return the option of the public address, which the command gets without a final slash.
 
@@ -108,10 +108,13 @@ def public_address(
     return click.option(
         "--address",
         default=default,
+        required=required,
         show_default=default is not None,
         metavar="URL",
         envvar="MOTIONJURY_ADDRESS",
-        callback=lambda context, parameter, value: check_address(value) if value else "",
+        callback=lambda context, parameter, value: (
+            check_address(value) if value or required else ""
+        ),
         help=help,
     )
 

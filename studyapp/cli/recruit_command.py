@@ -11,8 +11,9 @@ from typing import Final
 import click
 
 from motion.errors import InputError
-from studyapp.cli.arguments import check_address, named_study_folder
+from studyapp.cli.arguments import named_study_folder, public_address
 from studyapp.cli.output import echo_table
+from studyapp.preflight.recruiting_checks import pay_findings
 from studyapp.recruitment import mturk, prolific
 from studyapp.recruitment.invitations import counts, invite, listed_people, numbered
 from studyapp.recruitment.payment import PaymentDecision
@@ -20,15 +21,10 @@ from studyapp.recruitment.prolific import CENTS
 from studyapp.recruitment.prolific_client import Action, ProlificClient, prolific_token
 from studyapp.recruitment.record import draw_codes
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.recruitment import Channel, hourly_rate
+from studyapp.study.settings.recruitment import Channel, format_amount, hourly_rate
 
-address = click.option(
-    "--address",
-    required=True,
-    metavar="URL",
-    envvar="MOTIONJURY_ADDRESS",
-    callback=lambda context, parameter, value: f"{check_address(value)}/",
-    help="The study's public address, such as https://study.example.org/.",
+address = public_address(
+    help="The study's public address, such as https://study.example.org/.", required=True
 )
 yes = click.option(
     "--yes", is_flag=True, help="Do it, instead of only printing what would be done."
@@ -40,8 +36,6 @@ live = click.option(
 )
 
 MOST_INVITATIONS = 10_000
-MIN_HOURLY_POUNDS = 6.0
-"""Prolific's minimum pay per hour."""
 
 _ACTIONS: Final = {"pay": "pay", "look": "your decision", "wait": "wait", "settled": "–"}
 
@@ -81,9 +75,9 @@ def create(folder: StudyFolder, address: str, live: bool, yes: bool) -> None:
     A draft costs nothing and is not public before 'publish'. A HIT is public at once.
     """
     if _channel(folder, "prolific", "mturk") == "prolific":
-        _create_on_prolific(folder, address, yes=yes)
+        _create_on_prolific(folder, f"{address}/", yes=yes)
     else:
-        _create_on_mturk(folder, address, live=live, yes=yes)
+        _create_on_mturk(folder, f"{address}/", live=live, yes=yes)
 
 
 @command.command("publish")
@@ -263,15 +257,16 @@ def _move(folder: StudyFolder, action: Action) -> None:
 
 def _create_on_prolific(folder: StudyFolder, address: str, *, yes: bool) -> None:
     draft = prolific.draft_of(folder, address)
-    places, reward = draft["total_available_places"], draft["reward"]
-    minutes, pay = draft["estimated_completion_time"], Decimal(reward) / CENTS
-    per_hour = hourly_rate(pay, minutes)
-    click.echo(f"{draft['name']}: {places} places, {minutes} minutes, {pay:.2f} each")
+    places, minutes = draft["total_available_places"], draft["estimated_completion_time"]
+    pay, currency = Decimal(draft["reward"]) / CENTS, folder.study().recruitment.currency
     click.echo(
-        f"That is {per_hour:.2f} per hour, and {places * pay:.2f} in total, without Prolific's fee."
+        f"{draft['name']}: {places} places, {minutes} minutes, {format_amount(pay, currency)} each"
     )
-    if per_hour < MIN_HOURLY_POUNDS:
-        click.echo(f"Prolific may refuse less than {MIN_HOURLY_POUNDS:.2f} pounds per hour.")
+    click.echo(
+        f"That is {format_amount(hourly_rate(pay, minutes), currency)} per hour, and "
+        f"{format_amount(places * pay, currency)} in total, without Prolific's fee."
+    )
+    _echo_pay_warnings(folder)
     click.echo(f"Participants are sent to {draft['external_study_url']}")
     if not yes:
         click.echo("Nothing was sent; --yes creates the draft.")
@@ -280,6 +275,12 @@ def _create_on_prolific(folder: StudyFolder, address: str, *, yes: bool) -> None
         study, is_new = prolific.create(folder, client, address)
     words = f"Created the draft {study.id}" if is_new else f"The study {study.id} already exists"
     click.echo(f"{words} on Prolific ({study.status}). Publish it with 'publish'.")
+
+
+def _echo_pay_warnings(folder: StudyFolder) -> None:
+    for finding in pay_findings(folder.study(), None):
+        if finding.severity == "warning":
+            click.echo(f"Warning: {finding.what}. {finding.remedy}.")
 
 
 def _show_prolific(folder: StudyFolder) -> None:
@@ -329,6 +330,7 @@ def _create_on_mturk(folder: StudyFolder, address: str, *, live: bool, yes: bool
         f"{request['Title']}: {workers} workers at ${reward} each, ${total} in total without fees; "
         f"{site}"
     )
+    _echo_pay_warnings(folder)
     if not yes:
         click.echo("Nothing was offered; --yes offers the HIT.")
         return

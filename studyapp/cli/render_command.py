@@ -170,7 +170,6 @@ def preview_command(
 )
 @click.option("--region", default="", help="The store's region, unless the environment names it.")
 @public_address(
-    default=None,
     help="The study's public address; allows its pages to load from the bucket, and tests that.",
 )
 @click.option(

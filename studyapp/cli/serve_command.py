@@ -54,7 +54,6 @@ def _server_options(command: _Command) -> _Command:
                 help="Requests that each worker handles at once; slow connections do not count.",
             ),
             public_address(
-                default=None,
                 help="The public address, behind a proxy; printed links start with it.",
             ),
         )

@@ -13,7 +13,7 @@ from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import MOST_PLACES, Material
 from studyapp.results.analysed_tasks import study_notes
 from studyapp.study.design.trial import Kind
-from studyapp.study.settings.exclusions import Coverage
+from studyapp.study.settings.exclusions import Coverage, FailedAttention, FailedCatch
 from studyapp.study.settings.study import Study
 
 KIND_WORDS: Final[Mapping[Kind, str]] = MappingProxyType(
@@ -61,12 +61,21 @@ def _check_findings(study: Study) -> Iterator[Finding]:
         yield make_finding("no-checks")
     elif not study.catch.trials:
         yield make_finding("no-catch-trials")
-    for key, checks, words in (
-        ("catch", study.catch, "catch trials"),
-        ("attention", study.attention, "attention checks"),
-    ):
-        if 0 < checks.trials <= checks.max_failed and study.exclusions is None:
-            yield make_finding("checks-few", where=f"{key}.max_failed", checks=checks, words=words)
+    for rule in study.settled_exclusions:
+        if isinstance(rule, FailedCatch):
+            trials, words = study.catch.trials, "catch trials"
+        elif isinstance(rule, FailedAttention):
+            trials, words = study.attention.trials, "attention checks"
+        else:
+            continue
+        if trials <= rule.more_than:
+            yield make_finding(
+                "checks-few",
+                where=f"{rule.rule}.max_failed",
+                allowed=rule.more_than,
+                trials=trials,
+                words=words,
+            )
 
 
 def _exclusion_findings(study: Study) -> Iterator[Finding]:

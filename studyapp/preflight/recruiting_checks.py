@@ -126,7 +126,7 @@ def _minimum_findings(study: Study, paid: float) -> Iterator[Finding]:
     """Yield the minimums above the hourly rate `paid`."""
     recruitment = study.recruitment
     currency, minimum = recruitment.currency, recruitment.pay.minimum
-    if minimum is not None and currency == recruitment.pay.currency and paid < minimum:
+    if minimum is not None and paid < minimum:
         yield make_finding(
             "pay-below-own-minimum",
             paid=format_amount(paid, currency),
@@ -134,7 +134,7 @@ def _minimum_findings(study: Study, paid: float) -> Iterator[Finding]:
         )
     if recruitment.channel != "prolific":
         return
-    if not currency:
+    if currency not in PROLIFIC:
         yield make_finding("currency-unknown")
     for name, floor in PROLIFIC.get(currency, {}).items():
         if paid < floor:

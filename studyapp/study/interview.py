@@ -12,7 +12,7 @@ from typing import Final
 from generators.registry import generator_names, needs_model
 from motion.errors import InputError
 from studyapp.study.settings.presentation import reaches_somebody
-from studyapp.study.settings.recruitment import Pay
+from studyapp.study.settings.recruitment import MTURK_CURRENCY, Pay
 from studyapp.study.settings.sections import MONEY
 from studyapp.study.study_options import StudyOptions, source_notation
 
@@ -94,13 +94,18 @@ def read_pay(text: str, channel: str | None) -> Pay | None:
                 "recruiting sites must be told the pay", remedy="Give an amount such as 2.50 EUR"
             )
         return None
-    currency = currency or ("USD" if channel == "mturk" else "")
-    if not re.fullmatch(r"[A-Za-z]{3}", currency):
+    currency = currency.strip().upper() or (MTURK_CURRENCY if channel == "mturk" else "")
+    if not re.fullmatch(r"[A-Z]{3}", currency):
         raise InputError(
             f"{currency!r} is not a currency" if currency else "an amount needs a currency",
             remedy="Give its three letters after the amount, such as 2.50 EUR",
         )
-    return Pay(amount=amount, currency=currency.upper())
+    if channel == "mturk" and currency != MTURK_CURRENCY:
+        raise InputError(
+            f"Mechanical Turk pays in {MTURK_CURRENCY}, not in {currency}",
+            remedy=f"Give the amount in {MTURK_CURRENCY}",
+        )
+    return Pay(amount=amount, currency=currency)
 
 
 def read_count(text: str, maximum: int, *, unit: str) -> int:

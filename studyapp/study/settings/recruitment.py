@@ -112,6 +112,8 @@ Channel = Literal["link", "prolific", "mturk", "invitations"]
 Outcome = Literal["completed", "failed_attention", "unwatched"]
 """How a study session ended; ``unwatched`` early, because too many videos failed to play."""
 
+MTURK_CURRENCY: Final = "USD"
+
 LONG_STUDY_MINUTES: Final = 5
 MIN_FAILED_CHECKS: Final = 2
 """A study at least this long may refuse pay only after so many failed attention checks."""
@@ -225,7 +227,7 @@ class Recruitment(Section):
     @property
     def currency(self) -> str:
         """The currency of `amount`; empty if it is not stated."""
-        return "USD" if self.channel == "mturk" else self.pay.currency
+        return MTURK_CURRENCY if self.channel == "mturk" else self.pay.currency
 
     @property
     def names_participants(self) -> bool:
@@ -271,6 +273,11 @@ class Recruitment(Section):
             problems.append("recruitment.prolific: two outcomes have the same code")
         if (self.pay.amount or self.pay.hourly_minimum) and not self.pay.currency:
             problems.append("recruitment.pay: an amount needs a currency")
+        if self.channel == "mturk" and self.pay.currency not in ("", MTURK_CURRENCY):
+            problems.append(
+                f"recruitment.pay.currency: Mechanical Turk pays in {MTURK_CURRENCY}, not in "
+                f"{self.pay.currency}"
+            )
         if self.unpaid_failed_checks == 1 and not is_short:
             problems.append(
                 "recruitment.unpaid_failed_checks: one failed check is not enough to refuse pay, "

@@ -105,6 +105,7 @@ def test_a_study_is_made_once_after_yes_and_published_paused_and_stopped(
 ) -> None:
     shown = recruit(folder, "create", "--address", ADDRESS)
     assert "9.00 per hour" in shown
+    assert "Warning: the currency of the Prolific account is not given" in shown
     assert "Nothing was sent" in shown
     assert stand_in.asked == []
     create = ("create", "--address", ADDRESS, "--yes")

@@ -46,6 +46,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "new --recruit prolific": "must be told the pay (--pay) and the minutes (--minutes)",
         "new --pay 2.50": "needs a currency",
         "new --pay 'much EUR'": "'much' is not an amount",
+        "new --recruit mturk --pay '3 EUR' --minutes 9": "Mechanical Turk pays in USD, not in EUR",
         "study": "already exists",
     },
     "metrics": {

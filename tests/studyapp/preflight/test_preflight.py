@@ -101,6 +101,7 @@ def test_overlong_videos_and_missing_speech_are_reported(
 
 EXCLUDED = "excluded from the analysis, in this order: "
 COVERAGE = {"catch.trials": 0, "exclusions": [{"rule": "coverage", "below": 0.9}]}
+FAILED_CATCH = {"rule": "catch", "more_than": 3}
 RULES = [{"rule": "time", "below": 8}, {"rule": "incomplete"}]
 NUMBERED = (
     "1. who gave at least 50% of the answers in less than 8 s (time<8,share=0.5); "
@@ -117,6 +118,7 @@ FACE = "Which face fits?"
         ("warning", "nobody to contact", {"page.contact": ""}),
         ("warning", "neither catch trials", {"catch.trials": 0}),
         ("warning", "excludes nobody", COVERAGE),
+        ("warning", "may fail 3 of 1 catch trials", {"exclusions": [FAILED_CATCH]}),
         ("note", f"{EXCLUDED}nobody", {"catch.trials": 0, "exclusions": []}),
         ("note", f"{EXCLUDED}{NUMBERED}", {"catch.trials": 0, "exclusions": RULES}),
         ("note", "background differs from that of the pages", {"video.background": "#2e3440"}),

@@ -181,6 +181,7 @@ INVITED = {"channel": "invitations"}
         (on_prolific(133, "USD"), {"pay-below-prolific-minimum": "7.98 USD"}),
         (on_prolific(134, "USD"), {"pay-below-prolific-advice": "8.04 USD"}),
         (on_prolific(150), {"currency-unknown": ""}),
+        (on_prolific(99, "EUR"), {"currency-unknown": ""}),
         # The longer of the stated and the needed duration decides.
         ({"needed": 16, **on_prolific(150, "GBP")}, {"pay-below-prolific-minimum": "5.62 GBP"}),
         (on_prolific(150, "GBP", places=60), {"places-differ": "so some find the study full"}),
