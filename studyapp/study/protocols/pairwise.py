@@ -9,8 +9,8 @@ catch trials are scattered among the others. The paper leaves open:
 - A repeat draws its side anew, so that nobody can answer from memory of a side.
 - With ``comparisons = "all_pairs"`` every participant sees all conditions: pairs come equally
   often, along a ring drawn once per study, and a segment comes at most once for each other
-  condition. With ``"adaptive"`` the pairs are chosen when a participant arrives, by how much
-  their answers would add to those given so far.
+  condition, with another pair each time. With ``"adaptive"`` the pairs are chosen when a
+  participant arrives, by how much their answers would add to those given so far.
 - A catch trial is never among the practice trials and never the first trial; two of them are not
   adjacent if there are enough other trials.
 """
@@ -187,7 +187,8 @@ class PairwiseStudy(Study):
         seed = (self.seed, *arm.name.encode())
         chance = np.random.default_rng([number + 1, *seed])
         chosen = shuffled(self._choose_segments(segments, analysed_pairs, number, seed), chance)
-        pairs = list(zip(chosen, self._choose_pairs(arm, number, len(chosen), votes), strict=True))
+        compared = self._choose_pairs(arm, number, len(chosen), votes)
+        pairs = _without_repetition(list(zip(chosen, compared, strict=True)))
         repeated, others = pairs[:practised], pairs[practised:]
         practice = self._trials("practice", repeated, chance)
         analysed = self._trials("main", [*others, *repeated], chance)
@@ -304,3 +305,19 @@ class PairwiseStudy(Study):
             replace(trial, instructed=int(chance.choice(INSTRUCTED_ANSWERS)))
             for trial in self._trials("attention", shown, chance)
         ]
+
+
+def _without_repetition(pairs: list[tuple[Segment, Pair]]) -> list[tuple[Segment, Pair]]:
+    """Exchange pairs so that no segment comes twice with the same one, as far as possible."""
+    times = Counter(pairs)
+    for index, (segment, pair) in enumerate(pairs):
+        if times[segment, pair] < 2:
+            continue
+        for other_index, (other_segment, other_pair) in enumerate(pairs):
+            exchanged = ((segment, other_pair), (other_segment, pair))
+            if not any(times[each] for each in exchanged):
+                times.subtract((pairs[index], pairs[other_index]))
+                times.update(exchanged)
+                pairs[index], pairs[other_index] = exchanged
+                break
+    return pairs

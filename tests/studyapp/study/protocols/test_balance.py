@@ -92,6 +92,18 @@ def test_all_pairs_are_compared_equally_often(places: int, seed: int, trials: in
     assert spread(pairs, study_pairs(study)) <= 1
 
 
+@given(st.integers(0, 40), SEEDS, st.integers(1, 6), st.integers(1, 12))
+def test_nobody_compares_the_same_videos_twice(
+    number: int, seed: int, segments: int, trials: int
+) -> None:
+    study = make("all_pairs", seed=seed, trials=trials, practice=0, catch={"trials": 0})
+
+    plan = study.plan(study.arms[0], number, SEGMENTS[:segments])
+
+    shown = Counter((trial.segment, frozenset(trial.conditions)) for trial in plan)
+    assert max(shown.values()) == 1
+
+
 def study_pairs(study: Study) -> set[frozenset[str]]:
     return {frozenset(pair) for pair in combinations(study.conditions, 2)}
 
