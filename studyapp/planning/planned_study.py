@@ -15,7 +15,7 @@ from analysis.planning.part import Kind, Part, Size, Trials, count_analysed
 from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.design.trial import PlannedTrial
-from studyapp.study.folder import StudyFolder
+from studyapp.study.folder import VIDEO_ENDING, StudyFolder
 from studyapp.study.protocols.mismatch import FIT, MismatchStudy
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.ranking import RankingStudy
@@ -171,7 +171,8 @@ def excluded_by_default(study: Study) -> float:
 
 def has_segments(folder: StudyFolder, study: Study) -> bool:
     """Tell whether the study has segments already."""
-    return (folder.speech / "segments.csv").exists() or study.only_finished
+    has_videos = study.only_finished and any(folder.videos.glob(f"*/*{VIDEO_ENDING}"))
+    return has_videos or (folder.speech / "segments.csv").exists()
 
 
 def planned_segments(
@@ -188,10 +189,9 @@ def planned_segments(
         return tuple(folder.segments_of(study))
     if not items:
         raise InputError(
-            "the study has no speech yet, so that it is not known how many segments it will have",
+            "the study has no segments yet, so it is not known how many it will have",
             where=folder.root,
-            remedy="Say how many to try (--items, such as --items 24,48), or bring recordings in "
-            "with 'motionjury import'",
+            remedy="Give numbers to try, such as --items 24,48, or import speech or videos first",
         )
     lengths = [30.0]
     if isinstance(study, RankingStudy):

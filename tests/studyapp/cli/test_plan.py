@@ -32,6 +32,8 @@ def test_every_size_has_its_power_and_cost(study: Callable[[str], Path]) -> None
     output = run("plan", folder, *SMALL, "--pay", 2)
 
     assert "6 x 5" in output
+    # Its own size is not among those that are tried.
+    assert "the study as it stands, with 25 participants and 5 segments" in output
     table = pd.read_csv(out / "power.csv")
     assert table["participants"].tolist() == [6, 12]
     assert table["power"].between(0, 1).all()

@@ -20,6 +20,7 @@ from studyapp.planning.planned_study import (
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 from studyapp.study.study_file import new_study
+from studyapp.study.study_options import read_conditions
 from tests.support.studies.made_study import make_segments, make_study
 
 SEGMENTS = make_segments(["anger", "sadness", "fear"] * 4)
@@ -122,8 +123,11 @@ def test_a_block_for_which_every_segment_is_too_short_leaves_the_others_to_be_pl
     assert (part.trials.conditions, part.trials.analysed) == (3, 6)
 
 
-def test_a_plan_without_speech_needs_the_number_of_segments(tmp_path: Path) -> None:
-    study = template("pairwise", tmp_path)
+@pytest.mark.parametrize("source", ["files", "videos"])
+def test_a_plan_without_material_needs_the_number_of_segments(tmp_path: Path, source: str) -> None:
+    texts = (f"ours={source}", f"theirs={source}")
+    conditions = read_conditions(texts, tmp_path)
+    study = new_study(tmp_path / "study.toml", name="planned", conditions=conditions)
     folder = StudyFolder(tmp_path)
 
     assert not has_segments(folder, study)
