@@ -47,3 +47,8 @@ def _without_full_stop(words: str) -> str:
 def listed(words: Sequence[str]) -> str:
     """Return ``a, b and c``; empty where there are no words."""
     return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))
+
+
+def counted(number: int, noun: str) -> str:
+    """Return ``1 clip`` or ``2 clips``."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
-from motion.errors import InputError, listed
+from motion.errors import InputError, counted, listed
 from studyapp.cli.arguments import optional_study_folder
-from studyapp.cli.output import counted, progress
+from studyapp.cli.output import progress
 from studyapp.clock import Clock
 from studyapp.custody.backup import back_up, check_archive
 from studyapp.custody.manifest import Manifest, compare_media

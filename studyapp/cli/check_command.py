@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
-from motion.errors import InputError
+from motion.errors import InputError, counted
 from motion.files import write_text
 from studyapp.cli.arguments import check_address, study_folder
-from studyapp.cli.output import counted, sign_of_life
+from studyapp.cli.output import sign_of_life
 from studyapp.preflight.check import check
 from studyapp.preflight.finding import make_record, text_lines
 from studyapp.study.folder import StudyFolder

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from motion.errors import InputError
+from motion.errors import InputError, counted
 from studyapp.cli.arguments import refuse_options, study_folder
-from studyapp.cli.output import counted
 from studyapp.researchers.audit import read_reason
 from studyapp.results.export.sharing import Shared, share
 from studyapp.results.export.tables import export

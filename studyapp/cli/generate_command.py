@@ -12,11 +12,11 @@ from click.core import ParameterSource
 from generators.registry import Device, generator_names, settings_type
 from generators.settings import File, Folder, Setting, settings_of
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
-from motion.errors import InputError
+from motion.errors import InputError, counted
 from motion.segment import EMOTIONS
 from studyapp.cli.arguments import Number, current_study, optional_study_folder
 from studyapp.cli.arguments import processes as processes_option
-from studyapp.cli.output import counted, progress
+from studyapp.cli.output import progress
 from studyapp.study.folder import StudyFolder
 from studyapp.study.study_options import make_condition
 

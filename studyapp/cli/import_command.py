@@ -7,11 +7,11 @@ from pathlib import Path
 
 import click
 
-from motion.errors import InputError
+from motion.errors import InputError, counted
 from motion.formats.joint_maps import JointMap
 from motion.segment import EMOTIONS
 from studyapp.cli.arguments import Number, existing_study, joints_option
-from studyapp.cli.output import counted, progress
+from studyapp.cli.output import progress
 from studyapp.stimuli.imported_folder import folder_items
 from studyapp.stimuli.recordings import RecordingFacts, Take, import_clips, import_take
 from studyapp.stimuli.video_takes import import_video

@@ -13,6 +13,7 @@ from typing import Final
 import click
 from tqdm import tqdm
 
+from motion.errors import counted
 from motion.files import write_text
 from studyapp.desk.jobs import PROGRESS_FILE, Progress
 from training.run.launching import is_leader
@@ -136,8 +137,3 @@ def echo_skipped(skipped: Sequence[object], unit: str) -> None:
         more = len(skipped) - _MOST_NAMED
         unnamed = f", {more} of them not named here" if more > 0 else ""
         click.echo(f"{counted(len(skipped), unit)} skipped{unnamed}.", err=True)
-
-
-def counted(number: int, unit: str) -> str:
-    """Return ``1 clip`` or ``2 clips``."""
-    return f"{number} {unit}" if number == 1 else f"{number} {unit}s"

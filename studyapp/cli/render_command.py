@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 
 import click
 
-from motion.errors import InputError
+from motion.errors import InputError, counted
 from motion.formats.joint_maps import JointMap
 from renderer.look import AVATARS, FIRST_AVATAR, FRAMINGS, VIEWS, Look
 from studyapp.cli.arguments import (
@@ -20,7 +20,7 @@ from studyapp.cli.arguments import (
 )
 from studyapp.cli.arguments import cluster as cluster_option
 from studyapp.cli.arguments import processes as processes_option
-from studyapp.cli.output import counted, progress
+from studyapp.cli.output import progress
 from studyapp.stimuli.publishing import allow_origin, publish, remove
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media_store import Place

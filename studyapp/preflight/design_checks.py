@@ -20,7 +20,7 @@ KIND_WORDS: Final[Mapping[Kind, str]] = MappingProxyType(
     {
         "practice": "practice (discarded)",
         "main": "main",
-        "repeat": "practice trials repeated (analysed)",
+        "repeat": "practice repeated (analysed)",
         "catch": "catch",
         "attention": "attention",
     }
@@ -47,10 +47,13 @@ def design_findings(material: Material) -> Iterator[Finding]:
         yield make_finding("speech-repeated", repeated=repeated, checks=len(checks))
     for sentence in (*study.notes(segments), *study_notes(study)):
         yield make_finding("design", sentence.rstrip("."))
-    emotions = {segment.emotion for segment in segments}
-    missing = [emotion for emotion in EMOTIONS if emotion not in emotions]
-    if missing and any("{emotion}" in question.text for question in study.questions):
-        yield make_finding("emotions-missing", emotions=listed(missing))
+    if any("{emotion}" in question.text for question in study.questions):
+        emotions = {segment.emotion for segment in segments}
+        missing = [emotion for emotion in EMOTIONS if emotion not in emotions]
+        if not any(segment.wav for segment in segments):
+            yield make_finding("emotions-unknown", emotions=listed(sorted(emotions)))
+        elif missing:
+            yield make_finding("emotions-missing", emotions=listed(missing))
     yield from _check_findings(study)
     yield from _exclusion_findings(study)
 

@@ -43,7 +43,7 @@ def decide_exclusion(
         _require_participant(session, number)
         if _is_excluded(session, number) is excluded:
             raise InputError(
-                f"study session {number} is {'' if excluded else 'not '}excluded already",
+                f"study session {number} is {'already' if excluded else 'not'} excluded by hand",
                 remedy="Somebody else may have changed it",
             )
         now = clock.now()

@@ -7,14 +7,15 @@ from datetime import datetime
 from sqlalchemy import delete, func, not_, select, tuple_, update
 from sqlalchemy.orm import Session
 
-from motion.errors import InputError
+from motion.errors import InputError, listed
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, Event, Place, StudySession, StudyVersion
 from studyapp.session.intake import open_places, take_allocation_turn
 from studyapp.session.places import STALE, regain_place, stale_before
 from studyapp.session.served_study import ServedStudy
-from studyapp.study.versioning import operation_changes, operation_part
+from studyapp.study.settings.reading import parse_text
+from studyapp.study.versioning import design_changes, operation_changes, operation_part
 
 
 def open_study(
@@ -40,7 +41,7 @@ def open_study(
 def needs_new_version(database: Database, design: str) -> bool:
     """Tell whether `design` needs a new version because people took part in another one."""
     with database.reading() as session:
-        return _abandons_participants(session, design)
+        return _version_left_behind(session, design) is not None
 
 
 def definition_in_use(database: Database) -> str | None:
@@ -51,9 +52,11 @@ def definition_in_use(database: Database) -> str | None:
 
 
 def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: bool) -> None:
-    if _abandons_participants(session, served.design) and not new_version:
+    previous = _version_left_behind(session, served.design)
+    if previous is not None and not new_version:
         raise InputError(
-            "the study's design has changed, and people have taken part in the previous one",
+            f"the study's design has changed ({_changed_parts(previous, served)}), and people have "
+            "taken part in the previous one",
             where="study.toml",
             remedy="Undo the change (the database keeps the previous file), or serve it as a new "
             "version (--new-version): earlier answers are kept apart, and unfinished participants "
@@ -71,12 +74,20 @@ def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: 
     _restore_places(session, served, now)
 
 
-def _abandons_participants(session: Session, design: str) -> bool:
-    """Tell whether the design in force is another one with participants."""
+def _version_left_behind(session: Session, design: str) -> StudyVersion | None:
+    """Return the version in force if it has participants and another design."""
     in_force = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).first()
-    return (
-        in_force is not None and in_force.design != design and _has_participants(session, in_force)
-    )
+    if in_force is None or in_force.design == design or not _has_participants(session, in_force):
+        return None
+    return in_force
+
+
+def _changed_parts(previous: StudyVersion, served: ServedStudy) -> str:
+    try:
+        before = parse_text(previous.definition, where="study.toml")
+    except InputError:
+        return "the previous study file is no longer valid"
+    return listed(design_changes(before, served.study)) or "the speech or the videos"
 
 
 def _create_version(session: Session, served: ServedStudy, now: datetime) -> StudyVersion:

@@ -26,7 +26,7 @@ from typing import Final, Literal
 import numpy as np
 from pydantic import Field
 
-from motion.errors import listed
+from motion.errors import counted, listed
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.design.adaptive import Pair, most_informative_pairs
 from studyapp.study.design.allocation import (
@@ -220,19 +220,21 @@ class PairwiseStudy(Study):
         practice, pairs = self._count_pairs(segments)
         available = Counter(segment.emotion for segment in segments)
         notes = [
-            f"{len(segments)} segments of {listed([e for e in EMOTIONS if e in available])} allow "
-            f"{pairs} pairs per participant; the published design has {PUBLISHED_PAIRS}, three "
-            f"for each of {len(EMOTIONS)} emotions"
+            f"with {counted(len(segments), 'segment')} of "
+            f"{listed([e for e in EMOTIONS if e in available])}, a participant can judge "
+            f"{counted(pairs, 'pair')}; the published design has {PUBLISHED_PAIRS}, three for each "
+            f"of {len(EMOTIONS)} emotions"
         ]
         if pairs < self.trials:
             notes.append(
-                f"each participant judges {pairs} pairs instead of {self.trials}, because the "
-                f"study has {len(segments)} segments and shows each of them "
+                f"each participant judges {counted(pairs, 'pair')} instead of {self.trials}, "
+                f"because the study has {counted(len(segments), 'segment')} and shows each "
                 f"{'once' if self._rounds == 1 else f'{self._rounds} times'}"
             )
         if practice < self.practice:
             notes.append(
-                f"{practice} trials are practice instead of {self.practice}, for the same reason"
+                f"it has {counted(practice, 'practice trial')} instead of {self.practice}, for the "
+                "same reason"
             )
         share = int(pairs / self._rounds // max(1, len(available)))
         short = [f"{emotion} ({count})" for emotion, count in available.items() if count < share]

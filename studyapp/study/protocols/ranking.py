@@ -19,6 +19,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from motion.errors import counted
 from motion.segment import Segment
 from studyapp.study.design.allocation import allocate_segments, draw_segments, shuffled
 from studyapp.study.design.trial import (
@@ -164,8 +165,8 @@ class RankingStudy(GroupedStudy):
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
         """Say which blocks have fewer segments than trials, and whether there is no reference."""
         notes = [
-            f"block {block.name} has {len(block.segments(segments))} segments for its "
-            f"{block.trials} trials, and shows each of them once"
+            f"block {block.name} has {counted(len(block.segments(segments)), 'segment')} for its "
+            f"{counted(block.trials, 'trial')}, and shows each once"
             for block in self.blocks
             if len(block.segments(segments)) < block.trials
         ]

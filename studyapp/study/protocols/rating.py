@@ -17,6 +17,7 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from motion.errors import counted
 from motion.segment import Segment
 from studyapp.study.design.allocation import allocate_segments, shuffled
 from studyapp.study.design.trial import (
@@ -110,8 +111,9 @@ class RatingStudy(GroupedStudy):
         if len(segments) >= groups:
             return ()
         return (
-            f"each participant rates {groups} groups, but there are only {len(segments)} segments: "
-            "sets repeat segments, and no set has more groups than there are segments",
+            f"each participant should rate {groups} groups, but the study has only "
+            f"{counted(len(segments), 'segment')}: sets share segments, and no set has more groups "
+            "than there are segments",
         )
 
     def _scale(self, name: str) -> RatingQuestion:

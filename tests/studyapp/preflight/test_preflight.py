@@ -22,6 +22,7 @@ from studyapp.stimuli.rendering import equalise_sizes
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli, write_stimuli
 from studyapp.study.study_file import new_study
+from tests.studyapp.conftest import OwnStudy
 from tests.support.studies.made_study import make_segments, make_study
 from tests.support.studies.redefining import edited
 from tests.support.studies.takes import write_motion
@@ -150,6 +151,13 @@ def test_settings_are_compared_with_each_other_and_with_the_material(
     assert count(original, severity, words) == 0
     change(ready, keys)
     assert count(check(ready), severity, words) == 1
+
+
+def test_a_question_cannot_name_the_emotion_of_finished_videos(own_study: OwnStudy) -> None:
+    folder = own_study("pairwise")
+    assert count(check(folder), "warning", "say neutral") == 0
+    change(folder, {"questions.0.text": "The speaker feels {emotion}. Which fits better?"})
+    assert count(check(folder), "warning", "say neutral in every trial") == 1
 
 
 @pytest.mark.parametrize(

@@ -76,7 +76,7 @@ def test_an_impossible_decision_changes_nothing(participant: Participant, clock:
     for reason in ("", " \n", "x" * 501, "a\0b", "a\udc80b"):
         with pytest.raises(InputError, match="reason of 1 to 500"):
             exclude(database, clock, 1, reason)
-    with pytest.raises(InputError, match="1 is not excluded already"):
+    with pytest.raises(InputError, match="1 is not excluded by hand"):
         reinstate(database, clock, 1)
     with pytest.raises(InputError, match="no study session 77"):
         exclude(database, clock, 77)
@@ -86,7 +86,7 @@ def test_an_impossible_decision_changes_nothing(participant: Participant, clock:
     assert excluded(database) == {}
     assert latest_changes(database) == before
     exclude(database, clock, 1)
-    with pytest.raises(InputError, match="1 is excluded already"):
+    with pytest.raises(InputError, match="1 is already excluded by hand"):
         exclude(database, clock, 1)
     assert len(read_once(database, exclusion_decisions, 1)) == 1
 

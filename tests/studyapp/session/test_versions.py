@@ -71,8 +71,9 @@ def test_a_changed_design_is_refused_once_somebody_has_enrolled(
     other_words = change("rhythm of the speech", "beat of the speech")
     change("beat of the speech", "rhythm of the speech")
     make_videos_anew(tiny_study)
-    for changed in (other_words, ServedStudy.read(tiny_study)):
-        with pytest.raises(InputError, match=r"design has changed.*--new-version"):
+    other_videos = ServedStudy.read(tiny_study)
+    for changed, part in ((other_words, "questions"), (other_videos, "the speech or the videos")):
+        with pytest.raises(InputError, match=rf"has changed \({part}\).*--new-version"):
             participant.in_study(changed)
     assert len(versions(participant.database)) == 1
 

@@ -54,7 +54,7 @@ def test_inconsistent_studies_are_refused(
     ("protocol", "changes", "emotions", "said"),
     [
         ("rating", {}, ["anger"] * 7, []),
-        ("rating", {}, ["anger"] * 6, ["7 groups, but there are only 6 segments"]),
+        ("rating", {}, ["anger"] * 6, ["7 groups, but the study has only 6 segments"]),
         ("ranking", {"blocks": [LASTING]}, ["anger"] * 12, []),
         (
             "ranking",
@@ -68,18 +68,21 @@ def test_inconsistent_studies_are_refused(
             {"trials": 24, "practice": 3},
             ["anger"] * 2,
             [
-                "2 segments of anger allow 2 pairs",
+                "with 2 segments of anger, a participant can judge 2 pairs",
                 "2 pairs instead of 24, because the study has 2 segments",
-                "2 trials are practice instead of 3",
+                "it has 2 practice trials instead of 3",
             ],
         ),
         (
             "pairwise",
             {},
             ["anger"] * 5 + ["fear"],
-            ["allow 6 pairs", "an even share is 3 segments each, but there are fewer of fear (1)"],
+            [
+                "can judge 6 pairs",
+                "an even share is 3 segments each, but there are fewer of fear (1)",
+            ],
         ),
-        ("all_pairs", {}, ["anger"] * 3, ["allow 9 pairs", "shows each of them 3 times"]),
+        ("all_pairs", {}, ["anger"] * 3, ["can judge 9 pairs", "shows each 3 times"]),
     ],
 )
 def test_too_little_speech_and_missing_references_are_reported(
