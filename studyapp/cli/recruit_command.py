@@ -10,7 +10,7 @@ from typing import Final
 
 import click
 
-from motion.errors import InputError
+from motion.errors import InputError, counted
 from studyapp.cli.arguments import named_study_folder, public_address
 from studyapp.cli.output import echo_table
 from studyapp.preflight.recruiting_checks import pay_findings
@@ -223,7 +223,7 @@ def invite_(
     table = out or folder.root / "invitations.csv"
     names = numbered(count, table) if count is not None else listed_people(people or Path())
     count = invite(folder, names, address, table)
-    click.echo(f"Added {count} links to {table}")
+    click.echo(f"Added {counted(count, 'link')} to {table}")
 
 
 def _channel(folder: StudyFolder, *supported: Channel) -> Channel:
@@ -314,7 +314,7 @@ def _approve_on_prolific(folder: StudyFolder, *, also: tuple[str, ...], yes: boo
         if not yes:
             click.echo("Nothing was paid; --yes pays.")
             return
-        click.echo(f"Approved {prolific.approve(client, status, also)} submissions.")
+        click.echo(f"Approved {counted(prolific.approve(client, status, also), 'submission')}.")
 
 
 def _client() -> ProlificClient:
@@ -369,7 +369,7 @@ def _approve_on_mturk(folder: StudyFolder, *, live: bool, yes: bool) -> None:
     if not yes:
         click.echo("Nothing was paid; --yes pays.")
         return
-    click.echo(f"Approved {mturk.approve(client, judged)} assignments.")
+    click.echo(f"Approved {counted(mturk.approve(client, judged), 'assignment')}.")
 
 
 def _echo_verdicts(heading: str, verdicts: Sequence[tuple[str, PaymentDecision]]) -> None:

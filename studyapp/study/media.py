@@ -111,11 +111,6 @@ class Stimuli(_Record):
     pairs: tuple[PairVideo, ...] = ()
     copies: tuple[VideoCopy, ...] = ()
 
-    def pair(self, segment: str, left: str, right: str) -> PairVideo | None:
-        """Return the pair video of `segment` with these sides, or None."""
-        sides = (segment, left, right)
-        return next((p for p in self.pairs if (p.segment, p.left, p.right) == sides), None)
-
 
 def read_stimuli(path: Path) -> Stimuli:
     """Read `stimuli.json`.

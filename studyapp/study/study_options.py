@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from generators.registry import generator_names, needs_source, settings_type
 from generators.settings import File, settings_of
-from motion.errors import InputError, listed
+from motion.errors import InputError, counted, listed
 from motion.segment import check_name
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.settings.presentation import Framing, Language
@@ -140,7 +140,7 @@ def condition_variables(
         shown = [name for name in names if name != reference or protocol == "rating"]
         if not 2 <= len(shown) <= MAX_VIDEOS_PER_PAGE:
             raise InputError(
-                f"a page would show {len(shown)} motions, but it can show 2 to "
+                f"a page would show {counted(len(shown), 'motion')}, but it can show 2 to "
                 f"{MAX_VIDEOS_PER_PAGE}",
                 remedy="Name other conditions, or create the study and edit its parts",
             )

@@ -43,6 +43,12 @@ REFUSED: dict[str, dict[str, str]] = {
         "new --condition a=files --condition a=files": "given twice",
         "new --condition a=files": "one condition cannot be compared",
         "new --condition a=diffsheg --condition b=files": "needs its weights",
+        "new --condition a=diffsheg:none.pt --condition b=files": "weights does not exist",
+        "new --condition a=files --condition b=files --reference c": "not one of the conditions",
+        "new --template ranking --condition a=files --condition b=files --reference a": (
+            "would show 1 motion"
+        ),
+        "new --template rating --trials 5": "has no key 'trials'",
         "new --recruit prolific": "must be told the pay (--pay) and the minutes (--minutes)",
         "new --pay 2.50": "needs a currency",
         "new --pay 'much EUR'": "'much' is not an amount",
@@ -56,7 +62,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "--generated motion --preset genea --evaluator emage=none.bin": "no such file",
     },
     "plan": {
-        "study --participants 6": "(--items, such as",
+        "study --participants 6": "such as --items 24,48",
         "study --items 8 --effect 0.2,nan": "'nan' is not a number",
         "study --participants 90000 --items 100": "more than 400,000 answers",
     },

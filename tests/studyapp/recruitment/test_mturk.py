@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -26,6 +27,7 @@ from studyapp.recruitment.mturk import (
 )
 from studyapp.session.enrolment import Arrival
 from studyapp.study.folder import StudyFolder
+from tests.support.command_line import run
 from tests.support.studies.made_study import make_study
 from tests.support.studies.taking_part_steps import taking_part
 
@@ -155,25 +157,31 @@ def test_tasks_of_the_sandbox_are_not_on_the_live_site(sandbox: Sandbox) -> None
         mturk.hits_of(sandbox.folder, live=True)
 
 
-def test_a_study_session_is_paid_once_however_often_it_is_submitted(sandbox: Sandbox) -> None:
+def test_a_study_session_is_paid_once_however_often_it_is_submitted(
+    sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mturk, "connect", lambda *, live: sandbox.client)
+    recruit = partial(run, "recruit", sandbox.folder.root)
     with taking_part(sandbox.folder.root) as worker:
         arrival = Arrival(recruiter_participant="w1", recruiter_session="a1")
         worker.arrive(arrival).begin().take_all()
-    make_hit(sandbox, "h1")
-    sandbox.hands_in(
+    create = ("create", "--address", ADDRESS)
+    assert "in the sandbox, where nobody is paid\nNothing was offered" in recruit(*create)
+    sandbox.stub.add_response("create_hit", {"HIT": {"HITId": "h1"}})
+    assert "Created HIT h1" in recruit(*create, "--yes")
+    handed_in = (
         ("a1", "w1", "Submitted"),
         ("a2", "w1", "Submitted"),
         ("a3", "w2", "Submitted"),
         ("a4", "w3", "Approved"),
     )
+    sandbox.hands_in(*handed_in)
 
-    found = mturk.judged_assignments(sandbox.folder, sandbox.client, live=False)
+    shown = recruit("approve")
 
-    assert [(assignment.id, decision.verdict) for assignment, decision in found] == [
-        ("a1", "pay"),
-        ("a2", "look"),
-        ("a3", "look"),
-        ("a4", "settled"),
-    ]
+    actions = {line[:2]: line.split()[1] for line in shown.splitlines()}
+    assert [actions[name] for name, *_ in handed_in] == ["pay", "your", "your", "–"]
+    assert "1 to pay, 2 for you to decide, 0 under way, 1 settled.\nNothing was paid" in shown
+    sandbox.hands_in(*handed_in)
     sandbox.stub.add_response("approve_assignment", {}, {"AssignmentId": "a1"})
-    assert mturk.approve(sandbox.client, found) == 1
+    assert "Approved 1 assignment." in recruit("approve", "--yes")

@@ -22,7 +22,6 @@ from studyapp.stimuli.render_record import RenderCount, RenderProgress
 from studyapp.stimuli.rendering import render
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
-from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.study_file import new_study
 from tests.support.studies.redefining import edited
 from tests.support.studies.takes import write_motion, write_speech
@@ -96,17 +95,12 @@ def test_every_clip_and_both_orders_of_every_pair_are_rendered(
     assert (progress[0].videos, progress[0].frames) == (0, 0)
     assert (progress[-1].videos, progress[-1].all_videos, progress[-1].failed) == (20, 20, 0)
     assert progress[-1].frames == progress[-1].all_frames == 20 * 10
-    stimuli = read_stimuli(study.stimuli)
-    defined = study.study()
-    assert isinstance(defined, PairwiseStudy)
-    for segment in study.segments():
-        for left, right in defined.pairs:
-            pair = stimuli.pair(segment.name, left, right)
-            assert pair is not None
-            with av.open(str(study.root / pair.file)) as video:
-                stream = video.streams.video[0]
-                assert (stream.width, stream.height) == (192, 96)
-                assert sum(1 for _ in video.decode(stream)) == 10
+    pairs = {pair.content: pair for pair in read_stimuli(study.stimuli).pairs}
+    for content in study.study().contents(study.segments()):
+        with av.open(str(study.root / pairs[content].file)) as video:
+            stream = video.streams.video[0]
+            assert (stream.width, stream.height) == (192, 96)
+            assert sum(1 for _ in video.decode(stream)) == 10
 
 
 def test_names_and_sizes_of_pairs_reveal_nothing(rendered: StudyFolder) -> None:

@@ -59,6 +59,9 @@ def changed(path: Path, **changes: Any) -> Path:
         ({"conditions__rule_based__generator": "diffsheg"}, "'diffsheg' needs a checkpoint"),
         ({"conditions__mismatched__speaker": 2}, "speaker is given, but nothing there uses it"),
         ({"catch__generator": "diffsheg"}, "a network such as 'diffsheg' cannot"),
+        ({"catch__against": "nobody"}, "catch.against 'nobody' is not a condition"),
+        ({"conditions__rule_based__videos": True}, "cannot have a generator or source"),
+        ({"rehearsal__strength": {"nobody": 1}}, "unknown condition 'nobody'"),
         (
             {"conditions__mismatched__label": "rule based"},
             "conditions.mismatched: 'rule_based' is also called 'rule based'",
