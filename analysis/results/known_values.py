@@ -19,7 +19,7 @@ Sign = Literal["right", "wrong", "undecided", "equal"]
 SIGNIFICANT: Final = 1 - LEVEL
 """A smaller p decides which of two ranked conditions is the better one."""
 
-NO_RANK_INTERVAL: Final = "differences of mean ranks are tested, without an interval"
+NO_RANK_INTERVAL: Final = "the test compares worths, not mean ranks"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,11 +159,16 @@ def _compared(report: TableReport) -> Iterator[tuple[Measure, ResultKey, Estimat
                 difference = contrast.difference
                 decided = difference.has_interval and not difference.covers(0.0)
                 yield "mean_rating", contrast, difference, decided
-        case RankingResults(posthoc=posthoc):
-            for pair in posthoc:
-                reason = pair.reason or NO_RANK_INTERVAL
-                ahead = Estimate(estimate=-pair.difference, participants=pair.n, reason=reason)
-                yield "mean_rank", pair, ahead, pair.conover_holm < SIGNIFICANT
+        case RankingResults(conditions=ranked, contrasts=worths):
+            ranks = {(each.set, each.question, each.condition): each.mean_rank for each in ranked}
+            for pair in worths:
+                first, second = (ranks[pair.set, pair.question, name] for name in pair.names)
+                ahead = Estimate(
+                    estimate=second.estimate - first.estimate,
+                    participants=first.participants,
+                    reason=pair.reason or NO_RANK_INTERVAL,
+                )
+                yield "mean_rank", pair, ahead, pair.p_holm < SIGNIFICANT
         case _:
             for measure, key, share in _estimates(report):
                 moved = {name: getattr(share, name) - 0.5 for name in ("estimate", "low", "high")}

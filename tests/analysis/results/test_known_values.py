@@ -1,9 +1,13 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from analysis.results.known_values import KnownDifference
+from analysis.results.conditions import RankingResults
+from analysis.results.known_values import KnownDifference, KnownValue, found_differences
 from analysis.stats.clustered_mean import Estimate
+from tests.analysis.results.made_tables import ranking_table, report_of
 
 
 @pytest.mark.parametrize(
@@ -31,3 +35,27 @@ def test_conclusions_match_known_differences(truth: float, estimate: float, sign
     )
     assert difference.sign == sign
     assert difference.half_width == pytest.approx(0.1)
+
+
+def test_ranks_are_told_apart_by_the_deciding_test_and_differ_in_the_unit_of_the_truth(
+    tmp_path: Path,
+) -> None:
+    report = report_of(ranking_table(participants=12, segments=8), "ranking", tmp_path)
+    assert isinstance(report.results, RankingResults)
+    known = [
+        KnownValue(
+            about=each.condition,
+            question=each.question,
+            measure="mean_rank",
+            value=each.mean_rank.estimate,
+            on_these_segments=0.0,
+        )
+        for each in report.results.conditions
+    ]
+
+    differences = found_differences([report], known)
+
+    assert len(differences) == len(report.results.contrasts) > 0
+    for difference, contrast in zip(differences, report.results.contrasts, strict=True):
+        assert difference.found.estimate == pytest.approx(difference.truth)
+        assert difference.decided is bool(contrast.p_holm < 0.05)
