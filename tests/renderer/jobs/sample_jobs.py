@@ -72,7 +72,7 @@ def killing_writers(folder: Path, times: int) -> Iterator[list[int]]:
     over, killed = threading.Event(), list[int]()
 
     def kill() -> None:
-        while len(killed) < times and not over.wait(0.01):
+        while len(killed) < times and not over.wait(0.03):
             for pid in _writers_into(folder):
                 if pid not in killed:
                     os.kill(pid, signal.SIGKILL)
