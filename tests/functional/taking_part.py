@@ -31,10 +31,9 @@ AWAIT_END = """(video, patience) => {
             video.addEventListener(name, () => end(true), {once: true});
         }
         setTimeout(() => {
-            const {currentSrc, currentTime, paused, readyState, networkState, error} = video;
-            const state = {currentSrc, currentTime, paused, readyState, networkState};
-            const fault = document.getElementById(`${video.id}-fault`)?.innerText;
-            fail(new Error(JSON.stringify({...state, error: error?.message, fault})));
+            const {currentSrc, currentTime, paused, error} = video;
+            const state = {currentSrc, currentTime, paused, error: error?.message};
+            fail(new Error(`this video did not end: ${JSON.stringify(state)}`));
         }, patience);
     });
 }"""
