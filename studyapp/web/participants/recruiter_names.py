@@ -149,7 +149,7 @@ NAMES: Final[Mapping[Channel, tuple[str, ...]]] = MappingProxyType(
         "invitations": ("invitation",),
     }
 )
-"""Parameters of the address; the first one names the participant."""
+"""Parameters of the address: the participant, the recruiter's study, the submission."""
 
 VISIT: Final = re.compile(r"[A-Za-z0-9_-]{22,64}")
 NAME: Final = re.compile(r"[\x21-\x7e]{1,200}")
@@ -231,6 +231,7 @@ def arrival_of(names: Mapping[str, str], *, visit: str, form: Mapping[str, str])
         The answers so far.
     """
     study = study_site().study
+    channel = study.recruitment.channel
     arriving = partial(
         Arrival,
         form=form,
@@ -238,30 +239,20 @@ def arrival_of(names: Mapping[str, str], *, visit: str, form: Mapping[str, str])
         is_signed=SIGNED in names,
         address=None if study.recruitment.is_proven else newcomers_address(),
     )
-    drawn = visit if VISIT.fullmatch(visit) else None
-    if "PROLIFIC_PID" in names:
-        return arriving(
-            visit=_visit_as(names["PROLIFIC_PID"], drawn),
-            recruiter_participant=names["PROLIFIC_PID"],
-            recruiter_study=names.get("STUDY_ID", ""),
-            recruiter_session=names.get("SESSION_ID", ""),
-        )
-    if "workerId" in names:
-        return arriving(
-            visit=_visit_as(names["workerId"], drawn),
-            recruiter_participant=names["workerId"],
-            recruiter_study=names["hitId"],
-            recruiter_session=names["assignmentId"],
-            submit_to=names["turkSubmitTo"],
-        )
-    if "invitation" in names:
+    if channel == "invitations":
         return arriving(visit=invited(study_site().database, names["invitation"]))
-    return arriving(visit=drawn)
-
-
-def _visit_as(participant: str, drawn: str | None) -> str | None:
-    """Return the visit of a named participant, which differs by name."""
-    return drawn and token_hash(f"{participant} {drawn}")
+    drawn = visit if VISIT.fullmatch(visit) else None
+    if not names:
+        return arriving(visit=drawn)
+    participant, recruiter_study, submission = (names.get(name, "") for name in NAMES[channel][:3])
+    return arriving(
+        # The visit of a named participant differs by name.
+        visit=drawn and token_hash(f"{participant} {drawn}"),
+        recruiter_participant=participant,
+        recruiter_study=recruiter_study,
+        recruiter_session=submission,
+        submit_to=names.get("turkSubmitTo", ""),
+    )
 
 
 def _is_complete(channel: Channel, names: Mapping[str, str]) -> bool:
