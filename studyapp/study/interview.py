@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import Final
 
 from generators.registry import generator_names, needs_model
-from motion.errors import InputError
+from motion.errors import InputError, listed
 from studyapp.study.settings.presentation import reaches_somebody
 from studyapp.study.settings.recruitment import MTURK_CURRENCY, Pay
 from studyapp.study.settings.sections import MONEY
@@ -65,13 +65,10 @@ def require_stated_pay(options: StudyOptions) -> None:
     """Raise `InputError` if a recruiting site would miss the pay or the duration."""
     if options.channel not in RECRUITING_SITES:
         return
-    missing = [
-        *([] if options.pay else ["the pay (--pay)"]),
-        *([] if options.minutes else ["the minutes (--minutes)"]),
-    ]
-    if missing:
+    stated = {"the pay": options.pay, "the minutes": options.minutes}
+    if missing := [name for name, value in stated.items() if not value]:
         raise InputError(
-            f"recruiting sites must be told {' and '.join(missing)}", remedy="State that as well"
+            f"recruiting sites must be told {listed(missing)}", remedy="State that as well"
         )
 
 
@@ -81,7 +78,7 @@ def read_pay(text: str, channel: str | None) -> Pay | None:
     Raises
     ------
     InputError
-        If it is not an amount with a currency, or there is no pay on a recruiting site.
+        If it is not an amount with a currency, or not in the currency of the recruiting site.
     """
     amount, _, currency = text.strip().replace(",", ".").partition(" ")
     if re.fullmatch(r"\d+(\.\d)?", amount):
@@ -89,10 +86,6 @@ def read_pay(text: str, channel: str | None) -> Pay | None:
     if not re.fullmatch(MONEY, amount):
         raise InputError(f"{amount!r} is not an amount", remedy="Give one such as 2.50 EUR")
     if not amount or not Decimal(amount):
-        if channel in RECRUITING_SITES:
-            raise InputError(
-                "recruiting sites must be told the pay", remedy="Give an amount such as 2.50 EUR"
-            )
         return None
     currency = currency.strip().upper() or (MTURK_CURRENCY if channel == "mturk" else "")
     if not re.fullmatch(r"[A-Z]{3}", currency):

@@ -123,14 +123,9 @@ def render_study_file(options: StudyOptions, *, where: object) -> str:
     Raises
     ------
     InputError
-        If the template is unknown or lacks a key that `options` set, or the result is not a valid
-        study.
+        If the template lacks a key that `options` set, or the result is not a valid study.
     """
     template, reference = options.template, options.reference
-    if template not in TEMPLATES:
-        raise InputError(
-            f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
-        )
     defaults = read_template(template)
     is_ranking = defaults["protocol"] == "ranking"
     variables = _template_variables(options)

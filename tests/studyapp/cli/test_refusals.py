@@ -49,7 +49,7 @@ REFUSED: dict[str, dict[str, str]] = {
             "would show 1 motion"
         ),
         "new --template rating --trials 5": "has no key 'trials'",
-        "new --recruit prolific": "must be told the pay (--pay) and the minutes (--minutes)",
+        "new --recruit prolific": "must be told the pay and the minutes",
         "new --pay 2.50": "needs a currency",
         "new --pay 'much EUR'": "'much' is not an amount",
         "new --recruit mturk --pay '3 EUR' --minutes 9": "Mechanical Turk pays in USD, not in EUR",
