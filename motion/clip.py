@@ -48,7 +48,10 @@ GENDERS: Final = ("neutral", "female", "male")
 MIN_FRAME_RATE: Final = 1.0
 MAX_FRAME_RATE: Final = 1000.0
 LARGEST_VALUE: Final = 1e6
-"""Far beyond any radian, metre or coefficient of a body; larger numbers are damage."""
+"""Far beyond any metre or coefficient of a body; larger numbers are damage."""
+
+LARGEST_ROTATION: Final = 10 * np.pi
+"""Radians beyond any joint's rotation; in degrees, arms that hang down exceed it."""
 
 
 def arkit_index(name: str) -> int:
@@ -134,15 +137,17 @@ class MotionClip:
         if given.shape != shape:
             raise InputError(
                 f"{name} has shape {given.shape}, expected {shape}",
-                remedy="Check that all arrays of the clip have the same number of frames",
+                remedy="Give all arrays of the clip one row per frame, of that width",
             )
-        usable = np.abs(given) <= np.float64(LARGEST_VALUE)
+        largest = LARGEST_ROTATION if name == "poses" else LARGEST_VALUE
+        usable = np.abs(given) <= np.float64(largest)
         if not usable.all():
             index = tuple(map(int, np.argwhere(~usable)[0]))
             if np.isfinite(given[index]):
                 raise InputError(
                     f"{name} holds {given[index]:.3g} at index {index}",
-                    remedy="Give radians, metres and coefficients; repair damaged frames",
+                    remedy="Give radians (not degrees), metres and coefficients; repair damaged "
+                    "frames",
                 )
             raise InputError(
                 f"{name} holds a value that is not a number at index {index}",
