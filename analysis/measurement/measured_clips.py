@@ -25,7 +25,7 @@ from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import read_body
 from motion.clip import MotionClip, freeze
 from motion.errors import InputError
-from motion.formats import read_clip, read_motion
+from motion.formats import read_clip, read_recorded
 from motion.resample import resample
 from motion.skeleton import JOINT_COUNT, joint_index
 
@@ -90,8 +90,11 @@ class SeenMotion:
         InputError
             If the file cannot be used.
         """
-        read = read_clip if self.own_files else read_motion
-        return freeze(read(path, frame_rate=self.file_rate), self.frozen)
+        if self.own_files:
+            clip = read_clip(path, frame_rate=self.file_rate)
+        else:
+            clip, _ = read_recorded(path, frame_rate=self.file_rate)
+        return freeze(clip, self.frozen)
 
     def __str__(self) -> str:
         """Return a text that differs if clips may be read differently."""

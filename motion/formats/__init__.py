@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from motion.body.archive import add_mean_hands
 from motion.clip import MotionClip
 from motion.errors import InputError, found_at
+from motion.formats.beat_tracks import read_arkit_json
 from motion.formats.bvh import read_bvh
 from motion.formats.bvh_motion import settle_first_frame
 from motion.formats.clip_npz import (
@@ -25,12 +26,17 @@ from motion.formats.joint_positions import holds_joints, read_joints
 from motion.formats.retarget import retarget
 from motion.formats.smplx_rows import read_rows
 from motion.placement import clear_of_body, place
+from motion.segment import CUT_TOLERANCE
 from motion.skeleton import FINGERS, RELAXED_HANDS
 
-__all__ = ["read_clip", "read_motion", "write_clip"]
+__all__ = ["read_clip", "read_motion", "read_recorded", "write_clip"]
 
 _UNMOVED: Final = 1e-6
 """Largest angle, in radians, of fingers that a file does not hold."""
+
+
+_FAST: Final = 3.0
+"""Mean speed of the pelvis, in m/s, of a runner; beyond gestures."""
 
 
 def read_motion(
@@ -106,6 +112,37 @@ def read_motion(
     )
 
 
+def read_recorded(path: Path, **options: Any) -> tuple[MotionClip, list[str]]:
+    """Return a motion with the face in its companion file, and notes for people on both.
+
+    BEAT, and generators that use its format, store a take's face in a JSON file of the same name.
+    A clip that has a face keeps it; after that file's last frame, the face stays still.
+
+    Parameters
+    ----------
+    path : Path
+        The motion.
+    **options
+        As for `read_motion`, which also says what is raised.
+    """
+    clip = read_motion(path, **options)
+    note = clip.provenance.get("notes", "")
+    notes = [f"{path.name}: {note}"] if note else []
+    companion = path.with_suffix(".json")
+    if clip.arkit is not None or clip.expressions is not None or not companion.is_file():
+        return clip, notes
+    try:
+        face = read_arkit_json(companion, clip.frame_rate)
+    except InputError as error:
+        return clip, [*notes, f"{companion.name}, beside {path.name}, is left out: {error.what}"]
+    frames = face[np.minimum(np.arange(len(clip)), len(face) - 1)]
+    note = f"{path.name}: the face is from {companion.name}"
+    missing = (len(clip) - len(face)) / clip.frame_rate
+    if missing > CUT_TOLERANCE:
+        note += f" and stays still for the last {missing:.1f} s, which that file lacks"
+    return replace(clip, arkit=frames), [*notes, note]
+
+
 def _read_bvh_clip(
     path: Path, frame_rate: float | None, joint_map: JointMap | None, as_recorded: bool
 ) -> MotionClip:
@@ -147,12 +184,21 @@ def _with_relaxed_fingers(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]
     return replace(clip, poses=poses), (f"{subject} in the file; relaxed ones are shown",)
 
 
+def _notes_on_speed(clip: MotionClip) -> tuple[str, ...]:
+    """Return a note where the body moves as if its translation were not in metres."""
+    path_length = np.linalg.norm(np.diff(clip.trans, axis=0), axis=1).sum()
+    speed = path_length / clip.duration
+    if speed < _FAST:
+        return ()
+    return (f"the body moves at {speed:.0f} m/s on average; is 'trans' in metres?",)
+
+
 def _placed(
     clip: MotionClip, path: Path, format_name: str, notes: tuple[str, ...] = ()
 ) -> MotionClip:
     """Return the clip in the study's world, with what happened on the way in its provenance."""
     clip, fingers = _with_relaxed_fingers(clip)
-    notes = (*notes, *fingers)
+    notes = (*notes, *_notes_on_speed(clip), *fingers)
     clip, turns = place(clip)
     clip = clip.with_provenance(source=path.name, format=format_name)
     note = "; ".join((*notes, *turns))

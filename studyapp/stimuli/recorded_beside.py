@@ -1,58 +1,23 @@
-"""Companion files of recorded motion, of the same name: face, transcript, semantic scores."""
+"""Companion files of recorded motion, of the same name: transcript and semantic scores."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from motion.audio import Audio
-from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats import read_motion
 from motion.formats.beat_tracks import (
     SemanticSpan,
     cut_semantic_scores,
-    read_arkit_json,
     read_semantic_scores,
 )
 from motion.formats.transcript import preferred_transcript, read_transcript
-from motion.segment import CUT_TOLERANCE, Segment
+from motion.segment import Segment
 
 _PLAIN = ".lab"
 _SEMANTIC = ".txt"
-
-
-def read_recorded(path: Path, **options: Any) -> tuple[MotionClip, list[str]]:
-    """Return recorded motion with the face in its companion file, and notes on both."""
-    clip = read_motion(path, **options)
-    note = clip.provenance.get("notes", "")
-    clip, face_notes = _add_face(clip, path)
-    return clip, [*([f"{path.name}: {note}"] if note else []), *face_notes]
-
-
-def _add_face(clip: MotionClip, path: Path) -> tuple[MotionClip, list[str]]:
-    """Return `clip` with the face of its JSON file, and notes.
-
-    BEAT, and generators that use its format, store a take's face in a JSON file of the same name.
-    A clip that has a face is returned unchanged; after the last frame, the face stays still.
-    """
-    companion = path.with_suffix(".json")
-    if clip.arkit is not None or clip.expressions is not None or not companion.is_file():
-        return clip, []
-    try:
-        face = read_arkit_json(companion, clip.frame_rate)
-    except InputError as error:
-        return clip, _left_out(companion, path, error)
-    frames = face[np.minimum(np.arange(len(clip)), len(face) - 1)]
-    note = f"{path.name}: the face is from {companion.name}"
-    missing = (len(clip) - len(face)) / clip.frame_rate
-    if missing > CUT_TOLERANCE:
-        note += f" and stays still for the last {missing:.1f} s, which that file lacks"
-    return replace(clip, arkit=frames), [note]
 
 
 def add_transcripts(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from motion.audio import Audio, read_audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats import write_clip
+from motion.formats import read_recorded, write_clip
 from motion.formats.beat_tracks import write_semantic_scores
 from motion.formats.joint_maps import JointMap
 from motion.placement import place
@@ -23,7 +23,6 @@ from motion.segment import Segment, check_name
 from studyapp.stimuli.recorded_beside import (
     add_transcripts,
     cut_semantics,
-    read_recorded,
 )
 from studyapp.stimuli.shown_motion import SEGMENT_TOLERANCE, check_same_length, licensed_hands
 from studyapp.stimuli.stored_speech import (

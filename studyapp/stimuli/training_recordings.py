@@ -14,7 +14,7 @@ from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
 from motion.errors import InputError
 from motion.files import sha256_of
-from motion.formats import read_clip, read_motion
+from motion.formats import read_clip, read_recorded
 from motion.formats.joint_positions import is_joint_table
 from motion.segment import SEGMENTS_FILE
 from renderer.look import default_body
@@ -135,7 +135,9 @@ def _folder_recordings(folder: Path, file_rate: float | None, body: Path | None)
                 recording=recording,
                 emotion=emotion,
                 sha256=sha256_of(path),
-                read=partial(read_motion, path, frame_rate=file_rate, mean_hands=mean_hands),
+                read=lambda path=path: read_recorded(
+                    path, frame_rate=file_rate, mean_hands=mean_hands
+                )[0],
             )
         )
     return Recordings(

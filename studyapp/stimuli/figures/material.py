@@ -12,7 +12,7 @@ from typing import Final, Self
 from motion.audio import SPEECH_RATE, Audio, read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats import read_clip, read_motion
+from motion.formats import read_clip, read_recorded
 from motion.segment import Segment
 from renderer.clip_video import Stage
 from renderer.figures.panels import align_faces, face_camera
@@ -103,7 +103,7 @@ class FigureMaterial:
     def variation(self, segment: Segment, path: Path) -> MotionClip:
         """Return motion for `segment` from any file, as participants would see it."""
         hands = licensed_hands(self.plan.folder, self.plan.study)
-        clip = read_motion(path, mean_hands=hands)
+        clip, _ = read_recorded(path, mean_hands=hands)
         return self._shown(clip, path, segment, self.plan.look.frame_rate)
 
     def _shown(

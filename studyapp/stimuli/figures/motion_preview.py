@@ -14,6 +14,7 @@ from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
+from motion.formats import read_recorded
 from motion.formats.bvh_motion import write_clip_bvh
 from motion.formats.glb import write_glb
 from motion.formats.joint_maps import JointMap
@@ -26,7 +27,6 @@ from renderer.look import Look, default_body
 from renderer.loudness import at_common_loudness
 from renderer.shown_clip import LENGTH_TOLERANCE, as_shown
 from renderer.viewer.page import MAX_CLIPS, Scene, write_motion_page
-from studyapp.stimuli.recorded_beside import read_recorded
 
 PAGE, VIDEO, GLB, BVH = KINDS = ("page", "video", "glb", "bvh")
 """One page of all motion files; or a video, a GLB or a BVH of each."""

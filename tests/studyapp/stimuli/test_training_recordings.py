@@ -5,9 +5,11 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from motion.errors import InputError
+from motion.formats.beat_tracks import write_arkit_json
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.training_recordings import recordings_of
 from studyapp.study.folder import StudyFolder
@@ -48,6 +50,7 @@ def test_nested_motion_files_are_separate_recordings_unless_a_table_says_otherwi
     table = folder_of_motion / "segments.csv"
     table.write_text("name,emotion,wav\na,anger,take.wav\nb,calm,take.wav\n")
     stated = recordings_of(folder_of_motion, condition="")
+    write_arkit_json(folder_of_motion / "a.json", np.full((60, 51), 0.5), 30)
 
     assert [(s.name, s.recording, s.emotion) for s in nested.sources] == [
         ("a.npz", "a", ""),
@@ -55,6 +58,7 @@ def test_nested_motion_files_are_separate_recordings_unless_a_table_says_otherwi
     ]
     assert nested.sources[1].read().frame_rate == 15
     assert nested.frozen == ()
+    assert stated.sources[0].read().arkit is not None
     assert [(s.recording, s.emotion) for s in stated.sources] == [
         ("take.wav", "anger"),
         ("take.wav", "calm"),
