@@ -73,10 +73,7 @@ def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
         (`BvhFrameCountError`). The message names file and line.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig", errors="replace")
-    except OSError as error:
-        raise InputError("the file cannot be read", where=path, remedy="Check the path") from error
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
     lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
     lines = [(number, line) for number, line in lines if line]
     motion_at = next(

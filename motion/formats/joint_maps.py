@@ -130,18 +130,10 @@ def read_joint_map(path: Path) -> JointMap:
     Raises
     ------
     InputError
-        If the file cannot be read, or has anything but such lines.
+        If the file has anything but such lines.
     """
     try:
-        text = path.read_text("utf-8-sig")
-    except OSError as error:
-        raise InputError(
-            f"the joint map cannot be read ({error.strerror})",
-            where=path,
-            remedy="Check the path",
-        ) from error
-    try:
-        return _OWN_MAP.validate_python(tomllib.loads(text))
+        return _OWN_MAP.validate_python(tomllib.loads(path.read_text("utf-8-sig")))
     except (UnicodeDecodeError, tomllib.TOMLDecodeError, ValidationError) as error:
         raise InputError(
             "the file is not a joint map",

@@ -137,6 +137,10 @@ HEADING = ",".join(f"{joint}_{axis}" for joint in JOINT_NAMES for axis in "xyz")
         (NAMED | {"joints": np.zeros((3, 1, 3)), "names": ["pelvis"]}, "lack left_shoulder"),
         (f"{HEADING}\n1,2,3,1,2,3,1,2,word\n", "cannot be read"),
         (HEADING, "rows of other lengths, or no row"),
+        (
+            f"time,{HEADING}\n" + "".join(f"{t},{'1,' * 8}1\n" for t in (0, 1, 2, 5)),
+            "evenly spaced",
+        ),
         (f"{HEADING}\n1,2,3,1,2,3,1,2,3\n1,2\n", "rows of other lengths, or no row"),
     ],
 )

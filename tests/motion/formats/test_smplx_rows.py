@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from motion.errors import InputError
+from motion.formats import read_clip
 from motion.formats.smplx_rows import read_rows, read_show_npz
 from motion.skeleton import JOINT_NAMES, joint_index
 
@@ -38,6 +39,8 @@ def test_every_channel_lands_on_its_joint(
         assert not clip.poses[:, joint_index("left_eye")].any()
         np.testing.assert_allclose(clip.trans[2], row[309:312])
         np.testing.assert_allclose(clip.betas, row[312:])
+        np.savez(tmp_path / "a.npz", poses=np.tile(row, (3, 1)), fps=30)
+        np.testing.assert_array_equal(read_clip(tmp_path / "a.npz").poses, clip.poses)
     else:
         assert len(np.unique(clip.poses)) == 3 * len(JOINT_NAMES)
         assert not clip.trans.any()

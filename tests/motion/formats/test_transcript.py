@@ -56,12 +56,13 @@ def test_words_of_plain_text_are_spread_over_the_speech(tmp_path: Path, audio: A
         ("a.csv", "word,start,end\na,x,1\n", r"line 2.*has no time"),
         ("a.csv", "word,start,end\na,2,1\n", "is said from 2 to 1 s"),
         ("a.TextGrid", "nothing", "not a TextGrid"),
+        ("a.lab", "caf\xe9", "text in UTF-8"),
     ],
 )
 def test_other_transcripts_are_refused(
     tmp_path: Path, audio: Audio, name: str, text: str, message: str
 ) -> None:
-    (tmp_path / name).write_text(text)
+    (tmp_path / name).write_text(text, "latin-1")
     with pytest.raises(InputError, match=message):
         read_transcript(tmp_path / name, audio)
 

@@ -33,6 +33,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "a.bvh study --condition x --segment 10": "--segment",
         "a.bvh study --condition x --emotion neutral": "--emotion",
         "a.bvh study --condition x --fps 0": "--fps",
+        "a.bvh study --condition x --joints none.toml": "none.toml: No such file or directory",
         "a.bvh study --condition x --emotion boredom": "'boredom' is not one of",
         "a.bvh study --condition x --speech torn.wav --speaker a --emotion neutral": "torn.wav",
     },
