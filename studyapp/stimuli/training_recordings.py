@@ -9,9 +9,13 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from analysis.evaluators.training_clips import ClipSource
 from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
+from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import sha256_of
 from motion.formats import read_clip, read_recorded
@@ -135,9 +139,7 @@ def _folder_recordings(folder: Path, file_rate: float | None, body: Path | None)
                 recording=recording,
                 emotion=emotion,
                 sha256=sha256_of(path),
-                read=lambda path=path: read_recorded(
-                    path, frame_rate=file_rate, mean_hands=mean_hands
-                )[0],
+                read=partial(_read, path, file_rate, mean_hands),
             )
         )
     return Recordings(
@@ -146,6 +148,12 @@ def _folder_recordings(folder: Path, file_rate: float | None, body: Path | None)
         read_body=lambda: read_body(body or default_body()),
         networks=Path(),
     )
+
+
+def _read(
+    path: Path, frame_rate: float | None, mean_hands: NDArray[np.float32] | None
+) -> MotionClip:
+    return read_recorded(path, frame_rate=frame_rate, mean_hands=mean_hands)[0]
 
 
 def _labels(table: Path) -> Mapping[str, tuple[str, str]]:
