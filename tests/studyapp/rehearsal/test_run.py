@@ -13,11 +13,11 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from sqlalchemy import select
+from sqlalchemy import func, select
 
 from motion.errors import InputError
 from studyapp.database.engine import sqlite_url
-from studyapp.database.tables import StudySession
+from studyapp.database.tables import Response, StudySession
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.run import rehearse
 from studyapp.rehearsal.server import rehearsal_server
@@ -54,7 +54,10 @@ def what_was_answered(folder: StudyFolder) -> list[tuple[object, ...]]:
 
 def stored(folder: StudyFolder) -> int:
     """How many answers are stored."""
-    return len(answers(folder)) if folder.rehearsal.exists() else 0
+    if not folder.rehearsal.exists():
+        return 0
+    with reading(folder.rehearsal) as session:
+        return session.scalars(select(func.count()).select_from(Response)).one()
 
 
 def completed(folder: StudyFolder) -> int:
