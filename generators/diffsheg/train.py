@@ -295,10 +295,10 @@ def normalisation_of(prepared: PreparedTakes) -> Normalisation:
 
 
 def _measure_untrained(task: DiffShegTask, seed: int) -> dict[str, float]:
-    """Return an untrained network's measures of held-out windows."""
+    """Return held-out measures of the network before its first step."""
     with torch.random.fork_rng(devices=[]), torch.no_grad():
         torch.manual_seed(seed)
-        return dict(task.validation(Denoiser(task.config).to(task.device).eval()))
+        return dict(task.validation(task.network().eval()))
 
 
 def _describe(

@@ -79,14 +79,17 @@ def task_of(takes: PreparedTakes, **changes: Any) -> DiffShegTask:
     return replace(task, **changes)
 
 
-def test_a_short_training_predicts_noise_better_than_an_untrained_network(
+def test_a_short_training_betters_the_network_that_it_began_with(
     learn: Learn, takes: PreparedTakes, tmp_path: Path
 ) -> None:
     out = tmp_path / "small.safetensors"
     outcome = learn(24, out)
     facts = load_network(out, "beat", None).training
-    for measure in ("noise", "loss"):
+    for measure in (METRIC, "loss"):
         assert facts["held_out"][measure] < 0.85 * facts["untrained"][measure]
+    task = task_of(takes, weights=LOSSES["steps"])
+    with torch.no_grad():
+        assert facts["untrained"] == pytest.approx(task.validation(task.network().eval()))
     assert outcome.skipped == takes.skipped != ()
     assert f"windows: {facts['held_out']['noise']:.3f} (untrained" in " ".join(outcome.sentences)
     assert "9 takes by 2 speakers (1, 2)" in outcome.sentences[0]
