@@ -1,15 +1,12 @@
 from __future__ import annotations
 
-from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from motion.body.model import BodyModel
-from motion.body.surface import surface_colours
 from motion.clip import MotionClip
 from renderer.clip_video import Stage, still
 from renderer.frames import FrameRenderer
@@ -17,17 +14,6 @@ from renderer.framing import Camera, frame_clips
 from renderer.look import AVATARS, FRAMINGS, VIEWS, Look, default_body
 from renderer.picture import PixelBox, plane_pixels
 from tests.renderer.golden_frames import assert_like_golden
-
-
-@pytest.fixture(scope="module")
-def on_llvmpipe(body: BodyModel, camera: Camera) -> None:
-    """Skip unless Mesa's software rasteriser draws: pixels would differ."""
-    with FrameRenderer(body.faces, surface_colours(body), camera, 64):
-        gl: Any = import_module("OpenGL.GL")
-        name = gl.glGetString(gl.GL_RENDERER).decode()
-    if "llvmpipe" not in name:
-        pytest.skip(f"pictures are kept for llvmpipe, not for {name}")
-
 
 DARK = (0x2E, 0x34, 0x40)
 LOOKS = {
@@ -41,7 +27,6 @@ LOOKS = {
 }
 
 
-@pytest.mark.usefixtures("on_llvmpipe")
 @pytest.mark.parametrize("name", LOOKS)
 def test_a_frame_matches_its_golden_picture(
     name: str, clip: MotionClip, body: BodyModel, tmp_path: Path
@@ -51,7 +36,6 @@ def test_a_frame_matches_its_golden_picture(
         assert_like_golden(np.asarray(still(stage, clip, 0.5)), name, tmp_path)
 
 
-@pytest.mark.usefixtures("on_llvmpipe")
 def test_the_face_matches_its_golden_picture(
     clip: MotionClip, body_path: Path, tmp_path: Path
 ) -> None:
