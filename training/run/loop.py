@@ -85,8 +85,8 @@ def train(
     """Train a network, resuming where an earlier call stopped.
 
     However often a run is stopped and continued, weights, log and curves come out the same bytes
-    on the CPU of one machine with one number of threads; a GPU may differ in
-    the last digits. Several processes (`training.run.group`) make the same call, and come to
+    on the CPU of one machine with one number of threads; on a GPU, runs drift
+    apart by rounding. Several processes (`training.run.group`) make the same call, and come to
     what one would, up to rounding.
 
     Parameters
