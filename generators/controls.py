@@ -83,7 +83,6 @@ class Static:
 
         Every seed gives the same stance: nothing in it is random.
         """
-        seeded_stream(seed)
         frames = speech.frame_count(frame_rate)
         zero_turns, zero_angles = np.zeros((1, 3)), np.zeros(1)
         trunk = Trunk(

@@ -132,15 +132,7 @@ class Generator(Protocol):
 
 
 def seeded_stream(seed: int, *purpose: str) -> tuple[int, ...]:
-    """Return entropy for `numpy.random.default_rng` that depends on `seed` and `purpose`.
-
-    Raises
-    ------
-    InputError
-        If `seed` is negative.
-    """
-    if seed < 0:
-        raise InputError(f"seed {seed} is negative", remedy="Give a seed of 0 or more")
+    """Return entropy for `numpy.random.default_rng` that depends on `seed` and `purpose`."""
     return (seed, *(zlib.crc32(word.encode()) for word in purpose))
 
 

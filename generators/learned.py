@@ -17,7 +17,6 @@ from generators.interface import (
     StudyClips,
     ignore_progress,
     provenance_of,
-    seeded_stream,
     with_length,
 )
 from generators.learned_settings import ModelSettings
@@ -78,7 +77,6 @@ class NetworkGenerator(ABC, Generic[SettingsT]):
         It is made at the network's frame rate and resampled; its provenance also holds the facts
         of `make_motion`.
         """
-        seeded_stream(seed)
         count = speech.frame_count(frame_rate)
         check_frame_rate(frame_rate)
         clip, facts = self.make_motion(speech, seed, on_part)

@@ -19,7 +19,7 @@ from generators.diffsheg.config import (
 )
 from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.sampling import WindowSampler, stream
-from generators.interface import OnPart, SpeechSegment, seeded_stream
+from generators.interface import OnPart, SpeechSegment
 from generators.learned import NetworkGenerator, check_finite, concatenate_parts, network_provenance
 from generators.learned_settings import DiffShegSettings
 from motion.body.skinning import ForearmTwists
@@ -104,9 +104,8 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         Raises
         ------
         InputError
-            If the seed, the speaker or a file cannot be used.
+            If the speaker or a file cannot be used.
         """
-        seeded_stream(seed)
         config = self._network.denoiser.config
         speech_frames = stream_frames(pieces, int(config.frame_rate), self._hubert, StreamWindow())
         return self._denormalised_motion(speech_frames, seed, self._speaker_number(None))

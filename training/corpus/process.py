@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from motion.audio import Audio
 from motion.clip import check_frame_rate
-from motion.errors import InputError
 from training.corpus.body_angles import body_angles, joint_rotations
 from training.corpus.chance import EXPECTED, Chance
 from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker, voice_of
@@ -48,17 +47,7 @@ class Process:
 
     @classmethod
     def from_speech(cls, speech: Audio, emotion: str, speaker: CorpusSpeaker) -> Process:
-        """Hear `speech`, mono at 16 kHz.
-
-        Raises
-        ------
-        InputError
-            If the speech is not at 16 kHz or too short, or the emotion is unknown.
-        """
-        if emotion not in EMOTION_MOTION:
-            raise InputError(
-                f"unknown emotion {emotion!r}", remedy=f"Use one of {', '.join(EMOTION_MOTION)}"
-            )
+        """Hear `speech`, mono at 16 kHz."""
         return cls(
             curves=analyse(speech), duration=speech.duration, emotion=emotion, speaker=speaker
         )

@@ -33,7 +33,6 @@ from scipy.signal import ShortTimeFFT, find_peaks
 
 from motion.audio import SPEECH_RATE, Audio
 from motion.audio_analysis import load_librosa
-from motion.errors import InputError
 
 FloatArray = NDArray[np.float64]
 
@@ -82,18 +81,7 @@ class SpeechCurves:
 
 
 def analyse(speech: Audio) -> SpeechCurves:
-    """Return the curves of `speech`.
-
-    Raises
-    ------
-    InputError
-        If the speech is not at 16 kHz, or shorter than 0.1 s.
-    """
-    if speech.sample_rate != SPEECH_RATE or speech.duration < 0.1:
-        raise InputError(
-            f"{speech.duration:.2f} s of speech at {speech.sample_rate} Hz cannot be heard",
-            remedy=f"Give at least 0.1 s at {SPEECH_RATE} Hz",
-        )
+    """Return the curves of `speech`, mono at 16 kHz."""
     samples = np.asarray(speech.samples, np.float64)
     steps = len(samples) // _HOP + 1
     rms = _level(samples, steps)
