@@ -171,7 +171,7 @@ def _running(
     connect: Callable[[], None],
     environment: dict[str, str] | None = None,
 ) -> Iterator[subprocess.Popen[bytes]]:
-    """Run `command` until the block ends; it begins when `reach` raises no `OSError`."""
+    """Run `command` until the block ends; it begins when `connect` raises no `OSError`."""
     with log_file.open("wb") as log:
         process = subprocess.Popen(command, stdout=log, stderr=log, env=environment)
     try:
