@@ -110,7 +110,8 @@ def read_rows(path: Path, *, frame_rate: float | None = None) -> MotionClip:
         if width not in (WIDTH, MOTION_X_WIDTH) or rows.dtype.kind not in "fiu":
             raise InputError(
                 f"the array has shape {rows.shape} and type {rows.dtype}",
-                remedy=f"Give TalkSHOW's (T, {WIDTH}) or Motion-X's (T, {MOTION_X_WIDTH}) numbers",
+                remedy=f"Give TalkSHOW's (T, {WIDTH}) or Motion-X's (T, {MOTION_X_WIDTH}) numbers, "
+                "or save SMPL-X's poses in an .npz, as 'poses' with 'mocap_frame_rate'",
             )
         if width == MOTION_X_WIDTH:
             return motion_x_clip(rows, rate).with_provenance(format="motion-x")
