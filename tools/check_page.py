@@ -1,7 +1,7 @@
-"""``python -m tools.check_page`` puts the table of findings, and a schema, into `docs`.
+"""``python -m tools.check_page`` writes the table of findings, and a schema, into `docs`.
 
-The table of `docs/check.md` is `studyapp/preflight/findings.toml`; beside it lies the schema of
-what `motionjury check --json` prints.
+The table in `docs/check.md` comes from `studyapp/preflight/findings.toml`; the schema describes
+the output of `motionjury check --json`.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from tools.pictures import DOCS
 
 PICTURES: Final = DOCS / "desk-way"
 COLOURS: Final = 96
-"""Of a picture: pages have few, and a picture takes a third of the space."""
+"""Colours of a picture: pages have few, and this takes a third of the space."""
 
 SIZE: Final[ViewportSize] = {"width": 1100, "height": 700}
 

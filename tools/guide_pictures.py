@@ -17,15 +17,15 @@ from tools.pictures import DOCS, play_first_trial, served
 
 PICTURES = DOCS / "guide"
 FROM_PROLIFIC = "?PROLIFIC_PID=5f3c1d9e7a2b4c6d8e0f1a2b&STUDY_ID=6a1b2c3d&SESSION_ID=7e8f9a0b"
-"""Where the guide's participants come from."""
+"""The query with which Prolific sends participants."""
 QUALITY = 80
 SEGMENT = "1_ada_0_65_65"
-"""Of which the guide makes its strip."""
+"""The segment of the guide's strip."""
 STRIP_WIDTH = 1100
 
 
 def picture_strip(folder: StudyFolder) -> None:
-    """Make the strip as small as a page needs it."""
+    """Shrink the strip to the width of a page."""
     with Image.open(folder.figures / f"strip-{SEGMENT}.png") as picture:
         small = picture.convert("RGB")
         small.thumbnail((STRIP_WIDTH, STRIP_WIDTH))

@@ -26,13 +26,13 @@ def rendered(package: str, template: str, **facts: Any) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table; its cells are text that ends no cell."""
+    """Return a table; its cells must not contain an unescaped ``|``."""
     lines = [f"| {' | '.join(cells)} |" for cells in (head, *rows)]
     return "\n".join([lines[0], f"|{'---|' * len(head)}", *lines[1:]])
 
 
 def marks(part: str) -> tuple[str, str]:
-    """Return what stands before and behind a part that a program writes."""
+    """Return the marks before and after a part that a program writes."""
     return f"<!-- {part}: begin -->", f"<!-- {part}: end -->"
 
 

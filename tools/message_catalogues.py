@@ -35,7 +35,7 @@ TEMPLATE_OPTIONS: Final = {"newstyle_gettext": "true", "trimmed": "true", "silen
 SCRIPT_CALLS: Final = {"say": None, "sayCount": (1, 2)}
 
 
-class Found(NamedTuple):
+class SourceText(NamedTuple):
     """A text and its position.
 
     Attributes
@@ -51,7 +51,7 @@ class Found(NamedTuple):
     text: str | tuple[str, ...]
 
 
-def found_texts() -> Iterator[Found]:
+def source_texts() -> Iterator[SourceText]:
     """Yield every text for participants, file by file.
 
     Raises
@@ -69,22 +69,22 @@ def found_texts() -> Iterator[Found]:
         yield from _extracted(path, "javascript", SCRIPT_CALLS)
 
 
-def catalogue_of(found: Iterable[Found]) -> Catalog:
+def catalogue_of(texts: Iterable[SourceText]) -> Catalog:
     """Return a catalogue without translations."""
     catalogue = Catalog(project="Motion Jury", charset="utf-8", fuzzy=False)
-    for file, _, text in found:
+    for file, _, text in texts:
         catalogue.add(text, locations=[(file, 0)])
     return catalogue
 
 
-def _extracted(path: Path, method: str, calls: Mapping[str, Any]) -> Iterator[Found]:
+def _extracted(path: Path, method: str, calls: Mapping[str, Any]) -> Iterator[SourceText]:
     for line, text, _, _ in extract_from_file(
         method, path, keywords=calls, options=TEMPLATE_OPTIONS
     ):
-        yield Found(_named(path), line, text)
+        yield SourceText(_named(path), line, text)
 
 
-def texts_of_code(path: Path) -> Iterator[Found]:
+def texts_of_code(path: Path) -> Iterator[SourceText]:
     """Yield the texts in one Python file."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if not isinstance(node, ast.Call) or any(
@@ -93,14 +93,14 @@ def texts_of_code(path: Path) -> Iterator[Found]:
             continue  # what is called with **values passes on what another call names
         name = getattr(node.func, "id", "")
         if name in SINGLE:
-            yield Found(_named(path), node.lineno, _literal(path, node, 0))
+            yield SourceText(_named(path), node.lineno, _literal(path, node, 0))
         elif name in PLURAL:
-            yield Found(
+            yield SourceText(
                 _named(path), node.lineno, (_literal(path, node, 0), _literal(path, node, 1))
             )
         elif name in REFUSALS:
             for place in (0, 1):
-                yield Found(_named(path), node.lineno, _literal(path, node, place))
+                yield SourceText(_named(path), node.lineno, _literal(path, node, place))
 
 
 def _literal(path: Path, call: ast.Call, place: int) -> str:
@@ -144,7 +144,7 @@ def read_catalogue(code: str) -> Catalog:
 
 def main() -> None:
     """Update every catalogue and list untranslated texts."""
-    template = catalogue_of(found_texts())
+    template = catalogue_of(source_texts())
     for code in TRANSLATED:
         catalogue = read_catalogue(code)
         write_text(catalogue_path(code), updated(catalogue, template))

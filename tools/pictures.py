@@ -1,7 +1,7 @@
 """Take the pictures in docs/ from a study: ``python -m tools.pictures demo-study``.
 
 A participant's page with its video playing, the first screen of the report, one rendered frame
-of every condition, everyone whom a study can show, and a figure as a paper shows it.
+of every condition, all avatars, and a figure for a paper.
 """
 
 from __future__ import annotations
@@ -33,21 +33,21 @@ PATIENCE = 180_000
 SEGMENT = "happiness"
 MOMENT = 2.6
 KEY_WORDS = ("house=0.62", "called=1.6", "summer=3.0", "breakfast=4.5", "enormous=5.6", "tree=6.2")
-"""Where espeak-ng says them in the segment."""
+"""When espeak-ng says each of them in the segment, in seconds."""
 
 
 @dataclass(frozen=True)
 class Served:
-    """A study that is served with a database that is thrown away, and a browser's page.
+    """A study that is served on a temporary database, and a page of a browser.
 
     Attributes
     ----------
     address : str
-        Where it is.
+        The study's address.
     link : str
-        With which its first owner joins.
+        The link by which its first owner joins.
     database : Path
-        Where its answers go.
+        The temporary database.
     """
 
     address: str
@@ -58,7 +58,7 @@ class Served:
 
 @contextmanager
 def served(folder: StudyFolder) -> Iterator[Served]:
-    """Serve a study, and give it with a page of a browser."""
+    """Serve a study, and yield it with a page of a browser."""
     with tempfile.TemporaryDirectory() as scratch, launched() as browser:
         database = Path(scratch) / "pictures.db"
         os.environ["DATABASE_URL"] = sqlite_url(database)

@@ -10,7 +10,7 @@ from typing import Final
 
 import click
 
-from motion.errors import InputError, counted
+from motion.errors import InputError, counted, listed
 from studyapp.cli.arguments import named_study_folder, public_address
 from studyapp.cli.output import echo_table
 from studyapp.preflight.recruiting_checks import pay_findings
@@ -232,7 +232,7 @@ def _channel(folder: StudyFolder, *supported: Channel) -> Channel:
     if channel not in supported:
         raise InputError(
             f"the study recruits by {channel!r}, but this command is for "
-            + " and ".join(map(repr, supported)),
+            + listed([repr(name) for name in supported]),
             where=folder.definition,
             remedy="Set recruitment.channel",
         )

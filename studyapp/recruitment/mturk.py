@@ -257,7 +257,7 @@ def _hits_in(record: RecruitmentRecord, *, live: bool) -> tuple[str, ...]:
     return record.live_hits if live else record.sandbox_hits
 
 
-def _decide(assignment: Assignment, participants: KnownParticipant) -> PaymentDecision:
+def _decide(assignment: Assignment, participant: KnownParticipant) -> PaymentDecision:
     if assignment.status != SUBMITTED:
         return PaymentDecision(verdict="settled", reason=assignment.status.lower())
-    return judge_assignment(participants.code, assignment.answer, participants.study_status)
+    return judge_assignment(participant.code, assignment.answer, participant.study_status)

@@ -110,7 +110,7 @@ def prolific_token() -> str:
     if not TOKEN_LETTERS.fullmatch(token):
         raise InputError(
             f"the environment variable {TOKEN} "
-            + ("holds no token of Prolific's" if token else "is not set"),
+            + ("holds no Prolific token" if token else "is not set"),
             remedy="Make a token on Prolific (Settings, API tokens), and put it there",
         )
     return token

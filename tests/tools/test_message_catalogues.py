@@ -15,8 +15,8 @@ from tools import message_catalogues
 from tools.message_catalogues import (
     TRANSLATED,
     catalogue_of,
-    found_texts,
     read_catalogue,
+    source_texts,
     texts_of_code,
     updated,
 )
@@ -41,7 +41,7 @@ def places(text: str) -> set[str]:
 
 @pytest.fixture(scope="module")
 def template() -> Catalog:
-    return catalogue_of(found_texts())
+    return catalogue_of(source_texts())
 
 
 @pytest.fixture(params=TRANSLATED)

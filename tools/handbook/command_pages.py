@@ -1,8 +1,8 @@
-"""The pages of ``docs/commands``: what the command line says of itself, all else by hand.
+"""The pages of ``docs/commands``: options from the command line's help, all else by hand.
 
-A page holds a block for its command and for each of its subcommands, between two marks; what is
-between them is written anew, the rest is kept. A command without a page gets one with the headings
-to be filled, and the tests ask for the words below them.
+A page has a block for its command and for each subcommand, between two marks. The blocks are
+generated and the rest is kept. A command without a page gets one with empty headings, which the
+tests do not accept.
 
 ``python -m tools.handbook.command_pages`` brings all pages up to date.
 """

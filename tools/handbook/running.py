@@ -62,11 +62,11 @@ def shortened(lines: list[str], kept: str) -> list[str]:
     lines : list of str
         All of them.
     kept : str
-        How many, such as ``6+2``.
+        Numbers of first and last lines, such as ``6+2``.
     """
     match = _KEPT.fullmatch(kept)
     if match is None:
-        raise ValueError(f"{kept!r} says not how many lines to keep; write it as 6+2")
+        raise ValueError(f"{kept!r} does not say how many lines to keep; write it as 6+2")
     first, last = map(int, match.groups())
     if len(lines) <= first + last + 1:
         return lines

@@ -152,7 +152,7 @@ def test_the_token_is_in_no_error_log_or_address(
     assert secret not in caplog.text
     assert not any(secret in each for each in stand_in.asked)
 
-    for held, message in (("  ", "is not set"), (f"two\n{secret}", "holds no token")):
+    for held, message in (("  ", "is not set"), (f"two\n{secret}", "holds no Prolific token")):
         monkeypatch.setenv("PROLIFIC_TOKEN", held)
         with pytest.raises(InputError, match=message) as refused:
             prolific_token()

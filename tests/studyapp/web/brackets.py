@@ -11,7 +11,7 @@ from typing import Any, Final
 from studyapp.study.settings.study import Study
 from studyapp.web.language import Language, language_of
 from tests.studyapp.web.page_reader import PageReader
-from tools.message_catalogues import found_texts
+from tools.message_catalogues import source_texts
 
 SPOKEN_ATTRIBUTES: Final = (
     *("alt", "aria-description", "aria-label"),
@@ -36,7 +36,7 @@ def bracketed() -> Language:
 
 
 def _script_texts() -> Iterator[tuple[str, Any]]:
-    for file, _, text in found_texts():
+    for file, _, text in source_texts():
         if isinstance(text, tuple):
             one, many = (f"⟦{form}⟧" for form in text)
             yield text[0], {"one": one, "other": many}
