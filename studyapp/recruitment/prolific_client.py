@@ -48,6 +48,15 @@ AFTER: Final[Mapping[Action, tuple[str, ...]]] = {
 """The statuses that a study may have after an action."""
 
 
+class _Listing(BaseModel):
+    """One page of a list."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True)
+
+    results: list[object]
+    meta: dict[str, Any] = {}
+
+
 class CompletionCode(BaseModel):
     """A code that participants may come back with, and what it stands for."""
 
@@ -213,12 +222,10 @@ class ProlificClient:
             parameters = httpx.QueryParams(
                 {**query, "page": str(page), "page_size": str(PAGE_SIZE)}
             )
-            answer = self._ask("GET", f"{path}?{parameters}")
-            results = answer.get("results") if isinstance(answer, dict) else None
-            if not isinstance(results, list):
-                raise _unreadable("a list without results")
-            yield from results
-            if len(results) < PAGE_SIZE:
+            listing = _read(_Listing, self._ask("GET", f"{path}?{parameters}"))
+            yield from listing.results
+            # A page after the last may be refused.
+            if len(listing.results) < PAGE_SIZE or page * PAGE_SIZE == listing.meta.get("count"):
                 return
 
     def _ask(

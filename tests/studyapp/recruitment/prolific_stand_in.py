@@ -168,6 +168,7 @@ class StandIn:
 def _page(everything: list[dict[str, Any]]) -> ResponseReturnValue:
     page, size = (int(request.args[key]) for key in ("page", "page_size"))
     _require(1 <= size <= MOST_BY_PAGE, "page_size")
+    _require(page == 1 or (page - 1) * size < len(everything), "there is no such page")
     return jsonify(
         results=everything[(page - 1) * size : page * size], meta={"count": len(everything)}
     )

@@ -119,11 +119,12 @@ def garbled(_environ: WSGIEnvironment, start_response: StartResponse) -> list[by
     return [b"no gzip"]
 
 
+@pytest.mark.parametrize("people", [2 * PAGE_SIZE, 2 * PAGE_SIZE + 1])
 def test_all_pages_of_submissions_are_read_and_many_are_approved_in_few_requests(
-    client: ProlificClient, stand_in: StandIn
+    client: ProlificClient, stand_in: StandIn, people: int
 ) -> None:
     made = client.create(draft())
-    everybody = [f"p{number}" for number in range(2 * PAGE_SIZE + 1)]
+    everybody = [f"p{number}" for number in range(people)]
     for name in everybody:
         stand_in.add_submission(name, "AWAITING REVIEW", "KX7QM2PWTR")
 
