@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import pandas as pd
 from sqlalchemy import select
@@ -16,6 +17,11 @@ from studyapp.results.stored_answers import Answers
 from studyapp.study.settings.exclusions import ExclusionSection
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.settings.study import Study
+
+UNREADABLE: Final = (
+    "The study file of the first participant cannot be read: what it stated is not known, and no "
+    "exclusion rule, margin or family counts as planned."
+)
 
 
 def stated_study(session: Session, version: int) -> Study | None:
@@ -55,11 +61,17 @@ class StudyExclusions:
 def exclusions_of(study: Study, answers: Answers) -> StudyExclusions:
     """Return the exclusion rules of `study`, those before its first participant, and by hand.
 
-    Of a rehearsal, all rules of the study file were planned.
+    Of a rehearsal, all rules of the study file were planned. If the study file of the first
+    participant cannot be read, none were.
     """
     stated = planned = study.settled_exclusions
-    if answers.origin == "participants" and answers.stated is not None:
-        planned = answers.stated.settled_exclusions
+    changes: tuple[str, ...] = ()
+    if answers.origin == "participants":
+        if answers.stated is None:
+            planned, changes = (), (UNREADABLE,)
+        else:
+            planned = answers.stated.settled_exclusions
+            changes = _changes(planned, stated)
     by_hand = () if answers.stored is None else _decisions(answers.stored.study_sessions)
     planned_names = {rule.shorthand() for rule in planned}
     return StudyExclusions(
@@ -73,7 +85,7 @@ def exclusions_of(study: Study, answers: Answers) -> StudyExclusions:
             *((excluded_by_hand(),) if by_hand else ()),
         ),
         planned=tuple(rule.to_rule() for rule in planned),
-        notes=(*_changes(planned, stated), *by_hand),
+        notes=(*changes, *by_hand),
     )
 
 
@@ -115,7 +127,8 @@ def _changes(
 def change_notes(study: Study, before: Study | None) -> Iterator[str]:
     """Yield a note on each setting of the report that changed after the first participant arrived.
 
-    `before` is the study as its first participant saw it, if known.
+    `before` is the study as its first participant saw it, if known; otherwise the notes of
+    `exclusions_of` say that nothing counts as planned.
     """
     for key in ("margin", "family"):
         value = getattr(study, key)
