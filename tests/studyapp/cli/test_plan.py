@@ -33,7 +33,7 @@ def test_every_size_has_its_power_and_cost(study: Callable[[str], Path]) -> None
 
     assert "6 x 5" in output
     # Its own size is not among those that are tried.
-    assert "the study as it stands, with 25 participants and 5 segments" in output
+    assert "that a study with 25 participants and 5 segments finds" in output
     table = pd.read_csv(out / "power.csv")
     assert table["participants"].tolist() == [6, 12]
     assert table["power"].between(0, 1).all()
