@@ -246,7 +246,7 @@ def analyse_answers(
         If the protocol has no test of equivalence but a margin is given, or it means nothing, or
         the family names what there is not.
     """
-    check_margin(table.protocol, settings.margin)
+    check_margin(table, settings.margin)
     family = (
         read_family(settings.family, table.conditions, table.questions)
         if table.conditions
@@ -278,20 +278,23 @@ def analyse_answers(
     )
 
 
-def check_margin(protocol: str, margin: float | None) -> None:
-    """Refuse a margin of equivalence that means nothing.
+def check_margin(table: AnswerTable, margin: float | None) -> None:
+    """Refuse a margin of equivalence that means nothing, or that every difference is within.
 
     Raises
     ------
     InputError
         With what is wrong.
     """
-    if margin is not None and protocol not in ("pairwise", "rating"):
+    if margin is None:
+        return
+    if table.protocol not in ("pairwise", "rating"):
         raise InputError(
-            f"a {protocol} study has no test of equivalence", remedy="Leave the margin out"
+            f"a {table.protocol} study has no test of equivalence", remedy="Leave the margin out"
         )
-    if margin is not None:
-        require_margin(margin)
+    # A win share is at most one half from one half, a rating at most a scale from another.
+    widths = [high - low for low, high in table.scales.values()]
+    require_margin(margin, 0.5 if table.protocol == "pairwise" else min(widths, default=math.inf))
 
 
 def _results(

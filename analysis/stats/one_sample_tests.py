@@ -253,18 +253,19 @@ def equivalence(
     )
 
 
-def require_margin(margin: float) -> None:
-    """Refuse a margin that is not above zero, or infinite.
+def require_margin(margin: float, below: float = math.inf) -> None:
+    """Refuse a margin that is not above zero and `below` the largest possible difference.
 
     Raises
     ------
     InputError
         With what is wrong.
     """
-    if not 0 < margin < math.inf:
+    if not 0 < margin < below:
+        limit = "" if below == math.inf else f" and below {below:g}, which no difference exceeds"
         raise InputError(
             f"the margin of equivalence is {margin:g}",
-            remedy="State the largest difference that does not matter, above zero",
+            remedy=f"State the largest difference that does not matter, above 0{limit}",
         )
 
 

@@ -58,10 +58,13 @@ def test_margin_and_family_are_options_for_tables(tmp_path: Path) -> None:
         ("pairwise", ("--scale", "1-5"), "is not a scale of a pairwise table"),
         ("rating", ("--scale", "5"), "is not a scale of a rating table"),
         ("rating", ("--scale", "2-5"), "on the scale from 2 to 5"),
+        # With such margins, any two conditions would be equivalent.
+        ("pairwise", ("--margin", "0.5"), "does not matter, above 0 and below 0.5"),
+        ("rating", ("--scale", "1-5", "--margin", "4"), "does not matter, above 0 and below 4"),
     ],
 )
-def test_a_family_or_scale_that_does_not_fit_is_refused(
-    protocol: str, arguments: tuple[str, str], error: str, tmp_path: Path
+def test_a_family_scale_or_margin_that_does_not_fit_is_refused(
+    protocol: str, arguments: tuple[str, ...], error: str, tmp_path: Path
 ) -> None:
     assert error in report(tmp_path, protocol, *arguments, status=1)
     assert not (tmp_path / "out").exists()
