@@ -20,6 +20,7 @@ SIGNIFICANT: Final = 1 - LEVEL
 """A smaller p decides which of two ranked conditions is the better one."""
 
 NO_RANK_INTERVAL: Final = "the test compares worths, not mean ranks"
+"""Why the difference of two mean ranks has no interval."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,7 +169,9 @@ def _compared(report: TableReport) -> Iterator[tuple[Measure, ResultKey, Estimat
                     participants=first.participants,
                     reason=pair.reason or NO_RANK_INTERVAL,
                 )
-                yield "mean_rank", pair, ahead, pair.p_holm < SIGNIFICANT
+                # Outside the report's family nothing is corrected.
+                p = pair.p_value if math.isnan(pair.p_holm) else pair.p_holm
+                yield "mean_rank", pair, ahead, p < SIGNIFICANT
         case _:
             for measure, key, share in _estimates(report):
                 moved = {name: getattr(share, name) - 0.5 for name in ("estimate", "low", "high")}

@@ -12,7 +12,6 @@ from analysis.results.known_values import (
     found_differences,
     found_values,
 )
-from analysis.results.report import Settings
 from analysis.stats.clustered_mean import Estimate
 from motion.errors import InputError
 from studyapp.clock import Clock
@@ -174,9 +173,7 @@ def recover(folder: StudyFolder) -> Recovery:
             )
         answers = answers_in(session, "rehearsal")
         tasks = analysed_tasks(study, answers)
-        # No equivalence margins and no metrics are needed here.
-        settings = Settings(max_catch_failures=None, margin=None)
-        reports = [task_report(study, task, answers, settings=settings) for task in tasks]
+        reports = [task_report(study, task, answers) for task in tasks]
         participants = people(session, truth)
         counted = tuple(
             checks(

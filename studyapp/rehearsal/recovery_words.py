@@ -18,7 +18,7 @@ from analysis.report.wording import (
     number_style,
     question_name,
 )
-from analysis.results.known_values import KnownDifference, KnownValue, Sign
+from analysis.results.known_values import NO_RANK_INTERVAL, KnownDifference, KnownValue, Sign
 from analysis.stats.clustered_mean import LEVEL, Estimate
 from motion.errors import listed
 from studyapp.rehearsal.recovered import KindRecovered, Recovery
@@ -86,7 +86,9 @@ def difference_in_words(difference: KnownDifference) -> str:
         )
     if math.isnan(half):
         why = found.reason or "there are too few answers"
-        return f"{what} are not told apart ({why}); the true difference is {truth}."
+        if why == NO_RANK_INTERVAL:
+            why = "the test of worths is not significant"
+        return f"{what} are not told apart: {why}. The true difference is {truth}."
     people = count(found.participants, "participant")
     if abs(difference.truth) <= half:
         return (

@@ -107,9 +107,6 @@ def report(
             task,
             answers,
             sha256=hashlib.sha256(tables[-1]).hexdigest(),
-            settings=Settings(
-                max_catch_failures=None, margin=study.margin, family=study.family or "all"
-            ),
             looks=looks,
         )
         agreement = metrics_against_people(
@@ -225,7 +222,6 @@ def task_report(
     task: AnalysedTask,
     answers: Answers,
     *,
-    settings: Settings,
     sha256: str = "",
     looks: LooksBefore = NOT_LOGGED,
 ) -> TableReport:
@@ -235,7 +231,9 @@ def task_report(
         task.table,
         task.left_out,
         source=Source(file=ANSWERS, sha256=sha256, motionjury=metadata.version("motionjury")),
-        settings=settings,
+        settings=Settings(
+            max_catch_failures=None, margin=study.margin, family=study.family or "all"
+        ),
         arms=() if stored is None else arm_states(study, stored),
         arm_of={} if stored is None else arm_by_session(study, stored.study_sessions),
         screened_out={} if stored is None else stored.screened_out,

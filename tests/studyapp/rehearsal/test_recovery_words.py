@@ -3,7 +3,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from analysis.report.wording import labelled
-from analysis.results.known_values import KnownDifference, KnownValue
+from analysis.results.known_values import NO_RANK_INTERVAL, KnownDifference, KnownValue
 from analysis.stats.clustered_mean import Estimate
 from studyapp.rehearsal.bookkeeping import Check, Person
 from studyapp.rehearsal.recovered import KindRecovered, Recovery, kinds_recovered
@@ -66,6 +66,11 @@ def test_a_design_that_cannot_answer_is_distinguished_from_bad_luck() -> None:
         "true difference is +.10: see 'motionjury plan'" in difference_in_words(UNDECIDED)
     )
     assert "not told apart this time" in difference_in_words(replace(UNDECIDED, truth=0.3))
+    ranked = Estimate(estimate=0.05, participants=25, reason=NO_RANK_INTERVAL)
+    assert (
+        "not told apart: the test of worths is not significant. The true difference is"
+        in difference_in_words(replace(UNDECIDED, measure="mean_rank", found=ranked))
+    )
 
 
 def test_each_kind_is_counted_as_excluded_missed_or_wrongly_excluded() -> None:
