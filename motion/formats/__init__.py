@@ -185,12 +185,15 @@ def _with_relaxed_fingers(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]
 
 
 def _notes_on_speed(clip: MotionClip) -> tuple[str, ...]:
-    """Return a note where the body moves as if its translation were not in metres."""
+    """Return a note where the body moves as if a unit or the frame rate were wrong."""
     path_length = np.linalg.norm(np.diff(clip.trans, axis=0), axis=1).sum()
     speed = path_length / clip.duration
     if speed < _FAST:
         return ()
-    return (f"the body moves at {speed:.0f} m/s on average; is 'trans' in metres?",)
+    return (
+        f"the body moves at {speed:.0f} m/s on average; check the unit of its translation and the "
+        "frame rate",
+    )
 
 
 def _placed(

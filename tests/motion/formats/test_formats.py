@@ -48,7 +48,7 @@ def test_npz_files_of_others_are_placed_with_a_note(tmp_path: Path) -> None:
     centimetres = np.linspace(0, 20, 30)[:, None] * np.eye(3)[0]
     np.savez(tmp_path / "cm.npz", poses=np.zeros((30, 165)), trans=centimetres, fps=30)
     notes = read_motion(tmp_path / "cm.npz").provenance["notes"]
-    assert "moves at 20 m/s on average; is 'trans' in metres?" in notes
+    assert "moves at 20 m/s on average; check the unit of its translation" in notes
 
 
 @pytest.mark.parametrize("kind", ["talkshow", "npz (BEAT2)"])
