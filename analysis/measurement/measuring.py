@@ -64,6 +64,8 @@ def study_metrics(
 ) -> StudyMetrics:
     """Measure the clips of every condition at one frame rate, on one body.
 
+    Motion files that cannot be used are left out and listed.
+
     Parameters
     ----------
     clips : mapping of condition to mapping of segment to path
@@ -104,8 +106,7 @@ def study_metrics(
     Raises
     ------
     InputError
-        If a preset is unknown, or a network cannot be used. Motion files that cannot be used are
-        left out and listed.
+        If a preset is unknown, or a network cannot be used.
     """
     preset = combined(presets)
     feature_networks = networks(evaluators)
