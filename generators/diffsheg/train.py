@@ -226,7 +226,8 @@ def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
     )
     config = preset.config_for(task.examples, request.changes)
     trained, facts = run_training(request, task, config, ("transformers",))
-    untrained = _measure_untrained(task, config.seed)
+    with torch.no_grad():
+        untrained = dict(task.validation(task.network().eval()))
     facts |= {
         "losses": preset.losses,
         "last_loss": trained.last_loss,
@@ -294,13 +295,6 @@ def normalisation_of(prepared: PreparedTakes) -> Normalisation:
     return Normalisation(mean, np.sqrt(squares / count))
 
 
-def _measure_untrained(task: DiffShegTask, seed: int) -> dict[str, float]:
-    """Return held-out measures of the network before its first step."""
-    with torch.random.fork_rng(devices=[]), torch.no_grad():
-        torch.manual_seed(seed)
-        return dict(task.validation(task.network().eval()))
-
-
 def _describe(
     task: DiffShegTask,
     trained: Trained[Any],
@@ -311,16 +305,16 @@ def _describe(
     measured = trained.best.measured
     sentences = (
         describe_training_data(task.training, task.speakers),
-        f"Share of the noise that it does not predict in {len(task.held_out)} held-out windows: "
-        f"{measured['noise']:.3f} (untrained {untrained['noise']:.3f}); loss "
-        f"{measured['loss']:.4g} (untrained {untrained['loss']:.4g}).",
+        "Held-out loss, before the first step → now: noise and reconstruction "
+        f"{untrained[METRIC]:.4g} → {measured[METRIC]:.4g}, with velocity "
+        f"{untrained['loss']:.4g} → {measured['loss']:.4g}.",
         f"Weights are chosen by the least {METRIC.replace('_', ' ')} of held-out windows.",
     )
     warnings = []
     if measured[METRIC] >= untrained[METRIC]:
         warnings.append(
-            "It predicts held-out takes no better than an untrained network: give more recordings, "
-            "or more steps."
+            "It predicts held-out takes no better than before its first step: give more "
+            "recordings, or more steps."
         )
     if hubert.stands_in:
         warnings.append(

@@ -91,7 +91,8 @@ def test_a_short_training_betters_the_network_that_it_began_with(
     with torch.no_grad():
         assert facts["untrained"] == pytest.approx(task.validation(task.network().eval()))
     assert outcome.skipped == takes.skipped != ()
-    assert f"windows: {facts['held_out']['noise']:.3f} (untrained" in " ".join(outcome.sentences)
+    fall = f"{facts['untrained'][METRIC]:.4g} → {facts['held_out'][METRIC]:.4g}"
+    assert f"before the first step → now: noise and reconstruction {fall}" in outcome.sentences[1]
     assert "9 takes by 2 speakers (1, 2)" in outcome.sentences[0]
     assert "no words" in " ".join(outcome.warnings)
 

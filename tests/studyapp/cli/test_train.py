@@ -80,7 +80,7 @@ def test_a_network_trained_on_a_corpus_moves_like_its_speakers(
     assert f"skipped: {damaged}" in trained
     assert "1 take skipped." in trained
     assert "by 2 speakers" in trained
-    assert "untrained" in trained
+    assert "before the first step → now" in trained
     assert f"Wrote {out}." in trained
     more = run(*given, "--steps", 4)
     assert "Weights are chosen by the least noise and reconstruction of held-out windows." in more
