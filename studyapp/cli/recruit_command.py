@@ -88,11 +88,13 @@ def publish(folder: StudyFolder, yes: bool) -> None:
     _channel(folder, "prolific")
     with _client() as client:
         study = client.study(prolific.study_id(folder))
-    places, reward = study.total_available_places or 0, study.reward or 0
+    places, reward = study.total_available_places or 0, Decimal(study.reward or 0) / CENTS
+    currency = folder.study().recruitment.currency
     click.echo(
-        f"{places} places at {reward / CENTS:.2f} each: {places * reward / CENTS:.2f} in "
-        "total, without Prolific's fee."
+        f"{counted(places, 'place')} at {format_amount(reward, currency)} each: "
+        f"{format_amount(places * reward, currency)} in total, without Prolific's fee."
     )
+    _echo_pay_warnings(folder)
     if yes:
         _move(folder, "PUBLISH")
     else:
@@ -260,7 +262,8 @@ def _create_on_prolific(folder: StudyFolder, address: str, *, yes: bool) -> None
     places, minutes = draft["total_available_places"], draft["estimated_completion_time"]
     pay, currency = Decimal(draft["reward"]) / CENTS, folder.study().recruitment.currency
     click.echo(
-        f"{draft['name']}: {places} places, {minutes} minutes, {format_amount(pay, currency)} each"
+        f"{draft['name']}: {counted(places, 'place')}, {counted(minutes, 'minute')}, "
+        f"{format_amount(pay, currency)} each"
     )
     click.echo(
         f"That is {format_amount(hourly_rate(pay, minutes), currency)} per hour, and "
@@ -327,8 +330,8 @@ def _create_on_mturk(folder: StudyFolder, address: str, *, live: bool, yes: bool
     workers, reward = request["MaxAssignments"], request["Reward"]
     total = workers * folder.study().recruitment.mturk.dollars
     click.echo(
-        f"{request['Title']}: {workers} workers at ${reward} each, ${total} in total without fees; "
-        f"{site}"
+        f"{request['Title']}: {counted(workers, 'worker')} at ${reward} each, ${total} in total "
+        f"without fees; {site}"
     )
     _echo_pay_warnings(folder)
     if not yes:

@@ -35,6 +35,10 @@ _UNSAFE: Final = re.compile(r"""[\x00-\x1f\x7f"'`$\\]""")
 """Characters that a folder's name must not contain, since not every file can quote them."""
 
 
+_HIDDEN: Final = ("/home", "/root", "/run/user", "/tmp", "/var/tmp")  # noqa: S108
+"""Folders that ``ProtectHome`` and ``PrivateTmp`` hide from a service."""
+
+
 def _one_line(title: str) -> str:
     """Return `title` in a form that systemd can show within quotes."""
     words = " ".join(title.split())
@@ -48,11 +52,11 @@ def _check_folder(folder: PurePosixPath) -> PurePosixPath:
             where=f"folder {str(folder)!r}",
             remedy="Give the absolute path on the server, without quotes, $ and \\",
         )
-    if folder.parts[1:2] in (("home",), ("root",)):
+    if any(map(folder.is_relative_to, _HIDDEN)):
         raise InputError(
             "a service cannot see this folder",
             where=f"folder {str(folder)!r}",
-            remedy=f"Give one outside /home and /root, such as {STUDIES}/gestures-2",
+            remedy=f"Give its place on the server (--folder-there), such as {STUDIES}/gestures-2",
         )
     if _NAME.fullmatch(_service_name(folder)) is None:
         raise InputError(

@@ -83,7 +83,7 @@ class Manifest(_Model):
     origin : str
         Digest of the study's location, which distinguishes backups of different studies.
     schema_name : str
-        Schema of the database.
+        Schema of the database, for people: restoring asks the database itself.
     rows : mapping of str to int
         Number of rows of each table.
     files : tuple of StoredFile

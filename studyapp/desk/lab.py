@@ -189,14 +189,13 @@ class LabStudy:
 
     def _stamp(self) -> tuple[tuple[int, int], ...]:
         """Return what changes with the files that define what is served."""
-        videos = self.folder.videos
-        folders = sorted(filter(Path.is_dir, videos.iterdir())) if videos.is_dir() else []
         files = (
             self.folder.definition,
             self.folder.stimuli,
             self.folder.speech / "segments.csv",
-            videos,
-            *folders,
+            self.folder.videos,
+            # Unlike `iterdir`, this finds nothing in a folder that cannot be read.
+            *sorted(self.folder.videos.glob("*/")),
         )
         return tuple(map(_file_stamp, files))
 

@@ -102,7 +102,7 @@ def study_page(study: OpenedStudy) -> ResponseReturnValue:
 
 
 def _alarm_problem(served: ServedStudy) -> InputError | None:
-    """Return why the study's alarms reach nobody, None if they do or there are none."""
+    """Return why no alarm of the study could be sent, None if it could."""
     try:
         AlarmChannels.of(served.study)
     except InputError as error:

@@ -48,13 +48,13 @@ AFTER: Final[Mapping[Action, tuple[str, ...]]] = {
 """The statuses that a study may have after an action."""
 
 
-class _Listing(BaseModel):
+class Listing(BaseModel):
     """One page of a list."""
 
     model_config = ConfigDict(extra="ignore", frozen=True)
 
     results: list[object]
-    meta: dict[str, Any] = {}
+    meta: dict[str, Any] | None = None
 
 
 class CompletionCode(BaseModel):
@@ -222,7 +222,7 @@ class ProlificClient:
             parameters = httpx.QueryParams(
                 {**query, "page": str(page), "page_size": str(PAGE_SIZE)}
             )
-            listing = _read(_Listing, self._ask("GET", f"{path}?{parameters}"))
+            listing = _read(Listing, self._ask("GET", f"{path}?{parameters}"))
             yield from listing.results
             # A page after the last may be refused.
             if len(listing.results) < PAGE_SIZE or page * PAGE_SIZE == listing.meta.get("count"):

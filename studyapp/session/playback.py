@@ -87,7 +87,7 @@ def content_to_send(database: Database, video_token: str, clock: Clock) -> Conte
     """Return the content of a video that may be sent now, None for others; store its first sending.
 
     Only the current and the next trial of a running study session have videos. A video that was
-    never sent cannot have been watched. Only its first request writes.
+    never asked for cannot have been watched. Only its first request writes.
     """
     with database.looking_up() as connection:
         shown = connection.execute(SHOWN_STIMULI, {"token": video_token}).all()

@@ -87,12 +87,13 @@ def read_pay(text: str, channel: str | None) -> Pay | None:
         raise InputError(f"{amount!r} is not an amount", remedy="Give one such as 2.50 EUR")
     if not amount or not Decimal(amount):
         return None
-    currency = currency.strip().upper() or (MTURK_CURRENCY if channel == "mturk" else "")
-    if not re.fullmatch(r"[A-Z]{3}", currency):
+    currency = currency.strip() or (MTURK_CURRENCY if channel == "mturk" else "")
+    if not re.fullmatch(r"[A-Za-z]{3}", currency):
         raise InputError(
             f"{currency!r} is not a currency" if currency else "an amount needs a currency",
             remedy="Give its three letters after the amount, such as 2.50 EUR",
         )
+    currency = currency.upper()
     if channel == "mturk" and currency != MTURK_CURRENCY:
         raise InputError(
             f"Mechanical Turk pays in {MTURK_CURRENCY}, not in {currency}",

@@ -100,7 +100,9 @@ def explain_errors(
             if matches := get_close_matches(str(last), _known_keys(section, path), n=1):
                 message += f" (did you mean {matches[0]!r}?)"
             elif last in _known_keys(section, ()):
-                message += " (it belongs above the first heading in [brackets])"
+                is_section = bool(_known_keys(section, (last,)))
+                place = f"below [{last}]" if is_section else "above the first heading in [brackets]"
+                message += f" (it belongs {place})"
         elif line:
             message += f" (line {line})"
         sentences.append(f"{key}: {message}" if key else message)

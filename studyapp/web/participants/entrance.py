@@ -164,7 +164,9 @@ def turn_away(refusal: StudyFullError | TakenPartError) -> ResponseReturnValue:
         study=site.study,
         what=say(what),
         remedy=say(remedy),
-        invited=recruitment.channel == "invitations",
+        # By an open link, somebody who has taken part may have come with the same submission.
+        may_return_place=recruitment.channel != "invitations"
+        and not (isinstance(refusal, TakenPartError) and recruitment.channel == "link"),
         back=return_address(recruitment),
         # Without names, only the window knows whether it was here before.
         may_have_begun=recruitment.channel == "link"

@@ -19,6 +19,10 @@ entrance.querySelector("form").addEventListener("submit", (event) => {
   if (event.timeStamp - sentAt < AGAIN_MS) event.preventDefault();
   else sentAt = event.timeStamp;
 });
+// A browser may show the page as it was when somebody goes back.
+addEventListener("pageshow", () => {
+  sentAt = -AGAIN_MS;
+});
 
 // What is touched, and how large it is. What the browser calls itself was the server's first guess.
 function kindOfDevice() {

@@ -67,7 +67,7 @@ REFUSED = {
     "folder": [
         *("my-study", "/srv/../etc", "/srv/a$b", "/srv/a`b`", "/srv/it's", '/srv/"a"/b'),
         *("/srv/a\\b", "/srv/a\nb", "/", "/srv/ü", "/srv/-a", f"/srv/{'a' * 33}"),
-        *("/home/ada/my-study", "/root/my-study"),
+        *("/home/ada/my-study", "/root/my-study", "/run/user/1000/my-study"),
     ],
     "contact": ["ada", "a@b@c", "ada@exa mple.org", "a\n@b.org", "}@b.org"],
 }

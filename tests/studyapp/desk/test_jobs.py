@@ -117,10 +117,13 @@ def test_a_job_whose_supervisor_is_killed_ends_as_interrupted_and_blocks_no_othe
     jobs: Path, tiny_study: Path
 ) -> None:
     begin(jobs, *SLOW)
-    running = running_processes(tiny_study)
+    wait_until_under_way(jobs)
+    running = processes_of(tiny_study)
     (supervisor,) = {_parent(each) for each in running} - set(running)
     os.kill(supervisor, signal.SIGKILL)
     assert wait_until_ended(jobs).state == "interrupted"
+    assert not processes_of(tiny_study), "the study is busy as long as its command runs"
+    assert "Run the same command again to continue" in job_log(jobs, "try", most=10_000)
     begin(jobs, "nothing", kind="other")
     assert wait_until_ended(jobs, "other").state == "failed"
     assert job_standings(jobs)["try"].state == "interrupted"

@@ -11,7 +11,7 @@ from flask import Flask
 from studyapp.database.engine import Database
 from studyapp.desk.lab import Lab, LabStudy
 from studyapp.researchers.account import list_accounts, remove_access
-from studyapp.researchers.links import invite, join
+from studyapp.researchers.links import invite, join, offer_new_password
 from tests.studyapp.desk.conftest import Researcher
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.researcher_accounts import PASSWORD
@@ -73,6 +73,8 @@ def test_an_owners_link_admits_a_logged_in_member_of_the_desk(
     lab: Lab, tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
 ) -> None:
     mary = researcher("Mary", "viewer")
+    new_password = offer_new_password(tiny.database, lab.clock, name="Ada", by="Ada")
+    assert mary.client.get(f"{TINY}join/{new_password}").status_code == 404
     link = f"{INSIDE}join/{invited(lab, tiny)}"
     answer = mary.client.get(link, follow_redirects=True)
     assert answer.request.path.startswith(f"{TINY}join/")

@@ -82,6 +82,18 @@ def test_finishing_returns_to_prolific_with_the_code(
     assert page.value("#leave", "href") == "https://app.prolific.com"
 
 
+def test_whoever_finished_by_an_open_link_is_not_asked_to_return_that_place(
+    app: Flask, clock: SetClock
+) -> None:
+    visitor = Visitor(app, clock).enrol("?PROLIFIC_PID=p1")
+    assert [*visitor.begin().take_trials()]
+    other = app.test_client()
+    refused = submit(other, PageReader(other.get("/?PROLIFIC_PID=p1").text))
+    assert refused.status_code == 403
+    assert "already taken part" in refused.text
+    assert "return your place" not in refused.text
+
+
 def test_failed_attention_checks_are_counted_from_the_answers(
     serve_with: ServeWith, clock: SetClock
 ) -> None:

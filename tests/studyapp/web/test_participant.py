@@ -75,6 +75,12 @@ def test_a_malformed_watch_report_is_refused(visitor: Visitor) -> None:
         assert visitor.client.post(address, data=body).status_code == 422, body
 
 
+@pytest.mark.parametrize("position", ["", "x", "9" * 5000])
+def test_a_break_that_there_is_not_leads_on(visitor: Visitor, position: str) -> None:
+    answer = visitor.client.post(f"{visitor.address}/break", data={"position": position})
+    assert answer.status_code == 303
+
+
 GENERATED = ("[conditions.rule_based]", '[conditions.rule_based]\ngenerator = "rule_based"')
 MISMATCHED = (
     "[conditions.mismatched]",

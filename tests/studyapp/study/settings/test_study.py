@@ -50,6 +50,7 @@ def changed(path: Path, **changes: Any) -> Path:
         # No win share is further from one half: any two conditions would be equivalent.
         ({"margin": 0.5}, "margin: must be below 0.5"),
         ({"page__margin": 0.05}, "it belongs above the first heading"),
+        ({"page__alarms": {"mail": []}}, "it belongs below [alarms]"),
         ({"practice": 20, "trials": 10}, "practice (20) is more than trials (10)"),
         ({"freeze": ["nose"]}, "freeze: unknown nose"),
         ({"conditions__rule_based__generator": "magic"}, "unknown generator 'magic'"),
