@@ -25,6 +25,8 @@ class AgreeingStudy:
         Correlation of metric and preference among the clips of a condition.
     noise : float
         Standard deviation of what single participants and answers add, conditions' being 1.
+    offset : float
+        Added to all scores.
     """
 
     conditions: int = 6
@@ -33,6 +35,7 @@ class AgreeingStudy:
     tau: float = 0.5
     within: float = 0.0
     noise: float = 0.7
+    offset: float = 0.0
 
     def drawn(self, chance: np.random.Generator) -> tuple[pd.DataFrame, StudyMetrics]:
         """Return the answers and the metrics of one study."""
@@ -44,7 +47,7 @@ class AgreeingStudy:
         likings = liking[:, None] + 0.5 * clip_liking
         given = likings[None] + taste[:, :, None]
         given = given + chance.normal(0, self.noise, given.shape)
-        return self._answers(given), metrics_of(scores)
+        return self._answers(given), metrics_of(scores + self.offset)
 
     def _answers(self, given: np.ndarray) -> pd.DataFrame:
         axes = {

@@ -45,6 +45,11 @@ def test_resamples_without_a_correlation_are_counted() -> None:
     assert 10 < against(2000, conditions=4).kendall.degenerate < 60
 
 
+def test_scores_far_from_zero_correlate_alike_within_conditions() -> None:
+    shifted = against(within=0.5, offset=1e6).within
+    assert shifted.estimate == pytest.approx(against(within=0.5).within.estimate, rel=1e-6)
+
+
 @pytest.mark.slow
 def test_intervals_contain_the_truth_at_least_as_often_as_they_say() -> None:
     """Also where six conditions are few, and their scores and answers noisy."""
