@@ -225,7 +225,8 @@ class ProlificClient:
             listing = _read(Listing, self._ask("GET", f"{path}?{parameters}"))
             yield from listing.results
             # A page after the last may be refused.
-            if len(listing.results) < PAGE_SIZE or page * PAGE_SIZE == listing.meta.get("count"):
+            count = (listing.meta or {}).get("count")
+            if len(listing.results) < PAGE_SIZE or page * PAGE_SIZE == count:
                 return
 
     def _ask(
