@@ -8,7 +8,7 @@ is computed again.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -63,15 +63,17 @@ class KeptArrays:
         self._folder = folder
         self.used: set[Path] = set()
 
-    def array(self, kind: Kind, source: Path, settings: str, compute: Callable[[], Array]) -> Array:
-        """Return an array of a file, computed unless it is kept.
+    def array(
+        self, kind: Kind, sources: Sequence[Path], settings: str, compute: Callable[[], Array]
+    ) -> Array:
+        """Return an array of one file or several, computed unless it is kept.
 
         Parameters
         ----------
         kind : Kind
             Of the array.
-        source : Path
-            The file.
+        sources : sequence of Path
+            The files.
         settings : str
             Everything else that it depends on.
         compute : callable
@@ -80,11 +82,11 @@ class KeptArrays:
         Raises
         ------
         InputError
-            If the file cannot be read.
+            If a file cannot be read.
         """
         if self._folder is None:
             return compute()
-        content = _content(source)
+        content = "".join(map(_content, sources))
         path = self._folder / "-".join(
             (kind.name, _short(kind.version), _short(settings), content + _EXTENSION)
         )

@@ -82,19 +82,25 @@ class SeenMotion:
     own_files: bool = True
     file_rate: float | None = None
 
-    def read(self, path: Path) -> MotionClip:
-        """Return the clip in `path`, with its frozen channels still.
+    def files(self, path: Path) -> tuple[Path, ...]:
+        """Return the files that the clip in `path` is read from: its own, and a face beside it."""
+        face = path.with_suffix(".json")
+        return (path,) if self.own_files or not face.is_file() else (path, face)
+
+    def read(self, path: Path) -> tuple[MotionClip, list[str]]:
+        """Return the clip in `path`, with its frozen channels still, and notes for people.
 
         Raises
         ------
         InputError
             If the file cannot be used.
         """
+        notes: list[str] = []
         if self.own_files:
             clip = read_clip(path, frame_rate=self.file_rate)
         else:
-            clip, _ = read_recorded(path, frame_rate=self.file_rate)
-        return freeze(clip, self.frozen)
+            clip, notes = read_recorded(path, frame_rate=self.file_rate)
+        return freeze(clip, self.frozen), notes
 
     def __str__(self) -> str:
         """Return a text that differs if clips may be read differently."""
@@ -199,6 +205,8 @@ class Reader:
     ----------
     skipped : list of InputError
         About files that could not be used.
+    notes : list of str
+        On files that were read.
     kept : KeptArrays
         The arrays computed from files.
     """
@@ -207,6 +215,7 @@ class Reader:
         self._setup = setup
         self._last: tuple[Path, MotionClip] | None = None
         self.skipped: list[InputError] = []
+        self.notes: list[str] = []
         self.kept = KeptArrays(setup.kept)
 
     def clip(self, path: Path) -> MeasuredClip | None:
@@ -233,7 +242,7 @@ class Reader:
             excerpt = audio.cut(start, audio.duration if math.isinf(end) else end)
             return np.append(speech_onsets(excerpt), excerpt.duration).astype(np.float32)
 
-        *times, duration = self.kept.array(ONSETS, recording, f"{start!r} {end!r}", compute)
+        *times, duration = self.kept.array(ONSETS, (recording,), f"{start!r} {end!r}", compute)
         return Onsets(np.array(times, np.float64), float(duration))
 
     def _measured(self, path: Path) -> MeasuredClip:
@@ -271,13 +280,17 @@ class Reader:
     def _read(self, path: Path) -> MotionClip:
         """Return the clip in `path`, read once for consecutive uses."""
         if self._last is None or self._last[0] != path:
-            self._last = path, self._setup.motion.read(path)
+            clip, notes = self._setup.motion.read(path)
+            self._last = path, clip
+            # Generated and recorded files have the same names.
+            self.notes += (f"{path.absolute().parent.name}: {note}" for note in notes)
         return self._last[1]
 
     def _kept(
         self, kind: Kind, path: Path, settings: str, compute: Callable[[MotionClip], Array]
     ) -> Array:
-        return self.kept.array(kind, path, settings, lambda: compute(self._read(path)))
+        files = self._setup.motion.files(path)
+        return self.kept.array(kind, files, settings, lambda: compute(self._read(path)))
 
     def _features(self, network: Network, path: Path) -> ClipFeatures:
         motion = self._setup.motion

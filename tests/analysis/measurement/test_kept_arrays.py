@@ -12,6 +12,7 @@ from analysis.measurement.measured_clips import Reader, SeenMotion, Setup
 from analysis.measurement.presets import Preset
 from motion.clip import MotionClip
 from motion.formats import write_clip
+from motion.formats.beat_tracks import write_arkit_json
 
 JOINTS = Kind("joints", "1", (None, 2))
 OLDER = Kind("joints", "0", (None, 2))
@@ -35,7 +36,7 @@ def computed(
         calls.append(1)
         return np.ones((3, 2), np.float32)
 
-    found = kept.array(kind, source, settings, compute)
+    found = kept.array(kind, (source,), settings, compute)
     assert found.tolist() == [[1, 1]] * 3
     return bool(calls), kept
 
@@ -92,13 +93,13 @@ def test_an_unwritable_cache_folder_is_harmless(tmp_path: Path, source: Path) ->
     assert computed(None, source)[0]
 
 
-def test_motion_rate_and_frozen_channels_are_part_of_the_cache_key(
+def test_motion_its_face_file_rate_and_frozen_channels_are_part_of_the_cache_key(
     tmp_path: Path, waving: Callable[..., MotionClip]
 ) -> None:
-    def place(rate: float, *frozen: str) -> Path:
+    def place(rate: float, *frozen: str, own_files: bool = True) -> Path:
         setup = Setup(
             frame_rate=rate,
-            motion=SeenMotion(frozen=frozen),
+            motion=SeenMotion(frozen=frozen, own_files=own_files),
             preset=Preset(),
             kept=tmp_path / "kept",
         )
@@ -114,3 +115,8 @@ def test_motion_rate_and_frozen_channels_are_part_of_the_cache_key(
             places |= {place(rate), place(rate, "face"), place(rate, "face", "hands")}
     assert len(places) == 2 * 2 * 3
     assert place(30.0, "hands", "face") in places
+    of_others = set()
+    for weight in (0.2, 0.7):
+        write_arkit_json(tmp_path / "a.json", np.full((15, 51), weight), 30)
+        of_others.add(place(30.0, own_files=False))
+    assert len(of_others) == 2
