@@ -171,6 +171,7 @@ def study_metrics(
             condition_scores(tuple(clips), scores, measured, setup, by_network, recordings_shown)
         ),
         skipped=tuple(skipped),
+        notes=tuple(note for segment in measured for note in segment.notes),
         remarks=tuple(_remarks(segments, preset, bool(recordings))),
         confusions=tuple(confusion for network in by_network for confusion in network.confusions),
     )

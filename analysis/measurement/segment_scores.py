@@ -116,6 +116,8 @@ class SegmentScores:
         The recording, without scores.
     skipped : tuple of InputError
         About files that could not be used.
+    notes : tuple of str
+        On files that were read.
     kept : frozenset of Path
         The kept arrays that this segment uses.
     """
@@ -124,6 +126,7 @@ class SegmentScores:
     clips: Mapping[str, ClipMeasurements]
     recorded: ClipMeasurements | None
     skipped: tuple[InputError, ...]
+    notes: tuple[str, ...]
     kept: frozenset[Path]
 
 
@@ -153,6 +156,7 @@ def segment_scores(files: SegmentFiles, setup: Setup) -> SegmentScores:
         clips=clips,
         recorded=None if recorded is None else _measurements(recorded, setup),
         skipped=tuple(reader.skipped),
+        notes=tuple(reader.notes),
         kept=frozenset(reader.kept.used),
     )
 

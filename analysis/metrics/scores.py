@@ -191,6 +191,8 @@ class StudyMetrics:
         By condition.
     skipped : tuple of InputError
         About files that could not be used.
+    notes : tuple of str
+        On files that were read, such as a damaged face file beside one; not stored.
     remarks : tuple of str
         Segments without speech or recording, so that metrics are missing.
     confusions : tuple of EmotionConfusion
@@ -201,6 +203,7 @@ class StudyMetrics:
     clips: tuple[ClipScore, ...]
     conditions: tuple[ConditionScore, ...]
     skipped: tuple[InputError, ...] = ()
+    notes: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
     confusions: tuple[EmotionConfusion, ...] = ()
 

@@ -172,7 +172,8 @@ def overlay(
     from studyapp.stimuli.figures.paper_figures import write_overlay
 
     choice, printed = _split(folder, "overlay", output, options)
-    write_overlay(folder, choice, printed, motions=motions)
+    for note in write_overlay(folder, choice, printed, motions=motions):
+        click.echo(f"note: {note}")
     click.echo(f"The overlay is {' and '.join(map(str, printed.outputs))}")
 
 

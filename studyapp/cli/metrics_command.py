@@ -16,7 +16,7 @@ from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.cli.arguments import Number, current_study, optional_study_folder
 from studyapp.cli.arguments import processes as processes_option
-from studyapp.cli.output import echo_skipped, echo_table, progress
+from studyapp.cli.output import echo_note, echo_skipped, echo_table, progress
 from studyapp.results.metrics import measure_folders, measure_study
 from studyapp.study.folder import StudyFolder
 
@@ -116,6 +116,8 @@ def command(
                 file_rate=fps,
                 on_progress=show,
             )
+    for note in metrics.notes:
+        echo_note(note)
     _print_scores(metrics.conditions)
     for sentence in _reasons(metrics.conditions):
         click.echo(sentence, err=True)

@@ -129,6 +129,12 @@ def echo_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         click.echo("  ".join(cells).rstrip())
 
 
+def echo_note(note: str) -> None:
+    """Print a note, above a progress bar if there is one."""
+    if is_leader():
+        tqdm.write(f"note: {note}", file=sys.stderr)
+
+
 def echo_skipped(skipped: Sequence[object], unit: str) -> None:
     """Print skipped items, each with its reason, and their number."""
     for item in skipped[:_MOST_NAMED]:

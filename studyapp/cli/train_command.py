@@ -24,7 +24,7 @@ from generators.registry import (
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.cli.arguments import Number
-from studyapp.cli.output import echo_skipped, progress
+from studyapp.cli.output import echo_note, echo_skipped, progress
 from studyapp.study.settings.study import GROUND_TRUTH
 from training.data.take import KINDS
 from training.run.launching import is_leader
@@ -143,7 +143,9 @@ def evaluator(
         learning_rate=learning_rate or defaults.learning_rate,
         seed=seed,
     )
-    recordings = recordings_of(data, condition=condition, file_rate=fps, body=body)
+    recordings = recordings_of(
+        data, condition=condition, file_rate=fps, body=body, show_note=echo_note
+    )
     request = EvaluatorRequest(
         kind=cast("Kind", kind),
         size=cast("Size", size),

@@ -51,7 +51,12 @@ class Recordings:
 
 
 def recordings_of(
-    data: Path, *, condition: str, file_rate: float | None = None, body: Path | None = None
+    data: Path,
+    *,
+    condition: str,
+    file_rate: float | None = None,
+    body: Path | None = None,
+    show_note: Callable[[str], None] | None = None,
 ) -> Recordings:
     """Return the recordings of a study folder, or of a folder of motion files.
 
@@ -65,6 +70,8 @@ def recordings_of(
         With a folder: frame rate of all files, overriding their own.
     body : Path, optional
         With a folder: an SMPL-X body, for landmarks of clips with expression coefficients.
+    show_note : callable, optional
+        With a folder: called with each note on a clip, when the clip is read.
 
     Raises
     ------
@@ -81,7 +88,7 @@ def recordings_of(
                 remedy="Omit them: the study states both",
             )
         return _study_recordings(study, condition)
-    return _folder_recordings(data, file_rate, body)
+    return _folder_recordings(data, file_rate, body, show_note)
 
 
 def _study_recordings(folder: StudyFolder, condition: str) -> Recordings:
@@ -113,7 +120,12 @@ def _study_recordings(folder: StudyFolder, condition: str) -> Recordings:
     )
 
 
-def _folder_recordings(folder: Path, file_rate: float | None, body: Path | None) -> Recordings:
+def _folder_recordings(
+    folder: Path,
+    file_rate: float | None,
+    body: Path | None,
+    show_note: Callable[[str], None] | None,
+) -> Recordings:
     paths = sorted(
         path
         for path in folder.rglob("*")
@@ -139,7 +151,7 @@ def _folder_recordings(folder: Path, file_rate: float | None, body: Path | None)
                 recording=recording,
                 emotion=emotion,
                 sha256=sha256_of(path),
-                read=partial(_read, path, file_rate, mean_hands),
+                read=partial(_read, path, file_rate, mean_hands, show_note),
             )
         )
     return Recordings(
@@ -151,9 +163,16 @@ def _folder_recordings(folder: Path, file_rate: float | None, body: Path | None)
 
 
 def _read(
-    path: Path, frame_rate: float | None, mean_hands: NDArray[np.float32] | None
+    path: Path,
+    frame_rate: float | None,
+    mean_hands: NDArray[np.float32] | None,
+    show_note: Callable[[str], None] | None,
 ) -> MotionClip:
-    return read_recorded(path, frame_rate=frame_rate, mean_hands=mean_hands)[0]
+    clip, notes = read_recorded(path, frame_rate=frame_rate, mean_hands=mean_hands)
+    if show_note is not None:
+        for note in notes:
+            show_note(note)
+    return clip
 
 
 def _labels(table: Path) -> Mapping[str, tuple[str, str]]:

@@ -100,11 +100,11 @@ class FigureMaterial:
         rate = frame_rate or self.plan.look.frame_rate
         return self._shown(read_clip(path), path, segment, rate)
 
-    def variation(self, segment: Segment, path: Path) -> MotionClip:
-        """Return motion for `segment` from any file, as participants would see it."""
+    def variation(self, segment: Segment, path: Path) -> tuple[MotionClip, list[str]]:
+        """Return motion for `segment` from any file, as participants would see it, and notes."""
         hands = licensed_hands(self.plan.folder, self.plan.study)
-        clip, _ = read_recorded(path, mean_hands=hands)
-        return self._shown(clip, path, segment, self.plan.look.frame_rate)
+        clip, notes = read_recorded(path, mean_hands=hands)
+        return self._shown(clip, path, segment, self.plan.look.frame_rate), notes
 
     def _shown(
         self, clip: MotionClip, path: Path, segment: Segment, frame_rate: float

@@ -183,8 +183,8 @@ def write_strip(
 
 def write_overlay(
     folder: StudyFolder, choice: Choice, printed: Print, *, motions: Sequence[tuple[Path, str]]
-) -> None:
-    """Write a picture of several moments, or of variations at one moment.
+) -> list[str]:
+    """Write a picture of several moments, or of variations at one moment; return notes on motion.
 
     Parameters
     ----------
@@ -204,7 +204,10 @@ def write_overlay(
     colours_for(len(labels) + len(motions))
     moments = material.ordered_moments(segment, choice.moments)
     clips = {label: material.clip(segment, name) for name, label in labels.items()}
-    clips |= {label: material.variation(segment, path) for path, label in motions}
+    notes: list[str] = []
+    for path, label in motions:
+        clips[label], notes_on_file = material.variation(segment, path)
+        notes += notes_on_file
     poses = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
     material, box, poses = _view(material, printed, poses)
     width = round(printed.inches * DOTS_PER_INCH)
@@ -219,6 +222,7 @@ def write_overlay(
     background = material.plan.look.background
     page = draw_overlay(picture, list(clips), caption, clear=printed.clear, background=background)
     page.save(printed.outputs)
+    return notes
 
 
 def _view(

@@ -38,8 +38,10 @@ def test_scores_are_shown_and_written_and_damaged_files_are_counted(
 def test_a_missing_score_is_a_dash_and_no_scores_at_all_a_failure(
     generated: Path,
 ) -> None:
+    (generated / "a.json").write_text("{")
     shown = run("metrics", "--generated", generated, "--preset", "diffsheg", status=1)
     row = next(line for line in shown.splitlines() if line.startswith("mean distance"))
     assert "–" in row
     assert "a distance needs two clips" in shown
+    assert "note: ours: a.json, beside a.npz, is left out" in shown
     assert "no motion file could be measured" in shown

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -48,6 +49,16 @@ def test_a_network_is_trained_and_damaged_files_are_counted(recorded: Path, tmp_
     assert f"Wrote {out}" in shown
     assert load_evaluator(out).labels == ("anger", "sadness")
     assert (tmp_path / "new" / "m.run" / "curves.png").stat().st_size > 1000
+
+
+def test_a_damaged_face_file_is_named_where_no_clip_has_a_face(tmp_path: Path) -> None:
+    data = tmp_path / "faceless"
+    data.mkdir()
+    write_clip(data / "a.npz", replace(swinging("anger", 0), arkit=None))
+    (data / "a.json").write_text("{")
+    given = ("motion", "--data", data, "--channels", "expression", "--config", "tiny")
+    shown = run("train", "evaluator", *given, "--out", tmp_path / "m.safetensors", status=1)
+    assert "note: a.json, beside a.npz, is left out" in shown
 
 
 @short_training()

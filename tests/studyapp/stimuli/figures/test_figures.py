@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -79,17 +80,22 @@ def test_a_strip_of_the_compared_conditions_is_reproducible(
     assert list(FigureMaterial.read(study).labels([])) == compared
 
 
-def test_conditions_can_have_other_labels_which_are_distinct(study: StudyFolder) -> None:
+def test_conditions_can_have_other_labels_which_are_distinct(
+    study: StudyFolder, tmp_path: Path
+) -> None:
     material = FigureMaterial.read(study)
     labels = material.labels(["ground_truth=Recording", "mismatched"])
     assert labels == {"ground_truth": "Recording", "mismatched": "mismatched"}
     for repeated in (["rule_based=Ours", "mismatched=Ours"], ["rule_based", "rule_based=Ours"]):
         with pytest.raises(InputError, match="Use different labels"):
             material.labels(repeated)
-    clip = study.clip("rule_based", SEGMENT)
+    clip = tmp_path / "seed.npz"
+    shutil.copy(study.clip("rule_based", SEGMENT), clip)
+    clip.with_suffix(".json").write_text("{")
     command = ("figure", "overlay", study.root, "--segment", SEGMENT, "--at", "0.5", "--inches", 1)
     variations = ("--motion", f"{clip}=seed 1", "--motion")
-    run(*command, *variations, f"{clip}=seed 2")
+    shown = run(*command, *variations, f"{clip}=seed 2")
+    assert "note: seed.json, beside seed.npz, is left out" in shown
     assert "'seed 1'" in refused(*command, *variations, f"{clip}=seed 1")
     assert "at most 7" in refused(*command, *(f"--motion={clip}={k}" for k in range(8)))
 
