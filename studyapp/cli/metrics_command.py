@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import click
@@ -13,7 +13,7 @@ from analysis.measurement.presets import PRESETS
 from analysis.metrics.score_tables import check_ending, write_scores
 from analysis.metrics.scores import ConditionScore
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
-from motion.errors import InputError
+from motion.errors import InputError, counted
 from studyapp.cli.arguments import Number, current_study, optional_study_folder
 from studyapp.cli.arguments import processes as processes_option
 from studyapp.cli.output import echo_note, echo_skipped, echo_table, progress
@@ -116,8 +116,7 @@ def command(
                 file_rate=fps,
                 on_progress=show,
             )
-    for note in metrics.notes:
-        echo_note(note)
+    _print_notes(metrics.notes)
     _print_scores(metrics.conditions)
     for sentence in _reasons(metrics.conditions):
         click.echo(sentence, err=True)
@@ -140,6 +139,16 @@ def _parse_evaluator(text: str) -> Source:
     if equals and preset in PUBLISHED:
         return PublishedFile(preset=preset, file=Path(file))
     return Path(text)
+
+
+def _print_notes(notes: Iterable[str]) -> None:
+    """Print what was noted on files, and on how many more of them the same."""
+    alike: dict[str, list[str]] = {}
+    for note in notes:
+        *_folder_and_file, text = note.split(": ", 2)
+        alike.setdefault(text, []).append(note)
+    for first, *others in alike.values():
+        echo_note(first + (f" (and {counted(len(others), 'other file')})" if others else ""))
 
 
 def _print_scores(scores: Sequence[ConditionScore]) -> None:

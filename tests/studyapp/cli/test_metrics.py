@@ -35,6 +35,20 @@ def test_scores_are_shown_and_written_and_damaged_files_are_counted(
     assert pd.read_csv(out)["segment"].dropna().unique().tolist() == ["a"]
 
 
+def test_a_note_is_printed_once_with_the_number_of_files(tmp_path: Path) -> None:
+    trans = np.zeros((40, 3), np.float32)
+    trans[:, 0] = np.arange(40)
+    (tmp_path / "ours").mkdir()
+    for name in "abc":
+        poses = np.zeros((40, 165), np.float32)
+        file = tmp_path / "ours" / f"{name}.npz"
+        np.savez(file, poses=poses, trans=trans, mocap_framerate=30, betas=np.zeros(10))
+    shown = run("metrics", "--generated", tmp_path / "ours", "--preset", "genea")
+    assert shown.count("note: ") == 1
+    assert "the body moves at" in shown
+    assert "(and 2 other files)" in shown
+
+
 def test_a_missing_score_is_a_dash_and_no_scores_at_all_a_failure(
     generated: Path,
 ) -> None:
