@@ -35,8 +35,8 @@ _UNSAFE: Final = re.compile(r"""[\x00-\x1f\x7f"'`$\\]""")
 """Characters that a folder's name must not contain, since not every file can quote them."""
 
 
-_HIDDEN: Final = ("/home", "/root", "/run/user", "/tmp", "/var/tmp")  # noqa: S108
-"""Folders that ``ProtectHome`` and ``PrivateTmp`` hide from a service."""
+_HIDDEN: Final = ("/home", "/root", "/run/user")
+"""Folders that ``ProtectHome`` hides from a service."""
 
 
 def _one_line(title: str) -> str:

@@ -82,7 +82,7 @@ def largest_angle(clip: MotionClip, data: bytes) -> float:
 
 
 @settings(deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from([1e-4, 0.1, 1.0, 3.2, 100.0]))
+@given(seed=st.integers(0, 2**32 - 1), spread=st.sampled_from([1e-4, 0.1, 1.0, 3.2, 30.0]))
 def test_every_rotation_is_within_a_twentieth_of_a_degree(
     seed: int, spread: float, body: BodyModel
 ) -> None:

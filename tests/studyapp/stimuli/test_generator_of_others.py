@@ -125,7 +125,7 @@ def test_changing_any_setting_regenerates_clips(
             {"hubert": "a"},
             "hubert: unknown key (known are checkpoint, emotion, angle, melody, pace and turns)",
         ),
-        ({"angle": 2}, "angle: must be at most 1"),
+        ({"angle": 2}, "angle: must be at most 1.0"),
         ({"melody": ""}, "melody: must be a path in quotes"),
     ],
 )

@@ -49,7 +49,7 @@ def test_the_methods_text_says_what_was_done_and_with_what(tmp_path: Path) -> No
         "Of 6 participants who answered, 5 were analysed. Practice trials were dropped; those that",
         "failed more than 1 catch trial (1)",
         "Holm's method over 3 tests",
-        "a margin of 0.1 was tested by two one-sided tests",
+        "a win share is less than 0.1 away from one half",
         "The videos kept face still.",
         "1 segment of speech was used (1 speaker, 1 emotion, 4.00 s in all).",
         "Which fits [emotion] better?",
