@@ -8,9 +8,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 from statistics import median
-from typing import Any, Final, cast
+from typing import Any, Final
 
-from sqlalchemy import Table, insert
+from sqlalchemy import insert
 from sqlalchemy.orm import Session
 
 from studyapp.database.tables import Trial, TrialStimulus, Video
@@ -28,11 +28,6 @@ def new_token() -> str:
     return secrets.token_urlsafe(TOKEN_BYTES)
 
 
-TRIALS: Final = cast(Table, Trial.__table__)
-VIDEOS: Final = cast(Table, Video.__table__)
-STIMULI: Final = cast(Table, TrialStimulus.__table__)
-
-
 def store_trials(
     session: Session, study_session_id: int, planned: Sequence[PlannedTrial], served: ServedStudy
 ) -> None:
@@ -43,35 +38,36 @@ def store_trials(
     if not planned:
         return
     trials = [{**_trial_row(trial), "study_session_id": study_session_id} for trial in planned]
-    trial_ids = _insert_rows(session, TRIALS, trials)
+    planned_by_id = dict(zip(_insert_rows(session, Trial, trials), planned, strict=True))
     videos = [
-        {**_video_row(player, content, served), "trial_id": trial_ids[row["token"]]}
-        for row, trial in zip(trials, planned, strict=True)
+        {**_video_row(player, content, served), "trial_id": trial_id}
+        for trial_id, trial in planned_by_id.items()
         for player, content in trial.players.items()
     ]
-    video_ids = _insert_rows(session, VIDEOS, videos)
-    video_of = {(row["trial_id"], row["number"]): video_ids[row["token"]] for row in videos}
+    numbers = [(video["trial_id"], video["number"]) for video in videos]
+    video_ids = dict(zip(numbers, _insert_rows(session, Video, videos), strict=True))
     stimuli = [
         {
             **_stimulus_row(number, stimulus),
-            "trial_id": trial_ids[row["token"]],
-            "video_id": video_of[trial_ids[row["token"]], player],
+            "trial_id": trial_id,
+            "video_id": video_ids[trial_id, player],
         }
-        for row, trial in zip(trials, planned, strict=True)
+        for trial_id, trial in planned_by_id.items()
         for player, number, stimulus in numbered_stimuli(trial.players)
     ]
-    session.connection().execute(insert(STIMULI), stimuli)
+    session.connection().execute(insert(TrialStimulus), stimuli)
 
 
 def _insert_rows(
-    session: Session, table: Table, rows: Sequence[dict[str, Any]]
-) -> Mapping[str, int]:
-    """Store `rows`, and return their ids by token.
+    session: Session, model: type[Trial] | type[Video], rows: Sequence[dict[str, Any]]
+) -> list[int]:
+    """Store `rows`, and return their ids in the same order.
 
-    Databases return ids in any order; in the order of `rows`, SQLite stores one at a time.
+    Databases return ids in any order; asked for the order of `rows`, SQLite stores one at a time.
     """
-    storing = insert(table).returning(table.c.token, table.c.id)
-    return dict(session.connection().execute(storing, rows).all())
+    storing = insert(model).returning(model.token, model.id)
+    ids = dict(session.connection().execute(storing, rows).all())
+    return [ids[row["token"]] for row in rows]
 
 
 def make_trial(planned: PlannedTrial, served: ServedStudy) -> Trial:
