@@ -219,16 +219,6 @@ def settings_type(name: str) -> type[Settings]:
     return Settings if home is None else cast("type[Settings]", _import_object(home))
 
 
-def trainable_names() -> tuple[str, ...]:
-    """Return the names of the networks that can be trained here."""
-    return tuple(TRAINABLE)
-
-
-def find_trainable(name: str) -> Trainable:
-    """Return the trainable network of that name; no network is loaded."""
-    return TRAINABLE[name]
-
-
 def load_generator(name: str, settings: Settings | None = None, device: str = "cpu") -> Generator:
     """Return a generator by its name.
 

@@ -17,7 +17,7 @@ from analysis.evaluators.training import train_evaluator
 from analysis.evaluators.training_clips import ClipSource
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.network_file import load_network, write_network
-from generators.registry import TrainingRequest, find_trainable
+from generators.registry import TRAINABLE, TrainingRequest
 from motion.files import sha256_of
 from motion.formats import read_clip
 from studyapp.cli.output import progress
@@ -124,7 +124,7 @@ def train_network(
             show_preparing=show,
             show_training=show,
         )
-        find_trainable(network.system).load()(request)
+        TRAINABLE[network.system].load()(request)
     return out
 
 

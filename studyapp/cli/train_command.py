@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args
 import click
 
 from generators.registry import (
+    TRAINABLE,
     Device,
     Trainable,
     TrainingChoice,
     TrainingRequest,
-    find_trainable,
     run_folder,
-    trainable_names,
 )
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
@@ -39,10 +38,10 @@ class _Networks(click.Group):
     """The evaluator, and every generator that learns, which is looked up when asked for."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return [*super().list_commands(ctx), *trainable_names()]
+        return [*super().list_commands(ctx), *TRAINABLE]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name in trainable_names():
+        if cmd_name in TRAINABLE:
             return generator_command(cmd_name)
         return super().get_command(ctx, cmd_name)
 
@@ -242,7 +241,7 @@ _file = click.Path(dir_okay=False, path_type=Path)
 
 def generator_command(name: str) -> click.Command:
     """Return the command that trains generator `name`."""
-    trainable = find_trainable(name)
+    trainable = TRAINABLE[name]
     configs = "; ".join(f"{config}: {words}" for config, words in trainable.configs.items())
     explanation = " ".join(trainable.explanation.split())
     options: list[click.Parameter] = [

@@ -25,7 +25,6 @@ from generators.interface import (
 from generators.learned_settings import ModelSettings
 from generators.registry import (
     TRAINABLE,
-    find_trainable,
     generator_names,
     load_generator,
     needs_model,
@@ -210,7 +209,7 @@ def _check_known(keys: object, defaults: object) -> None:
 def test_listed_configs_and_ablations_match_the_existing_ones(
     name: str, presets: Mapping[str, object], ablations: Mapping[str, object] | None
 ) -> None:
-    trainable = find_trainable(name)
+    trainable = TRAINABLE[name]
     assert set(trainable.configs) == set(presets)
     (choice,) = (choice for choice in trainable.choices if choice.name == "ablation")
     assert ablations is None or choice.values == tuple(ablations)

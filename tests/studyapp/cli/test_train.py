@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from analysis.evaluators.evaluator import load_evaluator
-from generators.registry import find_trainable, trainable_names
+from generators.registry import TRAINABLE
 from motion.formats import read_clip, write_clip
 from tests.analysis.evaluators.swinging import SWINGS, swinging
 from tests.support.command_line import run
@@ -71,8 +71,8 @@ def test_a_network_that_learned_nothing_is_reported(recorded: Path, tmp_path: Pa
 def test_every_trainable_generator_is_listed_with_the_feature_networks() -> None:
     shown = run("train", "--help")
     assert "evaluator" in shown
-    for name in trainable_names():
-        assert find_trainable(name).summary[:40] in shown
+    for name in TRAINABLE:
+        assert TRAINABLE[name].summary[:40] in shown
         run("train", name, "--help")
 
 
