@@ -26,6 +26,7 @@ from motion.body.model import read_body
 from motion.clip import MotionClip, freeze
 from motion.errors import InputError
 from motion.formats import read_clip, read_recorded
+from motion.formats.beat_tracks import face_beside
 from motion.resample import resample
 from motion.skeleton import JOINT_COUNT, joint_index
 
@@ -84,7 +85,7 @@ class SeenMotion:
 
     def files(self, path: Path) -> tuple[Path, ...]:
         """Return the files that the clip in `path` is read from: its own, and a face beside it."""
-        face = path.with_suffix(".json")
+        face = face_beside(path)
         return (path,) if self.own_files or not face.is_file() else (path, face)
 
     def read(self, path: Path) -> tuple[MotionClip, list[str]]:

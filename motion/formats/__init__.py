@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from motion.body.archive import add_mean_hands
 from motion.clip import MotionClip
 from motion.errors import InputError, found_at
-from motion.formats.beat_tracks import read_arkit_json
+from motion.formats.beat_tracks import face_beside, read_arkit_json
 from motion.formats.bvh import read_bvh
 from motion.formats.bvh_motion import settle_first_frame
 from motion.formats.clip_npz import (
@@ -128,7 +128,7 @@ def read_recorded(path: Path, **options: Any) -> tuple[MotionClip, list[str]]:
     clip = read_motion(path, **options)
     note = clip.provenance.get("notes", "")
     notes = [f"{path.name}: {note}"] if note else []
-    companion = path.with_suffix(".json")
+    companion = face_beside(path)
     if clip.arkit is not None or clip.expressions is not None or not companion.is_file():
         return clip, notes
     try:

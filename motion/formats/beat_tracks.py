@@ -41,6 +41,11 @@ class _FaceFile(BaseModel):
     frames: Annotated[list[_Frame], Field(min_length=2)]
 
 
+def face_beside(motion: Path) -> Path:
+    """Return where BEAT, and generators that use its format, store the face of a `motion` file."""
+    return motion.with_suffix(".json")
+
+
 def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
     """Read the facial weights of a take at the frame rate of its clip.
 
