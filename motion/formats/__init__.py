@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from motion.body.archive import add_mean_hands
 from motion.clip import MotionClip
+from motion.endings import MOTION_ENDINGS
 from motion.errors import InputError, found_at
 from motion.formats.beat_tracks import face_beside, read_arkit_json
 from motion.formats.bvh import read_bvh
@@ -22,14 +23,14 @@ from motion.formats.clip_npz import (
     write_clip,
 )
 from motion.formats.joint_maps import JointMap, check_joint_map, choose_joint_map
-from motion.formats.joint_positions import holds_joints, read_joints
+from motion.formats.joint_positions import holds_joints, is_joint_table, read_joints
 from motion.formats.retarget import retarget
 from motion.formats.smplx_rows import read_rows
 from motion.placement import clear_of_body, place
 from motion.segment import CUT_TOLERANCE
 from motion.skeleton import FINGERS, RELAXED_HANDS
 
-__all__ = ["read_clip", "read_motion", "read_recorded", "write_clip"]
+__all__ = ["is_motion_file", "read_clip", "read_motion", "read_recorded", "write_clip"]
 
 _UNMOVED: Final = 1e-6
 """Largest angle, in radians, of fingers that a file does not hold."""
@@ -110,6 +111,12 @@ def read_motion(
         remedy="Give a .bvh, an SMPL-X .npz, a .npy file of TalkSHOW or Motion-X, or joint "
         "positions with their names",
     )
+
+
+def is_motion_file(path: Path) -> bool:
+    """Tell by its ending whether a file is motion; a ``.csv`` file must be a table of joints."""
+    ending = path.suffix.lower()
+    return ending in MOTION_ENDINGS and (ending != ".csv" or is_joint_table(path))
 
 
 def read_recorded(path: Path, **options: Any) -> tuple[MotionClip, list[str]]:

@@ -12,6 +12,7 @@ from flask import Response, abort, redirect, request, send_file, url_for
 from flask.typing import ResponseReturnValue
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from motion.endings import VIDEO_ENDING
 from motion.errors import InputError
 from motion.segment import Segment
 from studyapp.database.tables import Event
@@ -22,7 +23,7 @@ from studyapp.desk.page import page
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
 from studyapp.study.design.trial import Stimulus
-from studyapp.study.folder import VIDEO_ENDING, StudyFolder
+from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Stimuli, finished_video_path, read_stimuli
 from studyapp.web.research.motion_scenes import Scene, scenes_of, send_scene
 from studyapp.web.research.pages import Page

@@ -12,10 +12,11 @@ import numpy as np
 
 from analysis.answers.table import ANALYSED_KINDS
 from analysis.planning.part import Kind, Part, Size, Trials, count_analysed
+from motion.endings import VIDEO_ENDING
 from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.design.trial import PlannedTrial
-from studyapp.study.folder import VIDEO_ENDING, StudyFolder
+from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.mismatch import FIT, MismatchStudy
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.ranking import RankingStudy

@@ -12,8 +12,9 @@ from analysis.measurement.measured_clips import Excerpt, LandmarkBody
 from analysis.measurement.measuring import study_metrics
 from analysis.measurement.presets import combined
 from analysis.metrics.scores import StudyMetrics
+from motion.endings import MOTION_ENDINGS, SPEECH_ENDINGS
 from motion.errors import InputError
-from motion.formats.joint_positions import is_joint_table
+from motion.formats import is_motion_file
 from motion.segment import SEGMENTS_FILE, read_segments
 from renderer.look import default_body
 from studyapp.stimuli.shown_motion import body_file, expression_matrix_file
@@ -22,13 +23,10 @@ from studyapp.study.settings.study import GROUND_TRUTH, Study
 
 Show = Callable[[int, int], None]
 
-_MOTION: Final = (".npz", ".npy", ".bvh", ".csv")
 _SEMANTICS: Final = (".txt",)
 _NETWORK: Final = ".safetensors"
 MEASURED_BODY: Final = "mannequin"
 """The avatar for penetration of the arms into the body; it has no loose clothes."""
-
-_SPEECH: Final = (".wav", ".flac", ".mp3", ".ogg", ".m4a")
 
 
 def measure_study(
@@ -163,7 +161,7 @@ def measure_folders(
         If a folder is missing or empty, or two files have the same segment.
     """
     clips = _conditions(generated)
-    recorded = _files(reference, _MOTION, "motion") if reference else None
+    recorded = _files(reference, MOTION_ENDINGS, "motion") if reference else None
     if reference is not None and recorded is not None:
         name = reference.resolve().name
         if name in clips:
@@ -203,13 +201,15 @@ def _conditions(folder: Path) -> dict[str, dict[str, Path]]:
     """Return the motion files of `folder`, or of each folder in it, by condition."""
     _require_folder(folder)
     sub_folders = sorted(path for path in folder.iterdir() if path.is_dir() and path.name[0] != ".")
-    if not _list_files(folder, _MOTION) and any(_list_files(path, _MOTION) for path in sub_folders):
+    if not _list_files(folder, MOTION_ENDINGS) and any(
+        _list_files(path, MOTION_ENDINGS) for path in sub_folders
+    ):
         return {
-            path.name: _files(path, _MOTION, "motion")
+            path.name: _files(path, MOTION_ENDINGS, "motion")
             for path in sub_folders
-            if _list_files(path, _MOTION)
+            if _list_files(path, MOTION_ENDINGS)
         }
-    return {folder.resolve().name: _files(folder, _MOTION, "motion")}
+    return {folder.resolve().name: _files(folder, MOTION_ENDINGS, "motion")}
 
 
 def _files(folder: Path, endings: Sequence[str], kind: str) -> dict[str, Path]:
@@ -240,7 +240,7 @@ def _list_files(folder: Path, endings: Sequence[str]) -> list[Path]:
         if path.suffix.lower() in endings
         and path.name[0] != "."
         and path.is_file()
-        and (path.suffix.lower() != ".csv" or is_joint_table(path))
+        and (path.suffix.lower() != ".csv" or is_motion_file(path))
     )
 
 
@@ -251,7 +251,7 @@ def _speech(folder: Path) -> dict[str, Excerpt]:
             segment.name: (folder / segment.wav, segment.start, segment.end)
             for segment in read_segments(folder)
         }
-    files = _files(folder, _SPEECH, "speech")
+    files = _files(folder, SPEECH_ENDINGS, "speech")
     return {segment: (path, 0.0, math.inf) for segment, path in files.items()}
 
 

@@ -12,11 +12,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Final
 
+from motion.endings import MOTION_ENDINGS, SPEECH_ENDINGS, VIDEO_ENDING
 from motion.errors import InputError
 from motion.files import replacing
-from motion.formats.joint_positions import is_joint_table
+from motion.formats import is_motion_file
 from motion.segment import SEGMENTS_FILE, check_name
 from studyapp.stimuli.media_probe import DURATION_TOLERANCE, flaw_of
 from studyapp.stimuli.recordings import (
@@ -27,16 +27,7 @@ from studyapp.stimuli.recordings import (
     import_take,
 )
 from studyapp.stimuli.stored_speech import import_speech
-from studyapp.study.folder import (
-    COMPANION_ENDINGS,
-    MOTION_ENDINGS,
-    SPEECH_ENDINGS,
-    VIDEO_ENDING,
-    StudyFolder,
-    video_duration,
-)
-
-TABLE: Final = ".csv"
+from studyapp.study.folder import COMPANION_ENDINGS, StudyFolder, video_duration
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,8 +120,7 @@ class _ConditionFolder:
         return [path for path in self._remaining.values() if path.suffix.lower() in endings]
 
     def _motion_files(self) -> list[Path]:
-        tables = [path for path in self._with_ending((TABLE,)) if is_joint_table(path)]
-        return [*self._with_ending(MOTION_ENDINGS), *tables]
+        return list(filter(is_motion_file, self._remaining.values()))
 
     def _companions(self, path: Path) -> list[Path]:
         return [file for file in self._with_ending(COMPANION_ENDINGS) if file.stem == path.stem]
@@ -236,6 +226,6 @@ def _refuse_unknown(path: Path) -> list[str]:
     raise InputError(
         "this is neither speech, motion nor a finished video, nor a companion of one",
         where=path,
-        remedy=f"Provide motion as {', '.join(MOTION_ENDINGS)} or a table of joints, speech as "
+        remedy=f"Provide motion as {', '.join(MOTION_ENDINGS)} (a table of joints), speech as "
         f"{', '.join(SPEECH_ENDINGS)}, videos as {VIDEO_ENDING}",
     )

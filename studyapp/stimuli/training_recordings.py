@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +15,14 @@ from analysis.evaluators.training_clips import ClipSource
 from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
+from motion.endings import MOTION_ENDINGS
 from motion.errors import InputError
 from motion.files import sha256_of
-from motion.formats import read_clip, read_recorded
-from motion.formats.joint_positions import is_joint_table
+from motion.formats import is_motion_file, read_clip, read_recorded
 from motion.segment import SEGMENTS_FILE
 from renderer.look import default_body
 from studyapp.stimuli.shown_motion import shown_body
 from studyapp.study.folder import StudyFolder
-
-_MOTION: Final = (".npz", ".npy", ".bvh", ".csv")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -129,16 +126,15 @@ def _folder_recordings(
     paths = sorted(
         path
         for path in folder.rglob("*")
-        if path.suffix.lower() in _MOTION
-        and path.is_file()
-        and (path.suffix.lower() != ".csv" or is_joint_table(path))
+        if path.is_file()
+        and is_motion_file(path)
         and not any(part.startswith(".") for part in path.relative_to(folder).parts)
     )
     if not paths:
         raise InputError(
             "there is no motion file in the folder",
             where=folder,
-            remedy=f"Give a folder of {', '.join(_MOTION)} files, or a study folder",
+            remedy=f"Give a folder of {', '.join(MOTION_ENDINGS)} files, or a study folder",
         )
     labels = _labels(folder / SEGMENTS_FILE)
     mean_hands = read_mean_hands(body) if body is not None else None

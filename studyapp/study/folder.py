@@ -15,20 +15,18 @@ from typing import Final
 import av
 
 from motion.audio import WHOLE_FORMATS
+from motion.endings import MOTION_ENDINGS, SPEECH_ENDINGS, VIDEO_ENDING
 from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment, check_name, read_segments
 from studyapp.study.settings.reading import read_study
 from studyapp.study.settings.study import Study
 
-MOTION_ENDINGS: Final = (".bvh", ".npz", ".npy")
-SPEECH_ENDINGS: Final = (
-    ".wav", ".flac", ".mp3", ".m4a", ".ogg", ".oga", ".opus", ".aif", ".aiff",
-)  # fmt: skip
-VIDEO_ENDING: Final = ".mp4"
 COMPANION_ENDINGS: Final = (".csv", ".json", ".textgrid", ".lab", ".txt")
-"""Tables of joints or segments, and files that accompany a motion or its speech."""
+"""Tables of segments, and files that accompany a motion or its speech."""
 
-IMPORTABLE_ENDINGS: Final = (*MOTION_ENDINGS, *SPEECH_ENDINGS, VIDEO_ENDING, *COMPANION_ENDINGS)
+IMPORTABLE_ENDINGS: Final = tuple(
+    dict.fromkeys((*MOTION_ENDINGS, *SPEECH_ENDINGS, VIDEO_ENDING, *COMPANION_ENDINGS))
+)
 """Files that can be imported into a study."""
 
 

@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Final, Self
 
 from motion.audio import read_audio
+from motion.endings import SPEECH_ENDINGS
 from motion.errors import InputError
 from motion.formats.bvh import BvhFrameCountError, read_bvh
 from motion.formats.bvh_motion import BvhMotion, settle_first_frame
 from motion.segment import EMOTIONS
 from training.data.found_take import (
-    SOUND_ENDINGS,
     UNKNOWN_SPEAKER,
     Findings,
     FolderFiles,
@@ -215,7 +215,7 @@ def _beat_take(files: FolderFiles, motion: Path) -> FoundTake:
 
 def _beat2_take(files: FolderFiles, motion: Path) -> FoundTake | None:
     if not has_arrays(motion, "poses"):
-        if files.companion(motion, SOUND_ENDINGS):
+        if files.companion(motion, SPEECH_ENDINGS):
             raise InputError(
                 "the file holds no poses", where=motion, remedy="Give SMPL-X poses in it"
             )

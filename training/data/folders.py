@@ -10,13 +10,13 @@ from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import Final
 
+from motion.endings import SPEECH_ENDINGS
 from motion.errors import InputError, listed
 from motion.formats.smplx_rows import ARRAYS as SHOW_ARRAYS
 from motion.formats.ted_npz import ARRAYS
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
 from training.data.beat import find_beat, find_beat2
 from training.data.found_take import (
-    SOUND_ENDINGS,
     UNKNOWN_SPEAKER,
     Findings,
     FolderFiles,
@@ -74,7 +74,7 @@ def find_show(files: FolderFiles) -> Findings:
             remedy=f"Save its arrays once with numpy.savez, {_CONVERT}",
         )
         for path in files.ending_in(".pkl")
-        if files.companion(path, SOUND_ENDINGS) and not files.companion(path, (".npy", ".npz"))
+        if files.companion(path, SPEECH_ENDINGS) and not files.companion(path, (".npy", ".npz"))
     ]
     return _findings(takes, [*skipped, *pickled])
 
@@ -91,7 +91,7 @@ def _findings(found: Sequence[FoundTake], skipped: Iterable[InputError]) -> Find
 
 def _ted_take(files: FolderFiles, motion: Path) -> FoundTake | None:
     if not has_arrays(motion, *ARRAYS):
-        if files.companion(motion, SOUND_ENDINGS):
+        if files.companion(motion, SPEECH_ENDINGS):
             raise InputError(
                 "the file holds no motion of TED Gesture",
                 where=motion,
@@ -104,7 +104,7 @@ def _ted_take(files: FolderFiles, motion: Path) -> FoundTake | None:
 
 
 def _show_take(files: FolderFiles, motion: Path) -> FoundTake | None:
-    if files.companion(motion, SOUND_ENDINGS) is None and motion.suffix.lower() == ".npz":
+    if files.companion(motion, SPEECH_ENDINGS) is None and motion.suffix.lower() == ".npz":
         # Data sets come with statistics and other arrays.
         return None
     place, split = split_folder(files.place_of(motion).with_suffix(""))
@@ -214,10 +214,10 @@ def _kind_of(files: FolderFiles) -> Kind:
     kinds: set[Kind] = set()
     if any(path.name == DATABASE for path in files.files):
         kinds.add("ted")
-    if any(files.companion(path, SOUND_ENDINGS) for path in files.ending_in(".npy", ".pkl")):
+    if any(files.companion(path, SPEECH_ENDINGS) for path in files.ending_in(".npy", ".pkl")):
         kinds.add("show")
     for path in files.ending_in(".npz"):
-        if files.companion(path, SOUND_ENDINGS):
+        if files.companion(path, SPEECH_ENDINGS):
             kinds |= _kinds_of_archive(path)
     if len(kinds) == 1:
         return kinds.pop()

@@ -13,12 +13,10 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Final
 
+from motion.endings import SPEECH_ENDINGS
 from motion.errors import InputError
 from motion.formats.transcript import preferred_transcript
 from training.data.take import Split, Take
-
-SOUND_ENDINGS: Final = (".wav", ".flac", ".mp3", ".m4a", ".ogg")
-"""In the order in which they are preferred."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,7 +193,7 @@ def sound_of(motion: Path, files: FolderFiles) -> Path:
     InputError
         If there is no sound, or a file is empty.
     """
-    sound = files.companion(motion, SOUND_ENDINGS)
+    sound = files.companion(motion, SPEECH_ENDINGS)
     if sound is None:
         raise InputError(
             "the motion has no sound",

@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
+from motion.endings import MOTION_ENDINGS, SPEECH_ENDINGS
 from motion.errors import InputError, listed
 from training.data.found_take import SPLIT_WORDS, Findings
 from training.data.take import SPLITS, Split, Take
@@ -32,7 +33,7 @@ USUAL_NAMES: Final = (
 
 _NAME_COLUMNS: Final = ("name", "id", "take", "clip", "file", "filename")
 _SPLIT_COLUMNS: Final = ("split", "type", "set", "subset", "partition")
-_ENDINGS: Final = (".bvh", ".npz", ".npy", ".wav", ".json", ".pkl", ".mp3", ".flac")
+_ENDINGS: Final = (*MOTION_ENDINGS, *SPEECH_ENDINGS, ".json", ".pkl")
 _FORMS: Final = (
     "Give a CSV with the columns name and split; JSON with lists of names under train, validation "
     "and test; or a folder of train.txt, validation.txt and test.txt"

@@ -126,7 +126,7 @@ def test_motion_and_speech_of_any_format_are_matched_by_name(
     shutil.copy(shared_data / "aitviewer_sample.bvh", folder / "other.bvh")
     speech = speech_file(1.0).parent / "spoken"
     speech.mkdir()
-    shutil.copy(speech_file(1.0), speech / "take.wav")
+    shutil.copy(speech_file(1.0), speech / "take.aiff")
     metrics = measure_folders(folder, None, speech, presets=("amuse",), processes=1)
     names = {(s.segment, s.result.name.split(" (")[0]) for s in metrics.clips}
     assert {("take", "jerk"), ("other", "jerk"), ("take", "beat alignment")} <= names

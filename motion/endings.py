@@ -1,0 +1,15 @@
+"""The endings of files: `motion.formats` reads motion, `motion.audio` speech."""
+
+from __future__ import annotations
+
+from typing import Final
+
+MOTION_ENDINGS: Final = (".bvh", ".npz", ".npy", ".csv")
+"""A ``.csv`` file is motion if it is a table of joints (`motion.formats.is_motion_file`)."""
+
+SPEECH_ENDINGS: Final = (
+    ".wav", ".flac", ".mp3", ".m4a", ".ogg", ".oga", ".opus", ".aif", ".aiff",
+)  # fmt: skip
+"""In the order in which they are preferred."""
+
+VIDEO_ENDING: Final = ".mp4"
