@@ -165,17 +165,28 @@ class Entry:
     settings : str or None
         Its type of `generators.settings.Settings`, ``module:name``, whose module loads no torch.
         One whose weights must be given has `generators.learned_settings.ModelSettings`.
+    summary : str
+        What its motion is, for those who make a study; empty if it is for catch trials alone, or
+        a network, which is described by its weights.
     """
 
     home: str
     needs_source: bool = False
     settings: str | None = None
+    summary: str = ""
 
 
 GENERATORS: Final = {
-    "rule_based": Entry(home="generators.rule_based.generator:RuleBased"),
-    "mismatched": Entry(home="generators.controls:Mismatched", needs_source=True),
-    "static": Entry(home="generators.controls:Static"),
+    "rule_based": Entry(
+        home="generators.rule_based.generator:RuleBased",
+        summary="generated here from the speech: beat gestures by rule",
+    ),
+    "mismatched": Entry(
+        home="generators.controls:Mismatched",
+        needs_source=True,
+        summary="another condition's motion for other speech: plausible, but out of time",
+    ),
+    "static": Entry(home="generators.controls:Static", summary="generated here: stands still"),
     "broken": Entry(home="generators.controls:Broken", needs_source=True),
     "diffsheg": Entry(
         home="generators.diffsheg.generate:DiffSheg",

@@ -9,7 +9,7 @@ from decimal import Decimal
 from importlib.resources import files
 from typing import Final
 
-from generators.registry import generator_names, needs_model
+from generators.registry import GENERATORS, needs_model
 from motion.errors import InputError, listed
 from studyapp.study.settings.presentation import reaches_somebody
 from studyapp.study.settings.recruitment import MTURK_CURRENCY, Pay
@@ -31,6 +31,8 @@ LANGUAGES: Final[Mapping[str, str]] = _WORDS["languages"]
 TEMPLATE_DESCRIPTIONS: Final[Mapping[str, str]] = _WORDS["templates"]
 CHANNEL_DESCRIPTIONS: Final[Mapping[str, str]] = _WORDS["channels"]
 FRAMING_DESCRIPTIONS: Final[Mapping[str, str]] = _WORDS["framings"]
+
+_NETWORK: Final = "generated here by a network from its weights"
 
 InterviewQuestion = Mapping[str, str]
 """The label of a question, and why it is asked."""
@@ -54,11 +56,13 @@ def reference_question(template: str) -> InterviewQuestion:
 
 
 def source_descriptions() -> dict[str, str]:
-    """Return the sources of motion and their descriptions; networks come last."""
-    networks = [name for name in generator_names() if needs_model(name)]
-    words = "generated here by a network from its weights: type {}"
-    descriptions = {name: words.format(source_notation(name)) for name in networks}
-    return {**_WORDS["sources"], **descriptions}
+    """Return the sources of motion of a new study, as they are typed, and their descriptions."""
+    summaries = {
+        source_notation(name): _NETWORK if needs_model(name) else entry.summary
+        for name, entry in GENERATORS.items()
+    }
+    described = {source: words for source, words in summaries.items() if words}
+    return {**_WORDS["sources"], **described}
 
 
 def require_stated_pay(options: StudyOptions) -> None:

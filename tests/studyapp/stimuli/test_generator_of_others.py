@@ -180,4 +180,4 @@ def test_a_condition_lists_all_files_of_its_network(
     settings = read_study(tmp_path / "a" / "study.toml").conditions["ours"].settings
     assert settings == PairSettings(checkpoint=weights, ear=tmp_path / "ear.txt")
     assert "Give pair:FILE,FILE, its checkpoint and ear" in half
-    assert "type pair:FILE,FILE" in source_descriptions()["pair"]
+    assert "pair:FILE,FILE" in source_descriptions()
