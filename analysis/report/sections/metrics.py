@@ -61,12 +61,7 @@ def metric_section(report: TableReport, subject: Subject) -> Section:
     return Section(
         anchor="metrics",
         heading="Automatic metrics",
-        paragraphs=(
-            "Metrics describe motion; they do not tell what people prefer. Read beat alignment "
-            "relative to its chance level, because dense beats score high against any speech. "
-            "Diversity rewards noise as much as variety: read it together with jerk and compare it "
-            "with recorded motion.",
-        ),
+        paragraphs=paragraphs("metrics.reading"),
         bullets=metrics_not_tabled(metrics),
         tables=(*metric_tables(metrics, report.protocol, subject), *confusion_tables(metrics)),
     )
@@ -170,17 +165,10 @@ def played_pairs_section(subject: Subject) -> Section | None:
     motion = subject.motion
     if motion is None:
         return None
-    explanation = (
-        "For each pair of conditions, this shows the segment in which the first was preferred most "
-        "and the one in which it was preferred least, sorted by win share. They are extremes, "
-        "chosen after the answers were seen: they are examples, not evidence of how conditions "
-        "differ. You can turn the bodies around. The body is the study's avatar, even where "
-        "participants saw another body."
-    )
     return Section(
         anchor="motion",
         heading="The most and least preferred pairs",
-        paragraphs=(explanation,) if motion.pairs else (),
+        paragraphs=paragraphs("metrics.played_pairs") if motion.pairs else (),
         bullets=motion.left_out,
         playable=tuple(
             PlayablePair(
