@@ -112,7 +112,7 @@ def compare(args: argparse.Namespace) -> str:
     for network in networks:
         train_network(takes, network, root, cache=cache, steps=args.steps)
     untrained = root / f"{UNTRAINED}.safetensors"
-    write_untrained(systems["diffsheg"][0].file(root), untrained, seed=1)
+    write_untrained(systems["diffsheg"][0].file(root), untrained)
     learned_from = [take for take in takes.takes if take.split != "test"]
     recordings = write_recordings(
         learned_from, lambda take: root / "recordings" / f"{take.name}.npz"

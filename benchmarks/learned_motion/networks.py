@@ -128,13 +128,17 @@ def train_network(
     return out
 
 
-def write_untrained(trained: Path, out: Path, *, seed: int) -> None:
-    """Write DiffSHEG's network of `trained` with weights as they are before any training."""
+def write_untrained(trained: Path, out: Path) -> None:
+    """Write the network with which the training of DiffSHEG's network `trained` began."""
     network = load_network(trained, "beat", None)
     with torch.random.fork_rng():
-        torch.manual_seed(seed)
-        fresh = Denoiser(network.denoiser.config)
-    write_network(out, replace(network, denoiser=fresh.eval(), training={"steps": 0}))
+        torch.manual_seed(network.training["config"]["seed"])
+        first = Denoiser(network.denoiser.config)
+    # The linear estimate of the noise is fitted to the recordings before the first step.
+    weights = network.denoiser.state_dict()
+    fitted = {name: weight for name, weight in weights.items() if ".skip." in name}
+    first.load_state_dict(fitted, strict=False)
+    write_network(out, replace(network, denoiser=first.eval(), training={"steps": 0}))
 
 
 def train_evaluators(

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import torch
 
+from benchmarks.learned_motion.networks import write_untrained
 from generators.diffsheg.config import BEAT, PRESETS
 from generators.diffsheg.losses import LOSSES, LossWeights
 from generators.diffsheg.network_file import load_network
@@ -90,6 +91,11 @@ def test_a_short_training_betters_the_network_that_it_began_with(
     task = task_of(takes, weights=LOSSES["steps"])
     with torch.no_grad():
         assert facts["untrained"] == pytest.approx(task.validation(task.network().eval()))
+    before = tmp_path / "untrained.safetensors"
+    write_untrained(out, before)
+    written = load_network(before, "beat", None).denoiser.state_dict()
+    torch.manual_seed(facts["config"]["seed"])
+    torch.testing.assert_close(written, task.network().state_dict(), rtol=0, atol=0)
     assert outcome.skipped == takes.skipped != ()
     fall = f"{facts['untrained'][METRIC]:.4g} → {facts['held_out'][METRIC]:.4g}"
     assert f"before the first step → now: noise and reconstruction {fall}" in outcome.sentences[1]
