@@ -15,7 +15,7 @@ from motion.endings import MOTION_ENDINGS
 from motion.errors import InputError, found_at
 from motion.formats.beat_tracks import face_beside, read_arkit_json
 from motion.formats.bvh import read_bvh
-from motion.formats.bvh_motion import settle_first_frame
+from motion.formats.bvh_motion import BvhMotion, settle_first_frame
 from motion.formats.clip_npz import (
     has_fingers_relative_to_mean_hands,
     has_provenance,
@@ -38,6 +38,9 @@ _UNMOVED: Final = 1e-6
 
 _FAST: Final = 3.0
 """Mean speed of the pelvis, in m/s, of a runner; beyond gestures."""
+
+_RADIANS: Final = np.pi
+"""Largest angle of all but a twentieth of the rotations of a BVH that probably holds radians."""
 
 
 def read_motion(
@@ -161,7 +164,8 @@ def _read_bvh_clip(
             skeleton, fitting = "own map", check_joint_map(joint_map, motion.joint_names)
         clip = retarget(motion, fitting)
     clip, notes = (clip, ()) if as_recorded else clear_of_body(clip)
-    return _placed(clip, path, f"bvh ({skeleton})", (*motion.notes, *notes))
+    notes = (*motion.notes, *_notes_on_angles(motion), *notes)
+    return _placed(clip, path, f"bvh ({skeleton})", notes)
 
 
 def _with_absolute_fingers(
@@ -189,6 +193,21 @@ def _with_relaxed_fingers(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]
     poses[:, FINGERS.start + joints] = RELAXED_HANDS[joints]
     subject = "no finger is" if is_unset.all() else f"{is_unset.sum()} of 10 fingers are not"
     return replace(clip, poses=poses), (f"{subject} in the file; relaxed ones are shown",)
+
+
+def _notes_on_angles(motion: BvhMotion) -> tuple[str, ...]:
+    """Return a note where rotations are so small that they are probably radians."""
+    channels = [channel for joint in motion.joints for channel in joint.channels]
+    is_rotation = [channel.endswith("rotation") for channel in channels]
+    angles = np.abs(motion.values[:, is_rotation])
+    # A joint that was turned about itself again and again may have far larger angles.
+    usual = np.quantile(angles[angles > 0], 0.95) if angles.any() else np.inf
+    if usual > _RADIANS:
+        return ()
+    return (
+        f"nearly all rotations are below {usual:.1f} degrees; check that the file holds degrees, "
+        "not radians",
+    )
 
 
 def _notes_on_speed(clip: MotionClip) -> tuple[str, ...]:
