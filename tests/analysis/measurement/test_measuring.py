@@ -257,6 +257,21 @@ def test_metrics_shared_by_two_presets_are_measured_once() -> None:
     assert not together.foot_sliding
 
 
+def test_the_documentation_lists_every_metric_with_its_presets(
+    recorded_study: RecordedStudy,
+) -> None:
+    clips, speech, recorded = recorded_study
+    lines = Path("docs/metrics.md").read_text("utf-8").splitlines()
+    rows = [line.split("|")[1:5] for line in lines if line.count("|") == 6]
+    for preset in PRESETS:
+        metrics = study_metrics(
+            {"waving": clips["waving"]}, speech, recorded=recorded, presets=[preset]
+        )
+        for name in {score.name.partition(" (")[0] for score in metrics.conditions}:
+            presets = [row[3] for row in rows if name in row[0]]
+            assert any(preset in each or "with it" in each for each in presets), (preset, name)
+
+
 def test_an_unknown_preset_is_refused_with_the_known_ones() -> None:
     with pytest.raises(InputError, match=r"'amuze'.*amuse, beat"):
         combined(["amuze"])
