@@ -19,20 +19,17 @@ from analysis.measurement.measured_clips import (
     LandmarkBody,
     SeenMotion,
     Setup,
-    file_sha256,
     penetrable_body,
 )
 from analysis.measurement.presets import REPORT, Preset, combined
 from analysis.measurement.recorded_spread import recorded_spread
 from analysis.measurement.segment_scores import (
     SegmentFiles,
-    SegmentScores,
     recorded_extent,
     segment_scores,
 )
 from analysis.metrics.kinematics import common_frame_rate
 from analysis.metrics.scores import ClipScore, StudyMetrics
-from analysis.metrics.self_penetration import self_penetration
 from motion.errors import InputError
 from motion.formats import read_motion
 from motion.formats.clip_npz import read_frame_rate
@@ -160,7 +157,12 @@ def study_metrics(
         network_scores(network, clips, measured, recordings_shown, emotions or {})
         for network in feature_networks
     ]
-    scores = list(_clip_scores(measured, penetrable))
+    scores = [
+        ClipScore(condition=condition, segment=segment.segment, result=result)
+        for segment in measured
+        for condition, clip in segment.clips.items()
+        for result in clip.scores
+    ]
     all_scores = [*scores, *(score for network in by_network for score in network.clips)]
     return StudyMetrics(
         frame_rate=setup.frame_rate,
@@ -238,21 +240,3 @@ def _named(segments: Sequence[str], of_all: int) -> str:
     """Return the number of segments and the first names."""
     names = ", ".join(segments[:3]) + (", …" if len(segments) > 3 else "")
     return f"{len(segments)} of {of_all} segments ({names})"
-
-
-def _clip_scores(measured: Sequence[SegmentScores], penetrable: Path | None) -> Iterator[ClipScore]:
-    """Yield the scores of all clips, then their self-penetration."""
-    clips = [
-        (condition, segment.segment, clip)
-        for segment in measured
-        for condition, clip in segment.clips.items()
-    ]
-    for condition, segment, clip in clips:
-        for result in clip.scores:
-            yield ClipScore(condition=condition, segment=segment, result=result)
-    if penetrable is not None:
-        body = f"{penetrable.stem}, file {file_sha256(penetrable)[:16]}"
-        for condition, segment, clip in clips:
-            if clip.depths is not None and len(clip.depths):
-                for result in self_penetration(clip.depths, body=body):
-                    yield ClipScore(condition=condition, segment=segment, result=result)

@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analysis.evaluators.feature_networks import ClipFeatures
-from analysis.measurement.measured_clips import Excerpt, MeasuredClip, Onsets, Reader, Setup
+from analysis.measurement.measured_clips import (
+    Excerpt,
+    MeasuredClip,
+    Onsets,
+    Reader,
+    Setup,
+    file_sha256,
+)
 from analysis.measurement.recorded_spread import ClipExtent, RecordedSpread
 from analysis.metrics.beat_alignment import beat_alignment
 from analysis.metrics.correct_motion import (
@@ -34,6 +41,7 @@ from analysis.metrics.kinematics import (
 )
 from analysis.metrics.point_errors import S2UE_FRAME_RATE, point_error, velocity_error
 from analysis.metrics.scores import MetricResult
+from analysis.metrics.self_penetration import self_penetration
 from motion.audio_analysis import DETECTOR
 from motion.errors import InputError
 from motion.formats.beat_tracks import SemanticSpan, read_semantic_scores, semantic_weights
@@ -90,8 +98,6 @@ class ClipMeasurements:
         How often each speed occurs (`analysis.metrics.kinematics`), if asked for.
     features : mapping of str to ClipFeatures
         The features of each network, by its name.
-    depths : ndarray, shape (n,), float32, or None
-        How deep the arms are in the body, if asked for.
     """
 
     scores: tuple[MetricResult, ...] = ()
@@ -99,7 +105,6 @@ class ClipMeasurements:
     face: Array | None = None
     speeds: Counts | None = None
     features: Mapping[str, ClipFeatures] = field(default_factory=dict)
-    depths: Array | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -172,7 +177,6 @@ def _measurements(
         face=clip.face,
         speeds=speed_counts(upper, setup.frame_rate) if preset.speed_histogram else None,
         features=clip.features,
-        depths=clip.depths,
     )
 
 
@@ -232,6 +236,9 @@ def _clip_metrics(
             )
         yield from _joint_errors(positions, recorded.joints.relative, setup)
         yield from _landmark_errors(clip, recorded, setup)
+    if setup.penetrable is not None and clip.depths is not None and len(clip.depths):
+        body = f"{setup.penetrable.stem}, file {file_sha256(setup.penetrable)[:16]}"
+        yield from self_penetration(clip.depths, body=body)
 
 
 def pose_settings(frame_rate: float) -> dict[str, str]:
