@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, Final, cast
@@ -16,10 +17,13 @@ from studyapp.database.tables import (
     AuditLine,
     Base,
     Event,
+    ExclusionDecision,
     FormAnswer,
+    IntakeChange,
     InterimFigures,
     Look,
     RefusalLine,
+    ResearcherLogin,
     Response,
     ScreenOut,
     StudySession,
@@ -41,8 +45,18 @@ RELEASED_TABLES: Final = frozenset({"places"})
 """Tables whose rows belong to the study and only lose the participant. In other tables, the rows of
 the study session are deleted."""
 
+FREE_TEXTS: Final = (
+    AuditLine.detail,
+    AuditLine.reason,
+    ExclusionDecision.reason,
+    IntakeChange.reason,
+    Look.reason,
+    ResearcherLogin.unblinding_reason,
+)
+"""Columns in which researchers may have named a participant."""
+
 MIN_NAME_LENGTH: Final = 4
-"""Shorter names are not replaced in the log: they could be part of other words."""
+"""Shorter names are not replaced in free text: they could be part of other words."""
 
 SESSIONS: Final = cast(Table, StudySession.__table__)
 
@@ -112,7 +126,7 @@ def forget(database: Database, name: str, key: PseudonymKey | None, clock: Clock
     This deletes answers, trials, records of watching, form answers, refusals, tokens, codes and
     the recruiter's ids, and releases the place. One row remains, as for participants who withdrew:
     that a study session in this arm was erased, and when. A line in the log says so without a
-    name, and names in earlier lines are replaced. Erasing twice changes nothing.
+    name, and names in what researchers wrote are replaced. Erasing twice changes nothing.
 
     A request that the participant sends meanwhile is either erased too or refused, since its
     address no longer exists. Call `studyapp.database.scrubbing.scrub` afterwards.
@@ -134,6 +148,7 @@ def forget(database: Database, name: str, key: PseudonymKey | None, clock: Clock
             erase(session, study_session, key, now)
         screened_out = _erase_screen_outs(session, [name])
         if screened_out and not study_sessions:
+            _erase_names(session, [name.strip()])
             log_change(session, now, Event.FORGOTTEN, by="", detail="was screened out")
         return len(study_sessions) + screened_out
 
@@ -246,31 +261,23 @@ def _is_screen_out_of(names: Sequence[str]) -> ColumnElement[bool]:
 
 
 def _names(study_session: StudySession, key: PseudonymKey | None) -> Iterator[str]:
-    for name in (
-        study_session.recruiter_participant,
-        study_session.recruiter_session,
-        study_session.completion_code,
-        None if key is None else key.pseudonym(study_session),
-    ):
-        if name is not None and len(name) >= MIN_NAME_LENGTH:
-            yield name
+    yield study_session.recruiter_participant or ""
+    yield study_session.recruiter_session
+    yield study_session.completion_code or ""
+    if key is not None:
+        yield key.pseudonym(study_session)
 
 
-def _erase_names(session: Session, names: Iterator[str]) -> None:
-    """Replace names in earlier lines of the log; the events and their authors stay."""
+def _erase_names(session: Session, names: Iterable[str]) -> None:
+    """Replace names in what researchers wrote; the events and their authors stay."""
     for name in names:
-        for look in session.scalars(
-            select(Look).where(Look.reason.contains(name, autoescape=True))
-        ):
-            look.reason = look.reason.replace(name, ERASED)
-        for line in session.scalars(
-            select(AuditLine).where(
-                AuditLine.detail.contains(name, autoescape=True)
-                | AuditLine.reason.contains(name, autoescape=True)
-            )
-        ):
-            line.detail = line.detail.replace(name, ERASED)
-            line.reason = line.reason.replace(name, ERASED)
+        if len(name) < MIN_NAME_LENGTH:
+            continue
+        pattern = re.compile(re.escape(name), re.IGNORECASE)
+        for column in FREE_TEXTS:
+            naming = select(column.class_).where(column.icontains(name, autoescape=True))
+            for row in session.scalars(naming):
+                setattr(row, column.key, pattern.sub(ERASED, getattr(row, column.key)))
 
 
 def _referring_columns() -> list[tuple[Table, Column[Any]]]:

@@ -16,10 +16,12 @@ from studyapp.database.scrubbing import scrub
 from studyapp.database.tables import Event, InterimFigures, Look, Place, StudySession
 from studyapp.database.tables.base import Base
 from studyapp.researchers.audit import StudyState, latest_changes, log_change, log_look
+from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.rows import form_answers_table
 from studyapp.session.enrolment import Arrival
 from studyapp.session.form_answers import note_screen_out
+from studyapp.session.intake import change_intake
 from studyapp.session.refusal import ConflictError, UnknownAddressError, log_refusal
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -70,6 +72,12 @@ def other(participant: Participant, name: str = "somebody-else") -> Participant:
 
 def forget_person(person: Participant, name: str = PERSON) -> int:
     return forget(person.database, name, KEY, person.clock)
+
+
+def pause(person: Participant, name: str) -> None:
+    """Let a researcher name somebody in the reason for a decision."""
+    reason = f"{name} wrote"
+    change_intake(person.database, person.served, person.clock, "paused", by="ada", reason=reason)
 
 
 def rows(database: Database) -> dict[str, int]:
@@ -130,6 +138,10 @@ def test_the_log_records_the_erasure_without_a_name(person: Participant) -> None
         state = StudyState(finished=0, planned=4, answers=2)
         log_look(session, person.clock.now(), state, way="page", reason=f"{PERSON} wrote")
         session.add(InterimFigures(what="results", document="{}", state="", problem=""))
+    second = other(person).stored().id
+    why = f"perhaps {PERSON.upper()} too"
+    decide_exclusion(person.database, person.clock, second, excluded=True, by="ada", reason=why)
+    pause(person, PERSON)
 
     forget_person(person)
 
@@ -137,13 +149,14 @@ def test_the_log_records_the_erasure_without_a_name(person: Participant) -> None
     assert forget_person(person) == 0
     assert forget_person(person, "") == 0
     assert stored_text(person.database) == once
+    assert PERSON not in once.lower()
     with person.database.reading() as session:
         assert session.scalars(select(Look.reason)).all() == ["(erased) wrote"]
         assert session.scalars(select(InterimFigures)).all() == []
     lines = list(reversed(latest_changes(person.database)))
     assert lines[-1].event == "participant forgotten"
     assert lines[-1].detail == "study session 1, arm rule_based-mismatched, was started"
-    assert (lines[-3].researcher, lines[-3].reason) == ("ada", "(erased) wrote to us")
+    assert (lines[0].researcher, lines[0].reason) == ("ada", "(erased) wrote to us")
 
 
 def test_the_place_can_be_taken_again_even_by_the_same_person(person: Participant) -> None:
@@ -178,6 +191,7 @@ def test_a_screen_out_is_erased_too(person: Participant) -> None:
     for name in ("screened-out", "another"):
         arrival = Arrival(recruiter_participant=name, recruiter_study="one")
         note_screen_out(person.database, arrival.name, "eligibility", person.clock)
+    pause(person, "screened-out")
 
     (entry,) = find_data(person.database, "Screened-Out", KEY)
 
