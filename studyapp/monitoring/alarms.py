@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from email.message import EmailMessage
+from email.utils import localtime, make_msgid
 from typing import Final, Literal, Self
 from urllib.parse import unquote, urlsplit
 
@@ -107,7 +108,13 @@ class AlarmChannels:
             try:
                 send(text)
                 succeeded = True
-            except (httpx.HTTPError, httpx.InvalidURL, smtplib.SMTPException, OSError) as error:
+            except (
+                httpx.HTTPError,
+                httpx.InvalidURL,
+                smtplib.SMTPException,
+                OSError,
+                ValueError,  # such as letters that a mail server's name or password cannot have
+            ) as error:
                 LOG.error("An alarm could not be sent by %s (%s)", name, type(error).__name__)
         return succeeded
 
@@ -122,6 +129,9 @@ class AlarmChannels:
         message["From"] = name if "@" in name else self.mail[0]
         message["To"] = ", ".join(self.mail)
         message["Subject"] = f"Motion Jury: {self.study}"
+        # Without these two, some servers refuse a mail, or take it for spam.
+        message["Date"] = localtime()
+        message["Message-ID"] = make_msgid(domain=message["From"].rpartition("@")[2])
         message.set_content(text)
         tls = ssl.create_default_context()
         host = server.hostname or ""
@@ -137,7 +147,8 @@ class AlarmChannels:
                 connection.starttls(context=tls)
             if name:
                 connection.login(name, password)
-            connection.send_message(message)
+            if refused := connection.send_message(message):
+                LOG.error("Alarms to %d of %d addresses are refused", len(refused), len(self.mail))
 
 
 def _address(variable: str, schemes: tuple[str, ...]) -> str:

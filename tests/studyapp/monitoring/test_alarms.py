@@ -145,6 +145,8 @@ def test_a_webhook_gets_the_alarm_as_json_and_its_failure_names_no_secret(
         assert AlarmChannels.of(study).send("It is full.")
         monkeypatch.setenv(WEBHOOK, f"{address}/secret-of-the-hook")
         assert not AlarmChannels.of(study).send("It is full.")
+        monkeypatch.setenv(WEBHOOK, "https://secret..example.org/")  # no name of a host
+        assert not AlarmChannels.of(study).send("It is full.")
     assert got == [{"study": "mine", "text": "It is full."}]
     assert "An alarm could not be sent by the webhook (HTTPStatusError)" in caplog.messages
     assert not any("secret" in line for line in caplog.messages if "alarm" in line)
@@ -171,7 +173,10 @@ def test_mail_is_sent_encrypted_with_credentials_from_the_environment(
     done = [(name, arguments) for name, arguments, _ in server.return_value.method_calls]
     assert [name for name, _ in done] == steps
     assert done[-2][1] == ("lab@example.org", "s3cret")
-    assert done[-1][1][0]["To"] == "ada@example.org"
+    mail = done[-1][1][0]
+    assert mail["To"] == "ada@example.org"
+    assert mail["Date"]
+    assert mail["Message-ID"].endswith("@example.org>")
     assert server.return_value.__exit__.called
 
 
