@@ -83,15 +83,22 @@ MARK_SENT: Final = (
 )
 
 
-def content_to_send(database: Database, video_token: str, clock: Clock) -> Content | None:
+def content_to_send(
+    database: Database, video_token: str, clock: Clock, *, sent: bool = True
+) -> Content | None:
     """Return the content of a video that may be sent now, None for others; store its first sending.
 
     Only the current and the next trial of a running study session have videos. A video that was
     never asked for cannot have been watched. Only its first request writes.
+
+    Parameters
+    ----------
+    sent : bool
+        Whether the video itself is sent, not only its headers.
     """
     with database.looking_up() as connection:
         shown = connection.execute(SHOWN_STIMULI, {"token": video_token}).all()
-    if shown and shown[0].sent_at is None:
+    if sent and shown and shown[0].sent_at is None:
         with database.writing() as session:
             parameters = {"video_token": video_token, "now": clock.now()}
             session.connection().execute(MARK_SENT, parameters)

@@ -61,7 +61,7 @@ def video(token: str) -> Response:
     The headers are the same for every file: name and age would tell videos apart.
     """
     site = study_site()
-    content = content_to_send(site.database, token, site.clock)
+    content = content_to_send(site.database, token, site.clock, sent=request.method == "GET")
     video_file = site.served.videos.get(content) if content is not None else None
     if content is None or video_file is None:
         abort(404)

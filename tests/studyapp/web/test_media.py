@@ -83,11 +83,17 @@ def test_an_unsatisfiable_range_gets_everything_or_an_error(
     app: Flask, address: str, headers: dict[str, str], status: int
 ) -> None:
     answer = app.test_client().get(address, headers=headers, buffered=True)
-    head = app.test_client().head(address, buffered=True)
 
     assert answer.status_code == status
     assert (answer.data == content(app, address)) is (status == 200)
+
+
+def test_a_request_for_the_headers_alone_sends_no_video(app: Flask, address: str) -> None:
+    head = app.test_client().head(address, buffered=True)
+
+    assert not any(stored_in(app, select(Video.sent_at)))
     assert (head.data, int(head.headers["Content-Length"])) == (b"", len(content(app, address)))
+    assert any(stored_in(app, select(Video.sent_at)))
 
 
 def test_a_proxy_gets_the_files_path_instead_of_its_bytes(
