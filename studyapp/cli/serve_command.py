@@ -40,7 +40,12 @@ def _server_options(command: _Command) -> _Command:
     for option in reversed(
         (
             click.option(
-                "--host", default="127.0.0.1", show_default=True, help="Address to listen on."
+                "--host",
+                default="127.0.0.1",
+                show_default=True,
+                # As addresses hold IPv6.
+                callback=lambda _c, _o, host: f"[{host.strip('[]')}]" if ":" in host else host,
+                help="Address to listen on.",
             ),
             click.option("--port", default=8000, show_default=True, type=click.IntRange(1, 65535)),
             click.option(

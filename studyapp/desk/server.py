@@ -25,7 +25,7 @@ from studyapp.study.settings.recruitment import Recruitment
 from studyapp.web.app import LARGEST_REQUEST, StudyWeb, health_pages
 from studyapp.web.protection import protect
 from studyapp.web.research.pages import fail
-from studyapp.web.server import THREADS, WORKERS, require_free, serve_application
+from studyapp.web.server import THREADS, WORKERS, listen, serve_application
 from studyapp.web.site import attach
 from studyapp.web.worker import StudyWorker
 
@@ -114,18 +114,18 @@ def run_desk(
             where=folder,
             remedy="Name the folder that holds it, or serve it alone, with 'motionjury serve'",
         )
-    require_free(host, port)
-    # The workers find the newest schema and need not make it all at once.
-    open_desk(folder).database.close()
 
     def make() -> Flask:
         lab = open_desk(folder, origin=origin)
         watch_for_alarms(partial(raise_alarms_of_studies, lab))
         return create_desk(lab)
 
-    serve_application(
-        make, host, port, workers, threads=threads, worker=DeskWorker, on_ready=on_ready
-    )
+    with listen(host, port) as listener:
+        # The workers find the newest schema and need not make it all at once.
+        open_desk(folder).database.close()
+        serve_application(
+            make, listener, workers, threads=threads, worker=DeskWorker, on_ready=on_ready
+        )
 
 
 def raise_alarms_of_studies(lab: Lab) -> None:

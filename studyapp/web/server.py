@@ -124,11 +124,7 @@ def run_server(
     served = ServedStudy.read(folder).opened_for(rehearsal=rehearsal)
     store = MediaStore.of(folder, served) if from_store else None
     AlarmChannels.of(served.study)
-    require_free(host, port)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
-    # Before the workers start, so that they need not all make schema and version at once.
-    with closing(Database.open(url)) as database:
-        open_study(database, served, Clock(), new_version=new_version)
 
     def make() -> Flask:
         app = create_app(
@@ -144,13 +140,16 @@ def run_server(
         _watch_for_alarms(app)
         return app
 
-    serve_application(make, host, port, workers, threads=threads, on_ready=on_ready)
+    with listen(host, port) as listener:
+        # Before the workers start, so that they need not all make schema and version at once.
+        with closing(Database.open(url)) as database:
+            open_study(database, served, Clock(), new_version=new_version)
+        serve_application(make, listener, workers, threads=threads, on_ready=on_ready)
 
 
 def serve_application(
     make: Callable[[], Flask],
-    host: str,
-    port: int,
+    listener: socket.socket,
     workers: int,
     *,
     threads: int,
@@ -163,13 +162,15 @@ def serve_application(
     ----------
     make : callable
         Called in each worker's own process.
+    listener : socket
+        See `listen`; gunicorn closes it.
     worker : type
         The kind of worker.
-    host, port, workers, threads, on_ready
+    workers, threads, on_ready
         See `run_server`.
     """
     options = {
-        "bind": f"{host}:{port}",
+        "bind": f"fd://{listener.detach()}",
         "workers": workers,
         "worker_class": worker,
         "threads": threads,
@@ -211,11 +212,20 @@ def _allow_descriptors() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
 
 
-def require_free(host: str, port: int) -> None:
-    """Raise `InputError` unless this machine can listen at `host` and `port`."""
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+def listen(host: str, port: int) -> socket.socket:
+    """Listen at `host` and `port`, where clients wait until the server is ready.
+
+    Raises
+    ------
+    InputError
+        If this machine cannot listen there.
+    """
+    is_v6 = ":" in host
+    family = socket.AF_INET6 if is_v6 else socket.AF_INET
     try:
-        socket.create_server((host.strip("[]"), port), family=family).close()
+        return socket.create_server(
+            (host.strip("[]"), port), family=family, backlog=2 * CONNECTIONS, dualstack_ipv6=is_v6
+        )
     except OSError as error:
         raise InputError(
             # Python adds the address in parentheses.

@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path, PurePosixPath
+from urllib.request import urlopen
 
 import httpx
 
@@ -146,13 +147,13 @@ def _study_server(deployment: Deployment, root: Path) -> Iterator[subprocess.Pop
     start = "from studyapp.cli.main import main; main()"
     command = [sys.executable, "-c", start, *arguments]
     environment = {**os.environ, **dict(pairs)}
-    listens = partial(_connect, deployment.port)
-    with _running(command, root / "study.log", listens, environment) as process:
+    answers = partial(_ask, deployment.port)
+    with _running(command, root / "study.log", answers, environment) as process:
         yield process
 
 
-def _connect(port: int) -> None:
-    socket.create_connection(("127.0.0.1", port), timeout=1).close()
+def _ask(port: int) -> None:
+    urlopen(f"http://127.0.0.1:{port}/healthz", timeout=PATIENCE).close()
 
 
 def _shake_hands(port: int) -> None:

@@ -64,6 +64,21 @@ def test_a_port_in_use_and_an_invalid_proxy_are_reported_before_anything_is_crea
     assert not (tiny_study / "responses.db").exists()
 
 
+def test_of_two_servers_started_together_one_gets_the_port(
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def start(*_: object, **__: object) -> None:
+        run_server(tiny_study, HOST, port, 1)
+
+    port = free_port()
+    monkeypatch.setattr(
+        "studyapp.web.server.open_study", start
+    )  # what follows the look at the port
+
+    with pytest.raises(InputError, match=rf"127\.0\.0\.1:{port}: .*--port"):
+        start()
+
+
 @pytest.mark.slow
 def test_two_workers_serve_pages_and_stop_soon_on_request(tiny_study: Path) -> None:
     port = free_port()

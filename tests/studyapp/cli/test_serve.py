@@ -37,6 +37,7 @@ def test_links_start_with_the_public_address_or_the_servers_own(
     output = run("serve", tiny_study, "--prefix", "/one", "--try")
     assert "at http://127.0.0.1:8000/one/ (" in output
     assert "as a test at http://127.0.0.1:8000/one/try/?invitation=" in output
+    assert "at http://[::1]:8000/ (" in run("serve", tiny_study, "--host", "::1")
 
     monkeypatch.setenv("MOTIONJURY_PREFIX", "/studies/one/")
     monkeypatch.setenv("MOTIONJURY_ADDRESS", "https://study.example.org/studies/one")
