@@ -1,4 +1,4 @@
-"""Writing what came of a rehearsal: its tables as CSV, and all of them on a short page."""
+"""Writing the results of a rehearsal: its tables as CSV, and all of them on a short page."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def write_recovery(folder: StudyFolder, recovery: Recovery) -> Path:
 
 
 def recovery_page(recovery: Recovery) -> Page:
-    """Return the page that says what came of a rehearsal."""
+    """Return the page of a rehearsal's results."""
     return Page(
         title=f"What the rehearsal found: {recovery.title}",
         mark="Rehearsal: simulated raters, no person answered",
@@ -55,15 +55,15 @@ def _sections(recovery: Recovery) -> tuple[Section, ...]:
             anchor="values",
             heading="True values, and what the analysis finds",
             paragraphs=(
-                "The true value is what very many attentive raters would say of all segments such "
-                "as these. Others answer too, as they do in studies, so that what they blur is "
-                "blurred here.",
+                "The true value is what a very large number of attentive raters would say about "
+                "all segments like these. Inattentive raters answer too, as they do in studies, "
+                "and blur the estimates as they would there.",
             ),
             tables=(table("truth", recovery.values),),
         ),
         Section(
             anchor="differences",
-            heading="Which is the better one",
+            heading="Which condition is better",
             paragraphs=(signs_in_words(recovery),),
             bullets=tuple(unanswered_in_words(recovery)),
             tables=(table("truth_of_differences", recovery.differences),),
@@ -75,13 +75,12 @@ def _sections(recovery: Recovery) -> tuple[Section, ...]:
             bullets=tuple(f"Rule: {rule}" for rule in recovery.rules),
             tables=(
                 _table(
-                    "Participants by kind. Missed: analysed, though they should not be.",
+                    "Participants by kind. Missed: analysed although they should be excluded.",
                     tables["raters.csv"],
                     text_columns=2,
                     notes=(
-                        "Times in a rehearsal are those of its clock, which runs faster, the "
-                        "server's own delays included: rules about time find fewer here than in a "
-                        "study.",
+                        "The clock of a rehearsal runs faster, and so counts the server's delays "
+                        "several times: rules about time catch fewer here than in a study.",
                     ),
                 ),
             ),
@@ -92,8 +91,8 @@ def _sections(recovery: Recovery) -> tuple[Section, ...]:
             paragraphs=(counts_in_words(recovery),),
             tables=(
                 _table(
-                    "What happened, as the simulated participants know it, and what the study "
-                    "counts.",
+                    "What happened, according to the simulated participants, and what the study "
+                    "counted.",
                     tables["bookkeeping.csv"],
                     text_columns=1,
                 ),

@@ -1,4 +1,4 @@
-"""What came of a rehearsal, in sentences."""
+"""The results of a rehearsal, in sentences."""
 
 from __future__ import annotations
 
@@ -27,31 +27,33 @@ SIGNS: Final[Mapping[Sign, str]] = MappingProxyType(
     {
         "right": "found with the right sign",
         "wrong": "found with the wrong sign",
-        "undecided": "not told apart",
-        "equal": "rightly not told apart",
+        "undecided": "undecided",
+        "equal": "rightly undecided",
     }
 )
-"""What becomes of a comparison, in words that follow a number."""
+"""The outcomes of comparisons, in words that follow their number."""
 
-TOLD: Final = 4
-"""Comparisons without an answer that are told in short."""
+MOST_LISTED: Final = 4
+"""Undecided or wrong comparisons that are described; the page lists all."""
 
 
 def intervals_in_words(recovery: Recovery) -> str:
-    """Say how many intervals hold the true value, and how much of it is chance."""
+    """Say how many intervals contain the true value, and how likely so many misses are."""
     if not recovery.values:
-        return "No true value could be estimated: too few answered, or ranks may be shared."
+        return (
+            "No true value could be estimated: too few participants answered, or ranks may be tied."
+        )
     without = len(recovery.values) - recovery.intervals
     none = f" {count(without, 'number')} {_has(without)} no interval." if without else ""
     return (
         f"{recovery.intervals - recovery.missed} of {count(recovery.intervals, 'interval')} "
-        f"{'holds' if recovery.intervals == 1 else 'hold'} the true value."
+        f"{'contains' if recovery.intervals == 1 else 'contain'} the true value."
         f"{none} {chance_in_words(recovery.missed, recovery.intervals)}"
     )
 
 
 def signs_in_words(recovery: Recovery) -> str:
-    """Say how often the better one of two was found."""
+    """Say how often the better of two conditions was found."""
     signs = [difference.sign for difference in recovery.differences]
     if not signs:
         return "No two conditions could be compared."
@@ -60,17 +62,17 @@ def signs_in_words(recovery: Recovery) -> str:
 
 
 def unanswered_in_words(recovery: Recovery) -> Iterator[str]:
-    """Say of a few comparisons why the better one was not found, and how many more there are."""
+    """Say why the better condition was not found, of a few comparisons, and count the others."""
     unanswered = [each for each in recovery.differences if each.sign in ("undecided", "wrong")]
-    # What is found with the wrong sign is worth more than what is not found.
+    # Wrong signs matter most.
     unanswered.sort(key=lambda each: each.sign == "undecided")
-    yield from map(difference_in_words, unanswered[:TOLD])
-    if len(unanswered) > TOLD:
-        yield f"… and {len(unanswered) - TOLD} more, which the table on the page lists"
+    yield from map(difference_in_words, unanswered[:MOST_LISTED])
+    if len(unanswered) > MOST_LISTED:
+        yield f"… and {len(unanswered) - MOST_LISTED} more in the table on the page"
 
 
 def difference_in_words(difference: KnownDifference) -> str:
-    """Say why the better one of two was not found, as far as that can be said."""
+    """Say why the better of two conditions was not found, as far as that is known."""
     what = (
         f"{question_name(difference.part, difference.question)}: "
         f"{condition(difference.first)} and {condition(difference.second)}"
@@ -80,55 +82,57 @@ def difference_in_words(difference: KnownDifference) -> str:
     truth = signed(difference.truth)
     if difference.sign == "wrong":
         return (
-            f"{what}: the analysis finds {signed(found.estimate)} where {truth} is "
-            "true. A sound design errs so in at most 1 of 40 rehearsals; where the difference is "
-            "small, it is chance or the luck of the segments."
+            f"{what}: the analysis finds {signed(found.estimate)}, but the true difference is "
+            f"{truth}. A sound design gets the sign wrong in at most 1 of 40 rehearsals; if the "
+            "difference is small, that is due to chance or to the choice of segments."
         )
     if math.isnan(half):
         why = found.reason or "there are too few answers"
         if why == NO_RANK_INTERVAL:
             why = "the test of worths is not significant"
-        return f"{what} are not told apart: {why}. The true difference is {truth}."
+        return f"{what}: undecided ({why}). The true difference is {truth}."
     people = count(found.participants, "participant")
     if abs(difference.truth) <= half:
         return (
-            f"{what}: the design cannot answer this question. {people} give an interval of "
-            f"±{written(half)}, the true difference is {truth}: see 'motionjury plan'."
+            f"{what}: the design cannot answer this question. With {people}, the interval is "
+            f"±{written(half)}, but the true difference is {truth}: see 'motionjury plan'."
         )
     return (
-        f"{what} are not told apart this time, though the interval of ±{written(half)} from "
-        f"{people} is narrower than the true difference of {truth}: so it goes now and then; "
-        "'motionjury plan' says how often."
+        f"{what}: undecided this time, although with {people} the interval of ±{written(half)} is "
+        f"narrower than the true difference of {truth}. That is bad luck; 'motionjury plan' says "
+        "how often it happens."
     )
 
 
 def exclusions_in_words(kinds: tuple[KindRecovered, ...]) -> Iterator[str]:
-    """Say whom the rules of exclusion caught, missed and wrongly left out."""
+    """Say whom the exclusion rules caught, missed and wrongly excluded."""
     bad = [kind for kind in kinds if kind.should_be_excluded]
     caught, came = sum(kind.excluded for kind in bad), sum(kind.came for kind in bad)
     silent, missed = sum(kind.silent for kind in bad), sum(kind.missed for kind in bad)
     wrongly = sum(kind.wrongly_excluded for kind in kinds)
     good = sum(kind.came for kind in kinds) - came
     yield (
-        f"Exclusion: of {came} who answered badly or left, {caught} {_is(caught)} left out, "
-        f"{silent} gave no answer, {missed} {_is(missed)} analysed all the same; of {good} others, "
-        f"{wrongly} {_is(wrongly)} wrongly left out."
+        f"Exclusion: of {came} who answered badly or left, {caught} {_is(caught)} excluded, "
+        f"{silent} gave no answer and {missed} {_is(missed)} analysed anyway; of {good} others, "
+        f"{wrongly} {_is(wrongly)} wrongly excluded."
     )
     for kind in kinds:
         if kind.missed or kind.wrongly_excluded:
-            rules = listed([f"{removed} by {rule}" for rule, removed in kind.excluded_by.items()])
+            excluded = [f"{number} excluded by {rule}" for rule, number in kind.excluded_by.items()]
             yield (
                 f"  {name(kind.kind)}: {kind.came} came, {kind.analysed} analysed, "
-                f"{rules or 'none'}{'' if rules else ' left out'}"
+                f"{listed(excluded) or 'none excluded'}"
             )
 
 
 def counts_in_words(recovery: Recovery) -> str:
-    """Say whether people and answers were counted right."""
+    """Say whether people and answers were counted correctly."""
     wrong = recovery.miscounted
     if wrong:
-        said = "; ".join(f"{each.what}: {each.happened}, counted {each.counted}" for each in wrong)
-        return f"COUNTED WRONG: {said}."
+        counts = "; ".join(
+            f"{each.what}: {each.happened}, counted {each.counted}" for each in wrong
+        )
+        return f"MISCOUNTED: {counts}."
     by_words = {check.what: check.happened for check in recovery.checks}
     answers = next((n for what, n in by_words.items() if what.startswith("acknowledged")), 0)
     return (
@@ -152,7 +156,7 @@ FIRST_NUMBER: Final = 3
 
 
 def recovery_lines(recovery: Recovery) -> list[str]:
-    """Return a table of true values and estimates, and sentences about all else."""
+    """Return a table of true values and estimates, and sentences about the rest."""
     with labelled(recovery.labels):
         rows = [_row(known, found) for known, found in recovery.values]
         table = _in_columns([HEADINGS, *rows]) if rows else ()
@@ -195,30 +199,30 @@ def _in_columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:
 
 
 HARDLY_CHANCE: Final = 0.01
-"""Below this, so many misses call for another reason than chance."""
+"""Below this probability, chance does not explain the misses."""
 
 
 def chance_in_words(missed: int, intervals: int) -> str:
-    """Return what so many misses say, as a sentence.
+    """Say how often a sound design has so many misses.
 
-    If all is sound, each interval misses with 1 minus its level (Binomial). Questions that the same
-    people answer lean together, so that many misses at once come somewhat more often.
+    Each interval then misses with probability 1 minus its level (Binomial). Answers of the same
+    people to several questions are correlated, which makes many misses at once more common.
     """
     if not intervals:
-        return "There is no interval to be held against a true value."
-    often = float(binom.sf(missed - 1, intervals, 1 - LEVEL))
+        return "There is no interval to compare with a true value."
+    probability = float(binom.sf(missed - 1, intervals, 1 - LEVEL))
     of_all = count(intervals, "interval")
     if not missed:
         return (
-            f"A sound design finds all of {of_all} right in {100 * LEVEL**intervals:.0f} of 100 "
+            f"A sound design misses none of {of_all} in {100 * LEVEL**intervals:.0f} of 100 "
             "rehearsals."
         )
-    if often < HARDLY_CHANCE:
+    if probability < HARDLY_CHANCE:
         return (
             f"A sound design misses {missed} or more of {of_all} in fewer than 1 of 100 "
-            "rehearsals: look at who was not excluded, and at how few people or segments there are."
+            "rehearsals: see who was not excluded, and whether people and segments are enough."
         )
     return (
-        f"A sound design misses {missed} or more of {of_all} in {100 * often:.0f} of 100 "
-        "rehearsals, and somewhat more often where several questions go to the same people."
+        f"A sound design misses {missed} or more of {of_all} in {100 * probability:.0f} of "
+        "100 rehearsals, and somewhat more often if the same people answer several questions."
     )

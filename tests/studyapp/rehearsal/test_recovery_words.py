@@ -62,13 +62,13 @@ def kinds() -> tuple[KindRecovered, ...]:
 
 def test_a_design_that_cannot_answer_is_distinguished_from_bad_luck() -> None:
     assert (
-        "the design cannot answer this question. 25 participants give an interval of ±.20, the "
-        "true difference is +.10: see 'motionjury plan'" in difference_in_words(UNDECIDED)
+        "the design cannot answer this question. With 25 participants, the interval is ±.20, but "
+        "the true difference is +.10: see 'motionjury plan'" in difference_in_words(UNDECIDED)
     )
-    assert "not told apart this time" in difference_in_words(replace(UNDECIDED, truth=0.3))
+    assert "undecided this time" in difference_in_words(replace(UNDECIDED, truth=0.3))
     ranked = Estimate(estimate=0.05, participants=25, reason=NO_RANK_INTERVAL)
     assert (
-        "not told apart: the test of worths is not significant. The true difference is"
+        "undecided (the test of worths is not significant). The true difference is"
         in difference_in_words(replace(UNDECIDED, measure="mean_rank", found=ranked))
     )
 
@@ -81,10 +81,10 @@ def test_each_kind_is_counted_as_excluded_missed_or_wrongly_excluded() -> None:
     assert (left.completed, left.excluded, left.silent, left.missed) == (0, 1, 1, 0)
     said = list(exclusions_in_words(kinds()))
     assert said[0] == (
-        "Exclusion: of 4 who answered badly or left, 2 are left out, 1 gave no answer, 1 is "
-        "analysed all the same; of 3 others, 1 is wrongly left out."
+        "Exclusion: of 4 who answered badly or left, 2 are excluded, 1 gave no answer and 1 is "
+        "analysed anyway; of 3 others, 1 is wrongly excluded."
     )
-    assert "careless: 2 came, 1 analysed, 1 by catch" in said[2]
+    assert "careless: 2 came, 1 analysed, 1 excluded by catch" in said[2]
 
 
 def test_misses_and_miscounts_are_reported_in_tables_and_page() -> None:
@@ -96,9 +96,9 @@ def test_misses_and_miscounts_are_reported_in_tables_and_page() -> None:
     lines = list(recovery_lines(whole))
     assert " ".join(lines[1].split()) == "Fit Ours against theirs win share .60 .55 .45 to .65"
     assert lines[2].endswith("outside")
-    assert "1 of 2 intervals hold the true value" in lines[3]
+    assert "1 of 2 intervals contain the true value" in lines[3]
     assert "1 or more of 2 intervals in 10 of 100" in lines[3]
-    assert "COUNTED WRONG: left for good: 3, counted 2." in lines
+    assert "MISCOUNTED: left for good: 3, counted 2." in lines
     assert replace(miscounted, allowed=True).agrees
     tables = recovery_tables(whole)
     assert tables["values.csv"]["inside"].tolist() == [True, False]
