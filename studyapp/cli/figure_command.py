@@ -10,7 +10,7 @@ import click
 
 from renderer.figures.strip import MAX_MOMENTS, Moment
 from studyapp.cli.arguments import Number, study_folder
-from studyapp.cli.output import progress
+from studyapp.cli.output import echo_note, progress
 from studyapp.study.folder import StudyFolder
 
 if TYPE_CHECKING:
@@ -173,7 +173,7 @@ def overlay(
 
     choice, printed = _split(folder, "overlay", output, options)
     for note in write_overlay(folder, choice, printed, motions=motions):
-        click.echo(f"note: {note}")
+        echo_note(note)
     click.echo(f"The overlay is {' and '.join(map(str, printed.outputs))}")
 
 

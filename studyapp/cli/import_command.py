@@ -11,7 +11,7 @@ from motion.errors import InputError, counted
 from motion.formats.joint_maps import JointMap
 from motion.segment import EMOTIONS
 from studyapp.cli.arguments import Number, existing_study, joints_option
-from studyapp.cli.output import progress
+from studyapp.cli.output import echo_note, progress
 from studyapp.stimuli.imported_folder import folder_items
 from studyapp.stimuli.recordings import RecordingFacts, Take, import_clips, import_take
 from studyapp.stimuli.video_takes import import_video
@@ -122,7 +122,7 @@ def command(
             segments, notes = import_take(study, take)
         imported = f"{counted(len(segments), 'segment')} with condition {condition!r}"
     for note in notes:
-        click.echo(f"note: {note}")
+        echo_note(note)
     click.echo(f"Imported {imported} into {folder}.")
 
 
@@ -150,7 +150,7 @@ def _import_folder(study: StudyFolder, source: Path, facts: RecordingFacts, *, m
                 click.echo(f"refused: {where}{message}")
             else:
                 for note in notes:
-                    click.echo(f"note: {note}")
+                    echo_note(note)
                 if move:
                     for file in item.files:
                         file.unlink(missing_ok=True)
@@ -169,6 +169,6 @@ def _import_video(video: Path, folder: Path, speaker: str | None) -> None:
     with progress("detect", "frame") as show:
         takes = import_video(video, folder, speaker=speaker, on_frame=show)
     for note in takes.notes:
-        click.echo(f"note: {note}")
+        echo_note(note)
     count = counted(len(takes.takes), "take")
     click.echo(f"{count} of {takes.seconds:.1f} s in {folder}. Next: 'motionjury train'.")

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from studyapp.cli.arguments import Number, processes, study_folder
-from studyapp.cli.output import progress
+from studyapp.cli.output import echo_note, progress
 from studyapp.rehearsal import SPEED
 from studyapp.study.folder import StudyFolder
 
@@ -127,7 +127,7 @@ def rehearse_command(
             on_done=show,
         )
     if result.note:
-        click.echo(f"note: {result.note}")
+        echo_note(result.note)
     recovery = recover(folder)
     page = write_recovery(folder, recovery)
     for line in recovery_lines(recovery):

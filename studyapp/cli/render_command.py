@@ -20,7 +20,7 @@ from studyapp.cli.arguments import (
 )
 from studyapp.cli.arguments import cluster as cluster_option
 from studyapp.cli.arguments import processes as processes_option
-from studyapp.cli.output import progress
+from studyapp.cli.output import echo_note, progress
 from studyapp.stimuli.publishing import allow_origin, publish, remove
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media_store import Place
@@ -150,7 +150,7 @@ def preview_command(
         motion = read_previewed(path, name, speech=speech, frame_rate=fps, joint_map=joint_map)
         previewed.append(motion)
         for note in motion.notes:
-            click.echo(f"note: {note}")
+            echo_note(note)
         for kind in kinds:
             if kind != PAGE:
                 click.echo(" and ".join(map(str, write_preview(motion, kind, out, look))))
