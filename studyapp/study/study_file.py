@@ -156,7 +156,12 @@ def render_study_file(options: StudyOptions, *, where: object) -> str:
     if options.language != TEMPLATE_LANGUAGE:
         text = _translated(text, read_template(template, options.language), options)
     text = _with_wording(text, options)
-    parse_text(text, where=where)
+    try:
+        # Lines of a file that nobody sees say nothing.
+        parse_study(tomllib.loads(text), where=where)
+    except InputError as error:
+        remedy = "Nothing was written: give other values"
+        raise InputError(error.what, where=where, remedy=remedy) from None
     return text
 
 

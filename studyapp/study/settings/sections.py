@@ -105,8 +105,17 @@ def explain_errors(
                 message += f" (it belongs {place})"
         elif line:
             message += f" (line {line})"
+        elif kind == "value_error":
+            message = "; ".join(_with_line(part, lines) for part in message.split("; "))
         sentences.append(f"{key}: {message}" if key else message)
     return "; ".join(sentences)
+
+
+def _with_line(contradiction: str, lines: Mapping[Location, int]) -> str:
+    """Return what contradicts another key, with the line of the key it begins with, if any."""
+    key = re.match(r"[\w.-]*", contradiction)
+    line = _line_of(key[0].split("."), lines) if key else None
+    return f"{contradiction} (line {line})" if line else contradiction
 
 
 Location = tuple[str | int, ...]

@@ -112,6 +112,7 @@ EXTRA = '\n[[questions]]\nname = "extra"\n'
             "sound_check = 7",
             "(line {})",
         ),
+        ('reference = "rule_based"', 'reference = "none"', 'reference = "none"', "(line {})"),
         # What is missing is named with the table that lacks it.
         ("", EXTRA, "[[questions]]", "(line {})"),
         (
