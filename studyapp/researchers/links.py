@@ -159,7 +159,8 @@ def join(
     Raises
     ------
     InputError
-        If the link is unusable, the name is taken, or name or password is not acceptable.
+        If the link is unusable, the name is taken, the person had access before, or name or
+        password is not acceptable.
     """
     now = clock.now()
     link = find_link(database, token, now)
@@ -169,6 +170,12 @@ def join(
     try:
         with database.writing() as session:
             _use_link(session, token, now)
+            had_access = select(Researcher.id).where(Researcher.identity == identity)
+            if identity is not None and session.scalar(had_access) is not None:
+                raise InputError(
+                    "you have had an account in this study already, and your access was removed",
+                    remedy="Ask an owner of the study to restore it",
+                )
             if link.role is None:
                 raise UnusableLinkError
             researcher = Researcher(

@@ -125,6 +125,8 @@ def test_a_researcher_removed_from_a_study_cannot_return_through_the_desk(
     shut_out(lab, tiny.database, "Mary")
     assert mary.client.get(INSIDE).status_code == 303
     mary.get(TINY, 404)
+    again = mary.post(f"{TINY}join/{invited(lab, tiny)}", name="Mary the second")
+    assert "your access was removed" in again.text
 
 
 def test_a_studys_own_login_is_closed_at_a_desk(
