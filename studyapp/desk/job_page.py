@@ -19,7 +19,7 @@ from studyapp.desk.job_kinds import (
 )
 from studyapp.desk.jobs import Job, job_log, job_standings, run_job, stop_job
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import page
+from studyapp.desk.page import page, writing_files
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
 from studyapp.web.research.pages import Page
@@ -47,7 +47,8 @@ def start_job(study: OpenedStudy, kind: str) -> ResponseReturnValue:
             began_at=current_lab().clock.now(),
             packed=job_kind.packed,
         )
-        run_job(study.folder.jobs, job)
+        with writing_files():
+            run_job(study.folder.jobs, job)
     except InputError as error:
         return _page(study, job_kind, problem=error), 409
     _log(study, Event.JOB_BEGUN, job_kind.title)

@@ -13,7 +13,7 @@ from motion.errors import InputError
 from motion.files import write_text
 from studyapp.desk.lab import check_study_name, current_lab
 from studyapp.desk.membership import own_study
-from studyapp.desk.page import page
+from studyapp.desk.page import page, writing_files
 from studyapp.researchers.account import Right
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import (
@@ -67,8 +67,8 @@ def make_study() -> ResponseReturnValue:
         root = current_lab().folder / name
         definition = StudyFolder(root).definition
         text = render_study_file(_requested_study(name, root), where=definition.name)
-        _make_folder(root)
-        write_text(definition, text)
+        with writing_files():
+            _make_folder(definition, text)
     except InputError as error:
         return _page(request.form.to_dict(), error), 422
     study = current_lab().study(name)
@@ -78,13 +78,20 @@ def make_study() -> ResponseReturnValue:
     return redirect(url_for("research.study_page", study=name), 303)
 
 
-def _make_folder(root: Path) -> None:
+def _make_folder(definition: Path, text: str) -> None:
+    root = definition.parent
     try:
         root.mkdir()
     except FileExistsError:
         raise InputError(
             f"there is a folder {root.name!r} already", remedy="Give the study another name"
         ) from None
+    try:
+        write_text(definition, text)
+    except OSError:
+        # Else the name would be taken by a folder that nobody sees.
+        root.rmdir()
+        raise
 
 
 def _requested_study(name: str, root: Path) -> StudyOptions:
@@ -95,15 +102,20 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
     if channel not in CHANNEL_DESCRIPTIONS:
         abort(400)
     conditions = None
+    stated = [
+        f"{condition.strip()}={source}"
+        for condition, source in _condition_rows()
+        if condition.strip()
+    ]
     if form.get("conditions") == "own":
-        stated = [
-            f"{condition.strip()}={source}"
-            for condition, source in _condition_rows()
-            if condition.strip()
-        ]
         conditions = read_conditions(stated, root)
         if conditions is None:
             raise InputError("no condition is named", remedy="Name two or more of them")
+    elif stated:
+        raise InputError(
+            "you have named conditions, but stand-ins are chosen",
+            remedy="Choose 'my own', or remove the names",
+        )
     default = _template_study(template, language)
     requested = StudyOptions(
         name=name,

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, Final
 
 from motion.errors import InputError
@@ -33,6 +34,18 @@ def at_the_desk(text: str) -> str:
 def problem_at_the_desk(error: InputError) -> InputError:
     """Return an error in the words of the desk's pages."""
     return InputError(at_the_desk(error.what), where=error.where, remedy=at_the_desk(error.remedy))
+
+
+@contextmanager
+def writing_files() -> Iterator[None]:
+    """Make an error of what fails to be written, so that a page shows it and keeps its form."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            f"the server cannot write this ({error.strerror})",
+            remedy="Ask whoever runs the server to make room on its disk, then try again",
+        ) from error
 
 
 def page(template: str, /, problem: InputError | None = None, **values: Any) -> str:

@@ -14,7 +14,7 @@ from flask.typing import ResponseReturnValue
 from motion.errors import InputError, listed
 from studyapp.database.tables import Event
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import page
+from studyapp.desk.page import page, writing_files
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
 from studyapp.session.versions import definition_in_use
@@ -70,7 +70,8 @@ def _save(study: OpenedStudy, text: str, digest: str) -> None:
     # The study's database makes all processes of the server wait for each other.
     with study.database.writing() as session:
         before = read_text(study.folder.definition)
-        replace_text(study.folder.definition, text, seen=digest)
+        with writing_files():
+            replace_text(study.folder.definition, text, seen=digest)
         # The first two lines name the files.
         difference = list(difflib.unified_diff(before.split("\n"), text.split("\n"), n=0))[2:]
         lines = sum(line[0] != "@" for line in difference)

@@ -105,6 +105,7 @@ def test_the_forms_values_are_written_into_the_study_file(lab: Lab, grace: Resea
         ({"channel": "prolific"}, "must be told"),
         ({"conditions": "own", "condition": "ours", "source": "no_such"}, "unknown source"),
         ({"conditions": "own"}, "no condition is named"),
+        ({"condition": "ours", "source": "files"}, "stand-ins are chosen"),
         ({"avatar": "nobody"}, "avatar"),
         ({"framing": "feet"}, "framing"),
         ({"title": "T" * 201}, "title"),
@@ -122,5 +123,6 @@ def test_mistakes_are_reported_and_nothing_is_created(
     assert problem is not None
     assert message in problem.text.lower()
     assert ". ." not in problem.text
+    assert "(line " not in problem.text, "there is no file yet"
     assert "Kept words" in answer.text
     assert {each.name for each in lab.folder.iterdir()} == before
