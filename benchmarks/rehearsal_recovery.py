@@ -205,8 +205,8 @@ def measure(rehearsals: int = REHEARSALS) -> list[str]:
         f"for its comparison of `{study.reference}` with `{study.others[0]}`, {len(segments)} "
         f"segments, {study.trials} analysed pairs each, its own population and rules.",
         "",
-        "| question | participants | true value | found | ± half interval | contains the true value "
-        "| better one found | worse one found |",
+        "| question | participants | true value | found | ± half interval | contains the true "
+        "value | better one found | worse one found |",
         "|---|---|--:|--:|--:|--:|--:|--:|",
         *(_question_line(name, "after exclusions", kept[name]) for name in kept),
         *(_question_line(name, "everybody", everybody[name]) for name in everybody),
