@@ -115,15 +115,12 @@ class FigureText:
         A few words, and the text under the figure.
     data : str
         File in the report's ``tables`` folder with its numbers; empty for none.
-    mark : str
-        Written on top of the figure; empty for none.
     """
 
     name: str
     title: str
     caption: str
     data: str = ""
-    mark: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -345,15 +342,15 @@ class Subject:
     @property
     def mark(self) -> str:
         """A warning for every screen, printed page and figure; '' for real answers."""
-        return _MARKS[self.origin][0]
+        return MARKS[self.origin][0]
 
     @property
     def mark_short(self) -> str:
         """The same in a word or two, for headings and captions."""
-        return _MARKS[self.origin][1]
+        return MARKS[self.origin][1]
 
 
-_MARKS: Mapping[Origin, tuple[str, str]] = MappingProxyType(
+MARKS: Mapping[Origin, tuple[str, str]] = MappingProxyType(
     {
         "participants": ("", ""),
         "table": ("", ""),
@@ -361,3 +358,4 @@ _MARKS: Mapping[Origin, tuple[str, str]] = MappingProxyType(
         "none": ("No participants yet: metrics only", "no participants yet"),
     }
 )
+"""The marks of a page in full and in a word or two, by who answered."""

@@ -287,7 +287,7 @@ def build_page(
     report: TableReport, subject: Subject, further_tasks: tuple[TableReport, ...] = ()
 ) -> Page:
     """Return everything that the template lays out; see `write_report`."""
-    with wording.labelled(subject.labels):
+    with wording.labelled(subject.labels, subject.mark):
         sections = [section for section in _sections(report, subject, further_tasks) if section]
         picture, sections = take_first_picture(sections)
         return Page(
@@ -345,7 +345,7 @@ def headline_sections(report: TableReport, subject: Subject) -> tuple[Section, .
         case PairwiseResults() as results:
             return pairwise_sections(results, subject)
         case MismatchResults() as results:
-            return mismatch_sections(results, subject)
+            return mismatch_sections(results)
         case RatingResults() | RankingResults() as results:
             return tuple(condition_sections(results, subject))
 

@@ -131,12 +131,11 @@ def table(kind: str, rows: Iterable[object], **facts: object) -> Table:
     return _questions_across(filled) if spec.by_question else filled
 
 
-def figure_text(kind: str, *, suffix: str = "", mark: str = "", **facts: object) -> FigureText:
+def figure_text(kind: str, *, suffix: str = "", **facts: object) -> FigureText:
     """Return the text around a figure of ``figures.toml``; its name ends in `suffix`."""
     spec = _toml("figures")[kind]
     return FigureText(
         name=f"{kind}{suffix}",
-        mark=mark,
         **{key: _filled(template, facts) for key, template in spec.items()},
     )
 

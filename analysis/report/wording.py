@@ -34,18 +34,28 @@ _ZERO: Final = 1e-9
 _LABELS: ContextVar[Mapping[str, str]] = ContextVar("_LABELS", default=MappingProxyType({}))
 """Labels of the conditions on the page that is being written."""
 
+_MARK: ContextVar[str] = ContextVar("_MARK", default="")
+"""Written on top of every figure of that page."""
+
 
 @contextmanager
-def labelled(labels: Mapping[str, str]) -> Iterator[None]:
-    """Make `condition` return these labels inside the context.
+def labelled(labels: Mapping[str, str], mark: str = "") -> Iterator[None]:
+    """Make `condition` return these labels, and figures carry `mark`, inside the context.
 
-    Every table and figure names conditions, so the labels are not passed to each of them.
+    Every table and figure names conditions, and no figure may lack the mark of a rehearsal, so
+    neither is passed to each of them.
     """
-    before = _LABELS.set(labels)
+    labels_before, mark_before = _LABELS.set(labels), _MARK.set(mark)
     try:
         yield
     finally:
-        _LABELS.reset(before)
+        _LABELS.reset(labels_before)
+        _MARK.reset(mark_before)
+
+
+def figure_mark() -> str:
+    """Return what is written on top of every figure of the page; empty for nothing."""
+    return _MARK.get()
 
 
 def condition(key: str) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from analysis.report.content import Cell, Section, Table
+from analysis.report.content import MARKS, Cell, Section, Table
 from analysis.report.page import Page, render_page
 from analysis.report.texts import table
 from analysis.report.wording import labelled
@@ -37,10 +37,11 @@ def write_recovery(folder: StudyFolder, recovery: Recovery) -> Path:
 
 def recovery_page(recovery: Recovery) -> Page:
     """Return the page of a rehearsal's results."""
+    mark, mark_short = MARKS["rehearsal"]
     return Page(
         title=f"What the rehearsal found: {recovery.title}",
-        mark="Rehearsal: simulated raters, no person answered",
-        mark_short="rehearsal",
+        mark=mark,
+        mark_short=mark_short,
         answer=(intervals_in_words(recovery), signs_in_words(recovery), counts_in_words(recovery)),
         picture=None,
         flow="",

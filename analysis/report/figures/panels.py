@@ -149,7 +149,7 @@ def panel_pictures(figure: PanelFigure, text: FigureText) -> tuple[Picture, ...]
         if len(sheets) > 1:
             caption = f"{text.caption} ({number} of {len(sheets)})"
             sheet_text = replace(text, name=f"{text.name}-{number}", caption=caption)
-        wide, narrow = (draw_sheet(figure, shown, text.mark, sheet) for sheet in (WIDE, NARROW))
+        wide, narrow = (draw_sheet(figure, shown, sheet) for sheet in (WIDE, NARROW))
         description = " ".join(
             f"{wording.heading(title)}. {'; '.join(figure.descriptions[title])}." for title in shown
         )
@@ -157,9 +157,7 @@ def panel_pictures(figure: PanelFigure, text: FigureText) -> tuple[Picture, ...]
     return tuple(pictures)
 
 
-def draw_sheet(
-    content: PanelFigure, titles: Sequence[str], mark: str = "", sheet: Format = WIDE
-) -> Drawing:
+def draw_sheet(content: PanelFigure, titles: Sequence[str], sheet: Format = WIDE) -> Drawing:
     """Draw some of a figure's panels.
 
     Parameters
@@ -168,8 +166,6 @@ def draw_sheet(
         The figure.
     titles : sequence of str
         Of the panels on the sheet.
-    mark : str, optional
-        Written on top, so that a copied figure keeps it; empty for none.
     sheet : Format, optional
         The size of the sheet.
     """
@@ -203,7 +199,8 @@ def draw_sheet(
         for unused in grid[-1, (len(titles) - (lines - 1) * columns) * axes_per_panel :]:
             unused.remove()
         _add_legend(figure, content.legend, sheet)
-        if mark:
+        # On top, so that a copied figure keeps it.
+        if mark := wording.figure_mark():
             figure.suptitle(mark, x=0.0, ha="left", color=MARK, fontsize=7.5, fontweight="bold")
         _fit_height(figure, layout, panel_height)
     return Drawing(figure=figure, hints=hints)

@@ -95,7 +95,7 @@ def against_people_section(report: TableReport, subject: Subject) -> Section | N
             ],
             protocol=report.protocol,
         ),
-        pictures=(*_forests(measured, subject), *_scatters(measured, report, subject)),
+        pictures=(*_forests(measured), *_scatters(measured, report, subject)),
         tables=(_table(measured, report.protocol),),
     )
 
@@ -143,7 +143,6 @@ def _scatters(
             figure_text(
                 "metrics-against-people",
                 suffix=f"-{number}",
-                mark=subject.mark,
                 name=question.name,
                 preference=question.agreement.preference,
                 people=subject.people,
@@ -248,7 +247,7 @@ def _shown_score(metric: MetricAgainstPeople, place: ScoredCondition) -> float:
     return place.score
 
 
-def _forests(questions: Sequence[_Question], subject: Subject) -> Iterator[Picture]:
+def _forests(questions: Sequence[_Question]) -> Iterator[Picture]:
     """Draw the correlations of each set in forest plots of at most `_MOST_ROWS` metrics."""
     for number, set_name in enumerate(dict.fromkeys(q.set for q in questions), start=1):
         metrics = {
@@ -280,7 +279,6 @@ def _forests(questions: Sequence[_Question], subject: Subject) -> Iterator[Pictu
                     "metric-correlations",
                     suffix=(f"-{number}" if set_name else "")
                     + (f"-{sheet + 1}" if sheets > 1 else ""),
-                    mark=subject.mark,
                     of_set=f", set {wording.name(set_name)}" if set_name else "",
                 ),
                 series=[wording.heading(question) for question in series],

@@ -55,7 +55,7 @@ def condition_sections(
         if isinstance(results, RatingResults):
             yield _rating_section(results, name, subject, suffix)
         else:
-            yield _ranking_section(results, name, subject.mark, suffix)
+            yield _ranking_section(results, name, suffix)
 
 
 def _rating_section(
@@ -69,12 +69,11 @@ def _rating_section(
         tables.append(table("model", contrasts, models=results.clmm.of_set(set_name)))
 
     def pictures() -> tuple[Picture, ...]:
-        labels, mark = subject.scale_labels, subject.mark
         draws_contrasts = 0 < len(contrasts) <= MOST_PAIRS * len({c.question for c in contrasts})
         return (
-            *distribution_pictures(conditions, labels, suffix=suffix, mark=mark),
-            *_cumulative_pictures(conditions, suffix, mark),
-            *(_contrast_pictures(contrasts, suffix, mark) if draws_contrasts else ()),
+            *distribution_pictures(conditions, subject.scale_labels, suffix=suffix),
+            *_cumulative_pictures(conditions, suffix),
+            *(_contrast_pictures(contrasts, suffix) if draws_contrasts else ()),
         )
 
     scores = {score for c in conditions for score, count in c.counts.items() if count}
@@ -117,7 +116,6 @@ def distribution_pictures(
     labels: Mapping[str, Sequence[str]],
     *,
     suffix: str = "",
-    mark: str = "",
 ) -> tuple[Picture, ...]:
     """Draw how often each score was given, with means: S2UE's Figure 6.
 
@@ -145,9 +143,7 @@ def distribution_pictures(
         dict(zip(legend, scale_colours(len(scores)), strict=True)),
         Scale(limits=(0, 100), ticks=_PERCENT_TICKS, label="% of ratings"),
         Scale(limits=ends, ticks={score: str(score) for score in ends}, label="mean"),
-        figure_text(
-            "ratings", suffix=suffix, mark=mark, labels_by_question=in_caption, scores=scores
-        ),
+        figure_text("ratings", suffix=suffix, labels_by_question=in_caption, scores=scores),
     )
 
 
@@ -164,9 +160,7 @@ def _rating_bar(rated: RatedCondition) -> Bar:
     )
 
 
-def _cumulative_pictures(
-    conditions: Sequence[RatedCondition], suffix: str, mark: str
-) -> tuple[Picture, ...]:
+def _cumulative_pictures(conditions: Sequence[RatedCondition], suffix: str) -> tuple[Picture, ...]:
     """Draw how many ratings reach each score, a line per condition: S2UE's Figure 7."""
     scores = tuple(conditions[0].counts)
     by_name = {(c.condition, c.question): c for c in conditions}
@@ -201,7 +195,7 @@ def _cumulative_pictures(
     legend = [_curve(index, {}, wording.condition(name)) for index, name in enumerate(names)]
     return panel_pictures(
         PanelFigure(descriptions=descriptions, draw=draw, height=1.9, legend=legend),
-        figure_text("cumulative", suffix=suffix, mark=mark),
+        figure_text("cumulative", suffix=suffix),
     )
 
 
@@ -218,9 +212,7 @@ def _curve(index: int, at_least: Mapping[int, float], label: str = "") -> Line2D
     )
 
 
-def _contrast_pictures(
-    contrasts: Sequence[RatingContrast], suffix: str, mark: str
-) -> tuple[Picture, ...]:
+def _contrast_pictures(contrasts: Sequence[RatingContrast], suffix: str) -> tuple[Picture, ...]:
     """Draw how much better the first condition of each pair is rated, in scores."""
     pairs = list(dict.fromkeys((c.a, c.b) for c in contrasts))
     by_pair = {(c.a, c.b, c.question): c for c in contrasts}
@@ -231,7 +223,7 @@ def _contrast_pictures(
         },
         [Row(wording.against(a, b)) for a, b in pairs],
         Scale(label="difference in scores", line=0.0),
-        figure_text("contrasts", suffix=suffix, mark=mark),
+        figure_text("contrasts", suffix=suffix),
     )
 
 
@@ -244,9 +236,7 @@ def _contrast_dot(contrast: RatingContrast | None) -> Dot:
     return dot_of(contrast.difference, wording.number, below=below, more=more)
 
 
-def _ranking_section(
-    results: RankingResults, set_name: str | None, mark: str, suffix: str
-) -> Section:
+def _ranking_section(results: RankingResults, set_name: str | None, suffix: str) -> Section:
     conditions = [c for c in results.conditions if c.set == set_name]
     contrasts = [c for c in results.contrasts if c.set == set_name]
     posthoc = [c for c in results.posthoc if c.set == set_name]
@@ -261,7 +251,7 @@ def _ranking_section(
         tables.append(contrasts_table(contrasts, worths, "worths"))
     if posthoc:
         tables.append(table("posthoc", posthoc))
-    text = figure_text("worths", suffix=suffix, mark=mark)
+    text = figure_text("worths", suffix=suffix)
     return headline_section(
         set_name,
         suffix,
@@ -274,7 +264,7 @@ def _ranking_section(
             else "",
         ),
         pictures=lambda: (
-            *_place_pictures(conditions, places, suffix, mark),
+            *_place_pictures(conditions, places, suffix),
             *strength_pictures(worths, "worth, log scale", text),
         ),
         tables=tables,
@@ -282,7 +272,7 @@ def _ranking_section(
 
 
 def _place_pictures(
-    conditions: Sequence[RankedCondition], places: int, suffix: str, mark: str
+    conditions: Sequence[RankedCondition], places: int, suffix: str
 ) -> tuple[Picture, ...]:
     """Draw how often each condition came to each place, with mean ranks: a panel per question."""
     on_first = [c for c in conditions if c.question == conditions[0].question]
@@ -295,7 +285,7 @@ def _place_pictures(
         dict(zip(map(ordinal, range(1, places + 1)), place_colours(places), strict=True)),
         Scale(limits=(0, 100), ticks=_PERCENT_TICKS, label="% of rankings"),
         Scale(limits=(1, places), ticks={1: "1", places: str(places)}, label="mean rank"),
-        figure_text("places", suffix=suffix, mark=mark),
+        figure_text("places", suffix=suffix),
     )
 
 

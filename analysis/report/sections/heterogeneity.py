@@ -90,9 +90,7 @@ def heterogeneity_section(report: TableReport, subject: Subject) -> Section | No
             few=FEW,
             missing=[by for by in by_kind if by not in drawn],
         ),
-        pictures=tuple(
-            picture for by in drawn for picture in _forest(by_kind[by], by, subject.mark)
-        ),
+        pictures=tuple(picture for by in drawn for picture in _forest(by_kind[by], by)),
         tables=(_tests(all_effects),),
     )
 
@@ -186,14 +184,14 @@ def _levels(effects: Sequence[Effect]) -> list[str]:
     )
 
 
-def _forest(effects: Sequence[Effect], by: By, mark: str) -> tuple[Picture, ...]:
+def _forest(effects: Sequence[Effect], by: By) -> tuple[Picture, ...]:
     names = _levels(effects)
     measure = _MEASURES[effects[0].result.measure]
     return dot_pictures(
         {effect.heading: _dots(effect, names, measure.formatted) for effect in effects},
         [*(Row(wording.name(name)) for name in names), Row(_OVERALL[by])],
         replace(measure.scale, line=effects[0].result.null),
-        figure_text("by", suffix=f"-{by}", mark=mark, by=by, measure=measure.name, few=FEW),
+        figure_text("by", suffix=f"-{by}", by=by, measure=measure.name, few=FEW),
     )
 
 

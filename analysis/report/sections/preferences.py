@@ -220,28 +220,26 @@ def _group(
 def pairwise_sections(results: PairwiseResults, subject: Subject) -> tuple[Section, ...]:
     """Return one section for each set."""
     return tuple(
-        _pairwise_section(results, group, subject.mark, set_suffix(group.set, number))
+        _pairwise_section(results, group, set_suffix(group.set, number))
         for number, group in enumerate(pairwise_groups(results, subject.reference), start=1)
     )
 
 
-def _pairwise_section(
-    results: PairwiseResults, group: PreferenceGroup, mark: str, suffix: str
-) -> Section:
+def _pairwise_section(results: PairwiseResults, group: PreferenceGroup, suffix: str) -> Section:
     strengths = results.bradley_terry.of_set(group.set)
     contrasts = [contrast for contrast in results.contrasts if contrast.set == group.set]
     has_reference = group.heading == "against"
 
     def pictures() -> tuple[Picture, ...]:
         if has_reference or len(group.labels) <= MOST_BARS:
-            text = figure_text("preferences", suffix=suffix, mark=mark, group=group)
+            text = figure_text("preferences", suffix=suffix, group=group)
             drawn = preference_pictures(group, text)
         else:
-            text = figure_text("win-share-matrix", suffix=suffix, mark=mark)
+            text = figure_text("win-share-matrix", suffix=suffix)
             drawn = _matrix_pictures(results, group, text)
         if has_reference:
             return drawn
-        text = figure_text("strengths", suffix=suffix, mark=mark)
+        text = figure_text("strengths", suffix=suffix)
         fitted = _fitted(results, group)
         return (*drawn, *strength_pictures(fitted, "strength in logits", text))
 
@@ -269,11 +267,11 @@ def _fitted(results: PairwiseResults, group: PreferenceGroup) -> dict[str, Stren
     return {question: strengths[question] for question in group.questions if question in strengths}
 
 
-def mismatch_sections(results: MismatchResults, subject: Subject) -> tuple[Section, ...]:
+def mismatch_sections(results: MismatchResults) -> tuple[Section, ...]:
     """Return one section for each set."""
 
     def section(group: PreferenceGroup, suffix: str) -> Section:
-        text = figure_text("preferences", mark=subject.mark, group=group)
+        text = figure_text("preferences", group=group)
         sums, shares, *others = _tables(group, "own-speech")
         return headline_section(
             group.set,

@@ -107,7 +107,10 @@ def test_the_page_follows_light_and_dark(page: Page) -> None:
     assert seen[0] != seen[1]
 
 
-def test_a_rehearsal_is_marked_on_every_screen(page: Page) -> None:
+def test_a_rehearsal_is_marked_on_every_screen_and_figure(page: Page) -> None:
+    figures = page.locator(".picture svg")
+    marked = figures.filter(has_text="no person answered")
+    assert figures.count() == marked.count() > 2
     height = page.evaluate("document.documentElement.scrollHeight")
     assert height > 2000
     for top in range(0, height, 700):

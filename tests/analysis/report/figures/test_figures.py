@@ -43,12 +43,13 @@ from analysis.report.figures.style import (
     text_colour,
 )
 from analysis.report.sections.against_people import agreement_pictures
+from analysis.report.wording import labelled
 from analysis.results.against_people import MetricAgainstPeople, ScoredCondition
 from analysis.stats.clustered_mean import Estimate
 from tests.analysis.report.sections.reading import drawn
 
 SCALE = Scale(limits=(0, 1), ticks={0: "0", 1: "1"}, label="win share")
-TEXT = FigureText(name="forest", title="A forest", caption="Effects.", mark="Rehearsal")
+TEXT = FigureText(name="forest", title="A forest", caption="Effects.")
 LONG = "a condition whose name is so long that it has to be broken into several lines"
 NONE = cast(Any, None)
 
@@ -67,7 +68,8 @@ def test_marks_distinguish_descriptive_rows_and_totals() -> None:
         Dot(estimate=0.5, low=0.3, high=0.7, words=".50", hint=".50", is_overall=True),
     ]
 
-    (picture,) = dot_pictures({"emotion": dots}, [Row("anger"), Row("all")], SCALE, TEXT)
+    with labelled({}, mark="Rehearsal"):
+        (picture,) = dot_pictures({"emotion": dots}, [Row("anger"), Row("all")], SCALE, TEXT)
 
     svg = drawn(picture)
     hollow, full = (svg.find(id=f"forest-dot0-{row}") for row in (0, 1))

@@ -42,7 +42,7 @@ def report(folder: Path, protocol: str, conditions: Sequence[str]) -> TableRepor
 
 
 def section(found: TableReport) -> Section | None:
-    return against_people_section(found, subject_of(found, origin="rehearsal"))
+    return against_people_section(found, subject_of(found))
 
 
 def test_correlations_are_in_a_table_and_two_reproducible_figures(
@@ -61,7 +61,6 @@ def test_correlations_are_in_a_table_and_two_reproducible_figures(
         "metrics-against-people-1",
     ]
     for picture in shown.pictures:
-        assert "simulated raters" in picture.svg
         assert picture.figure is not None
     assert "c00" in shown.pictures[1].svg
     assert "With 4 conditions" in shown.paragraphs[0]
