@@ -92,7 +92,9 @@ def command(
             free_text=with_free_text,
             reason=checked_reason,
         )
-        _print_shared(shared, shared_folder)
+        _print_shared(
+            shared, shared_folder, "simulated participant" if rehearsal else "participant"
+        )
         return
     if with_videos or with_free_text:
         raise InputError(
@@ -116,8 +118,8 @@ def command(
         click.echo("Nobody has answered yet; --rehearsal exports the simulated participants.")
 
 
-def _print_shared(shared: Shared, out: Path) -> None:
-    click.echo(f"Wrote {counted(shared.participants, 'participant')} to {out}")
+def _print_shared(shared: Shared, out: Path, person: str) -> None:
+    click.echo(f"Wrote {counted(shared.participants, person)} to {out}")
     click.echo(f"There, 'motionjury report {shared.study}' reproduces the results.")
     for remark in shared.remarks:
         click.echo(remark)

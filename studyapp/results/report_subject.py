@@ -125,7 +125,7 @@ STILL_PIXELS: Final = 240
 
 _QUALITY: Final = 80
 
-NO_VIDEOS: Final = "There are no videos of the conditions yet, so there are no stills of them."
+NO_VIDEOS: Final = "There are no videos of the conditions here, so there are no stills of them."
 
 
 @dataclass(frozen=True, kw_only=True)

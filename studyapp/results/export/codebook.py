@@ -12,6 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from analysis.answers.exclusion_rules import excluded_by_hand
 from motion.files import sha256_of
 from studyapp.results.export.columns import Column, TableColumns, fixed_values, preference_values
+from studyapp.results.stored_answers import Source
 from studyapp.study.design.allocation import PREFERENCES
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.mismatch import MismatchStudy
@@ -27,7 +28,10 @@ from studyapp.study.settings.study import Study
 
 
 def codebook(
-    folder: StudyFolder, study: Study, tables: Sequence[tuple[TableColumns, Sequence[str]]]
+    folder: StudyFolder,
+    study: Study,
+    origin: Source,
+    tables: Sequence[tuple[TableColumns, Sequence[str]]],
 ) -> dict[str, Any]:
     """Return the codebook as plain data, for JSON and for `codebook_page`.
 
@@ -37,6 +41,8 @@ def codebook(
         The study.
     study : Study
         Its definition: values and wording are its own.
+    origin : {'participants', 'rehearsal'}
+        Who answered.
     tables : sequence of (TableColumns, file names)
         What was exported.
     """
@@ -47,6 +53,7 @@ def codebook(
             "protocol": study.protocol,
             "seed": study.seed,
             "sha256": sha256_of(folder.definition),
+            "origin": origin,
         },
         "motionjury": metadata.version("motionjury"),
         "tables": [_table(study, table, files) for table, files in tables],

@@ -15,7 +15,7 @@ import pandas as pd
 from motion.files import harmless_frame, sha256_of, write_text
 from motion.segment import Segment
 from studyapp.researchers.pseudonyms import FOLDER
-from studyapp.results.export.codebook import as_json, column_labels, written_page
+from studyapp.results.export.codebook import as_json, column_labels
 from studyapp.results.export.columns import PARTICIPANT, Column, TableColumns, as_text, bids_column
 from studyapp.session.served_study import describe_content
 from studyapp.study.folder import StudyFolder
@@ -127,17 +127,6 @@ def environment() -> dict[str, Any]:
         "machine": platform.machine(),
         "packages": dict(sorted(packages.items())),
     }
-
-
-def read_me(study: Study, *, people: int, study_folder: str) -> str:
-    """Return the page that explains the folder and how to reproduce its results."""
-    return written_page(
-        "read_me.md",
-        title=" ".join(study.title.split()),
-        protocol=study.protocol,
-        people=people,
-        study_folder=study_folder,
-    )
 
 
 STIMULI: Final = (

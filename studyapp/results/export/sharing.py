@@ -17,7 +17,13 @@ from motion.files import sha256_of, write_text
 from studyapp.database.tables import StudyVersion
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.answers import answers_in, has_current_design, snapshot, write_shared_answers
-from studyapp.results.export.codebook import as_json, codebook, codebook_page, form_labels
+from studyapp.results.export.codebook import (
+    as_json,
+    codebook,
+    codebook_page,
+    form_labels,
+    written_page,
+)
 from studyapp.results.export.columns import Column, TableColumns
 from studyapp.results.export.shared_folder import (
     BIDS_VERSION,
@@ -26,7 +32,6 @@ from studyapp.results.export.shared_folder import (
     copy_study,
     environment,
     folder_name,
-    read_me,
     write_descriptions,
     write_stimuli_list,
     write_tsv,
@@ -174,8 +179,8 @@ def _write_folder(
     staying = people[people["state"] != "withdrawn"].reset_index(drop=True)
     described = _write_bids(root, study, tables, staying)
     _write_form(root / "phenotype", study, tables["form"].frame, staying, free_text=free_text)
-    _write_about(root, study, people=len(staying))
-    book: dict[str, Any] = codebook(folder, study, described)
+    _write_about(root, study, origin, people=len(staying))
+    book: dict[str, Any] = codebook(folder, study, origin, described)
     write_text(root / "sourcedata" / "codebook.md", codebook_page(book))
     if folder.report.joinpath("results.json").exists():
         results = root / "sourcedata" / "results.json"
@@ -286,19 +291,29 @@ def _write_form(
     )
 
 
-def _write_about(root: Path, study: Study, *, people: int) -> None:
+def _write_about(root: Path, study: Study, origin: Source, *, people: int) -> None:
+    """Write pages about the folder, which say where no person answered."""
+    mark = "[rehearsal] " if origin == "rehearsal" else ""
     write_text(
         root / "dataset_description.json",
         as_json(
             {
-                "Name": study.title,
+                "Name": f"{mark}{study.title}",
                 "BIDSVersion": BIDS_VERSION,
                 "DatasetType": "raw",
                 "GeneratedBy": [{"Name": "Motion Jury", "Version": metadata.version("motionjury")}],
             }
         ),
     )
-    write_text(root / "README.md", read_me(study, people=people, study_folder=STUDY.as_posix()))
+    page = written_page(
+        "read_me.md",
+        study=study,
+        origin=origin,
+        people=people,
+        has_form=(root / "phenotype").exists(),
+        study_folder=STUDY.as_posix(),
+    )
+    write_text(root / "README.md", page)
     write_text(root / ".bidsignore", f"{CHECKSUMS}\n")
 
 

@@ -193,7 +193,7 @@ def export(
         write_text(file, csv_text(names.frame, names.about), private=True)
         written.append(file)
         described.append((RECRUITER_IDS, [file.name]))
-    book = codebook(folder, study, described)
+    book = codebook(folder, study, origin, described)
     page = path.with_name(f"{path.stem}_codebook.md")
     write_text(page, codebook_page(book))
     write_text(page.with_suffix(".json"), as_json(book))
