@@ -383,7 +383,10 @@ def test_a_pair_fits_a_laptop_and_no_page_is_wider_than_a_phone(
             assert min(height for _, height in video_sizes(page)) >= 300
 
 
-def test_unwatched_videos_are_listed_on_one_line_beside_next(
+CUT_OFF = "buttons => buttons.filter(button => button.scrollWidth > button.clientWidth).length"
+
+
+def test_every_text_of_a_ranking_fits_a_laptop_and_a_tablet(
     browser: Browser, tmp_path: Path
 ) -> None:
     write_shown_study(tmp_path / "ranking", "ranking")
@@ -401,3 +404,6 @@ def test_unwatched_videos_are_listed_on_one_line_beside_next(
                 beside, button = (row for row in rows if row is not None)
                 middle = beside["y"] + beside["height"] / 2
                 assert button["y"] < middle < button["y"] + button["height"], (language, larger)
+            resize(page, {"width": 1024, "height": 768})
+            assert page.get_by_role("button").evaluate_all(CUT_OFF) == 0, language
+            resize(page, LAPTOP)

@@ -70,6 +70,11 @@ def test_every_colour_is_defined_by_the_theme(style: Path) -> None:
     assert set(re.findall(r"var\(--([a-z-]+)", text)) - looks()[0].keys() <= {"columns", "shade"}
 
 
+@pytest.mark.parametrize("style", STYLES, ids=lambda path: path.name)
+def test_the_text_size_chosen_in_the_browser_is_respected(style: Path) -> None:
+    assert not re.search(r"\bfont(-size)?:[^;]*\dpx", style.read_text("utf-8"))
+
+
 def test_reduced_motion_is_respected() -> None:
     for style in STYLES:
         text = style.read_text("utf-8")
