@@ -43,7 +43,12 @@ from studyapp.study.settings.exclusions import (
     settle_exclusions,
 )
 from studyapp.study.settings.presentation import Message, Page, Video, Watching
-from studyapp.study.settings.questions import Form, Question, question_problems
+from studyapp.study.settings.questions import (
+    Form,
+    Question,
+    is_about_face,
+    question_problems,
+)
 from studyapp.study.settings.recruitment import Recruitment
 from studyapp.study.settings.rehearsal import Rehearsal
 from studyapp.study.settings.sections import MAIL_ADDRESS, Name, Section
@@ -267,6 +272,11 @@ class Study(Section, ABC):
     def asks_each_stimulus(self) -> bool:
         """Whether questions are about each stimulus rather than the whole trial."""
         return False
+
+    @property
+    def asks_about_face(self) -> bool:
+        """Whether a question names the face."""
+        return any(is_about_face(question.text) for question in self.questions)
 
     @property
     def is_ordered(self) -> bool:

@@ -86,6 +86,7 @@ MISMATCHED = (
     "[conditions.mismatched]",
     '[conditions.mismatched]\ngenerator = "mismatched"\nsource = "rule_based"',
 )
+FACE = ("In which video do the gestures fit", "In which video do face and lips fit")
 FROZEN = ('title = "G', 'freeze = ["face", "root"]\ntitle = "G')
 
 
@@ -94,6 +95,7 @@ FROZEN = ('title = "G', 'freeze = ["face", "root"]\ntitle = "G')
     [
         ((GENERATED, MISMATCHED), ("made by a computer", "gestures, not the face"), "kept still"),
         ((GENERATED,), (), "made by a computer"),
+        ((FACE,), ("Judge how the speaker moves",), "not the face"),
         (
             (FROZEN,),
             (
@@ -103,7 +105,7 @@ FROZEN = ('title = "G', 'freeze = ["face", "root"]\ntitle = "G')
             "practice",
         ),
     ],
-    ids=["generated", "brought", "frozen"],
+    ids=["generated", "brought", "face", "frozen"],
 )
 def test_instructions_follow_the_study_and_never_reveal_practice_trials(
     serve: Serve,
@@ -266,6 +268,7 @@ def test_a_ranking_shows_its_reference_separately_and_asks_for_every_rank(arrive
 
     assert [video["data-label"] for video in page.soup.select("video")] == ["Reference", "A", "B"]
     assert page.words(".apart .label") == "Reference"
+    assert page.soup.select("main > noscript")
     assert page.words(".aside") == "The reference is for comparison; it is not ranked."
     ranks = page.soup.select("#answers select")
     for rank, (name, letter) in zip(ranks, (("realism:1", "A"), ("realism:2", "B")), strict=True):
