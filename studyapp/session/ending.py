@@ -110,8 +110,8 @@ Promise = Literal["deleted", "kept"]
 """What happens to the answers on withdrawal."""
 
 
-def withdrawal_promise(database: Database, token: str) -> Promise:
-    """Return what happens to the participant's answers on withdrawal.
+def withdrawal_promise(database: Database, token: str) -> Promise | None:
+    """Return what happens to the participant's answers on withdrawal; None if they have withdrawn.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def withdrawal_promise(database: Database, token: str) -> Promise:
     with database.reading() as session:
         study_session = find_study_session(session, token, to_change=False)
         _require_unfinished(study_session)
-        return _promise(study_session)
+        return None if study_session.withdrawn_at is not None else _promise(study_session)
 
 
 def withdraw(database: Database, token: str, clock: Clock) -> None:

@@ -145,6 +145,8 @@ def ask_to_withdraw(token: str) -> ResponseReturnValue:
     """Ask whether the participant wants to stop, and say what happens to the answers."""
     site = study_site()
     promise = withdrawal_promise(site.database, token)
+    if promise is None:
+        return redirect_to_current_page(token)
     return render_template("withdraw.html", study=site.study, token=token, promise=promise)
 
 

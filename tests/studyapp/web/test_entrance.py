@@ -165,3 +165,4 @@ def test_consent_and_withdrawal_pages_agree_about_the_answers(
     done = client.post(f"{address}/withdraw", follow_redirects=True).text
 
     assert all(words in page for page in (consent.text, withdrawal_page, done))
+    assert client.get(f"{address}/withdraw").location == address
