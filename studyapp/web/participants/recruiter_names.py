@@ -5,7 +5,7 @@ participant's names, the host that it is for, and when it expires. The keys are 
 else can make up names.
 
 A cookie shows that somebody who comes again by the same name has been here before. It holds the
-token of their study session, like the addresses of their pages, and goes to the entrance alone.
+token of their study session, like the addresses of their pages, and only the entrance reads it.
 Nothing else needs it: in a frame of another site, or without cookies, a study works all the same.
 """
 
