@@ -97,14 +97,10 @@ def forget_command(folder: StudyFolder, participant: str, yes: bool) -> None:
     PARTICIPANT is the recruiter's id, the pseudonym in exports, or the completion code. Before
     anything is erased, the command prints what will be erased and what will remain.
     """
-    database = Database.open_for_reading(database_url_of(folder.root))
-    entries: tuple[StoredData, ...] = ()
-    if database is not None:
-        with closing(database):
-            entries = find_data(database, participant, PseudonymKey.read(folder.pseudonym_key))
-        if not entries:
-            _erase(folder, participant)
+    with closing(Database.open_existing(database_url_of(folder.root))) as database:
+        entries = find_data(database, participant, PseudonymKey.read(folder.pseudonym_key))
     if not entries:
+        _erase(folder, participant)
         click.echo(
             "No participant has this recruiter id, pseudonym or completion code (any more), so "
             "nothing was erased. Check the spelling."

@@ -53,13 +53,7 @@ def write_copy(url: str, file: Path) -> None:
     InputError
         If there is no database, or it cannot be read.
     """
-    database = Database.open_for_reading(url, of_any_age=True)
-    if database is None:
-        raise InputError(
-            "there is no database yet, so there is nothing to lose",
-            where=display_address(url),
-            remedy="If the study is served with DATABASE_URL, set it here as well",
-        )
+    database = Database.open_existing(url, of_any_age=True)
     try:
         if database.engine.dialect.name == "sqlite":
             _copy_file(database, file)
@@ -69,7 +63,7 @@ def write_copy(url: str, file: Path) -> None:
         raise InputError(
             f"the database could not be copied: {getattr(error, 'orig', error)}",
             where=display_address(url),
-            remedy="Check that it is intact and its disk has space, and try again",
+            remedy="Check that it is intact, and that there is space where the copy is written",
         ) from error
     finally:
         database.close()

@@ -136,6 +136,18 @@ class Database:
         return cls(engine)
 
     @classmethod
+    def open_existing(cls, url: str, *, of_any_age: bool = False) -> Self:
+        """Open the database at `url` as `open_for_reading` does; `InputError` if there is none."""
+        database = cls.open_for_reading(url, of_any_age=of_any_age)
+        if database is None:
+            raise InputError(
+                "there is no database of answers yet",
+                where=display_address(url),
+                remedy="If the study is served with DATABASE_URL, set it here as well",
+            )
+        return database
+
+    @classmethod
     def open_unchecked(cls, url: str) -> Self:
         """Open the database at `url` for reading, without any check."""
         with _explain_failures(url):

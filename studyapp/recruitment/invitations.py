@@ -80,10 +80,7 @@ def invite(folder: StudyFolder, people: Sequence[str], address: str, out: Path) 
 
 def counts(folder: StudyFolder) -> InvitationCounts:
     """Return how many of the study's invitations were used."""
-    database = Database.open_for_reading(database_url_of(folder.root))
-    if database is None:
-        return InvitationCounts(made=0, begun=0, completed=0)
-    with closing(database):
+    with closing(Database.open_existing(database_url_of(folder.root))) as database:
         return invitation_counts(database)
 
 

@@ -104,11 +104,8 @@ def known_participants(database: Database) -> list[KnownParticipant]:
 
 
 def known_participants_of(folder: StudyFolder) -> list[KnownParticipant]:
-    """Return the same of a study; nobody if it has no database yet."""
-    database = Database.open_for_reading(database_url_of(folder.root))
-    if database is None:
-        return []
-    with closing(database):
+    """Return the same of a study; `InputError` if it has no database yet."""
+    with closing(Database.open_existing(database_url_of(folder.root))) as database:
         return known_participants(database)
 
 

@@ -21,7 +21,7 @@ from sqlalchemy.orm import Session
 from analysis.answers.participants import EVERYBODY, ArmState
 from motion.errors import InputError
 from motion.files import cell_as_given, harmless_frame, sha256_of, write_text
-from studyapp.database.engine import Database, database_url_of
+from studyapp.database.engine import Database, database_url_of, display_address
 from studyapp.results.stated_beforehand import parse_version, stated_study
 from studyapp.results.stored_answers import (
     NO_ANSWERS,
@@ -54,12 +54,24 @@ def read_rehearsal(folder: StudyFolder) -> Answers:
     """
     rehearsed = read_answers(folder, "rehearsal")
     if rehearsed.origin == "none":
-        raise InputError(
+        raise missing_answers(folder, "rehearsal")
+    return rehearsed
+
+
+def missing_answers(folder: StudyFolder, origin: Source) -> InputError:
+    """Return the error where the answers of participants or of a rehearsal are needed."""
+    if origin == "rehearsal":
+        return InputError(
             "nothing has been rehearsed",
             where=folder.root,
             remedy="Run 'motionjury rehearse' first, or omit --rehearsal",
         )
-    return rehearsed
+    return InputError(
+        "there is no database of answers yet",
+        where=display_address(database_url_of(folder.root)),
+        remedy="If the study is served with DATABASE_URL, set it here as well; for simulated "
+        "participants, use --rehearsal",
+    )
 
 
 def read_answers(folder: StudyFolder, origin: Source) -> Answers:

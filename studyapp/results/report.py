@@ -116,6 +116,10 @@ def report(
     if known is not None:
         subject = replace(subject, truth=found_values(reports, known.expected))
     remark = record_look(folder, study, answers, way="report", reason=reason)
+    if answers.stored is None:
+        remark = (
+            "There are no answers yet. If the study is served with DATABASE_URL, set it here too."
+        )
     if remark and warn is not None:
         warn(remark)
     metrics: dict[str, object] = {}

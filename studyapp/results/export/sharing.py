@@ -16,7 +16,13 @@ from motion.errors import InputError
 from motion.files import sha256_of, write_text
 from studyapp.database.tables import StudyVersion
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.answers import answers_in, has_current_design, snapshot, write_shared_answers
+from studyapp.results.answers import (
+    answers_in,
+    has_current_design,
+    missing_answers,
+    snapshot,
+    write_shared_answers,
+)
 from studyapp.results.export.codebook import (
     as_json,
     codebook,
@@ -135,11 +141,7 @@ class _Source:
 def _read_source(folder: StudyFolder, origin: Source) -> _Source:
     with snapshot(folder, origin) as session:
         if session is None:
-            raise InputError(
-                "nobody has taken part yet, so there is nothing to share",
-                where=folder.root,
-                remedy="Share the study folder itself to show the design",
-            )
+            raise missing_answers(folder, origin)
         answers = answers_in(session, origin)
         judged = judge(folder.study(), answers)
         key = PseudonymKey.read_or_make(folder.pseudonym_key)

@@ -19,7 +19,7 @@ from studyapp.database.tables import AuditLine, StudySession
 from studyapp.researchers.audit import detail_label
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.analysed_tasks import PARTS_OF, AnalysedTask, analysed_tasks
-from studyapp.results.answers import answers_in, snapshot
+from studyapp.results.answers import answers_in, missing_answers, snapshot
 from studyapp.results.export.codebook import as_json, codebook, codebook_page
 from studyapp.results.export.columns import (
     ANSWERS,
@@ -151,7 +151,8 @@ def export(
     Raises
     ------
     InputError
-        If the study or its database cannot be read, the key is damaged, or the ending is unknown.
+        If the study or its database cannot be read, there are no such answers, the key is
+        damaged, or the ending is unknown.
     """
     if path.suffix not in ENDINGS:
         raise InputError(
@@ -163,23 +164,19 @@ def export(
     origin: Source = "rehearsal" if rehearsal else "participants"
     answers = NO_ANSWERS
     judged = Judged()
-    names: ExportedTable | None = None
-    tables = tuple(
-        ExportedTable(about=about, frame=typed(pd.DataFrame(), about))
-        for about in (ANSWERS, PARTICIPANTS, FORM, WATCHING, REFUSALS, LOG)
-    )
     with snapshot(folder, origin) as session:
+        if session is None:
+            raise missing_answers(folder, origin)
         if not withdrawn:
             answers = answers_in(session, origin, in_full=True)
             judged = judge(study, answers)
-        if session is not None:
-            key = PseudonymKey.read_or_make(folder.pseudonym_key)
-            tables = (
-                _withdrawn_tables(session, key)
-                if answers.stored is None
-                else exported_tables(session, answers.stored, key, judged)
-            )
-            names = _recruiter_ids(session, key) if with_recruiter_ids else None
+        key = PseudonymKey.read_or_make(folder.pseudonym_key)
+        tables = (
+            _withdrawn_tables(session, key)
+            if answers.stored is None
+            else exported_tables(session, answers.stored, key, judged)
+        )
+        names = _recruiter_ids(session, key) if with_recruiter_ids else None
     look = record_look(folder, study, answers, way="export", reason=reason)
     written: list[Path] = []
     described = []

@@ -100,6 +100,8 @@ REFUSED: dict[str, dict[str, str]] = {
         "study --accel-redirect videos/": "not an internal location of nginx",
     },
     "export": {
+        "study": "no database of answers yet. If the study is served with DATABASE_URL",
+        "study --rehearsal": "nothing has been rehearsed",
         "study --out new.xlsx": "neither in .csv nor in .parquet",
         "study --folder new --with-recruiter-ids": "cannot be given with --folder",
         "study --folder new --out x.csv": "cannot be given with --folder",

@@ -86,7 +86,8 @@ def test_a_study_and_its_reports_table_give_the_same_results(
 def test_a_study_without_answers_is_reported_as_such(
     answered: Answered,
 ) -> None:
-    page = report(answered("mismatch", people=0), with_motion=True)
+    remarks: list[str] = []
+    page = report(answered("mismatch", people=0), with_motion=True, warn=remarks.append)
 
     text = page.read_text("utf-8")
     assert "No participant has answered yet" in text
@@ -95,6 +96,7 @@ def test_a_study_without_answers_is_reported_as_such(
     assert found["study"]["origin"] == "none"
     assert found["remark"]
     assert found["participants"] == {"recruited": 0, "attentive": 0}
+    assert "DATABASE_URL" in "".join(remarks)
 
 
 def test_reports_are_reproducible_and_replace_older_files(

@@ -184,7 +184,7 @@ def test_nothing_is_overwritten_or_shared_without_a_participant(
         share(folder, out)
     with pytest.raises(InputError, match="within the study"):
         share(folder, folder.root / "out")
-    with pytest.raises(InputError, match="nobody has taken part"):
+    with pytest.raises(InputError, match="no database of answers yet"):
         share(StudyFolder(finished_study("rating")), tmp_path / "new")
     assert [path.name for path in out.iterdir()] == ["precious"]
     assert not (tmp_path / "new").exists()

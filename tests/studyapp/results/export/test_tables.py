@@ -181,17 +181,3 @@ def test_spreadsheet_formulas_are_exported_as_text(answered: Answered, tmp_path:
     assert read(tmp_path, LOG)["researcher"].dropna().tolist() == ["'@ada"]
     typed = pd.read_parquet(tmp_path / "answers_form.parquet")
     assert FORMULA in typed["value"].tolist()
-
-
-def test_without_participants_tables_are_empty_and_no_key_is_made(
-    finished_study: Callable[[str], Path], tmp_path: Path
-) -> None:
-    folder = StudyFolder(finished_study("rating"))
-    before = sorted(folder.root.iterdir())
-
-    done = export(folder, tmp_path / "answers.csv")
-
-    assert done.answers == 0
-    assert sorted(folder.root.iterdir()) == before
-    for table in TABLES:
-        assert list(read(tmp_path, table).columns) == list(table.names)
