@@ -18,6 +18,7 @@ from sqlalchemy.orm import selectinload
 
 from studyapp.database.engine import Database, database_url_of
 from studyapp.database.tables import ScreenOut, StudySession
+from studyapp.researchers.pseudonyms import fold_name
 from studyapp.session.state import state_of
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.recruitment import Prolific
@@ -123,11 +124,12 @@ def by_submission(
     """
     by_name: defaultdict[str, list[KnownParticipant]] = defaultdict(list)
     for person in people:
-        by_name[person.participant].append(person)
-    counts = Counter(participant for _, participant in submissions)
+        by_name[fold_name(person.participant)].append(person)
+    counts = Counter(fold_name(participant) for _, participant in submissions)
     return {
-        submission: _match(submission, participant, by_name[participant], counts[participant] == 1)
+        submission: _match(submission, participant, by_name[name], counts[name] == 1)
         for submission, participant in submissions
+        for name in [fold_name(participant)]
     }
 
 

@@ -20,6 +20,7 @@ from studyapp.recruitment.payment import (
 )
 from studyapp.recruitment.prolific_client import ProlificClient, ProlificStudy, Submission
 from studyapp.recruitment.record import count_places, read_record, require_public, write_record
+from studyapp.researchers.pseudonyms import fold_name
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.presentation import Device
 from studyapp.study.settings.study import Study
@@ -209,14 +210,16 @@ def status(folder: StudyFolder, client: ProlificClient) -> ProlificStatus:
         for each in submissions
         for study_status in [participants[each.id].study_status]
     )
-    there = {each.participant for each in submissions}
+    there = {fold_name(each.participant) for each in submissions}
     statuses = Counter((each.submission.status, each.study_status) for each in judged_submissions)
     return ProlificStatus(
         study=client.study(identity),
         submissions=judged_submissions,
         status_counts=dict(statuses),
         missing_there=tuple(
-            dict.fromkeys(each.participant for each in people if each.participant not in there)
+            dict.fromkeys(
+                each.participant for each in people if fold_name(each.participant) not in there
+            )
         ),
     )
 

@@ -203,7 +203,9 @@ class ProlificClient:
     def submissions(self, study: str) -> list[Submission]:
         """Return all submissions of a study."""
         results = self._pages("submissions/", {"study": study})
-        return [_read(Submission, result) for result in results]
+        submissions = [_read(Submission, result) for result in results]
+        # One that comes meanwhile shifts the others, of which one is then on two pages.
+        return list({each.id: each for each in submissions}.values())
 
     def approve(self, submissions: Sequence[str]) -> None:
         """Pay these submissions; paying one twice does nothing."""

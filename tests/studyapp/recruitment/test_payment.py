@@ -89,7 +89,8 @@ def test_a_participant_without_a_submission_id_is_matched_to_the_only_one() -> N
     person = [KnownParticipant(participant="ann", session="", study_status="completed")]
 
     def states(*submissions: str) -> list[StudyStatus]:
-        found = by_submission(person, [(each, "ann") for each in submissions])
+        # In capitals or not, it is the same person.
+        found = by_submission(person, [(each, "Ann") for each in submissions])
         return [each.study_status for each in found.values()]
 
     assert states("one") == ["completed"]
