@@ -235,6 +235,12 @@ class _Run(Generic[Network]):
             write_weights(self._folder.best, self._best_weights, asdict(self._best))
             self._best_weights = None
         self._log.save()
+        # A long log takes a second to draw, and looks the same after a few steps more.
+        if self._log.lines and (drawn or self._step >= 1.1 * self._drawn):
+            best_step = None if self._best is None else self._best.step
+            draw_curves(self._log.lines, self._folder.curves, kept_step=best_step)
+            self._drawn = self._step
+        # The state comes last: after a crash before it, all else is made again.
         state = {
             "step": self._step,
             "best": None if self._best is None else asdict(self._best),
@@ -242,11 +248,6 @@ class _Run(Generic[Network]):
             **self._identity(),
         }
         write_weights(self._folder.checkpoint, self._learner.tensors(), state)
-        # A long log takes a second to draw, and looks the same after a few steps more.
-        if self._log.lines and (drawn or self._step >= 1.1 * self._drawn):
-            best_step = None if self._best is None else self._best.step
-            draw_curves(self._log.lines, self._folder.curves, kept_step=best_step)
-            self._drawn = self._step
         self._watch.start(self._step)
 
     def _check_finite(self, values: Mapping[str, float]) -> None:

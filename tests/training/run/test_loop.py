@@ -54,8 +54,8 @@ def finished(whole: dict[str, bytes], tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_a_run_killed_between_two_saves_resumes_from_the_last_one(
-    whole: dict[str, bytes], tmp_path: Path
+def test_a_run_killed_between_two_saves_or_in_one_resumes_from_the_last_one(
+    whole: dict[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     config = replace(CONFIG, checkpoint_every=6)
     saved: dict[str, bytes] = {}
@@ -69,6 +69,10 @@ def test_a_run_killed_between_two_saves_resumes_from_the_last_one(
     with pytest.raises(RuntimeError, match="killed"):
         train(Line(), config, RunFolder(tmp_path), show=show)
     assert (tmp_path / FILES[0]).read_bytes() == saved["checkpoint"]
+    with monkeypatch.context() as patch:
+        patch.setattr("training.run.loop.draw_curves", lambda *_, **__: show(17, 23, ""))
+        with pytest.raises(RuntimeError, match="killed"):
+            train(Line(), replace(config, checkpoint_every=500), RunFolder(tmp_path))
     train(Line(), replace(config, checkpoint_every=500), RunFolder(tmp_path))
     assert content(tmp_path) == whole
 
