@@ -120,7 +120,7 @@ def prepare(
                 show(len(arrays) + len(errors), len(takes.takes), take.name)
     except OSError as error:
         raise InputError(
-            f"features cannot be stored ({error.strerror})",
+            f"features cannot be stored ({error.strerror or error})",
             where=cache,
             remedy="Free space there, or name another folder for them",
         ) from error

@@ -6,6 +6,7 @@ import os
 import shutil
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -60,15 +61,19 @@ def test_features_are_computed_once_without_leaving_files_open(
 
 
 def test_no_usable_take_and_an_unwritable_cache_are_errors(
-    takes: TakeFolder, tmp_path: Path
+    takes: TakeFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     flat, _ = counting("digit", lambda take: np.zeros(3))
     with pytest.raises(InputError, match=r"none of the 4 takes.*take00: its digit has shape \(3,"):
         prepared(takes, tmp_path / "cache", flat)
     (tmp_path / "file").write_text("a file")
     feature, _ = counting("digit", digit)
-    with pytest.raises(InputError, match="features cannot be stored"):
+    with pytest.raises(InputError, match=r"features cannot be stored \(Not a directory\)"):
         prepared(takes, tmp_path / "file", feature)
+    # NumPy's error of a full disk has no number.
+    monkeypatch.setattr(np, "save", Mock(side_effect=OSError("9 requested and 2 written")))
+    with pytest.raises(InputError, match=r"features cannot be stored \(9 requested and 2 written"):
+        prepared(takes, tmp_path / "cache", feature)
 
 
 def test_another_version_rate_or_file_is_recomputed(takes: TakeFolder, tmp_path: Path) -> None:
