@@ -43,8 +43,9 @@ def read_saved(file: Path) -> object:
     except (
         *(pickle.UnpicklingError, OSError, RuntimeError, EOFError),
         *(ValueError, LookupError, TypeError),
-    ) as error:
-        raise not_weights_error(file, str(error).partition("\n")[0]) from None
+    ):
+        # torch's own words advise to unpickle it nevertheless.
+        raise not_weights_error(file, "it is damaged, or holds more than tensors") from None
 
 
 def tensors_in(content: object, file: Path) -> dict[str, Tensor]:

@@ -247,8 +247,6 @@ def load_weights(network: nn.Module, file: Path, place: tuple[str, ...]) -> None
     InputError
         If the file is missing, holds other objects, or holds another network's weights.
     """
-    if not file.is_file():
-        raise InputError("there is no such file", where=file, remedy="Check the path")
     try:
         with torch.serialization.safe_globals([argparse.Namespace]):
             content = read_saved(file)

@@ -223,6 +223,7 @@ def load_network(path: Path, dataset: Literal["beat", "show"], stats: Path | Non
     if holds_facts(path):
         return _load_trained(path)
     if stats is None:
+        read_weights(path)  # a damaged file is refused as one
         raise InputError(
             "a released checkpoint lacks the means and standard deviations of its motion",
             where=path,
