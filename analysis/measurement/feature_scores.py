@@ -12,6 +12,7 @@ import numpy as np
 from analysis.evaluators import feature_networks as names
 from analysis.evaluators.feature_networks import ClipFeatures, Network
 from analysis.metrics.diversity import feature_variance
+from analysis.metrics.embeddings import Embeddings, drawn, embeddings
 from analysis.metrics.emotion_accuracy import emotion_accuracy, emotion_confusion
 from analysis.metrics.frechet import (
     FAILED,
@@ -22,7 +23,6 @@ from analysis.metrics.frechet import (
     published_distance,
 )
 from analysis.metrics.kernel_distance import kernel_distance
-from analysis.metrics.samples import Embeddings, drawn, embeddings
 from analysis.metrics.scores import (
     Better,
     ClipScore,

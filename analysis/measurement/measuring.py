@@ -12,7 +12,11 @@ from pathlib import Path
 from typing import TypeVar
 
 from analysis.evaluators.feature_networks import Source, networks
-from analysis.measurement.conditions import condition_scores, network_scores, recorded_conditions
+from analysis.measurement.condition_scores import (
+    condition_scores,
+    network_scores,
+    recorded_conditions,
+)
 from analysis.measurement.kept_arrays import forget_unused
 from analysis.measurement.measured_clips import (
     Excerpt,

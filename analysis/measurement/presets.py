@@ -105,7 +105,7 @@ REPORT: Final = "report"
 PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
     {
         REPORT: Preset(
-            beats=beat_alignment.PRESETS,
+            beats=(beat_alignment.AMUSE, beat_alignment.BEAT),
             derivatives=(HANDS, HANDS_UNFILTERED),
             mean_pose_deviation=True,
             pair_distance=True,

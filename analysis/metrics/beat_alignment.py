@@ -124,9 +124,6 @@ TALKSHOW: Final = BeatSettings(
 )
 """TalkSHOW's and HA2G's: from each audio onset to where the arms' bones turn least."""
 
-PRESETS: Final = (AMUSE, BEAT)
-"""Shown in every report; `TALKSHOW` is available on demand."""
-
 
 class BeatAlignment(NamedTuple):
     """The scores of one clip.
@@ -251,7 +248,7 @@ def beat_alignment(
     frame_rate : float
         Frames per second of `positions`.
     settings : BeatSettings
-        Usually one of `PRESETS`.
+        Usually `AMUSE`, `BEAT` or `TALKSHOW`.
     detector : str
         The onset detector, for the settings of the result.
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgWarning, eigh, sqrtm
 
-from analysis.metrics.samples import (
+from analysis.metrics.embeddings import (
     FEWEST_CLIPS,
     SEED,
     Embeddings,

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.metrics.samples import FEWEST_CLIPS, Embeddings, check_dimensions
+from analysis.metrics.embeddings import FEWEST_CLIPS, Embeddings, check_dimensions
 from analysis.metrics.scores import Metric, MetricResult
 
 FloatArray = NDArray[np.float64]

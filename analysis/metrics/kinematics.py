@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
-from analysis.metrics.samples import FEWEST_CLIPS, SEED
+from analysis.metrics.embeddings import FEWEST_CLIPS, SEED
 from analysis.metrics.scores import Metric, MetricResult
 from motion.clip import MotionClip
 from motion.placement import stand_on_ground

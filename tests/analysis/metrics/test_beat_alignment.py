@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from analysis.metrics.beat_alignment import (
     AMUSE,
     BEAT,
-    PRESETS,
     TALKSHOW,
     BeatAlignment,
     BeatSettings,
@@ -95,7 +94,7 @@ def swinging() -> FloatArray:
     return np.sin(2 * np.pi * time)[:, None, None] * np.ones((1, 6, 3))
 
 
-@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
+@pytest.mark.parametrize("preset", [AMUSE, BEAT], ids=lambda preset: preset.name)
 def test_motion_on_the_beat_scores_above_chance_and_off_the_beat_below(
     preset: BeatSettings,
 ) -> None:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import ortho_group
 
+from analysis.metrics.embeddings import Embeddings, embeddings
 from analysis.metrics.frechet import (
     FAILED,
     RULES,
@@ -22,7 +23,6 @@ from analysis.metrics.frechet import (
     published_distance,
 )
 from analysis.metrics.kernel_distance import kernel_distance
-from analysis.metrics.samples import Embeddings, embeddings
 from motion.errors import InputError
 from tests.analysis.metrics.test_kernel_distance import width_of
 

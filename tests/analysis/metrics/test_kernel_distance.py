@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from analysis.metrics.embeddings import embeddings
 from analysis.metrics.kernel_distance import kernel_distance
-from analysis.metrics.samples import embeddings
 from analysis.metrics.scores import MetricResult
 
 FloatArray = NDArray[np.float64]
