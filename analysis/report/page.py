@@ -207,7 +207,7 @@ def _records(results: Any, has_sets: bool) -> list[Record]:
     return [
         ({"set": row.set} if has_sets else {})
         | {"question": row.question}
-        | cast(Any, plain(row.found))
+        | cast(Any, plain(row.result))
         for row in results.rows()
     ]
 

@@ -29,7 +29,7 @@ class Row(NamedTuple, Generic[Result]):
 
     set: str
     question: str
-    found: Result
+    result: Result
 
 
 @dataclass(frozen=True)

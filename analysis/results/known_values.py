@@ -68,7 +68,7 @@ class KnownDifference:
     truth : float
         How much better the first is, of a share from one half; below zero where it is worse. Of
         ranks, how much further in front.
-    found : Estimate
+    estimate : Estimate
         The same by the analysis.
     decided : bool
         Whether the analysis says that they differ.
@@ -80,7 +80,7 @@ class KnownDifference:
     first: str
     second: str
     truth: float
-    found: Estimate
+    estimate: Estimate
     decided: bool
 
     @property
@@ -91,12 +91,12 @@ class KnownDifference:
         """
         if not self.decided:
             return "equal" if self.truth == 0 else "undecided"
-        return "right" if self.found.estimate * self.truth > 0 else "wrong"
+        return "right" if self.estimate.estimate * self.truth > 0 else "wrong"
 
     @property
     def half_width(self) -> float:
         """Half the width of the interval; NaN where there is none."""
-        return (self.found.high - self.found.low) / 2
+        return (self.estimate.high - self.estimate.low) / 2
 
 
 def found_values(
@@ -210,6 +210,6 @@ def _difference(
         second="".join(key.names[1:]) or "other speech",
         # The smaller a rank, the better.
         truth=second - first if measure == "mean_rank" else first - second,
-        found=estimate,
+        estimate=estimate,
         decided=decided,
     )

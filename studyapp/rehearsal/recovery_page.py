@@ -167,8 +167,8 @@ def _values(recovery: Recovery) -> pd.DataFrame:
 def _differences(recovery: Recovery) -> pd.DataFrame:
     rows = [
         vars(each)
-        | vars(each.found)
-        | {"true_value": each.truth, "found": each.found.estimate, "sign": each.sign}
+        | vars(each.estimate)
+        | {"true_value": each.truth, "found": each.estimate.estimate, "sign": each.sign}
         for each in recovery.differences
     ]
     return pd.DataFrame(rows, columns=DIFFERENCES)

@@ -77,21 +77,21 @@ def difference_in_words(difference: KnownDifference) -> str:
         f"{question_name(difference.part, difference.question)}: "
         f"{condition(difference.first)} and {condition(difference.second)}"
     )
-    found, half = difference.found, difference.half_width
+    estimate, half = difference.estimate, difference.half_width
     signed, written = difference_style(difference.measure), number_style(difference.measure)
     truth = signed(difference.truth)
     if difference.sign == "wrong":
         return (
-            f"{what}: the analysis finds {signed(found.estimate)}, but the true difference is "
+            f"{what}: the analysis finds {signed(estimate.estimate)}, but the true difference is "
             f"{truth}. A sound design gets the sign wrong in at most 1 of 40 rehearsals; if the "
             "difference is small, that is due to chance or to the choice of segments."
         )
     if math.isnan(half):
-        why = found.reason or "there are too few answers"
+        why = estimate.reason or "there are too few answers"
         if why == NO_RANK_INTERVAL:
             why = "the test of worths is not significant"
         return f"{what}: undecided ({why}). The true difference is {truth}."
-    people = count(found.participants, "participant")
+    people = count(estimate.participants, "participant")
     if abs(difference.truth) <= half:
         return (
             f"{what}: the design cannot answer this question. With {people}, the interval is "

@@ -247,9 +247,9 @@ def _omnibus_tests(report: TableReport) -> list[str]:
     return [
         f"on {wording.name(row.question)}"
         + (f" in set “{wording.name(row.set)}”" if row.set else "")
-        + f" ({wording.f_test(row.found.omnibus)})"
+        + f" ({wording.f_test(row.result.omnibus)})"
         for row in models
-        if not math.isnan(row.found.omnibus.p_value)
+        if not math.isnan(row.result.omnibus.p_value)
     ]
 
 

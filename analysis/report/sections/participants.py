@@ -147,7 +147,7 @@ def diagnostics_section(report: TableReport, subject: Subject) -> Section | None
     if isinstance(results, RankingResults):
         tables.append(table("kendall_w_table", results.kendall_w.rows()))
     else:
-        retested = [row for row in results.test_retest.rows() if row.found.n]
+        retested = [row for row in results.test_retest.rows() if row.result.n]
         tables.append(table("agreement_table", results.agreement.rows()))
         tables.append(table("test_retest_table", retested))
     return Section(

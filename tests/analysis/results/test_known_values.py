@@ -31,7 +31,7 @@ def test_conclusions_match_known_differences(truth: float, estimate: float, sign
         first="ours",
         second="theirs",
         truth=truth,
-        found=result,
+        estimate=result,
         decided=not result.covers(0.0),
     )
     assert difference.sign == sign
@@ -60,7 +60,7 @@ def test_ranks_are_told_apart_by_the_deciding_test_and_differ_in_the_unit_of_the
 
     assert len(differences) == len(report.results.contrasts) > 0
     for difference, contrast in zip(differences, report.results.contrasts, strict=True):
-        assert difference.found.estimate == pytest.approx(difference.truth)
+        assert difference.estimate.estimate == pytest.approx(difference.truth)
         # Outside the family nothing is corrected.
         p = contrast.p_value if math.isnan(contrast.p_holm) else contrast.p_holm
         assert difference.decided is bool(p < 0.05)

@@ -27,7 +27,7 @@ UNDECIDED = KnownDifference(
     first="ours",
     second="theirs",
     truth=0.1,
-    found=Estimate(estimate=0.05, low=-0.15, high=0.25, participants=25),
+    estimate=Estimate(estimate=0.05, low=-0.15, high=0.25, participants=25),
     decided=False,
 )
 RIGHT = Check(what="completed, says the report", happened=3, counted=3)
@@ -69,7 +69,7 @@ def test_a_design_that_cannot_answer_is_distinguished_from_bad_luck() -> None:
     ranked = Estimate(estimate=0.05, participants=25, reason=NO_RANK_INTERVAL)
     assert (
         "undecided (the test of worths is not significant). The true difference is"
-        in difference_in_words(replace(UNDECIDED, measure="mean_rank", found=ranked))
+        in difference_in_words(replace(UNDECIDED, measure="mean_rank", estimate=ranked))
     )
 
 
