@@ -296,10 +296,14 @@ def _build_scene(primitive: Any, ground: Any, camera: Camera, background: Colour
     scene = pyrender.Scene(bg_color=colour, ambient_light=np.array(AMBIENT_LIGHT))
     scene.add(pyrender.Mesh([primitive]))
     scene.add(pyrender.Mesh([ground]), name=GROUND)
+    eye, target = np.array(camera.eye), np.array(camera.target)
     lens = pyrender.PerspectiveCamera(
-        yfov=np.radians(camera.field_of_view), aspectRatio=1.0, znear=0.1, zfar=20.0
+        yfov=np.radians(camera.field_of_view),
+        aspectRatio=1.0,
+        znear=0.1,
+        zfar=max(20.0, 2 * float(np.linalg.norm(eye - target))),
     )
-    scene.add(lens, pose=look_at(np.array(camera.eye), np.array(camera.target)))
+    scene.add(lens, pose=look_at(eye, target))
     for number, light in enumerate(LIGHTS):
         lamp = pyrender.DirectionalLight(color=np.array(light.colour), intensity=light.intensity)
         scene.add(lamp, name=f"{number}", pose=look_at(np.array(light.comes_from), np.zeros(3)))

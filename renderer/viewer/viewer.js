@@ -259,15 +259,15 @@ class Player {
     this.rows = Math.ceil(clips.length / (figure.clientWidth < NARROW ? 2 : 3));
     this.columns = Math.ceil(clips.length / this.rows);
     this.view = scene.camera;
-    this.camera = new THREE.PerspectiveCamera(scene.camera.field_of_view, 1, 0.1, 60);
+    const farthest = Math.max(20, new THREE.Vector3(...this.view.eye).distanceTo(new THREE.Vector3(...this.view.target)));
+    this.camera = new THREE.PerspectiveCamera(scene.camera.field_of_view, 1, 0.1, 3 * farthest);
     this.renderer = new THREE.WebGLRenderer({ antialias: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.renderer.setScissorTest(true);
     this.renderer.domElement.addEventListener("webglcontextrestored", () => { this.drawn = ""; });
     this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
     this.controls.maxPolarAngle = LARGEST_ANGLE;
     this.controls.minDistance = 0.4;
-    this.controls.maxDistance = 20;
+    this.controls.maxDistance = farthest;
     this.build(scene);
     this.front();
     this.resized = new ResizeObserver(() => this.resize());
@@ -363,6 +363,7 @@ class Player {
   }
 
   render() {
+    this.renderer.setScissorTest(true);  // a restored context has forgotten it
     const width = this.stage.clientWidth / this.columns, height = this.stage.clientHeight / this.rows;
     this.performers.forEach((performer, number) => {
       const column = number % this.columns, row = Math.floor(number / this.columns);

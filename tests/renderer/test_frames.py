@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +43,18 @@ def test_the_face_matches_its_golden_picture(
     close = Camera(eye=(0, 0.28, 1.7), target=(0, 0.26, 0), field_of_view=10)
     with Stage(body_path, close, Look(size=160)) as stage:
         assert_like_golden(np.asarray(still(stage, clip, 0.7)), "face", tmp_path)
+
+
+@pytest.mark.parametrize(("framing", "metres"), [("face", 2.0), ("full_body", 20.0)])
+def test_a_speaker_who_walks_far_is_seen_by_a_camera_far_away(
+    framing: str, metres: float, clip: MotionClip, body: BodyModel, body_path: Path
+) -> None:
+    look = Look(size=160, framing=framing)
+    ahead = np.linspace([-metres, 0, 0], [metres, 0, 0], len(clip), dtype=np.float32)
+    walking = replace(clip, trans=clip.trans + ahead)
+    with Stage(body_path, frame_clips([walking], body, look), look) as stage:
+        picture = np.asarray(still(stage, walking, clip.duration / 2)).astype(int)
+    assert (np.abs(picture - look.background).max(axis=2) > 60).any()
 
 
 _FACING = np.tile(np.array([0, 0, 1], np.float32), (3, 1))
