@@ -74,19 +74,19 @@ class FigureMaterial:
         Parameters
         ----------
         conditions : sequence of str
-            Each ``name`` or ``name=label``; empty for all but the catch condition.
+            Each ``name`` or ``name=label``; empty for all but the catch condition. Without a label,
+            a condition has its display name.
 
         Raises
         ------
         InputError
             If a condition is unknown, or names or labels are not distinct.
         """
-        shown = self.plan.conditions
-        if not conditions:
-            return {name: name for name in shown if name != self.plan.study.catch.condition}
-        parts = [text.partition("=") for text in conditions]
+        shown, study = self.plan.conditions, self.plan.study
+        texts = conditions or [name for name in shown if name != study.catch.condition]
+        parts = [text.partition("=") for text in texts]
         names = [_require_known(name, "condition", shown) for name, _, _ in parts]
-        labels = [label.strip() or name for name, _, label in parts]
+        labels = [label.strip() or study.display_names[name] for name, _, label in parts]
         require_distinct(names)
         require_distinct(labels)
         return dict(zip(names, labels, strict=True))

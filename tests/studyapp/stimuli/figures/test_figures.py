@@ -84,8 +84,9 @@ def test_conditions_can_have_other_labels_which_are_distinct(
     study: StudyFolder, tmp_path: Path
 ) -> None:
     material = FigureMaterial.read(study)
-    labels = material.labels(["ground_truth=Recording", "mismatched"])
-    assert labels == {"ground_truth": "Recording", "mismatched": "mismatched"}
+    labels = material.labels(["ground_truth=Recording", "rule_based"])
+    assert labels == {"ground_truth": "Recording", "rule_based": "rule based"}
+    assert material.labels(())["rule_based"] == "rule based"
     for repeated in (["rule_based=Ours", "mismatched=Ours"], ["rule_based", "rule_based=Ours"]):
         with pytest.raises(InputError, match="Use different labels"):
             material.labels(repeated)
