@@ -76,7 +76,7 @@ def command(
     if record.errors:
         raise InputError(
             f"errors must be fixed before participants can take part ({record.summary})",
-            where=folder.root,
+            where=record.study,
         )
     hidden = record.notes and not everything
     notes = f" (--verbose prints {counted(record.notes, 'note')})" if hidden else ""

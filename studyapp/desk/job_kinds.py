@@ -92,6 +92,7 @@ def _check(study: OpenedStudy, form: Form) -> tuple[str, ...]:
     has_address = current_lab().origin and study.study.served() is not None
     return (
         "check",
+        "--verbose",
         "--record",
         RECORD,
         *(["--address", f"{current_lab().origin}/{study.name}/"] if has_address else []),

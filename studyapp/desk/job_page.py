@@ -153,11 +153,16 @@ def _files(study: OpenedStudy, kind: JobKind) -> list[tuple[str, str, int]]:
 def section(study: OpenedStudy, kinds: tuple[JobKind, ...]) -> Mapping[str, Any]:
     """Return what the study's page says of these kinds of jobs."""
     standings = job_standings(study.folder.jobs)
+    may_look = reason_to_look(study) is not None
     return {
-        "kinds": [kind for kind in kinds if study.account.may(kind.needs)],
+        "kinds": [
+            kind
+            for kind in kinds
+            if study.account.may(kind.needs) and (may_look or not kind.shows_answers)
+        ],
         "standings": standings,
         "is_busy": _is_busy(standings),
-        "may_look": reason_to_look(study) is not None,
+        "may_look": may_look,
     }
 
 

@@ -192,7 +192,7 @@ def planned_segments(
         raise InputError(
             "the study has no segments yet, so it is not known how many it will have",
             where=folder.root,
-            remedy="Give numbers to try, such as --items 24,48, or import speech or videos first",
+            remedy="Import speech or videos first (--items 24,48 gives numbers to try)",
         )
     lengths = [30.0]
     if isinstance(study, RankingStudy):

@@ -40,6 +40,9 @@ SHUT_IN: Final = (
 )
 """The policy of such files: their scripts have no origin, and load nothing."""
 
+REFUSAL: Final = 400
+"""Answers from here on are pages of the server, whatever was asked for."""
+
 BROWSERS_KEEP: Final = ("static", "media.video", "research.viewer_file", "research.viewer_avatar")
 """Endpoints of files that browsers may keep."""
 
@@ -66,7 +69,7 @@ def protect(app: Flask, *, recruitment: Recruitment, media: str = "") -> None:
     def add_headers(response: Response) -> Response:
         response.headers.update(PROTECTION)
         response.headers.update(framed if request.blueprint in PARTICIPANTS else alone)
-        if request.endpoint == FOREIGN_FILES:
+        if request.endpoint == FOREIGN_FILES and response.status_code < REFUSAL:
             response.headers["Content-Security-Policy"] = SHUT_IN
         if request.endpoint not in BROWSERS_KEEP:
             response.headers["Cache-Control"] = "no-store"

@@ -129,8 +129,11 @@ def test_answers_before_the_end_require_a_reason(tiny: LabStudy, ada: ResearchBr
     page = ada.get(TINY)
     assert "you must give a reason, which is logged" in page.text
     assert not page.soup.select("[action$='jobs/report']")
+    assert "Figure for a paper" in page.text, "it shows no answers"
     for address in ("report/files/report.html", "tables/archive"):
-        assert ada.client.get(JOBS + address).status_code == 409
+        refused = ada.client.get(JOBS + address)
+        assert refused.status_code == 409
+        assert "sandbox" not in refused.headers["Content-Security-Policy"], "the page has a style"
     for kind in ("report", "tables", "share"):
         assert ada.post(JOBS + kind).status_code == 409
     assert not [event for _, event, _ in changes(tiny) if event in ("job started", "downloaded")]
