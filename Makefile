@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help develop rehearsal-tables setup setup-browser setup-engines setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-s2ue bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens engines command-pages guide deploy-page desk-way three-systems worked-examples clean
+.PHONY: help develop rehearsal-tables setup setup-browser setup-engines setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-s2ue bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens engines pages guide desk-way three-systems worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -124,8 +124,10 @@ screens: setup-browser  ## Take screenshots of every page of every protocol, in 
 engines: setup-engines  ## Take part in a study and watch it in Firefox and WebKit, with screenshots.
 	SCREENSHOTS=$(CURDIR)/screens $(BIN)/pytest -q tests/functional/test_engines.py
 
-command-pages: $(VENV)/.developed  ## Update docs/commands from the commands' options.
+pages: $(VENV)/.developed  ## Update what the code writes into docs/: commands, findings of check, files of a server.
 	$(BIN)/python -m tools.handbook.command_pages
+	$(BIN)/python -m tools.handbook.check_page
+	$(BIN)/python -m tools.handbook.deploy_page
 
 guide: setup-browser  ## Run docs/guide.md and the commands' examples in a new folder, and insert their output.
 	rm -rf build/guide
@@ -134,9 +136,6 @@ guide: setup-browser  ## Run docs/guide.md and the commands' examples in a new f
 
 desk-way: setup-browser  ## Go through the desk in a browser, and take the pictures of docs/desk-way.md.
 	$(BIN)/python -m tools.desk_way
-
-deploy-page: $(VENV)/.developed  ## Update the files shown in docs/deploy.md.
-	$(BIN)/python -m tools.handbook.deploy_page
 
 three-systems: setup  ## Make the study of all three learned systems on the synthetic corpus, and docs/three-systems.md.
 	$(BIN)/python -m tools.three_systems --write docs/three-systems.md

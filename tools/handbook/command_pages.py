@@ -4,7 +4,7 @@ A page has a block for its command and for each subcommand, between two marks. T
 generated and the rest is kept. A command without a page gets one with empty headings, which the
 tests do not accept.
 
-``python -m tools.handbook.command_pages`` brings all pages up to date.
+``make pages`` brings all pages up to date.
 """
 
 from __future__ import annotations

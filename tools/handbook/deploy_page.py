@@ -2,7 +2,7 @@
 
 A block says behind its language that it is a file, which one, and of which deployment.
 
-``python -m tools.handbook.deploy_page`` brings the page up to date.
+``make pages`` brings the page up to date.
 """
 
 from __future__ import annotations

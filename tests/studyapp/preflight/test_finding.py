@@ -14,7 +14,7 @@ import pytest
 from studyapp import preflight
 from studyapp.preflight.finding import Finding, catalogue, kinds, make_record, text_lines
 from studyapp.stimuli import media_probe
-from tools.check_page import DOCS, schema, with_table
+from tools.handbook.check_page import DOCS, schema, with_table
 
 MODULES = [path.read_text() for path in Path(preflight.__path__[0]).glob("*.py")]
 SOURCE = "\n".join([*MODULES, Path(media_probe.__file__).read_text()])
@@ -23,7 +23,7 @@ SOURCE = "\n".join([*MODULES, Path(media_probe.__file__).read_text()])
 def test_the_documented_table_matches_the_catalogue() -> None:
     page = (DOCS / "check.md").read_text(encoding="utf-8")
 
-    assert with_table(page) == page, "run python -m tools.check_page"
+    assert with_table(page) == page, "run 'make pages'"
     assert (DOCS / "check.schema.json").read_text(encoding="utf-8") == schema()
 
 

@@ -30,7 +30,7 @@ def test_every_command_has_a_page_and_a_place_in_the_index() -> None:
 
 @pytest.mark.parametrize("name", [*COMMANDS, INDEX])
 def test_a_page_says_what_the_code_says(name: str) -> None:
-    assert WRITTEN[name] == pages(WRITTEN)[name], "run 'make command-pages'"
+    assert WRITTEN[name] == pages(WRITTEN)[name], "run 'make pages'"
 
 
 @pytest.mark.parametrize("name", commands())

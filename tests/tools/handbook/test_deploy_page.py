@@ -18,7 +18,7 @@ TEXT = PAGE.read_text("utf-8")
 
 
 def test_the_page_shows_every_file_as_it_is_written() -> None:
-    assert up_to_date(TEXT) == TEXT
+    assert up_to_date(TEXT) == TEXT, "run 'make pages'"
     assert {block.words[1] for block in shown_files(TEXT)} == {
         file.name for deployment in DEPLOYMENTS.values() for file in deployed_files(deployment)
     }

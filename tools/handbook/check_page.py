@@ -1,4 +1,4 @@
-"""``python -m tools.check_page`` writes the table of findings, and a schema, into `docs`.
+"""``make pages`` writes the table of findings, and a schema, into `docs`.
 
 The table in `docs/check.md` comes from `studyapp/preflight/findings.toml`; the schema describes
 the output of `motionjury check --json`.
@@ -14,7 +14,7 @@ from motion.files import write_text
 from studyapp.preflight.finding import CheckRecord, catalogue
 from tools.markdown import table, with_part
 
-DOCS: Final = Path(__file__).resolve().parents[1] / "docs"
+DOCS: Final = Path(__file__).resolve().parents[2] / "docs"
 
 
 def with_table(page: str) -> str:
