@@ -196,13 +196,14 @@ def test_missing_inputs_of_metrics_are_reported(recorded_study: RecordedStudy) -
     assert alone.remarks == ("no recordings are given, so nothing is compared with them",)
 
 
-def test_clips_are_compared_at_the_lowest_stated_or_actual_rate(
+def test_clips_are_compared_at_the_lowest_stated_or_actual_rate_up_to_thirty(
     study: Study, tmp_path: Path, waving: Callable[..., MotionClip]
 ) -> None:
     folder = tmp_path / "kept"
     fast = study_metrics(*study, file_rate=30.0, kept=folder)
     slow = study_metrics(*study, file_rate=15.0, kept=folder)
     assert (fast.frame_rate, slow.frame_rate) == (30, 15)
+    assert study_metrics(*study, file_rate=60.0).frame_rate == 30
     name = "jerk (hands, unfiltered)"
     assert score_of(fast, "waving", name).value == pytest.approx(
         8 * score_of(slow, "waving", name).value

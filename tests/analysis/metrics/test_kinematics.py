@@ -14,7 +14,6 @@ from analysis.metrics.kinematics import (
     GENEA_ACCELERATION,
     HANDS,
     HANDS_UNFILTERED,
-    common_frame_rate,
     foot_sliding,
     joint_motion,
     mean_derivative,
@@ -190,8 +189,3 @@ def test_the_pelvis_follows_walking_and_crouching(
         poses[:, joint_index(f"{side}_ankle"), 0] = -0.8
     crouching = joint_motion(replace(clip, poses=poses), 30.0).pelvis
     assert crouching[0, 1] < pelvis[0, 1] - 0.1
-
-
-def test_clips_are_compared_at_the_lowest_rate_up_to_thirty() -> None:
-    assert common_frame_rate({60.0, 120.0}) == 30.0
-    assert common_frame_rate([25.0, 60.0]) == 25.0

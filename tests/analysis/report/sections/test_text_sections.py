@@ -162,32 +162,28 @@ def test_looks_are_reported_on_the_first_screen_in_the_methods_and_in_a_section(
     assert "looked at" not in " ".join((*answer(report, subject), *certainty(report, subject)))
 
 
-def subject_with_stills(*conditions: str, **settings: Any) -> Subject:
-    stills = tuple(
+def stills(*conditions: str, **settings: Any) -> Section | None:
+    shown = tuple(
         Still(condition=name, segment="s1", seconds=seconds, image="data:image/webp;x")
         for name in conditions
         for seconds in (0.4, 1.25)
     )
-    return Subject(
+    subject = Subject(
         title="study",
         origin="participants",
         protocol="rating",
         conditions=("ours", "theirs"),
         questions={},
         excerpts={"s1": Excerpt(transcript="Put them into <detention>.")},
-        stills=stills,
+        stills=shown,
         **settings,
     )
-
-
-def stills(*conditions: str, **settings: Any) -> Section:
-    section = stills_section(subject_with_stills(*conditions, **settings))
-    assert section is not None
-    return section
+    return stills_section(subject)
 
 
 def test_each_condition_is_a_row_of_stills_with_alternative_texts() -> None:
     section = stills("ours", "<b>theirs</b>")
+    assert section is not None
     (strip,) = section.pictures
     assert strip.svg.count("<img ") == 4
     assert 'alt="ours after 1.2 seconds"' in strip.svg
@@ -198,9 +194,11 @@ def test_each_condition_is_a_row_of_stills_with_alternative_texts() -> None:
 
 
 def test_a_condition_without_stills_is_named_with_a_reason() -> None:
-    assert stills("ours").paragraphs[1] == "There is no readable video of this segment of theirs."
-    assert stills(no_stills="There are no videos yet.").paragraphs == ("There are no videos yet.",)
-    assert stills_section(subject_with_stills()) is None
+    of_ours, of_none = stills("ours"), stills(no_stills="There are no videos yet.")
+    assert of_ours is not None and of_none is not None
+    assert of_ours.paragraphs[1] == "There is no readable video of this segment of theirs."
+    assert of_none.paragraphs == ("There are no videos yet.",)
+    assert stills() is None
 
 
 @pytest.mark.parametrize("protocol", ["pairwise", "ranking"])
