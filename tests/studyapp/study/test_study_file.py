@@ -15,12 +15,12 @@ from studyapp.study.settings.presentation import Framing, Language
 from studyapp.study.settings.reading import ALIASES, PROTOCOLS, read_study
 from studyapp.study.study_file import TEMPLATES, add_condition, new_study
 
-TEMPLATE_FILES = Path("studyapp/study/templates")
-
 
 def test_every_key_is_in_a_template_or_in_the_documentation() -> None:
-    templates = "".join(path.read_text("utf-8") for path in TEMPLATE_FILES.rglob("*.toml"))
-    documents = "".join(path.read_text("utf-8") for path in Path("docs").glob("*.md"))
+    templates, documents = (
+        "".join(path.read_text("utf-8") for path in Path(folder).glob(files))
+        for folder, files in (("studyapp/study/templates", "**/*.toml"), ("docs", "*.md"))
+    )
     known = {*re.findall(r"\w+", templates), *re.findall(r"\b(\w+)(?:`| = |\])", documents)}
     schemas = [protocol.model_json_schema() for protocol in PROTOCOLS.values()]
     sections = [part for schema in schemas for part in (schema, *schema["$defs"].values())]
