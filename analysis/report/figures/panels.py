@@ -34,6 +34,9 @@ from analysis.report.figures.style import (
 _LINE_HEIGHT: Final = 0.135
 """Height of a line of a row's name, in inches."""
 
+_MAX_LINES: Final = 3
+"""Of a row's name: 'first against second' is cut off in two."""
+
 _MARGIN_HEIGHT: Final = 0.85
 """Largest height of a panel's title and axis, in inches."""
 
@@ -57,21 +60,20 @@ class Format:
         Of a sheet.
     label_width : float
         The most that the rows' names take at the left.
-    max_columns, max_lines : int
-        The most panels side by side, and the most lines of a row's name.
+    max_columns : int
+        The most panels side by side.
     """
 
     width: float
     max_height: float
     label_width: float
     max_columns: int
-    max_lines: int
 
 
-WIDE: Final = Format(width=WIDTH, max_height=9.0, label_width=1.3, max_columns=3, max_lines=2)
+WIDE: Final = Format(width=WIDTH, max_height=9.0, label_width=1.3, max_columns=3)
 """A page of A4, and the screen of a computer."""
 
-NARROW: Final = Format(width=3.6, max_height=1000.0, label_width=0.95, max_columns=1, max_lines=3)
+NARROW: Final = Format(width=3.6, max_height=1000.0, label_width=0.95, max_columns=1)
 """The screen of a telephone, which scrolls."""
 
 
@@ -84,7 +86,7 @@ class Row(NamedTuple):
     def text(self, sheet: Format) -> str:
         """Return both, broken into lines."""
         width = sheet.label_width - 0.1
-        name = fit_text(self.name, width, size=LABEL_SIZE, lines=sheet.max_lines)
+        name = fit_text(self.name, width, size=LABEL_SIZE, lines=_MAX_LINES)
         return f"{name}\n{self.below}" if self.below else name
 
 

@@ -122,6 +122,11 @@ def test_only_text_that_does_not_fit_is_shortened(name: str, lines: int) -> None
     assert is_whole == ("…" not in fitting[-1])
 
 
+def test_both_conditions_of_a_row_are_named() -> None:
+    pair = "ours without emotion against ground truth"
+    assert Row(pair).text(WIDE).split() == pair.split()
+
+
 def line_picture() -> Picture:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(2, 1))

@@ -184,11 +184,17 @@ def test_the_first_sentence_names_the_largest_effect_and_counts_the_others(
     assert certainty_words.startswith("Also preferred: ")
 
 
-def test_only_the_tests_of_the_family_are_counted(answered: Answered) -> None:
+def test_only_the_tests_of_the_family_that_could_be_run_are_counted(answered: Answered) -> None:
     table = pairwise_table("abcdef", effects=(3.0, 0, 0, 0, 0, 0), participants=20, segments=10)
     effect, certainty_words = answered(table, "pairwise", family="against=b")
     assert effect.endswith("; none of the other 4 tests is significant.")
     assert "4 of 5 tests are not significant" in certainty_words
+
+    ties = pairwise_table(("a", "b"), ("emotion", "rhythm"), effects=(0.0, 0.0), participants=20)
+    ties["response"] = ties["response"].where(ties["question"] == "emotion", 3)
+    effect, certainty_words = answered(ties, "pairwise")
+    assert effect.startswith("The only test that could be run is not significant")
+    assert "1 test could not be run" in certainty_words
 
 
 def test_open_places_unwatched_study_sessions_and_people_screened_out_are_counted(
