@@ -19,7 +19,7 @@ from analysis.report.sections.conditions import (
     strength_pictures,
     strongest_first,
 )
-from analysis.report.texts import figure_text, table
+from analysis.report.texts import figure_text, sentence, table
 from analysis.report.wording import SIGNIFICANCE, reason_for_no_figure, set_suffix, share_words
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.preference import Comparison, MatchedCondition
@@ -278,8 +278,7 @@ def mismatch_sections(results: MismatchResults) -> tuple[Section, ...]:
             suffix,
             "Whether the motion fits its own speech",
             no_figure=group.reason_for_no_figure,
-            paragraph="A condition whose motion fits any speech as well as its own has a win share "
-            "of .5; a higher one means that its motion belongs to what is said.",
+            paragraph=sentence("effects.own_speech"),
             pictures=lambda: preference_pictures(group, replace(text, name=f"own-speech{suffix}")),
             tables=(shares, sums, *others),
         )
