@@ -37,7 +37,7 @@ def write_speech(folder: Path) -> tuple[Segment, ...]:
     """Write speech of different lengths and loudness, and return its segments."""
     segments = []
     for number in range(SEGMENTS):
-        seconds = 0.6 + number / FRAME_RATE
+        seconds = 0.3 + number / FRAME_RATE
         noise = np.random.default_rng(number).normal(0, 0.02 + 0.01 * (number % 3), SOUND_RATE * 2)
         swell = np.abs(np.sin(np.arange(len(noise)) / (2000 + 500 * number)))
         write_wav(folder / f"{number}.wav", Audio((noise * swell).astype(np.float32), SOUND_RATE))
