@@ -94,16 +94,17 @@ def _copies(folder: StudyFolder) -> tuple[str, ...]:
 def forget_command(folder: StudyFolder, participant: str, yes: bool) -> None:
     """Erase PARTICIPANT of the study FOLDER, even while they are answering.
 
-    PARTICIPANT is the recruiter's id, the pseudonym in exports, or the completion code. Before
-    anything is erased, the command prints what will be erased and what will remain.
+    PARTICIPANT is the recruiter's id, the pseudonym in exports, the completion code, or the link of
+    an invitation. Before anything is erased, the command prints what will be erased and what will
+    remain.
     """
     with closing(Database.open_existing(database_url_of(folder.root))) as database:
         entries = find_data(database, participant, PseudonymKey.read(folder.pseudonym_key))
     if not entries:
         _erase(folder, participant)
         click.echo(
-            "No participant has this recruiter id, pseudonym or completion code (any more), so "
-            "nothing was erased. Check the spelling."
+            "No participant has this recruiter id, pseudonym, completion code or invitation (any "
+            "more), so nothing was erased. Check the spelling."
         )
         return
     for entry in entries:
@@ -124,7 +125,7 @@ def forget_command(folder: StudyFolder, participant: str, yes: bool) -> None:
 
 def _describe_erasure(entry: StoredData) -> str:
     if entry.study_session is None:
-        return "Screened out, found by the recruiter's id. To be erased: that this happened."
+        return "Screened out. To be erased: that this happened."
     return (
         f"Study session {entry.study_session} ({entry.state}, arm {entry.arm}), found by its "
         f"{entry.found_by}. To be erased: {entry.answers} answers with their trials, "
@@ -138,7 +139,7 @@ def _describe_manual_steps(folder: StudyFolder) -> str:
     copies = _copies(folder)
     local = (
         f"in the study folder, {listed(copies)} may still hold their data: export and report "
-        "again, or remove these. "
+        "again, or remove their data there. "
         if copies
         else ""
     )

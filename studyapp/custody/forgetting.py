@@ -32,6 +32,7 @@ from studyapp.database.tables import (
     WatchRecord,
 )
 from studyapp.researchers.audit import ERASED, log_change
+from studyapp.researchers.credentials import token_hash
 from studyapp.researchers.exclusion_decisions import erase_decisions
 from studyapp.researchers.pseudonyms import PseudonymKey, fold_name
 from studyapp.session.state import state_of
@@ -74,7 +75,7 @@ class StoredData:
     answers, form_answers, watch_records, refusals : int
         The number of rows of each.
     found_by : str
-        ``recruiter id``, ``pseudonym`` or ``completion code``.
+        ``recruiter id``, ``pseudonym``, ``completion code`` or ``invitation``.
     """
 
     study_session: int | None
@@ -93,7 +94,8 @@ def find_data(database: Database, name: str, key: PseudonymKey | None) -> tuple[
     Parameters
     ----------
     name : str
-        The recruiter's id of the participant, the pseudonym, or the completion code.
+        The recruiter's id of the participant, the pseudonym, the completion code, or the link of
+        the invitation.
     key : PseudonymKey or None
         Resolves pseudonyms; None if nothing was ever exported.
     """
@@ -178,6 +180,8 @@ def _find_sessions(
 
 
 def _match(study_session: StudySession, name: str, key: PseudonymKey | None) -> str:
+    if study_session.visit == _visit(name):
+        return "invitation"
     name = fold_name(name)
     if not name:
         return ""
@@ -188,6 +192,11 @@ def _match(study_session: StudySession, name: str, key: PseudonymKey | None) -> 
     if key is not None and key.is_called(study_session, name):
         return "pseudonym"
     return ""
+
+
+def _visit(link: str) -> str:
+    """Return what is stored of whoever has the invitation `link`, or only its token."""
+    return token_hash(link.strip().rpartition("invitation=")[2])
 
 
 def _count_rows(session: Session, number: int) -> dict[str, int]:
@@ -257,7 +266,8 @@ def _erase_screen_outs(session: Session, names: Sequence[str]) -> int:
 
 
 def _is_screen_out_of(names: Sequence[str]) -> ColumnElement[bool]:
-    return func.lower(ScreenOut.participant).in_(map(fold_name, names))
+    stored = [*map(fold_name, names), *map(_visit, names)]
+    return func.lower(ScreenOut.participant).in_(stored)
 
 
 def _names(study_session: StudySession, key: PseudonymKey | None) -> Iterator[str]:

@@ -15,7 +15,9 @@ from studyapp.database.engine import Database
 from studyapp.database.scrubbing import scrub
 from studyapp.database.tables import Event, InterimFigures, Look, Place, StudySession
 from studyapp.database.tables.base import Base
+from studyapp.recruitment.invitations import make_invitations
 from studyapp.researchers.audit import StudyState, latest_changes, log_change, log_look
+from studyapp.researchers.credentials import token_hash
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.rows import form_answers_table
@@ -185,6 +187,18 @@ def test_a_finished_participant_is_found_by_the_completion_code(person: Particip
     assert (entry.found_by, entry.state, entry.answers) == ("completion code", "completed", 12)
     assert forget(person.database, code, None, person.clock) == 1
     assert code not in stored_text(person.database)
+
+
+def test_an_invited_participant_is_found_by_the_link(person: Participant) -> None:
+    token, screened_out = make_invitations(person.database, 2, person.clock)
+    guest = person.another().arrive(Arrival(visit=token_hash(token), form=ADULT))
+    note_screen_out(person.database, token_hash(screened_out), "eligibility", person.clock)
+    link = f"https://study.example.org/?invitation={token}"
+
+    assert [entry.found_by for entry in find_data(person.database, link, None)] == ["invitation"]
+    for name in (link, screened_out):
+        assert forget(person.database, name, None, person.clock) == 1
+    assert guest.token not in stored_text(person.database)
 
 
 def test_a_screen_out_is_erased_too(person: Participant) -> None:
