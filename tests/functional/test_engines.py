@@ -50,10 +50,10 @@ def study(engine: str, tiny_study_template: Path, tmp_path_factory: pytest.TempP
     return folder
 
 
-@pytest.fixture
-def seen(engine: str, tmp_path: Path) -> Iterator[Window]:
+@pytest.fixture(scope="module")
+def seen(engine: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Window]:
     """Give a window of the engine, as large as a laptop's."""
-    with window(engine, tmp_path) as opened:
+    with window(engine, tmp_path_factory.mktemp(f"{engine}-profile")) as opened:
         opened.resize(*LAPTOP)
         yield opened
 

@@ -22,7 +22,12 @@ from tests.functional.taking_part import (
     take_trial,
     watch,
 )
-from tests.support.studies.finished_study import Keys, write_finished_study, write_short_video
+from tests.support.studies.finished_study import (
+    Keys,
+    group,
+    write_finished_study,
+    write_short_video,
+)
 
 pytestmark = IN_A_BROWSER
 
@@ -37,11 +42,18 @@ def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+FEWER_TRIALS: dict[str, Keys] = {
+    "pairwise": {"trials": 1, "practice": 0, "catch": {"trials": 0}, "attention": None},
+    "rating": {"attention": None},
+    "ranking": {"blocks": [group("all", "ours", "theirs", trials=1)]},
+    "mismatch": {"fit": 1, "realism": 1, "attention": None},
+}
+
+
 @pytest.fixture
 def served(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Iterator[Served]:
     """Serve a study of the protocol that the test names, with not much to watch."""
-    less: Keys = {"trials": 1, "practice": 0} if request.param == "pairwise" else {}
-    write_finished_study(tmp_path, request.param, video, **less)
+    write_finished_study(tmp_path, request.param, video, **FEWER_TRIALS[request.param])
     with shown(tmp_path) as (address, app):
         yield address, site_of(app).database
 
@@ -55,26 +67,30 @@ def page(browser: Browser, served: Served) -> Iterator[Page]:
         yield opened
 
 
-@pytest.mark.parametrize(
-    ("served", "trials", "answers"),
-    [("pairwise", 3, 3), ("rating", 3, 18), ("ranking", 2, 4), ("mismatch", 4, 4)],
-    indirect=["served"],
-)
-def test_a_study_session_from_consent_to_code(
-    page: Page, served: Served, trials: int, answers: int
-) -> None:
-    _, database = served
-    for number in range(1, trials + 1):
-        take_trial(page, number)
-
+def expect_code(page: Page, database: Database, *, answers: int) -> None:
+    """Wait for the code of a participant who has given so many answers."""
     expect(page.get_by_role("heading", level=1)).to_contain_text("Thank you")
     code = page.locator("#completion-code").inner_text()
     assert code == study_session_of(page, database).completion_code
     assert len(answers_of(page, database)) == answers
 
 
+@pytest.mark.parametrize(
+    ("served", "trials", "answers"),
+    [("pairwise", 1, 1), ("ranking", 1, 2), ("mismatch", 2, 2)],
+    indirect=["served"],
+)
+def test_a_study_session_from_consent_to_code(
+    page: Page, served: Served, trials: int, answers: int
+) -> None:
+    for number in range(1, trials + 1):
+        take_trial(page, number)
+
+    expect_code(page, served[1], answers=answers)
+
+
 @pytest.mark.parametrize("served", ["rating"], indirect=True)
-def test_several_players_on_a_page(page: Page) -> None:
+def test_several_players_on_a_page_up_to_the_code(page: Page, served: Served) -> None:
     fetched: list[str] = []
     page.on("request", lambda r: fetched.append(r.url) if "/media/" in r.url else None)
     following = str(page.locator("[data-following]").get_attribute("data-following")).split()
@@ -106,3 +122,7 @@ def test_several_players_on_a_page(page: Page) -> None:
     expect(page.locator("#ahead")).to_contain_text("next page ready")
     ahead = [url for url in fetched if any(url.endswith(path) for path in following)]
     assert [url.rsplit("/", 1)[1] for url in ahead] == [p.rsplit("/", 1)[1] for p in following]
+
+    for number in (1, 2):
+        take_trial(page, number)
+    expect_code(page, served[1], answers=12)
