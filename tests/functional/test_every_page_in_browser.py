@@ -149,7 +149,6 @@ def burdens(page: Page, kind: str, responses: list[Response]) -> list[str]:
     """Return in which respects a page exceeds its weight limits."""
     page.wait_for_load_state("networkidle")
     loaded = [each for each in responses if each.request.resource_type != "media"]
-    responses.clear()
     weight = sum(map(bytes_of, loaded))
     heavy = [f"weighs {weight} bytes"] if weight > HEAVIEST[kind] else []
     return heavy + [f"{each.url} turns motion around" for each in loaded if turns_motion(each)]
@@ -181,17 +180,18 @@ def test_every_page_is_small_identical_for_all_and_accessible(
         page.on("response", lambda response: responses.append(response))
         for state in walk(page, address, app):
             kind = state.partition("-")[2]
-            # Whoever has come to a trial has nearly all of the next one.
-            problems[state] = [] if "trial" in kinds else burdens(page, kind, responses)
-            kinds.add(kind)
             parts = kind + made_of(page)
             if parts not in photographed:
                 photograph(page, f"{name}-{state}")
             if parts not in examined:
-                problems[state] += participants_barriers(page) + too_small_to_touch(page)
+                # Whoever has come to a trial has nearly all of the next one.
+                weight = [] if "trial" in kinds else burdens(page, kind, responses)
+                problems[state] = weight + participants_barriers(page) + too_small_to_touch(page)
                 for _larger in (False, True) if "trial" in kind else ():
                     assert len(video_sizes(page)) == 1, state
                     page.keyboard.press("l")
+            responses.clear()
+            kinds.add(kind)
             photographed.add(parts)
             examined.add(parts)
 
