@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
@@ -133,6 +134,7 @@ def test_an_export_is_a_look_that_later_reports_list(folder: StudyFolder, tmp_pa
     other_lab = share(folder, tmp_path / "first")
     share(folder, tmp_path / "second")
     export(folder, tmp_path / "withdrawn.csv", withdrawn=True)
+    shutil.copyfile(folder.responses, folder.rehearsal)
     export(folder, tmp_path / "rehearsed.csv", rehearsal=True)
 
     unsaid = ("export", "", "", 2)

@@ -10,8 +10,10 @@ from sqlalchemy import update
 
 from analysis.results.report import analyse_table, as_json
 from studyapp.database.tables import StudyVersion
+from studyapp.results.answers import read_answers
 from studyapp.results.report import report
 from studyapp.results.report_subject import report_presets
+from studyapp.results.stated_beforehand import UNREADABLE, change_notes, exclusions_of
 from studyapp.study.study_file import new_study
 from tests.studyapp.results.conftest import Answered
 from tests.support.studies.finished_study import PROTOCOLS
@@ -174,19 +176,11 @@ def test_unfinished_sessions_are_excluded_and_unstated_rules_are_exploratory(
     ):
         assert f"{change} the first participant arrived" in html
 
-
-def test_nothing_counts_as_planned_if_the_first_participants_study_file_cannot_be_read(
-    answered: Answered,
-) -> None:
-    folder = answered("rating")
+    # What was stated before the first participant came is not known then.
     with writing(folder.responses) as session:
         session.execute(update(StudyVersion).values(definition="protocol = 'of earlier times'"))
-    text = folder.definition.read_text("utf-8")
-    folder.definition.write_text(f"margin = 0.5\n{text}{CHANGED}", "utf-8")
-
-    page = report(folder)
-
-    assert {rule["exploratory"] for rule in results_of(page)["rules"]} == {True}
-    html = page.read_text("utf-8")
-    assert "no exclusion rule, margin or family counts as planned" in html
-    assert "after the first participant arrived" not in html
+    study, answers = folder.study(), read_answers(folder, "participants")
+    exclusions = exclusions_of(study, answers)
+    assert exclusions.planned == ()
+    assert all(rule.exploratory for rule in exclusions.rules)
+    assert (*exclusions.notes, *change_notes(study, answers.stated)) == (UNREADABLE,)

@@ -167,22 +167,6 @@ def test_a_new_look_changes_every_video(key: str, value: str, study: StudyFolder
         assert not {video.key for video in old} & {video.key for video in new}
 
 
-def test_only_one_run_renders_a_study_and_an_interrupted_one_resumes(
-    study: StudyFolder,
-) -> None:
-    def interrupt(progress: RenderProgress) -> None:
-        if progress.videos == 10:
-            with pytest.raises(InputError, match="already being rendered"):
-                render(study, processes=1)
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        render(study, processes=1, on_progress=interrupt)
-    count = render(study, processes=1)
-    assert count.kept >= 10
-    assert count.made + count.kept == 20
-
-
 def test_a_missing_clip_is_named_before_anything_is_rendered(study: StudyFolder) -> None:
     study.clip("mismatched", "take_02").unlink()
     with pytest.raises(InputError, match=r"1 of 8 .*'mismatched' for segment take_02.*generate"):
@@ -190,7 +174,20 @@ def test_a_missing_clip_is_named_before_anything_is_rendered(study: StudyFolder)
     assert not study.videos.exists()
 
 
-def test_failed_videos_are_reported_and_the_others_made(study: StudyFolder) -> None:
+def test_failed_videos_hidden_faces_and_silence_are_reported_and_the_others_made(
+    study: StudyFolder,
+) -> None:
+    with edited(study.definition) as document:
+        document["freeze"].remove("face")
+    for segment in study.segments():
+        path = study.clip("ground_truth", segment.name)
+        clip = read_clip(path)
+        faces = np.full((len(clip), 100), 0.5)
+        write_clip(path, replace(clip, expressions=faces, arkit=None))
+    speech = read_audio(study.speech / "take.wav")
+    samples = speech.samples.copy()
+    samples[: speech.sample_rate] = 0
+    write_wav(study.speech / "take.wav", Audio(samples, speech.sample_rate))
     blocked = study.videos / "clips" / "mismatched" / "take_01.mp4"
     blocked.mkdir(parents=True)
     truncated = study.clip("mismatched", "take_02")
@@ -207,13 +204,16 @@ def test_failed_videos_are_reported_and_the_others_made(study: StudyFolder) -> N
     assert (progress[-1].videos, progress[-1].failed) == (20, 9)
     made = [clip.file for clip in read_stimuli(study.stimuli).clips]
     assert len(made) == 5 and not {*broken} & {*made}
+    face, sound = sorted(count.notes)
+    assert face.startswith("ground_truth: the clip's face is given as SMPL-X expression")
+    assert sound == "the speech of segment take_01: it is silent; left as it is"
 
 
 def frames_of(folder: StudyFolder) -> list[Path]:
     return list((folder.videos / ".frames").glob("*.mkv"))
 
 
-def test_without_space_for_frames_the_same_pairs_are_made(
+def test_an_interrupted_run_without_space_for_frames_resumes_and_makes_the_same_videos(
     study: StudyFolder, first_run: FirstRun, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(rendering, "MAX_FRAME_BYTES", 0)
@@ -223,8 +223,18 @@ def test_without_space_for_frames_the_same_pairs_are_made(
         nonlocal most
         most = max(most, len(frames_of(study)))
 
+    def interrupt(progress: RenderProgress) -> None:
+        look(progress)
+        if progress.videos == 10:
+            with pytest.raises(InputError, match="already being rendered"):
+                render(study, processes=1)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        render(study, processes=1, on_progress=interrupt)
     count = render(study, processes=1, on_progress=look)
-    assert (count.made, count.failures) == (20, ())
+    assert count.kept >= 10
+    assert (count.made + count.kept, count.failures) == (20, ())
     assert frames_of(study) == []
     assert len(frames_of(roomy)) == 8
     assert most == 4
@@ -249,22 +259,3 @@ def test_a_small_disk_is_refused_before_anything_is_rendered(
     with pytest.raises(InputError, match=r"may need 499.* kB, but only 470.0 kB .*video.size"):
         render(study, processes=1)
     assert list(study.videos.iterdir()) == []
-
-
-def test_hidden_faces_and_silent_speech_are_noted(
-    study: StudyFolder,
-) -> None:
-    with edited(study.definition) as document:
-        document["freeze"].remove("face")
-    for segment in study.segments():
-        path = study.clip("mismatched", segment.name)
-        clip = read_clip(path)
-        faces = np.full((len(clip), 100), 0.5)
-        write_clip(path, replace(clip, expressions=faces, arkit=None))
-    speech = read_audio(study.speech / "take.wav")
-    samples = speech.samples.copy()
-    samples[: speech.sample_rate] = 0
-    write_wav(study.speech / "take.wav", Audio(samples, speech.sample_rate))
-    face, sound = sorted(render(study, processes=1).notes)
-    assert face.startswith("mismatched: the clip's face is given as SMPL-X expression")
-    assert sound == "the speech of segment take_01: it is silent; left as it is"
