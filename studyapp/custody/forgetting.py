@@ -70,8 +70,10 @@ class StoredData:
     ----------
     study_session : int or None
         Its number in reports and exports; None for a participant who was screened out.
-    arm, state : str
+    state : str
         See `studyapp.session.state.state_of`, or ``screened out``.
+    arm : str
+        Empty for a participant who was screened out.
     answers, form_answers, watch_records, refusals : int
         The number of rows of each.
     found_by : str
@@ -79,9 +81,9 @@ class StoredData:
     """
 
     study_session: int | None
-    arm: str
     state: str
-    found_by: str
+    arm: str = ""
+    found_by: str = ""
     answers: int = 0
     form_answers: int = 0
     watch_records: int = 0
@@ -113,12 +115,7 @@ def find_data(database: Database, name: str, key: PseudonymKey | None) -> tuple[
         screened_out = session.scalars(select(ScreenOut.id).where(_is_screen_out_of([name])))
         return (
             *study_sessions,
-            *(
-                StoredData(
-                    study_session=None, arm="", state="screened out", found_by="recruiter id"
-                )
-                for _ in screened_out
-            ),
+            *(StoredData(study_session=None, state="screened out") for _ in screened_out),
         )
 
 

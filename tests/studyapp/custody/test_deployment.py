@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import shutil
 import subprocess
 from collections.abc import Sequence
@@ -160,15 +159,6 @@ def test_the_server_may_start_processes_of_lower_priority() -> None:
 
     for group in " ".join(denied).split():
         assert "setpriority" not in output_of("systemd-analyze", "syscall-filter", group)
-
-
-def test_the_unit_quotes_the_folder() -> None:
-    (command,) = re.findall(r"^ExecStart=(.*)$", text_of(deployment(), "serve.service"), re.M)
-
-    words = [word.replace("%%", "%") for word in shlex.split(command)]
-
-    assert "%" not in command.replace("%%", "")
-    assert words[1:] == ["serve", str(HOSTILE), "--port", "8000"]
 
 
 @pytest.mark.parametrize("study", (ALL[0], ALL[-1]), ids=lambda d: d.proxy)

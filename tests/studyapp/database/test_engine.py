@@ -221,28 +221,19 @@ ADDRESS = "postgresql://host/study"
 
 
 @pytest.mark.parametrize(
-    ("environment", "given", "rehearsal", "expected"),
+    ("given", "rehearsal", "expected"),
     [
-        ("", None, False, "responses.db"),
-        ("", None, True, "rehearsal.db"),
-        (ADDRESS, None, False, ADDRESS),
-        (ADDRESS, None, True, "rehearsal.db"),
-        (ADDRESS, "sqlite:////given.db", False, "sqlite:////given.db"),
+        (None, False, ADDRESS),
+        (None, True, sqlite_url(Path("/study/rehearsal.db"))),
+        ("sqlite:////given.db", False, "sqlite:////given.db"),
     ],
 )
 def test_a_rehearsal_never_answers_into_the_real_database(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    environment: str,
-    given: str | None,
-    rehearsal: bool,
-    expected: str,
+    monkeypatch: pytest.MonkeyPatch, given: str | None, rehearsal: bool, expected: str
 ) -> None:
-    monkeypatch.setenv("DATABASE_URL", environment)
+    monkeypatch.setenv("DATABASE_URL", ADDRESS)
 
-    url = database_url_of(tmp_path, database_url=given, rehearsal=rehearsal)
-
-    assert url == (expected if ":" in expected else sqlite_url(tmp_path / expected))
+    assert database_url_of(Path("/study"), database_url=given, rehearsal=rehearsal) == expected
 
 
 @pytest.mark.parametrize("name", ["which?", "a%41", "two words", "a#b", "a?mode=ro&b"])

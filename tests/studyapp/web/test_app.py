@@ -86,13 +86,6 @@ def test_the_window_name_does_not_contain_the_address(app: Flask, clock: SetCloc
     assert not any(name[at : at + 6] in token for at in range(len(name) - 5))
 
 
-def test_a_request_that_is_too_large_is_refused(app: Flask) -> None:
-    answer = app.test_client().post("/", data={"visit": "x" * 70_000})
-
-    assert answer.status_code == 413
-    assert "too much" in answer.text
-
-
 def test_only_server_errors_are_logged_as_such_and_without_the_address(
     app: Flask, caplog: pytest.LogCaptureFixture
 ) -> None:
