@@ -6,9 +6,11 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from errno import ENOSPC
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, Self
+from shutil import disk_usage
+from typing import Any, Final, Self
 
 from alembic import command
 from alembic.config import Config
@@ -35,6 +37,9 @@ from studyapp.database.postgresql import (
 )
 from studyapp.database.sqlite import hold_writer_lock, keep_private, sqlite_engine
 from studyapp.study.folder import StudyFolder
+
+LEAST_FREE: Final = 1 << 20
+"""Bytes of the disk below which an SQLite database counts as full."""
 
 
 def sqlite_url(path: Path) -> str:
@@ -207,6 +212,10 @@ class Database:
         """Raise an error if nothing can be stored, by rewriting a row with its own values."""
         with self.writing() as session:
             session.execute(text("UPDATE alembic_version SET version_num = version_num"))
+        # On a full disk, so little still fits into SQLite's log; answers may not.
+        file = self.engine.url.database
+        if self.engine.dialect.name == "sqlite" and file and disk_usage(file).free < LEAST_FREE:
+            raise OSError(ENOSPC, os.strerror(ENOSPC))
 
     def close(self) -> None:
         """Close all connections."""

@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from flask import Flask, abort
@@ -174,6 +175,10 @@ def test_health_fails_if_the_database_cannot_be_written(
     monkeypatch.setattr("studyapp.web.app.KNOWN_SECONDS", 0.0)
     with full_disk():
         full = client.get("/healthz")
+    with monkeypatch.context() as patch:
+        # A small write still fits into the log of the database.
+        patch.setattr("studyapp.database.engine.disk_usage", lambda _: SimpleNamespace(free=4096))
+        assert client.get("/healthz").status_code == 503
     well = client.get("/healthz")
     monkeypatch.setattr("studyapp.web.app.KNOWN_SECONDS", 60.0)
     with full_disk():
