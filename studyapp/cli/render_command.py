@@ -196,7 +196,7 @@ def publish_media_command(
     if bucket is None and (endpoint or region):
         raise click.UsageError("Give --endpoint and --region together with s3://BUCKET/FOLDER.")
     place = None if bucket is None else _parse_place(bucket, endpoint, region)
-    with progress("Publishing", "copy") as on_file:
+    with progress("Publishing", "file") as on_file:
         publication = publish(folder, place, on_file)
     click.echo(f"Uploaded {publication.stored} copies; {publication.kept} were already there.")
     if address:

@@ -37,8 +37,7 @@ HEAVY = (
 @pytest.mark.parametrize(
     ("module", "spared"),
     [
-        ("studyapp.web.server", HEAVY),
-        ("studyapp.desk.server", HEAVY),
+        ("studyapp.desk.server", HEAVY),  # which loads the server of a study
         ("studyapp.desk.job_process", (*HEAVY, "flask", "sqlalchemy")),
     ],
 )
