@@ -12,21 +12,12 @@ from typing import Final
 LESS_URGENT: Final = 10
 """Than the server that participants wait for."""
 
-
 MOST_PROCESSES: Final = 256
 """Processes that a command may start."""
 
 
 class SideProcessError(Exception):
-    """The process has failed; the message is the last line that it wrote, or empty.
-
-    Parameters
-    ----------
-    message : str
-        The last line.
-    status : int
-        With which it ended.
-    """
+    """The process ended with this status; the message is the last line that it wrote, or empty."""
 
     def __init__(self, message: str, status: int) -> None:
         super().__init__(message)
@@ -42,10 +33,6 @@ def output_of(
     ----------
     program : str
         The module's name: it may belong to a room above the one that asks.
-    *arguments : str
-        What it is called with.
-    seconds : float
-        How long it may take.
     environment : mapping of str to str, optional
         What it finds there besides; for what may hold a password.
 

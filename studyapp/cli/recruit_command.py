@@ -153,7 +153,8 @@ def status(folder: StudyFolder, live: bool) -> None:
     elif folder.study().recruitment.channel == "mturk":
         _show_mturk(folder, live=live)
     else:
-        _show_invitations(folder)
+        made = counts(folder)
+        click.echo(f"{made.made} invitations: {made.begun} begun, {made.completed} completed.")
 
 
 @command.command("approve")
@@ -239,14 +240,6 @@ def _channel(folder: StudyFolder, *supported: Channel) -> Channel:
             remedy="Set recruitment.channel",
         )
     return channel
-
-
-def _show_invitations(folder: StudyFolder) -> None:
-    invitations = counts(folder)
-    click.echo(
-        f"{invitations.made} invitations: {invitations.begun} begun, {invitations.completed} "
-        "completed."
-    )
 
 
 def _move(folder: StudyFolder, action: Action) -> None:

@@ -89,12 +89,8 @@ def content_to_send(
     """Return the content of a video that may be sent now, None for others; store its first sending.
 
     Only the current and the next trial of a running study session have videos. A video that was
-    never asked for cannot have been watched. Only its first request writes.
-
-    Parameters
-    ----------
-    sent : bool
-        Whether the video itself is sent, not only its headers.
+    never asked for cannot have been watched. Only its first request writes, and none for the
+    headers alone (not `sent`).
     """
     with database.looking_up() as connection:
         shown = connection.execute(SHOWN_STIMULI, {"token": video_token}).all()
