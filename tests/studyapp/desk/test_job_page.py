@@ -6,7 +6,9 @@ import io
 from datetime import UTC, datetime
 from zipfile import ZipFile
 
-from studyapp.desk.job_kinds import RUN, TAKE_HOME
+import pytest
+
+from studyapp.desk.job_kinds import RUN, SHARED, TAKE_HOME
 from studyapp.desk.jobs import Job
 from studyapp.desk.lab import LabStudy
 from studyapp.researchers.audit import latest_changes, latest_looks
@@ -154,26 +156,22 @@ def test_answers_before_the_end_require_a_reason(tiny: LabStudy, ada: ResearchBr
     assert ("Ada", "downloaded", "Tables of answers") in changes(tiny)
 
 
-def test_a_shared_folder_uses_the_rehearsal_until_there_are_answers(
-    tiny: LabStudy, ada: ResearchBrowser
+def test_forms_and_data_decide_what_a_command_is_given(
+    tiny: LabStudy, ada: ResearchBrowser, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    begun: list[tuple[str, ...]] = []
+    monkeypatch.setattr(
+        "studyapp.desk.job_page.run_job", lambda _jobs, job: begun.append(job.command)
+    )
     tiny.folder.rehearsal.write_bytes(tiny.folder.responses.read_bytes())
     assert ada.post(f"{JOBS}share").status_code == 303
-    standing = wait_until_ended(tiny.folder.jobs, "share")
-    assert (standing.state, standing.job.command[-1]) == ("done", "--rehearsal")
-    with ada.client.get(f"{JOBS}share/archive") as archive:
-        assert archive.data.startswith(b"PK")
-
-
-def test_a_report_plays_motion_on_request_and_the_command_prints_its_size(
-    tiny: LabStudy, ada: ResearchBrowser
-) -> None:
     write_earlier_results(tiny)
     page = ada.get(f"{JOBS}report")
     assert page.soup.select("[name=motion][type=checkbox]:not([checked])")
     size = (tiny.folder.report / "report.html").stat().st_size
     assert f"Open the report</a>, {size} Bytes" in page.text
     assert ada.post(f"{JOBS}report", motion="on").status_code == 303
-    ada.post(f"{JOBS}report/stop")
-    command = wait_until_ended(tiny.folder.jobs, "report").job.command
-    assert command == ("report", ".", "--with-motion")
+    assert begun == [
+        ("export", "--folder", SHARED, "--rehearsal"),
+        ("report", ".", "--with-motion"),
+    ]

@@ -60,23 +60,9 @@ def test_a_job_leaves_its_archive_or_its_error_message(
     assert job_standings(jobs) == {}
 
 
-def test_a_study_runs_one_job_at_a_time_which_can_be_stopped(jobs: Path) -> None:
-    begin(jobs, *SLOW)
-    with pytest.raises(InputError, match="another job"):
-        begin(jobs, "check", kind="other")
-    assert list(job_standings(jobs)) == ["try"]
-    wait_until_under_way(jobs)
-    stop_job(jobs, "try", by="Grace")
-    assert job_standings(jobs)["try"].state in ("stopping", "stopped")
-    standing = wait_until_ended(jobs)
-    assert (standing.state, standing.job.stopped_by) == ("stopped", "Grace")
-    with pytest.raises(InputError, match="not running"):
-        stop_job(jobs, "try", by="Grace")
-    begin(jobs, "nothing", kind="other")
-    assert wait_until_ended(jobs, "other").state == "failed"
-
-
-def test_a_job_outlives_the_server_that_started_it(jobs: Path, tiny_study: Path) -> None:
+def test_a_job_outlives_its_server_allows_no_other_and_can_be_stopped(
+    jobs: Path, tiny_study: Path
+) -> None:
     code = (
         "import os, signal, sys; from pathlib import Path; "
         "from tests.studyapp.desk.job_watching import SLOW, begin; "
@@ -87,6 +73,9 @@ def test_a_job_outlives_the_server_that_started_it(jobs: Path, tiny_study: Path)
     server = subprocess.run([sys.executable, "-c", code, str(jobs)], process_group=0, check=False)
     assert server.returncode == -signal.SIGKILL
     assert wait_for(jobs, "running").job.by == "Ada"
+    with pytest.raises(InputError, match="another job"):
+        begin(jobs, "check", kind="other")
+    assert list(job_standings(jobs)) == ["try"]
     # Before its first progress, the command may not have replaced the process it forked from.
     wait_until_under_way(jobs)
     left = f"{PROCESSES}={max(1, len(os.sched_getaffinity(0)) - 1)}\0".encode()
@@ -95,8 +84,12 @@ def test_a_job_outlives_the_server_that_started_it(jobs: Path, tiny_study: Path)
         assert os.getpriority(os.PRIO_PROCESS, process) >= 10
         group = Path(f"/proc/{process}/autogroup")
         assert not group.exists() or group.read_text().endswith("nice 5\n")
-    stop_job(jobs, "try", by="Ada")
-    assert wait_until_ended(jobs).state == "stopped"
+    stop_job(jobs, "try", by="Grace")
+    assert job_standings(jobs)["try"].state in ("stopping", "stopped")
+    standing = wait_until_ended(jobs)
+    assert (standing.state, standing.job.stopped_by) == ("stopped", "Grace")
+    with pytest.raises(InputError, match="not running"):
+        stop_job(jobs, "try", by="Grace")
     assert "Run the same command again to continue" in job_log(jobs, "try", most=10_000)
     deadline = time.monotonic() + PATIENCE
     while processes_of(tiny_study):

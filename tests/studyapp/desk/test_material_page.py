@@ -108,20 +108,13 @@ def test_a_viewer_plays_a_video_and_is_offered_no_removal(
     assert not page.soup.select("form[action$=remove]")
 
 
-def test_motion_is_shown_in_3d_alone_and_side_by_side(
+def test_only_motion_that_is_there_is_offered_in_3d(
     folder: StudyFolder, ada: ResearchBrowser
 ) -> None:
     write_motion(folder.clip("broken", "take-0"), 2.0)
-
-    def played(address: str) -> list[str]:
-        answer = ada.client.get(ada.get(address).value(".motion-viewer", "data-scene"))
-        return [clip["name"] for clip in json.loads(answer.data)["clips"]]
-
-    assert played(f"{MATERIAL}/mismatched/take-1") == ["mismatched"]
-    table = ada.get(MATERIAL)
-    row = table.soup.select("tbody th a")[0]
+    row = ada.get(MATERIAL).soup.select("tbody th a")[0]
     assert row.text == "take-0"
-    assert played(str(row["href"])) == ["rule based", "broken"]
+    assert "Play rule based, broken" in ada.get(str(row["href"])).text
     assert not ada.get(f"{MATERIAL}/rule_based/take-3").soup.select(
         ".motion-viewer, script[src*=viewer]"
     )
