@@ -169,6 +169,13 @@ def cut_windows(
         If the device is not usable, or no recording.
     """
     check_device(request.device)
+    splits = {take.split for take in request.takes.takes}
+    for split in ("train", "validation"):
+        if split not in splits:
+            raise InputError(
+                f"none of the {len(request.takes.takes)} takes is for {split}",
+                remedy="Give more recordings, or a split list (--split)",
+            )
     prepared = prepare(
         request.takes, features, request.cache, frame_rate=frame_rate, show=request.show_preparing
     )

@@ -22,8 +22,8 @@ class Windows:
     ----------
     prepared : PreparedTakes
         The takes and their features.
-    split : {'train', 'validation', 'test'} or None
-        The split of the takes; None for all.
+    split : {'train', 'validation', 'test'}
+        The split of the takes.
     frames : int
         Frames of a window, at least 1.
     stride : int
@@ -35,30 +35,19 @@ class Windows:
         If no take of the split is as long as a window.
     """
 
-    def __init__(
-        self, prepared: PreparedTakes, *, split: Split | None, frames: int, stride: int
-    ) -> None:
+    def __init__(self, prepared: PreparedTakes, *, split: Split, frames: int, stride: int) -> None:
         self.frames = frames
         self.stride = stride
         self.frame_rate = prepared.frame_rate
         self.prepared = prepared
-        indices = [
-            index
-            for index, take in enumerate(prepared.takes)
-            if split is None or take.split == split
-        ]
-        self.too_short = tuple(
-            prepared.takes[index] for index in indices if prepared.frames(index) < frames
-        )
-        """Takes of the split that are shorter than a window."""
+        indices = [index for index, take in enumerate(prepared.takes) if take.split == split]
         self._takes = [index for index in indices if prepared.frames(index) >= frames]
         counts = [(prepared.frames(index) - frames) // stride + 1 for index in self._takes]
         self._first_row = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
         if not self._takes:
-            seconds = frames / prepared.frame_rate
             raise InputError(
-                f"none of {len(indices)} takes{f' for {split}' if split else ''} lasts the "
-                f"{seconds:.3g} s of a window",
+                f"none of {len(indices)} takes for {split} lasts the "
+                f"{frames / prepared.frame_rate:.3g} s of a window",
                 remedy="Give longer takes, or another split list",
             )
 

@@ -176,6 +176,7 @@ def test_the_network_receives_the_speaker(takes: PreparedTakes) -> None:
         ("beat", "show", "config show does not fit these recordings.*BEAT's.*--config"),
         ("show", "beat", "config beat does not fit these recordings.*SHOW's.*--config"),
         ("ted", "tiny", "no face"),
+        ("beat", "tiny", "none of the 0 takes is for train"),
     ],
 )
 def test_unsuitable_recordings_are_refused(
