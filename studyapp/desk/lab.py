@@ -249,9 +249,10 @@ class Lab(Site):
         """Return the study `name`, None where there is none."""
         if NAME.fullmatch(name) is None or name in RESERVED:
             return None
-        if not StudyFolder(self.folder / name).definition.is_file():
-            return None
         root = self.folder / name
+        # Unlike `Path.is_file`, this finds nothing in a folder that cannot be read.
+        if not os.path.isfile(StudyFolder(root).definition):  # noqa: PTH113
+            return None
         # Another folder of the same name is another study.
         key = (name, root.stat().st_ino)
         with self._lock:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import shutil
 import sqlite3
 from contextlib import closing
+from pathlib import Path
+from typing import Any, NoReturn
 
+import pytest
 from flask import Flask
 
 from studyapp.database.engine import Database
@@ -67,6 +72,26 @@ def test_a_damaged_study_is_named_to_owners_and_hides_no_other(
     assert "The database of tiny cannot be read" in page.text
     assert "restore a backup" in ada.get(TINY, 409).text
     assert "tiny" not in researcher("Mary", "viewer").get("/research/").text
+
+
+def test_what_the_server_may_not_read_hides_no_other_study(
+    lab: Lab, tiny: LabStudy, ada: ResearchBrowser, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(tiny.folder.root, lab.folder / "closed")
+    stat = os.stat
+
+    def refuse(path: Any, **_options: Any) -> NoReturn:
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+
+    def stat_outside(path: Any, **options: Any) -> os.stat_result:
+        return refuse(path) if "/closed/" in str(path) else stat(path, **options)
+
+    monkeypatch.setattr(os, "stat", stat_outside)
+    monkeypatch.setattr(Path, "read_text", refuse)
+    page = ada.get("/research/")
+    assert "tiny" in page.text
+    assert "closed" not in page.text
+    assert "The file cannot be read (Permission denied)" in ada.get(f"{TINY}settings", 409).text
 
 
 def test_an_owners_link_admits_a_logged_in_member_of_the_desk(
