@@ -132,6 +132,7 @@ def test_erasure_leaves_one_empty_row(person: Participant) -> None:
         assert set(read_once(person.database, table)["study_session"]) == {1}
 
 
+@BOTH
 def test_the_log_records_the_erasure_without_a_name(person: Participant) -> None:
     with person.database.writing() as session:
         log_change(
