@@ -143,21 +143,7 @@ def sandbox(tiny_study: Path, stub: Stubber, client: MTurkClient) -> Sandbox:
     return Sandbox(StudyFolder(tiny_study), stub, client)
 
 
-def make_hit(sandbox: Sandbox, hit: str) -> None:
-    sandbox.stub.add_response("create_hit", {"HIT": {"HITId": hit}})
-    mturk.create(sandbox.folder, sandbox.client, ADDRESS, live=False)
-
-
-def test_tasks_of_the_sandbox_are_not_on_the_live_site(sandbox: Sandbox) -> None:
-    make_hit(sandbox, "h1")
-    make_hit(sandbox, "h2")
-
-    assert mturk.hits_of(sandbox.folder, live=False) == ("h1", "h2")
-    with pytest.raises(InputError, match="no HIT on the live site"):
-        mturk.hits_of(sandbox.folder, live=True)
-
-
-def test_a_study_session_is_paid_once_however_often_it_is_submitted(
+def test_a_study_session_is_paid_once_however_often_it_is_submitted_and_in_the_sandbox_alone(
     sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(mturk, "connect", lambda *, live: sandbox.client)
@@ -169,6 +155,8 @@ def test_a_study_session_is_paid_once_however_often_it_is_submitted(
     assert "in the sandbox, where nobody is paid\nNothing was offered" in recruit(*create)
     sandbox.stub.add_response("create_hit", {"HIT": {"HITId": "h1"}})
     assert "Created HIT h1" in recruit(*create, "--yes")
+    with pytest.raises(InputError, match="no HIT on the live site"):
+        mturk.hits_of(sandbox.folder, live=True)
     handed_in = (
         ("a1", "w1", "Submitted"),
         ("a2", "w1", "Submitted"),
