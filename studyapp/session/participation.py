@@ -50,14 +50,11 @@ class Break:
     ----------
     position : int
         Position of the trial after it.
-    done : int
-        Number of trials before it.
     minutes_left : int
         See `studyapp.session.trials.minutes_left`.
     """
 
     position: int
-    done: int
     minutes_left: int
 
 
@@ -123,7 +120,10 @@ def load_situation(database: Database, served: ServedStudy, token: str, clock: C
         now = clock.now()
         update_row(session, study_session, last_active_at=now)
         if sound_check_due(study_session, served):
-            draw_digits(study_session)
+            # Drawn once: the page may be loaded again.
+            study_session.sound_digits = study_session.sound_digits or "".join(
+                secrets.choice("0123456789") for _ in range(SPOKEN_DIGITS)
+            )
             return replace(situation, sound_tries=study_session.sound_tries)
         form = form_due(study_session, served.study)
         trial = current_trial(study_session)
@@ -132,7 +132,7 @@ def load_situation(database: Database, served: ServedStudy, token: str, clock: C
             return replace(situation, form=form, has_tried_comprehension=has_tried)
         minutes = _minutes_left(session, study_session, served.study)
         if (position := break_due(study_session, served.study)) is not None:
-            offered_break = Break(position=position, done=position - 1, minutes_left=minutes)
+            offered_break = Break(position=position, minutes_left=minutes)
             return replace(situation, offered_break=offered_break)
         trials = study_session.trials
         load_videos(session, [trial, *following_trials(trials, trial)[:1]])
@@ -169,21 +169,12 @@ def sound_check_due(study_session: StudySession, served: ServedStudy) -> bool:
     )
 
 
-def draw_digits(study_session: StudySession) -> None:
-    """Draw the participant's digits, once."""
-    if not study_session.sound_digits:
-        study_session.sound_digits = "".join(
-            secrets.choice("0123456789") for _ in range(SPOKEN_DIGITS)
-        )
-
-
 def digits_to_speak(database: Database, served: ServedStudy, token: str) -> str:
-    """Return the participant's digits; `ConflictError` if the sound check is not due."""
-    with database.writing() as session:
-        study_session = find_study_session(session, token)
+    """Return the digits drawn for the page; `ConflictError` if the sound check is not due."""
+    with database.reading() as session:
+        study_session = find_study_session(session, token, to_change=False)
         if not sound_check_due(study_session, served):
             raise ConflictError("The sound check is over.", "The next page shows how to go on.")
-        draw_digits(study_session)
         return study_session.sound_digits
 
 

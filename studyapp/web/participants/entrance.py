@@ -92,10 +92,6 @@ class Entrant:
             refused=_stated_device() not in study.page.devices,
         )
 
-    def first_page(self) -> str:
-        """Return the page that comes first."""
-        return self.page("eligibility" if study_site().study.form.eligibility else "consent")
-
 
 @pages.get("/consent")
 @pages.get("/")
@@ -108,7 +104,7 @@ def arrive() -> ResponseReturnValue:
     if _was_screened_out(entrant):
         return screened_out_page(), 403
     _require_welcome(entrant)
-    return entrant.first_page()
+    return entrant.page("eligibility" if study_site().study.form.eligibility else "consent")
 
 
 @pages.post("/consent")

@@ -29,6 +29,7 @@ def listener(open_changed: Open) -> Participant:
 
 
 def digits(participant: Participant) -> str:
+    participant.look()
     return digits_to_speak(participant.database, participant.served, participant.token)
 
 
