@@ -351,9 +351,7 @@ class Study(Section, ABC):
     @property
     def only_generated(self) -> bool:
         """Whether generators make all motion; files and videos could show recordings."""
-        return not self.has_recording and all(
-            condition.generator is not None for condition in self.conditions.values()
-        )
+        return all(condition.generator is not None for condition in self.conditions.values())
 
     @property
     def display_names(self) -> Mapping[str, str]:

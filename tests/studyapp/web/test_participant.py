@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 from bs4 import Tag
@@ -121,20 +120,6 @@ def test_instructions_follow_the_study_and_never_reveal_practice_trials(
     for page in (text, visitor.begin().page().words()):
         assert unsaid not in page
         assert "ractice" not in page
-
-
-def test_instructions_do_not_call_recorded_motion_computer_made(
-    serve: Serve, clock: SetClock, tiny_study: Path
-) -> None:
-    stimuli = tiny_study / "stimuli.json"
-    stimuli.write_text(stimuli.read_text("utf-8").replace("rule_based", "ground_truth"), "utf-8")
-    recorded = serve(
-        MISMATCHED,
-        ("[conditions.rule_based]", "[conditions.ground_truth]"),
-        ('"rule_based"', '"ground_truth"'),
-    )
-
-    assert "made by a computer" not in Visitor(recorded, clock).enrol().page().words()
 
 
 def test_texts_of_the_study_file_are_escaped(serve: Serve, clock: SetClock) -> None:
