@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import motion.formats
+import studyapp
 import studyapp.stimuli
 from studyapp.desk.page import at_the_desk
 
@@ -48,3 +49,13 @@ def test_no_refusal_mentions_an_option_that_the_page_lacks() -> None:
 
     assert len(set(re.findall(r"--[a-z-]+", remedies))) > 5
     assert set(re.findall(r"--[a-z-]+", at_the_desk(remedies))) == WITHOUT_FIELD
+
+
+TOUCHING = re.compile(r"[.,;]\{% end(?:if|for) %\}\n\{% if [^%]*%\}(?:\w|\{\{)")
+"""A sentence in a block and one in the next: templates trim the newline between them."""
+
+
+def test_no_sentence_of_a_page_touches_the_next() -> None:
+    templates = list(Path(*studyapp.__path__).rglob("*.html"))
+    assert len(templates) > 50
+    assert [path.name for path in templates if TOUCHING.search(path.read_text("utf-8"))] == []
