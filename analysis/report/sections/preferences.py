@@ -110,6 +110,22 @@ class PreferenceGroup:
         return tuple(dict.fromkeys(row.result.question for row in self.rows))
 
     @property
+    def is_graded(self) -> bool:
+        """Whether anybody preferred a side clearly; a scale of three levels does not offer it."""
+        return any(row.levels[0] or row.levels[4] for row in self.rows)
+
+    def levels(self, first: str, second: str) -> tuple[str, ...]:
+        """Return the names of the five answers about two sides."""
+        slightly = "slightly " if self.is_graded else ""
+        return (
+            f"clearly {first}",
+            f"{slightly}{first}",
+            "no difference",
+            f"{slightly}{second}",
+            f"clearly {second}",
+        )
+
+    @property
     def reason_for_no_figure(self) -> str:
         """Why no figure is drawn, or '' if one can be drawn."""
         answers = sum(row.result.n for row in self.rows)
@@ -121,17 +137,6 @@ class PreferenceGroup:
             if is_tied
             else "",
         )
-
-
-def levels(first: str, second: str) -> tuple[str, ...]:
-    """Return the names of the five answers."""
-    return (
-        f"clearly {first}",
-        f"slightly {first}",
-        "no difference",
-        f"slightly {second}",
-        f"clearly {second}",
-    )
 
 
 def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[PreferenceGroup, ...]:
@@ -290,7 +295,7 @@ def mismatch_sections(results: MismatchResults) -> tuple[Section, ...]:
 
 
 def _tables(group: PreferenceGroup, name: str, *, decisive: bool = True) -> list[Table]:
-    answers = levels(group.first, group.second)
+    answers = group.levels(group.first, group.second)
     return [
         table("preferences", group.rows, group=group, name=name),
         *(
@@ -304,7 +309,7 @@ def preference_pictures(group: PreferenceGroup, text: FigureText) -> tuple[Pictu
     """Draw answers as bars around 'no difference', with win shares: AMUSE's Figure 6."""
     by_name = {(row.label, row.result.question): row for row in group.rows}
     panels = {
-        question: [_bar(by_name.get((label, question))) for label in group.labels]
+        question: [_bar(group, by_name.get((label, question))) for label in group.labels]
         for question in group.questions
     }
     ends = [
@@ -318,10 +323,11 @@ def preference_pictures(group: PreferenceGroup, text: FigureText) -> tuple[Pictu
         label: max(row.result.attentive for row in group.rows if row.label == label)
         for label in group.labels
     }
+    legend = list(zip(group.levels(group.first, group.second), DIVERGING, strict=True))
     return bar_pictures(
         panels,
         [Row(label, f"n = {participants[label]}") for label in group.labels],
-        dict(zip(levels(group.first, group.second), DIVERGING, strict=True)),
+        dict(legend if group.is_graded else legend[1:-1]),
         Scale(
             limits=(-limit, limit),
             ticks={-50: "50%", 0: "0", 50: "50%"},
@@ -333,11 +339,11 @@ def preference_pictures(group: PreferenceGroup, text: FigureText) -> tuple[Pictu
     )
 
 
-def _bar(row: PreferenceRow | None) -> Bar:
+def _bar(group: PreferenceGroup, row: PreferenceRow | None) -> Bar:
     if row is None or not row.result.n:
         return Bar()
-    percents = row.percentages
-    parts = zip(percents, DIVERGING, row.levels, levels(row.first, row.second), strict=True)
+    percents, names = row.percentages, group.levels(row.first, row.second)
+    parts = zip(percents, DIVERGING, row.levels, names, strict=True)
     return Bar(
         start=-(percents[0] + percents[1] + percents[2] / 2),
         parts=tuple(

@@ -20,7 +20,7 @@ from tests.analysis.report.sections.reading import (
     words,
 )
 from tests.analysis.report.subjects import headline
-from tests.analysis.results.made_tables import pairwise_table
+from tests.analysis.results.made_tables import mismatch_table, pairwise_table
 
 Sections = Mapping[str, tuple[Section, ...]]
 Reports = Mapping[str, TableReport]
@@ -176,3 +176,12 @@ def test_own_speech_is_on_the_left_for_every_condition(
     table = named_table(section, "own-speech")
     best = {row[0].text: row[1].value for row in table.rows}
     assert best == pytest.approx({c.condition: c.share["own"] for c in mismatch.conditions})
+
+
+def test_without_degrees_of_preference_none_are_named(analyse: Analyse) -> None:
+    table = mismatch_table()
+    (section,) = headline(analyse("mismatch", table.assign(response=table["response"].clip(2, 4))))
+    assert not [text for text in words(named_picture(section, "own-speech")) if "clearly" in text]
+    said = " ".join(hints(named_picture(section, "own-speech")))
+    assert "slightly" not in said and ", own speech: " in said
+    assert "clear and slight" not in named_table(section, "own-speech").caption
