@@ -32,17 +32,12 @@ def test_a_missing_offscreen_library_names_what_to_install(platform: str, remark
     assert remark in done.stderr
 
 
-def test_planning_videos_needs_no_opengl_and_drawing_them_no_window_library() -> None:
-    code = "import renderer.jobs.making, renderer.framing, sys; early = 'pyrender' in sys.modules; "
-    code += "import renderer.frames; sys.exit(early or 'pyglet' in sys.modules)"
-    done = _run(code)
-    assert done.returncode == 0, done.stderr
-
-
-def test_a_report_plays_motion_without_opengl() -> None:
+def test_only_drawing_videos_needs_opengl_and_no_window_library() -> None:
     code = "import sys; sys.modules |= {'pyrender': None, 'OpenGL': None}; "
+    code += "import renderer.jobs.making, renderer.framing, studyapp.results.report; "
     code += "from renderer.look import Look; from renderer.viewer.page import MotionFigures; "
-    code += "MotionFigures(Look()); import studyapp.results.report"
+    code += "MotionFigures(Look()); del sys.modules['pyrender'], sys.modules['OpenGL']; "
+    code += "import renderer.frames; sys.exit('pyglet' in sys.modules)"
     done = _run(code)
     assert done.returncode == 0, done.stderr
 
