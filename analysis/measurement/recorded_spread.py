@@ -75,8 +75,6 @@ class RecordedSpread:
     face_scale : float
         Puts all recorded face landmarks into a box of one metre diagonal; NaN if no recording
         has a face.
-    recordings : int
-        Number of recordings.
     """
 
     mean: FloatArray
@@ -84,7 +82,6 @@ class RecordedSpread:
     moving: NDArray[np.bool_]
     scale: float
     face_scale: float
-    recordings: int
 
     def normalised(self, rotations: FloatArray) -> FloatArray:
         """Return rotations of shape (T, J, 3) in standard deviations, of moving joints alone."""
@@ -112,7 +109,6 @@ def recorded_spread(extents: Iterable[ClipExtent]) -> RecordedSpread | None:
         moving=np.asarray(moves.any(axis=1)),
         scale=scale,
         face_scale=box_scale(extent.face_box for extent in extents if extent.face_box is not None),
-        recordings=len(extents),
     )
 
 
