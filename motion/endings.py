@@ -1,4 +1,4 @@
-"""The endings of files: `motion.formats` reads motion, `motion.audio` speech."""
+"""Endings of motion files, which `motion.formats` reads, and of speech, read by `motion.audio`."""
 
 from __future__ import annotations
 

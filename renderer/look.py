@@ -14,7 +14,7 @@ from typing import Final
 
 from motion.errors import InputError
 
-RENDERER_VERSION: Final = "2"
+RENDERER_VERSION: Final = "3"
 """Of the pixels and the sound of clips, pairs and dubbed videos, avatars' bodies among them."""
 
 COPY_VERSION: Final = "1"

@@ -40,7 +40,10 @@ _FAST: Final = 3.0
 """Mean speed of the pelvis, in m/s, of a runner; beyond gestures."""
 
 _RADIANS: Final = np.pi
-"""Largest angle of all but a twentieth of the rotations of a BVH that probably holds radians."""
+"""A BVH probably holds radians if 95 of 100 of its rotations that are not zero stay below this."""
+
+_STILL: Final = 0.05
+"""In the same way, a BVH whose rotations stay below this is as still in radians as in degrees."""
 
 
 def read_motion(
@@ -202,7 +205,7 @@ def _notes_on_angles(motion: BvhMotion) -> tuple[str, ...]:
     angles = np.abs(motion.values[:, is_rotation])
     # A joint that was turned about itself again and again may have far larger angles.
     usual = np.quantile(angles[angles > 0], 0.95) if angles.any() else np.inf
-    if usual > _RADIANS:
+    if not _STILL < usual <= _RADIANS:
         return ()
     return (
         f"nearly all rotations are below {usual:.1f} degrees; check that the file holds degrees, "

@@ -120,7 +120,9 @@ class _ConditionFolder:
         return [path for path in self._remaining.values() if path.suffix.lower() in endings]
 
     def _motion_files(self) -> list[Path]:
-        return list(filter(is_motion_file, self._remaining.values()))
+        motions = filter(is_motion_file, self._remaining.values())
+        # A table of joints is the last choice: other files have the rotations.
+        return sorted(motions, key=lambda path: path.suffix.lower() == ".csv")
 
     def _companions(self, path: Path) -> list[Path]:
         return [file for file in self._with_ending(COMPANION_ENDINGS) if file.stem == path.stem]

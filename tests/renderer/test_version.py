@@ -28,8 +28,8 @@ from tests.support.fingerprint import fingerprint
 BLOCK = 16
 """Pixels over which colours are averaged, so that rounding does not matter."""
 
-BODY = {"2": [0.64027, 0.00024, 0.0906]}
-VIDEOS = {"2": [-0.33847, -0.01861, 1.16539, -0.00989, -0.55042, -0.08854]}
+BODY = {"3": [0.64027, 0.00024, 0.0906]}
+VIDEOS = {"3": [-0.33847, -0.01861, 1.16539, -0.00989, -0.55042, -0.08854]}
 COPY = {"1": [-0.33847, -0.01861, -0.52741]}
 CELL = {"1": [-0.99725]}
 

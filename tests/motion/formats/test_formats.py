@@ -54,7 +54,9 @@ def test_a_probably_wrong_unit_is_noted(tmp_path: Path) -> None:
     assert "moves at 20 m/s on average; check the unit of its translation" in notes
     radians = read_motion(person_bvh(tmp_path / "radians.bvh", unit=np.pi / 180))
     assert "nearly all rotations are below 0.3 degrees; check that" in radians.provenance["notes"]
-    assert "degrees" not in read_motion(person_bvh(tmp_path / "a.bvh")).provenance["notes"]
+    for unit in (1.0, 1e-3):
+        fine = read_motion(person_bvh(tmp_path / f"{unit}.bvh", unit=unit))
+        assert "degrees" not in fine.provenance["notes"]
 
 
 @pytest.mark.parametrize("kind", ["talkshow", "npz (BEAT2)"])

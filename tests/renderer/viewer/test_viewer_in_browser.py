@@ -162,9 +162,7 @@ def test_clips_play_side_by_side_in_time_with_the_speech(
         )
         context.evaluate("context => context.loseContext()")
         context.evaluate("context => context.restoreContext()")
-        assert [
-            shared(*both) for both in zip(halves(picture(page)), (left, right), strict=True)
-        ] == [1, 1]
+        wait_until(page, lambda: np.array_equal(halves(picture(page)), (left, right)))
 
 
 def test_a_paused_figure_is_not_redrawn(
