@@ -77,7 +77,8 @@ class StoredData:
     answers, form_answers, watch_records, refusals : int
         The number of rows of each.
     found_by : str
-        ``recruiter id``, ``pseudonym``, ``completion code`` or ``invitation``.
+        ``recruiter id``, ``pseudonym``, ``completion code`` or ``invitation``; empty for a
+        participant who was screened out.
     """
 
     study_session: int | None
@@ -143,11 +144,13 @@ def forget(database: Database, name: str, key: PseudonymKey | None, clock: Clock
     with database.writing() as session:
         now = clock.now()
         study_sessions = _find_sessions(session, name, key, for_update=True)
+        screened_out = _erase_screen_outs(session, [name])
+        if study_sessions or screened_out:
+            # Of an invitation only a hash is stored, so its link and token are known only here.
+            _erase_names(session, [name.strip(), _token(name)])
         for study_session, _ in study_sessions:
             erase(session, study_session, key, now)
-        screened_out = _erase_screen_outs(session, [name])
         if screened_out and not study_sessions:
-            _erase_names(session, [name.strip()])
             log_change(session, now, Event.FORGOTTEN, by="", detail="was screened out")
         return len(study_sessions) + screened_out
 
@@ -193,7 +196,11 @@ def _match(study_session: StudySession, name: str, key: PseudonymKey | None) -> 
 
 def _visit(link: str) -> str:
     """Return what is stored of whoever has the invitation `link`, or only its token."""
-    return token_hash(link.strip().rpartition("invitation=")[2])
+    return token_hash(_token(link))
+
+
+def _token(link: str) -> str:
+    return link.strip().rpartition("invitation=")[2]
 
 
 def _count_rows(session: Session, number: int) -> dict[str, int]:

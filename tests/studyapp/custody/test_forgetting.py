@@ -9,11 +9,11 @@ from sqlalchemy import String, Text, func, select
 
 from motion.errors import InputError
 from studyapp.custody import forgetting
-from studyapp.custody.forgetting import find_data, forget
+from studyapp.custody.forgetting import FREE_TEXTS, find_data, forget
 from studyapp.database import scrubbing
 from studyapp.database.engine import Database
 from studyapp.database.scrubbing import scrub
-from studyapp.database.tables import Event, InterimFigures, Look, Place, StudySession
+from studyapp.database.tables import AuditLine, Event, InterimFigures, Look, Place, StudySession
 from studyapp.database.tables.base import Base
 from studyapp.recruitment.invitations import make_invitations
 from studyapp.researchers.audit import StudyState, latest_changes, log_change, log_look
@@ -153,6 +153,15 @@ def test_the_log_records_the_erasure_without_a_name(person: Participant) -> None
     assert forget_person(person, "") == 0
     assert stored_text(person.database) == once
     assert PERSON not in once.lower()
+    # A reason that is added later must be listed too.
+    assert {
+        column
+        for table in Base.metadata.sorted_tables
+        for column in table.columns
+        if column.name == "reason" or column.name.endswith("_reason")
+    } | {AuditLine.__table__.c.detail} == {
+        column for text in FREE_TEXTS for column in text.property.columns
+    }
     with person.database.reading() as session:
         assert session.scalars(select(Look.reason)).all() == ["(erased) wrote"]
         assert session.scalars(select(InterimFigures)).all() == []
@@ -195,11 +204,14 @@ def test_an_invited_participant_is_found_by_the_link(person: Participant) -> Non
     guest = person.another().arrive(Arrival(visit=token_hash(token), form=ADULT))
     note_screen_out(person.database, token_hash(screened_out), "eligibility", person.clock)
     link = f"https://study.example.org/?invitation={token}"
+    pause(person, f"holder of {link}, {token}, and {screened_out}")
 
     assert [entry.found_by for entry in find_data(person.database, link, None)] == ["invitation"]
     for name in (link, screened_out):
         assert forget(person.database, name, None, person.clock) == 1
-    assert guest.token not in stored_text(person.database)
+    text = stored_text(person.database)
+    assert [secret for secret in (guest.token, token, screened_out) if secret in text] == []
+    assert "holder of (erased), (erased), and (erased) wrote" in text
 
 
 def test_a_screen_out_is_erased_too(person: Participant) -> None:
