@@ -148,7 +148,7 @@ class AlarmChannels:
             if name:
                 connection.login(name, password)
             if refused := connection.send_message(message):
-                LOG.error("Alarms to %d of %d addresses are refused", len(refused), len(self.mail))
+                LOG.error("Alarms to %d of %d addresses were refused", len(refused), len(self.mail))
 
 
 def _address(variable: str, schemes: tuple[str, ...]) -> str:

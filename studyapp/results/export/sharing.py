@@ -12,7 +12,7 @@ from typing import Any, Final
 import pandas as pd
 from sqlalchemy import select
 
-from motion.errors import InputError
+from motion.errors import InputError, counted
 from motion.files import sha256_of, write_text
 from studyapp.database.tables import StudyVersion
 from studyapp.researchers.pseudonyms import PseudonymKey
@@ -311,8 +311,9 @@ def _write_about(root: Path, study: Study, origin: Source, *, people: int) -> No
         "read_me.md",
         study=study,
         origin=origin,
-        people=people,
+        people=counted(people, "participant"),
         has_form=(root / "phenotype").exists(),
+        has_stimuli=(root / "sourcedata" / "stimuli.tsv").exists(),
         study_folder=STUDY.as_posix(),
     )
     write_text(root / "README.md", page)

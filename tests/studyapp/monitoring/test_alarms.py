@@ -160,15 +160,22 @@ def test_a_webhook_gets_the_alarm_as_json_and_its_failure_names_no_secret(
     ],
 )
 def test_mail_is_sent_encrypted_with_credentials_from_the_environment(
-    monkeypatch: pytest.MonkeyPatch, scheme: str, port: int, steps: list[str]
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    scheme: str,
+    port: int,
+    steps: list[str],
 ) -> None:
     server = MagicMock()
+    sending = server.return_value.send_message
+    sending.return_value = {}
     monkeypatch.setattr(smtplib, "SMTP" if scheme == "smtp" else "SMTP_SSL", server)
     monkeypatch.setenv(SMTP, f"{scheme}://lab%40example.org:s3cret@mail.example.org")
 
     study = make_study(alarms={"mail": ["ada@example.org"]})
     assert AlarmChannels.of(study).send("It is full.")
 
+    assert caplog.messages == []
     assert server.call_args.args == ("mail.example.org", port)
     done = [(name, arguments) for name, arguments, _ in server.return_value.method_calls]
     assert [name for name, _ in done] == steps
@@ -178,6 +185,11 @@ def test_mail_is_sent_encrypted_with_credentials_from_the_environment(
     assert mail["Date"]
     assert mail["Message-ID"].endswith("@example.org>")
     assert server.return_value.__exit__.called
+
+    two = make_study(alarms={"mail": ["ada@example.org", "gone@example.org"]})
+    sending.return_value = {"gone@example.org": (550, b"No such mailbox")}
+    assert AlarmChannels.of(two).send("It is full.")
+    assert caplog.messages == ["Alarms to 1 of 2 addresses were refused"]
 
 
 @pytest.mark.parametrize(

@@ -100,19 +100,22 @@ def test_the_folder_follows_bids(passed_on: tuple[StudyFolder, Path]) -> None:
 def test_a_rehearsal_is_marked_and_the_read_me_names_files_that_are_there(
     answered_once: Callable[..., Path], passed_on: tuple[StudyFolder, Path], tmp_path: Path
 ) -> None:
-    folder = StudyFolder(Path(shutil.copytree(answered_once("pairwise"), tmp_path / "study")))
+    answered = answered_once("pairwise", people=1)
+    folder = StudyFolder(Path(shutil.copytree(answered, tmp_path / "study")))
     folder.responses.rename(folder.rehearsal)
+    folder.stimuli.unlink()
 
     share(folder, tmp_path / "out", rehearsal=True)
     export(folder, tmp_path / "answers.csv", rehearsal=True)
 
     pages = ("out/README.md", "out/sourcedata/codebook.md", "answers_codebook.md")
     assert all("no person answered" in (tmp_path / page).read_text("utf-8") for page in pages)
+    assert "Answers of 1 participant of a" in (tmp_path / "out" / "README.md").read_text("utf-8")
     described = json.loads((tmp_path / "out" / "dataset_description.json").read_text("utf-8"))
     assert described["Name"].startswith("[rehearsal] ")
     for out in (tmp_path / "out", passed_on[1]):
         named = re.findall(r"^([a-zA-Z]\S+)  +[a-z]", (out / "README.md").read_text("utf-8"), re.M)
-        assert len(named) > 7
+        assert len(named) > 6
         assert [name for name in named if not any(out.glob(name))] == []
     assert "no person answered" not in text_of(files_of(passed_on[1]))
 
