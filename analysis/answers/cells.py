@@ -109,7 +109,8 @@ def _check_header(path: Path, header: Sequence[str], required: Sequence[str]) ->
     missing = [name for name in required if name not in header]
     if missing:
         raise InputError(
-            f"column {', '.join(missing)} is missing; there are {', '.join(header) or 'none'}",
+            f"the table has no {'column' if len(missing) == 1 else 'columns'} "
+            f"{', '.join(missing)}; it has {', '.join(header) or 'none'}",
             where=path,
             remedy=f"Name the columns {', '.join(required)}",
         )

@@ -284,6 +284,6 @@ def read_family(text: str, conditions: Sequence[str], questions: Sequence[str]) 
             raise InputError(
                 f"the family names {unknown[0]}, which is not among {', '.join(known)}",
                 where="family",
-                remedy="Write the name as the study does",
+                remedy="Write one of these names",
             )
     return family

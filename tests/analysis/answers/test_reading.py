@@ -119,7 +119,7 @@ OWN_SPEECH_TWICE = (
 @pytest.mark.parametrize(
     ("text", "layout", "problem"),
     [
-        ("right,response\n", PAIRWISE, "column left is missing; there are participant, segment"),
+        ("right,response\n", PAIRWISE, "the table has no column left; it has participant, segment"),
         ("left,right,response,left\n", PAIRWISE, "column left occurs twice"),
         (STORED_TWICE, PAIRWISE, "row 4, column trial: the same answer stands in row 2 already"),
         (RANKING_TWICE, RANKING, r"row 3, .* stands in row 2 already"),
