@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Final, cast, get_args
 
@@ -11,7 +13,7 @@ from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
 from motion.files import write_text
-from studyapp.desk.lab import check_study_name, current_lab
+from studyapp.desk.lab import LabStudy, check_study_name, current_lab
 from studyapp.desk.membership import own_study
 from studyapp.desk.page import page, writing_files
 from studyapp.researchers.account import Right
@@ -71,15 +73,11 @@ def make_study() -> ResponseReturnValue:
             _make_folder(definition, text)
     except InputError as error:
         return _page(request.form.to_dict(), error), 422
-    study = current_lab().study(name)
-    if study is None:
-        abort(404)
-    own_study(study, researcher())
     return redirect(url_for("research.study_page", study=name), 303)
 
 
 def _make_folder(definition: Path, text: str) -> None:
-    root = definition.parent
+    lab, root = current_lab(), definition.parent
     try:
         root.mkdir()
     except FileExistsError:
@@ -87,10 +85,14 @@ def _make_folder(definition: Path, text: str) -> None:
             f"there is a folder {root.name!r} already", remedy="Give the study another name"
         ) from None
     try:
+        # The study file comes last: with it, the folder is a study.
+        study = LabStudy(root, lab.database, lab.clock, lab.origin)
+        with closing(study.database):
+            own_study(study, researcher())
         write_text(definition, text)
-    except OSError:
+    except Exception:
         # Else the name would be taken by a folder that nobody sees.
-        root.rmdir()
+        shutil.rmtree(root)
         raise
 
 

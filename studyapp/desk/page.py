@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Final
+
+from flask import current_app
 
 from motion.errors import InputError
 from studyapp.desk.job_kinds import KINDS
@@ -42,9 +45,12 @@ def writing_files() -> Iterator[None]:
     try:
         yield
     except OSError as error:
+        current_app.logger.error("Files cannot be written: %s", error)
+        is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
         raise InputError(
             f"the server cannot write this ({error.strerror})",
-            remedy="Ask whoever runs the server to make room on its disk, then try again",
+            remedy="Ask whoever runs the server to "
+            + ("make room on its disk, then try again" if is_full else "look at its log"),
         ) from error
 
 

@@ -156,11 +156,15 @@ def render_study_file(options: StudyOptions, *, where: object) -> str:
     if options.language != TEMPLATE_LANGUAGE:
         text = _translated(text, read_template(template, options.language), options)
     text = _with_wording(text, options)
+    remedy = "Nothing was written: give other values"
     try:
         # Lines of a file that nobody sees say nothing.
         parse_study(tomllib.loads(text), where=where)
+    except tomllib.TOMLDecodeError:
+        # tomlkit writes the escape character as TOML 1.1 does, which tomllib cannot read.
+        what = "a text contains a control character"
+        raise InputError(what, where=where, remedy=remedy) from None
     except InputError as error:
-        remedy = "Nothing was written: give other values"
         raise InputError(error.what, where=where, remedy=remedy) from None
     return text
 

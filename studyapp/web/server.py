@@ -224,7 +224,10 @@ def listen(host: str, port: int) -> socket.socket:
     family = socket.AF_INET6 if is_v6 else socket.AF_INET
     try:
         return socket.create_server(
-            (host.strip("[]"), port), family=family, backlog=2 * CONNECTIONS, dualstack_ipv6=is_v6
+            (host.strip("[]"), port),
+            family=family,
+            backlog=2 * CONNECTIONS,
+            dualstack_ipv6=is_v6 and socket.has_dualstack_ipv6(),
         )
     except OSError as error:
         raise InputError(

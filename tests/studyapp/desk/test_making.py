@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from motion.errors import InputError
+from studyapp.desk import membership
 from studyapp.desk.lab import Lab
 from studyapp.researchers.account import list_accounts
 from studyapp.study.interview import TEMPLATE_DESCRIPTIONS
@@ -109,6 +111,7 @@ def test_the_forms_values_are_written_into_the_study_file(lab: Lab, grace: Resea
         ({"avatar": "nobody"}, "avatar"),
         ({"framing": "feet"}, "framing"),
         ({"title": "T" * 201}, "title"),
+        ({"title": "a\x1bb"}, "control character"),
         ({"question-synchronisation": "Q" * 301}, "questions"),
     ],
 )
@@ -126,3 +129,16 @@ def test_mistakes_are_reported_and_nothing_is_created(
     assert "(line " not in problem.text, "there is no file yet"
     assert "Kept words" in answer.text
     assert {each.name for each in lab.folder.iterdir()} == before
+
+
+def test_a_study_whose_database_cannot_be_opened_is_not_made(
+    lab: Lab, grace: ResearchBrowser, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise InputError("the database cannot be opened")
+
+    monkeypatch.setattr(membership, "first_owner_link", fail)
+    answer = grace.post(MAKE, template="pairwise", name="new", ethics="Kept words")
+    assert answer.status_code == 422
+    assert "Kept words" in answer.text
+    assert not (lab.folder / "new").exists(), "its name stays free"

@@ -59,27 +59,40 @@ def test_an_invalid_file_is_not_saved_and_its_line_is_shown(
     assert "tiny" in ada.get("/research/").text
 
 
-def test_a_full_disk_loses_nothing_that_was_typed(
-    ada: ResearchBrowser, lab: Lab, file: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("number", "remedy"), [(errno.ENOSPC, "make room on its disk"), (errno.EIO, "look at its log")]
+)
+def test_a_failing_disk_loses_nothing_that_was_typed(
+    ada: ResearchBrowser,
+    lab: Lab,
+    file: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    number: int,
+    remedy: str,
 ) -> None:
     page, before = ada.get(SETTINGS), file.read_text("utf-8")
 
     def fail(_from: Path, _to: Path) -> Path:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        raise OSError(number, os.strerror(number))
 
+    segment = ada.get(f"{TINY}jobs/figure").soup.select("#segment option")[-1].text
     monkeypatch.setattr(Path, "replace", fail)
     questions = {"question-synchronisation": "Which?", "question-emotion": "And?"}
     made = {"template": "pairwise", "name": "made", "ethics": "Typed words"} | questions
     for address, fields, words in (
         (SETTINGS, {"text": f"{before}# typed words\n", "seen": digest_of(page)}, "# typed words"),
         ("/research/make/study", made, "Typed words"),
-        (f"{TINY}jobs/check", {}, "Check"),
+        (f"{TINY}jobs/rehearse", {"participants": "73"}, 'value="73"'),
+        (f"{TINY}jobs/figure", {"figure": "grid", "segment": segment}, f"selected>{segment}<"),
     ):
         answer = ada.post(address, **fields)
         assert answer.status_code in (409, 422), address
-        assert "No space left on device" in answer.text
+        assert os.strerror(number) in answer.text
+        assert remedy in answer.text
         assert words in answer.text
     assert file.read_text("utf-8") == before
+    assert caplog.text.count(os.strerror(number)) == 4
     assert not (lab.folder / "made").exists(), "its name stays free"
 
 
