@@ -16,12 +16,14 @@ RESERVED_NAMES = ("trial",)
 """Names of the page's own form fields."""
 
 _OF_FACES: Final = re.compile(
-    r"\b(faces?|facial|lips?|mouth)\b|gesicht|mimik|lippen|顔|表情", re.IGNORECASE
+    r"(?<!ignore the )(?<!disregard the )\b(faces?|facial|lips?|mouth)\b"
+    r"|gesicht(?!spunkt)|mimik|lippen|顔|表情",
+    re.IGNORECASE,
 )
 
 
 def is_about_face(text: str) -> bool:
-    """Tell whether the text of a question names the face."""
+    """Tell whether the text of a question names the face, other than to ignore it."""
     return _OF_FACES.search(text) is not None
 
 

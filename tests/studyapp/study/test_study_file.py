@@ -21,7 +21,10 @@ def test_every_key_is_in_a_template_or_in_the_documentation() -> None:
         "".join(path.read_text("utf-8") for path in Path(folder).glob(files))
         for folder, files in (("studyapp/study/templates", "**/*.toml"), ("docs", "*.md"))
     )
-    known = {*re.findall(r"\w+", templates), *re.findall(r"\b(\w+)(?:`| = |\])", documents)}
+    templates = re.sub(r"{%.*?%}", "", templates)
+    keys_in_templates = re.findall(r"""\b(\w+) = |key\("(\w+)"|'(\w+)'|\[([\w.]+)\]""", templates)
+    known = {key for groups in keys_in_templates for group in groups for key in group.split(".")}
+    known |= set(re.findall(r"\b(\w+)(?:`| = |\])", documents))
     schemas = [protocol.model_json_schema() for protocol in PROTOCOLS.values()]
     sections = [part for schema in schemas for part in (schema, *schema["$defs"].values())]
     keys = {key for section in sections for key in section.get("properties", ())}
@@ -139,6 +142,8 @@ def test_the_chosen_settings_are_written_into_the_file(tmp_path: Path) -> None:
     [
         (None, "Which face is more alive?", "face"),
         (None, "Which motion is more alive?", "upper_body"),
+        (None, "Ignore the face. Which gestures fit better?", "upper_body"),
+        (None, "Welche Bewegung ist unter diesem Gesichtspunkt besser?", "upper_body"),
         ("full_body", "Which face is more alive?", "full_body"),
     ],
 )
