@@ -43,7 +43,7 @@ def _server_options(command: _Command) -> _Command:
                 "--host",
                 default="127.0.0.1",
                 show_default=True,
-                # As addresses hold IPv6.
+                # URLs need brackets around IPv6 addresses.
                 callback=lambda _c, _o, host: f"[{host.strip('[]')}]" if ":" in host else host,
                 help="Address to listen on.",
             ),

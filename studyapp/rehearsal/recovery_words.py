@@ -47,8 +47,8 @@ def intervals_in_words(recovery: Recovery) -> str:
     none = f" {count(without, 'number')} {_has(without)} no interval." if without else ""
     return (
         f"{recovery.intervals - recovery.missed} of {count(recovery.intervals, 'interval')} "
-        f"{'contains' if recovery.intervals == 1 else 'contain'} the true value."
-        f"{none} {chance_in_words(recovery.missed, recovery.intervals)}"
+        f"{'contains' if recovery.intervals == 1 else 'contain'} the true value. "
+        f"{chance_in_words(recovery.missed, recovery.intervals)}{none}"
     )
 
 
@@ -62,7 +62,7 @@ def signs_in_words(recovery: Recovery) -> str:
 
 
 def unanswered_in_words(recovery: Recovery) -> Iterator[str]:
-    """Say why the better condition was not found, of a few comparisons, and count the others."""
+    """Say of a few comparisons why the better condition was not found, and count the rest."""
     unanswered = [each for each in recovery.differences if each.sign in ("undecided", "wrong")]
     # Wrong signs matter most.
     unanswered.sort(key=lambda each: each.sign == "undecided")
@@ -203,7 +203,7 @@ HARDLY_CHANCE: Final = 0.01
 
 
 def chance_in_words(missed: int, intervals: int) -> str:
-    """Say how often a sound design has so many misses.
+    """Say how often so many intervals miss the true value with a sound design.
 
     Each interval then misses with probability 1 minus its level (Binomial). Answers of the same
     people to several questions are correlated, which makes many misses at once more common.
@@ -211,18 +211,17 @@ def chance_in_words(missed: int, intervals: int) -> str:
     if not intervals:
         return "There is no interval to compare with a true value."
     probability = float(binom.sf(missed - 1, intervals, 1 - LEVEL))
-    of_all = count(intervals, "interval")
     if not missed:
-        return (
-            f"A sound design misses none of {of_all} in {100 * LEVEL**intervals:.0f} of 100 "
-            "rehearsals."
-        )
+        all_do = "it does" if intervals == 1 else f"all {intervals} do"
+        often = f"{100 * LEVEL**intervals:.0f} of 100 rehearsals"
+        return f"With a sound design, {all_do} in {often}."
+    misses = "the interval misses it" if intervals == 1 else f"{missed} or more intervals miss it"
     if probability < HARDLY_CHANCE:
         return (
-            f"A sound design misses {missed} or more of {of_all} in fewer than 1 of 100 "
-            "rehearsals: see who was not excluded, and whether people and segments are enough."
+            f"With a sound design, {misses} in fewer than 1 of 100 rehearsals: see who was not "
+            "excluded, and whether there are enough people and segments."
         )
     return (
-        f"A sound design misses {missed} or more of {of_all} in {100 * probability:.0f} of "
-        "100 rehearsals, and somewhat more often if the same people answer several questions."
+        f"With a sound design, {misses} in {100 * probability:.0f} of 100 rehearsals, and "
+        "somewhat more often if the same people answer several questions."
     )

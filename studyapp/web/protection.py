@@ -41,7 +41,7 @@ SHUT_IN: Final = (
 """The policy of such files: their scripts have no origin, and load nothing."""
 
 REFUSAL: Final = 400
-"""Answers from here on are pages of the server, whatever was asked for."""
+"""Responses with this status or a higher one are the server's own pages."""
 
 BROWSERS_KEEP: Final = ("static", "media.video", "research.viewer_file", "research.viewer_avatar")
 """Endpoints of files that browsers may keep."""

@@ -97,7 +97,12 @@ def test_misses_and_miscounts_are_reported_in_tables_and_page() -> None:
     assert " ".join(lines[1].split()) == "Fit Ours against theirs win share .60 .55 .45 to .65"
     assert lines[2].endswith("outside")
     assert "1 of 2 intervals contain the true value" in lines[3]
-    assert "1 or more of 2 intervals in 10 of 100" in lines[3]
+    assert "1 or more intervals miss it in 10 of 100" in lines[3]
+    one_interval = recovery_lines(replace(RECOVERY, values=RECOVERY.values[:1]))
+    assert (
+        "1 of 1 interval contains the true value. "
+        "With a sound design, it does in 95 of 100 rehearsals."
+    ) in one_interval
     assert "MISCOUNTED: left for good: 3, counted 2." in lines
     assert replace(miscounted, allowed=True).agrees
     tables = recovery_tables(whole)
