@@ -9,7 +9,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Final, cast
 
-from flask import Blueprint, Response, abort, current_app, redirect, request
+from flask import Blueprint, Response, abort, current_app, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 from sqlalchemy.exc import SQLAlchemyError
 from werkzeug.exceptions import HTTPException
@@ -22,11 +22,13 @@ from studyapp.desk.membership import enter_study
 from studyapp.desk.page import DUTIES, at_the_desk, page, problem_at_the_desk
 from studyapp.monitoring.alarms import AlarmChannels
 from studyapp.recruitment.invitations import make_test_participation
-from studyapp.researchers.account import Right, has_owner
+from studyapp.researchers.account import RIGHTS, ROLES, Right, has_owner
+from studyapp.researchers.links import invite
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.reading import read_study
 from studyapp.web.mounting import path_to_try
 from studyapp.web.research import accounts
+from studyapp.web.research.accounts import chosen_role
 from studyapp.web.research.page import (
     COOKIE,
     PREFIX,
@@ -73,14 +75,17 @@ def _title(study: OpenedStudy) -> str:
         return study.name
 
 
-def study_page(study: OpenedStudy) -> ResponseReturnValue:
-    """Show how far a study is, and what can be done with it."""
+def study_page(study: OpenedStudy, new_link: str = "") -> ResponseReturnValue:
+    """Show how far a study is, what can be done with it, and a new invitation this once."""
     served = study.study.served()
     address = f"{current_lab().origin}/{study.name}/"
     return page(
         "study",
         study=study,
         title=_title(study),
+        new_link=new_link,
+        roles=ROLES,
+        rights=RIGHTS,
         standing=study.study.standing(),
         link="" if served is None else served.study.recruitment.link(address),
         alarm_problem=None if served is None else _alarm_problem(served),
@@ -108,6 +113,14 @@ def _alarm_problem(served: ServedStudy) -> InputError | None:
     except InputError as error:
         return error
     return None
+
+
+def invite_to_study(study: OpenedStudy) -> ResponseReturnValue:
+    """Invite a researcher, also while the study has no pages of its own yet."""
+    lab, role = current_lab(), chosen_role()
+    token = invite(study.study.database, lab.clock, role=role, by=study.account.name)
+    link = url_for("research.study_link", study=study.name, token=token)
+    return study_page(study, new_link=lab.origin + link)
 
 
 WAYS: Final = ("", "preview", "study-sessions", "newcomers", "results", "researchers", "changes")
@@ -168,6 +181,7 @@ PAGES: Final = (
 STUDY_PAGES: Final[tuple[Page, ...]] = (
     Page("GET", "/", study_page, Right.KEEP_ACCOUNT),
     Page("POST", "/open", open_study_pages, Right.WATCH),
+    Page("POST", "/invite", invite_to_study, Right.MANAGE),
     Page("POST", "/try", take_part_as_test, Right.WATCH),
     Page("POST", "/new-version", begin_new_version, Right.MANAGE),
     *settings_page.PAGES,

@@ -233,7 +233,7 @@ def invite_researcher() -> ResponseReturnValue:
     """Make an invitation, and show its link this once."""
     site = current_site()
     try:
-        token = invite(site.database, site.clock, role=_role(), by=researcher().name)
+        token = invite(site.database, site.clock, role=chosen_role(), by=researcher().name)
     except InputError as error:
         return researchers(problem=error), 422
     return researchers(new_link=_link(token))
@@ -262,7 +262,7 @@ def give_role(researcher_id: int) -> ResponseReturnValue:
     """Give a researcher another role."""
     site, by = current_site(), researcher().name
     return _done(
-        lambda: change_role(site.database, site.clock, researcher_id, _role(), by=by),
+        lambda: change_role(site.database, site.clock, researcher_id, chosen_role(), by=by),
     )
 
 
@@ -295,8 +295,14 @@ def _done(change: Callable[[], None]) -> ResponseReturnValue:
     return redirect(url_for("research.researchers"), 303)
 
 
-def _role() -> Role:
-    """Return the role that the form names."""
+def chosen_role() -> Role:
+    """Return the role that the form names.
+
+    Raises
+    ------
+    InputError
+        If there is no such role.
+    """
     role = request.form.get("role", "")
     if role not in ROLES:
         raise InputError("there is no such role", remedy=f"Choose one of {', '.join(ROLES)}")

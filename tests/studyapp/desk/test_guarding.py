@@ -28,7 +28,7 @@ IN_A_STUDY: dict[Role, set[str]] = {
         *("settings", "save_settings", "start_job", "stop_running_job", "remove_clip"),
         *("bring_in", "remove_upload", "uploaded", "take_piece"),
     },
-    "owner": {"begin_new_version"},
+    "owner": {"begin_new_version", "invite_to_study"},
 }
 """The pages of a study that each role may open beyond those of the role before."""
 

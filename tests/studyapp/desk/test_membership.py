@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import shutil
 import sqlite3
 from contextlib import closing
@@ -107,6 +108,21 @@ def test_an_owners_link_admits_a_logged_in_member_of_the_desk(
     assert mary.post(answer.request.path, name="Mary").status_code == 303
     assert "tiny" in mary.get("/research/").text
     assert mary.post(answer.request.path, name="Mary").status_code == 404, "works once"
+
+
+def test_somebody_is_invited_to_a_study_that_is_being_made(
+    tiny: LabStudy, researcher: Researcher, ada: ResearchBrowser
+) -> None:
+    tiny.folder.root.joinpath("speech", "segments.csv").unlink()
+    assert ada.post(f"{TINY}invite", role="king").status_code == 409
+    answer = ada.post(f"{TINY}invite", role="analyst")
+    link = re.search(rf'href="({TINY}join/[^"]+)"', answer.text)
+    assert link is not None
+    mary = researcher("Mary", "viewer")
+    assert "as an analyst" in mary.get(link[1]).text
+    assert mary.post(link[1], name="Mary").status_code == 303
+    mary.get(f"{TINY}bring-in")
+    assert "Invite somebody" not in mary.get(TINY).text
 
 
 def test_an_existing_account_is_joined_only_with_its_password(
