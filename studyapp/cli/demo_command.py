@@ -117,5 +117,5 @@ def command(ctx: click.Context, folder: Path, participants: int, processes: int)
     ctx.invoke(
         plan_command.rehearse_command, folder=study_folder, participants=participants, seed=SEED
     )
-    ctx.invoke(report_command.command, folder=study_folder)
+    ctx.invoke(report_command.command, folder=study_folder, rehearsal=True)
     click.echo(f"To take part yourself: make serve (or: motionjury serve {folder})")

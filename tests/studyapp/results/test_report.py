@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +10,16 @@ import pytest
 from sqlalchemy import update
 
 from analysis.results.report import analyse_table, as_json
+from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import StudyVersion
+from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.simulation.truth import Truth, write_truth
 from studyapp.results.answers import read_answers
+from studyapp.results.export.sharing import share
 from studyapp.results.report import report
 from studyapp.results.report_subject import report_presets
 from studyapp.results.stated_beforehand import UNREADABLE, change_notes, exclusions_of
+from studyapp.study.folder import StudyFolder
 from studyapp.study.study_file import new_study
 from tests.studyapp.results.conftest import Answered
 from tests.support.studies.finished_study import PROTOCOLS
@@ -86,10 +92,12 @@ def test_a_study_and_its_reports_table_give_the_same_results(
 
 
 def test_a_study_without_answers_is_reported_as_such(
-    answered: Answered,
+    answered: Answered, empty_sqlite: Path
 ) -> None:
     remarks: list[str] = []
-    page = report(answered("mismatch", people=0), with_motion=True, warn=remarks.append)
+    folder = answered("mismatch", people=0)
+    shutil.copyfile(empty_sqlite, folder.responses)
+    page = report(folder, with_motion=True, warn=remarks.append)
 
     text = page.read_text("utf-8")
     assert "No participant has answered yet" in text
@@ -98,7 +106,32 @@ def test_a_study_without_answers_is_reported_as_such(
     assert found["study"]["origin"] == "none"
     assert found["remark"]
     assert found["participants"] == {"recruited": 0, "attentive": 0}
-    assert "DATABASE_URL" in "".join(remarks)
+    hint = "If the study is served with DATABASE_URL, set it here as well."
+    assert remarks == [f"No answers of participants were found. {hint}"]
+
+
+def test_a_report_says_where_it_shows_the_rehearsal_instead_of_answers(
+    answered: Answered, empty_sqlite: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("studyapp.results.report.write_report", lambda *_, **__: tmp_path)
+    folder = answered("rating", people=3, stop_after=1)
+    folder.responses.rename(folder.rehearsal)
+    truth = Truth(seed=1, study="", population=Population(quality={}), expected=())
+    write_truth(folder.rehearsal_truth, truth)
+    shared = StudyFolder(share(folder, tmp_path / "out", rehearsal=True).study)
+
+    def remarks(folder: StudyFolder, *, rehearsal: bool = False) -> list[str]:
+        texts: list[str] = []
+        report(folder, rehearsal=rehearsal, warn=texts.append)
+        return texts
+
+    fallback = "No answers of participants were found, so the report shows the rehearsal."
+    assert remarks(folder) == [
+        f"{fallback} If the study is served with DATABASE_URL, set it here as well."
+    ]
+    assert remarks(folder, rehearsal=True) == remarks(shared) == []
+    monkeypatch.setenv("DATABASE_URL", sqlite_url(empty_sqlite))
+    assert remarks(folder) == [fallback]
 
 
 def test_reports_are_reproducible_and_replace_older_files(
