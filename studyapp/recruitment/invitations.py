@@ -79,8 +79,11 @@ def invite(folder: StudyFolder, people: Sequence[str], address: str, out: Path) 
 
 
 def counts(folder: StudyFolder) -> InvitationCounts:
-    """Return how many of the study's invitations were used."""
-    with closing(Database.open_existing(database_url_of(folder.root))) as database:
+    """Return how many of the study's invitations were used; none before the first was made."""
+    database = Database.open_for_reading(database_url_of(folder.root))
+    if database is None:
+        return InvitationCounts(made=0, begun=0, completed=0)
+    with closing(database):
         return invitation_counts(database)
 
 

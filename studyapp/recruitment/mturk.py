@@ -239,8 +239,8 @@ def judged_assignments(
     folder: StudyFolder, client: MTurkClient, *, live: bool
 ) -> list[tuple[Assignment, PaymentDecision]]:
     """Return every submitted assignment, and what to do about it."""
-    people = known_participants_of(folder)
     assignments = [each for hit in hits_of(folder, live=live) for each in client.assignments(hit)]
+    people = known_participants_of(folder, has_submissions=bool(assignments))
     participants = by_submission(people, [(each.id, each.worker) for each in assignments])
     return [(each, _decide(each, participants[each.id])) for each in assignments]
 

@@ -104,9 +104,20 @@ def known_participants(database: Database) -> list[KnownParticipant]:
     return participants
 
 
-def known_participants_of(folder: StudyFolder) -> list[KnownParticipant]:
-    """Return the same of a study; `InputError` if it has no database yet."""
-    with closing(Database.open_existing(database_url_of(folder.root))) as database:
+def known_participants_of(folder: StudyFolder, *, has_submissions: bool) -> list[KnownParticipant]:
+    """Return the same of a study; nobody before the first serving, when it has no database.
+
+    Raises
+    ------
+    InputError
+        If there is no database although the recruiter has submissions: nobody would seem to have
+        taken part.
+    """
+    url = database_url_of(folder.root)
+    database = Database.open_existing(url) if has_submissions else Database.open_for_reading(url)
+    if database is None:
+        return []
+    with closing(database):
         return known_participants(database)
 
 

@@ -198,8 +198,8 @@ def status(folder: StudyFolder, client: ProlificClient) -> ProlificStatus:
     """Return the status of the study, on Prolific and here."""
     identity = study_id(folder)
     codes = folder.study().recruitment.prolific
-    people = known_participants_of(folder)
     submissions = client.submissions(identity)
+    people = known_participants_of(folder, has_submissions=bool(submissions))
     participants = by_submission(people, [(each.id, each.participant) for each in submissions])
     judged_submissions = tuple(
         JudgedSubmission(

@@ -132,11 +132,21 @@ def test_decisions_about_pay_are_shown_before_anybody_is_paid(
     folder: Path, stand_in: StandIn
 ) -> None:
     recruit(folder, "create", "--address", ADDRESS, "--yes")
+    database = StudyFolder(folder).responses
+    elsewhere = database.rename(folder / "elsewhere.db")
+    assert "Prolific: unpublished, 0 of" in recruit(folder, "status")
+    assert "0 to pay" in recruit(folder, "approve", "--yes")
     code = StudyFolder(folder).study().recruitment.prolific.completed
+    elsewhere.rename(database)
     with taking_part(folder) as ann:
         ann.another().arrive(Arrival(recruiter_participant="bob"))
         ann.arrive(Arrival(recruiter_participant="ann")).begin().take_all()
+    database.rename(elsewhere)
     stand_in.add_submission("ann", "AWAITING REVIEW", code)
+    for command in ("status", "approve"):
+        # Otherwise nobody would seem to have taken part.
+        assert "set it here as well" in recruit(folder, command, status=1)
+    elsewhere.rename(database)
     stand_in.add_submission("bob", "AWAITING REVIEW", code)
     stand_in.add_submission("eve", "TIMED-OUT", None)
 
@@ -166,6 +176,10 @@ def test_each_person_on_a_list_is_invited_once_and_only_its_owner_reads_the_tabl
 ) -> None:
     with (tiny_study / "study.toml").open("a") as file:
         file.write('[recruitment]\nchannel = "invitations"\n')
+    database = StudyFolder(tiny_study).responses
+    elsewhere = database.rename(tiny_study / "elsewhere.db")
+    assert "0 invitations: 0 begun" in recruit(tiny_study, "status")
+    elsewhere.rename(database)
     people = tiny_study / "people.csv"
     people.write_text("who,note\nann@x.org,a\nbob@x.org,b\n\nann@x.org,again\n", "utf-8")
     address = ("--address", ADDRESS)
