@@ -192,7 +192,7 @@ def planned_segments(
         raise InputError(
             "the study has no segments yet, so it is not known how many it will have",
             where=folder.root,
-            remedy="Import speech or videos first, or try numbers of your own (--items 24,48)",
+            remedy="Import speech or videos first (--items 24,48 tries numbers of your own)",
         )
     lengths = [30.0]
     if isinstance(study, RankingStudy):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -106,6 +107,9 @@ def test_an_unservable_desk_is_refused_and_its_database_is_private(
         run_desk(tiny_study_template, "127.0.0.1", 1)
     with pytest.raises(InputError, match=r"cannot listen there \((?!Unknown)"):
         run_desk(tmp_path, "no host", 1)
+    monkeypatch.setattr(socket, "has_dualstack_ipv6", lambda: False)
+    with pytest.raises(InputError, match="cannot listen there"):
+        run_desk(tmp_path, "no:host", 1)
     open_desk(tmp_path).database.close()
     assert (tmp_path / "desk.db").stat().st_mode & 0o077 == 0
     monkeypatch.setenv("DATABASE_URL", "postgresql://somewhere/else")
