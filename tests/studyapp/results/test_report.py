@@ -12,6 +12,7 @@ from sqlalchemy import update
 from analysis.results.report import analyse_table, as_json
 from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import StudyVersion
+from studyapp.desk.jobs import RESEARCHER
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.truth import Truth, write_truth
 from studyapp.results.answers import read_answers
@@ -130,8 +131,11 @@ def test_a_report_says_where_it_shows_the_rehearsal_instead_of_answers(
         f"{fallback} If the study is served with DATABASE_URL, set it here as well."
     ]
     assert remarks(folder, rehearsal=True) == remarks(shared) == []
-    monkeypatch.setenv("DATABASE_URL", sqlite_url(empty_sqlite))
-    assert remarks(folder) == [fallback]
+    # The second is set for a desk's jobs; a desk has no other database than the study's own.
+    for variable, value in (("DATABASE_URL", sqlite_url(empty_sqlite)), (RESEARCHER, "Ada")):
+        with monkeypatch.context() as patch:
+            patch.setenv(variable, value)
+            assert remarks(folder) == [fallback]
 
 
 def test_reports_are_reproducible_and_replace_older_files(
