@@ -63,7 +63,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "--generated motion --preset genea --evaluator emage=none.bin": "no such file",
     },
     "plan": {
-        "study --participants 6": "of your own (--items 24,48)",
+        "study --participants 6": "(--items 24,48 tries",
         "study --items 8 --effect 0.2,nan": "'nan' is not a number",
         "study --participants 90000 --items 100": "more than 400,000 answers",
     },
