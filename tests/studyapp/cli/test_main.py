@@ -56,12 +56,13 @@ def test_bad_input_is_one_sentence_without_a_traceback(refused: Refused, tmp_pat
     assert "study.toml is missing" in error
     assert "motionjury init" in error
     assert "Traceback" not in error
-    (tmp_path / "study.toml").mkdir()
+    (tmp_path / "file").touch()
+    study = tmp_path / "file" / "study"
 
-    status, error = refused("check", str(tmp_path))
+    status, error = refused("init", str(study))
 
     assert status == 1
-    assert error.startswith(f"Error: {tmp_path / 'study.toml'}: Is a directory.")
+    assert error.startswith(f"Error: {study}: Not a directory.")
     assert "Traceback" not in error
 
 
