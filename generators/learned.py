@@ -166,7 +166,7 @@ def cut_windows(
     Raises
     ------
     InputError
-        If the device is not usable, or no recording.
+        If the device is not usable, or there is no recording to learn from or to hold out.
     """
     check_device(request.device)
     splits = {take.split for take in request.takes.takes}
