@@ -145,11 +145,7 @@ class Database:
         """Open the database at `url` as `open_for_reading` does; `InputError` if there is none."""
         database = cls.open_for_reading(url, of_any_age=of_any_age)
         if database is None:
-            raise InputError(
-                "there is no database of answers yet",
-                where=display_address(url),
-                remedy="If the study is served with DATABASE_URL, set it here as well",
-            )
+            raise missing_database(url)
         return database
 
     @classmethod
@@ -326,6 +322,15 @@ def _is_usable(address: URL) -> bool:
 def display_address(url: str) -> str:
     """Return the address without its password."""
     return _address(url).render_as_string(hide_password=True)
+
+
+def missing_database(url: str) -> InputError:
+    """Return the error where the database at `url` is needed and there is none."""
+    return InputError(
+        "there is no database of answers yet",
+        where=display_address(url),
+        remedy="If the study is served with DATABASE_URL, set it here as well",
+    )
 
 
 def sqlite_file(url: str) -> Path | None:

@@ -21,7 +21,7 @@ from sqlalchemy.orm import Session
 from analysis.answers.participants import EVERYBODY, ArmState
 from motion.errors import InputError
 from motion.files import cell_as_given, harmless_frame, sha256_of, write_text
-from studyapp.database.engine import Database, database_url_of, display_address
+from studyapp.database.engine import Database, database_url_of, missing_database
 from studyapp.results.stated_beforehand import parse_version, stated_study
 from studyapp.results.stored_answers import (
     NO_ANSWERS,
@@ -66,12 +66,9 @@ def missing_answers(folder: StudyFolder, origin: Source) -> InputError:
             where=folder.root,
             remedy="Run 'motionjury rehearse' first, or omit --rehearsal",
         )
-    return InputError(
-        "there is no database of answers yet",
-        where=display_address(database_url_of(folder.root)),
-        remedy="If the study is served with DATABASE_URL, set it here as well; for simulated "
-        "participants, use --rehearsal",
-    )
+    error = missing_database(database_url_of(folder.root))
+    remedy = f"{error.remedy}; for simulated participants, use --rehearsal"
+    return InputError(error.what, where=error.where, remedy=remedy)
 
 
 def read_answers(folder: StudyFolder, origin: Source) -> Answers:
