@@ -101,7 +101,7 @@ class TrainingRequest:
     changes : mapping
         Fields of `training.config.TrainingConfig` that are to differ from the config's.
     choices : mapping of str to str
-        Of the generator's own choices, those that were made.
+        The generator's own choices that were made.
     device : {'cpu', 'cuda'}
         Where it is computed.
     show_preparing, show_training : callable

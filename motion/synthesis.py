@@ -69,7 +69,7 @@ def speak(text: str, emotion: str, out_path: Path) -> Audio:
     Raises
     ------
     InputError
-        As `speak_as`, and if the emotion is unknown.
+        As in `speak_as`; and if the emotion is unknown.
     """
     if emotion not in EMOTIONS:
         raise InputError(f"unknown emotion {emotion!r}", remedy=f"Use one of {', '.join(EMOTIONS)}")

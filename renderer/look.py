@@ -44,7 +44,7 @@ class Avatar:
     Attributes
     ----------
     name : str
-        As `study.toml` names it.
+        The name in `study.toml`.
     description : str
         One line that helps choosing.
     has_face : bool

@@ -134,7 +134,7 @@ class Outcome:
     Attributes
     ----------
     name : str
-        The job's.
+        The job's name.
     error : str or None
         Why it failed; None where it did not.
     because_of : str or None

@@ -19,7 +19,7 @@ def as_input_errors(
     service : str
         The service, as the beginning of a sentence.
     action : str
-        What it is asked to do.
+        What the service is asked to do.
     correct : str
         What to do if it refuses.
     check : str

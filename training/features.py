@@ -195,7 +195,7 @@ def bone_features(
     face : FaceLandmarks
         The landmarks.
     vectors : WordVectors
-        Of words.
+        The vectors of words.
     frame_rate : float
         Frames per second of all of them.
     faces : bool

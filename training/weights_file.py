@@ -82,7 +82,7 @@ class NetworkKind:
     Attributes
     ----------
     name : str
-        By which its facts call it.
+        The network's name in the file's facts.
     wanted : str
         Description of the expected network, as in ``a DiffSHEG network``.
     remedy : str
@@ -104,7 +104,7 @@ class NetworkKind:
     ) -> None:
         """Write a network, as a part of that name, with its sizes, further tensors and facts.
 
-        Of processes that learned together only the leading one does.
+        If several processes learned together, only the leading one writes.
         """
         if not is_leader():
             return

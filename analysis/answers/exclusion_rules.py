@@ -99,13 +99,13 @@ class RuleOutcome:
     Attributes
     ----------
     rule, description : str
-        Of the rule.
+        The rule's name and description.
     reached, removed : int
         Participants whom no earlier rule removed, and those of them whom this one did.
     exploratory : bool
         Whether the rule was set up, or changed, after answers could have been seen.
     remark : str
-        To whom the rule could not be applied, and why; empty where it could to all.
+        Who the rule could not be applied to, and why; empty if it could be applied to all.
     """
 
     rule: str

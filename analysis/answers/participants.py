@@ -316,7 +316,7 @@ class ResponseTimes:
     Attributes
     ----------
     median, low_quartile, high_quartile : float
-        Of the participants' medians, in seconds; NaN without times.
+        Quartiles of the participants' medians, in seconds; NaN without times.
     limit : float
         Half the median: a participant whose median is below it is too fast.
     too_fast : mapping of participant to float

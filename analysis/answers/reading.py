@@ -88,7 +88,7 @@ def answers_in(
     Parameters
     ----------
     cells : Cells
-        Of the shared columns and the layout's, as far as there are any.
+        Cells of the shared columns and the layout's, as far as there are any.
     layout : Layout
         The protocol's columns.
     order : Order
@@ -99,7 +99,7 @@ def answers_in(
     Raises
     ------
     InputError
-        As `read_answers`.
+        As in `read_answers`.
     """
     everything = Checking(cells)
     people = everything.names(_COLUMN["participant"])

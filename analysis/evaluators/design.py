@@ -166,7 +166,7 @@ class EvaluatorRequest:
     Attributes
     ----------
     kind, size : str
-        As `Kind` and `Size`.
+        The same as in `Kind` and `Size`.
     channels : str
         One of `CHANNELS_OF_KIND` of its kind.
     training : TrainingConfig

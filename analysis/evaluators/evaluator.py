@@ -74,7 +74,7 @@ class TrainingFacts(Facts):
     last_loss : float
         Loss of the last step.
     versions : mapping of str to str
-        Of packages.
+        Versions of the packages used.
     """
 
     config: dict[str, Any]
@@ -113,7 +113,7 @@ class Evaluator:
     network : Network
         In evaluation mode, on the processor.
     normalisation : Normalisation
-        Of its channels.
+        The normalisation of its channels.
     landmarks : FaceLandmarks or None
         For the kind ``face``.
     sha256 : str
@@ -159,7 +159,7 @@ class Evaluator:
         Parameters
         ----------
         clip : MotionClip
-            Of any frame rate. Channels that were frozen in training are frozen.
+            A clip at any frame rate. Channels that were frozen in training are frozen.
 
         Returns
         -------
@@ -186,7 +186,7 @@ class Evaluator:
         Raises
         ------
         InputError
-            As `embed`; or if the network classifies no emotions.
+            As in `embed`; or if the network classifies no emotions.
         """
         if not self.labels:
             raise InputError(

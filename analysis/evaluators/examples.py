@@ -105,7 +105,7 @@ class Split:
     training, held_out : Examples
         Both over the same frames.
     normalisation : Normalisation
-        Of the training frames only.
+        The normalisation of the training frames only.
     recordings : int
         Number of recordings.
     how : str
@@ -141,7 +141,7 @@ def split(
     clips : sequence of ndarray, shape (T, C)
         Frames of each clip, at least `window` of them.
     recordings, labels : sequence of str
-        Of each clip.
+        The recording and the label of each clip.
     names : sequence of str
         The labels in the order of their numbers.
     window, stride : int
@@ -151,7 +151,7 @@ def split(
     seed : int
         Determines which recordings are held out.
     device : str
-        Of the windows.
+        Device that holds the windows.
     """
     held_out = held_out_recordings(recordings, labels, share=HELD_OUT_SHARE, seed=seed)
     total = len(set(recordings))

@@ -133,7 +133,7 @@ class Network:
     sha256 : str
         Hash of the file.
     name : str
-        As in `DISTANCES`, with the start of the hash if there are several
+        A name of `DISTANCES`, with the start of the hash if there are several
         networks of one kind.
     settings : mapping of str to str
         Quoted by every score.

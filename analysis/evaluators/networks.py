@@ -36,7 +36,7 @@ class EmotionConfig(WindowConfig):
     feed_forward : int
         Hidden units of each layer.
     layers, heads : int
-        Of the transformer.
+        Layers and heads of the transformer.
     dropout : float
         In [0, 1).
     hidden : tuple of int

@@ -124,7 +124,7 @@ def distances(
     condition, clips : str, sequence of ClipMeasurements
         The condition and all its clips.
     recorded_speeds : sequence of ndarray
-        Of the recordings; empty for the recordings themselves.
+        Speeds of the recordings; empty for the recordings themselves.
     setup : Setup
         How the clips were measured.
     """

@@ -78,7 +78,7 @@ def feature_scores(
     conditions : mapping of condition to mapping of segment to ClipFeatures
         All clips.
     recorded : mapping of segment to ClipFeatures
-        Of recorded motion; empty for no distances.
+        Features of recorded motion; empty for no distances.
     recordings : frozenset of str
         Conditions that are recorded motion themselves; they get no distance from themselves.
     emotions : mapping of segment to str, optional

@@ -37,7 +37,7 @@ class Kind:
     version : str
         Raised whenever the code computes different values from the same file.
     shape : tuple of int or None
-        Of each array; None for any length.
+        Shape of each array; None for any length.
     """
 
     name: str
@@ -71,7 +71,7 @@ class KeptArrays:
         Parameters
         ----------
         kind : Kind
-            Of the array.
+            The array's kind.
         sources : sequence of Path
             The files.
         settings : str

@@ -57,7 +57,7 @@ class LandmarkBody:
     path : Path
         The body's file.
     expression_matrix : Path or None
-        As for `motion.body.model.read_body`.
+        The same as for `motion.body.model.read_body`.
     """
 
     path: Path
@@ -121,7 +121,7 @@ class Setup:
     preset : Preset
         The metrics.
     spread : RecordedSpread or None
-        Of all recordings; None until it is known.
+        Spread of all recordings; None until it is known.
     kept : Path or None
         Folder that keeps arrays between runs.
     face : LandmarkBody or None

@@ -49,7 +49,7 @@ class ClipExtent:
         Parameters
         ----------
         rotations, positions, landmarks : ndarray, shape (T, J, 3), (T, P, 3), (U, L, 3)
-            Of joints, and of the face where it has one.
+            Rotations and positions of joints, and the landmarks of the face if it has one.
         """
         return cls(
             frames=len(rotations),
@@ -67,7 +67,8 @@ class RecordedSpread:
     Attributes
     ----------
     mean, deviation : ndarray, shape (J, 3)
-        Of axis-angle channels, in radians; the deviation of a channel that never moves is 1.
+        Mean and standard deviation of axis-angle channels, in radians; 1 for channels that never
+        move.
     moving : ndarray, shape (J,), bool
         Joints of which any channel moves.
     scale : float

@@ -207,7 +207,7 @@ def _clip_metrics(
     setup : Setup
         The settings; without the spread of all recordings nothing is normalised by it.
     onsets : Onsets or None
-        Of the speech; None for no beat alignment.
+        Onsets of the speech; None for no beat alignment.
     recorded : MeasuredClip or None
         The recording of the same speech; None for no errors.
     semantics : tuple of SemanticSpan or None

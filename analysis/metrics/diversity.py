@@ -27,7 +27,7 @@ def l1_deviation(values: FloatArray, *, settings: Mapping[str, str] | None = Non
     values : ndarray, shape (T, ...)
         One pose per frame, positions in metres.
     settings : mapping, optional
-        Of `values`.
+        Settings that `values` were computed with.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def mean_pair_distance(
     unit : str
         Unit of `features`.
     settings : mapping, optional
-        Of `features`.
+        Settings that `features` were computed with.
 
     Returns
     -------

@@ -31,7 +31,7 @@ def emotion_confusion(
     Parameters
     ----------
     spoken, named : sequence of str
-        Of each clip: the emotion of its speech, and the one that the network names.
+        The emotion of each clip's speech, and the one that the network names.
     labels : sequence of str
         The emotions that the network classifies. Clips with other emotions are left out.
     condition, network : str

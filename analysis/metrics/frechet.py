@@ -81,7 +81,8 @@ def frechet(
     Parameters
     ----------
     generated, reference : Embeddings
-        Of the same feature network. The larger sample is cut to the size of the smaller one.
+        Embeddings by the same feature network. The larger sample is cut to the size of the smaller
+        one.
     name : str
         Of the metric: FGD (gestures), FED (expressions), FMD (both), FLD (face
         landmarks).
@@ -131,11 +132,11 @@ def frechet_extrapolated(
     Parameters
     ----------
     generated, reference : Embeddings
-        Of the same feature network.
+        Embeddings by the same feature network.
     name : str
-        Of the metric.
+        The metric's name.
     settings : mapping, optional
-        As for `frechet`.
+        The same as for `frechet`.
 
     Returns
     -------

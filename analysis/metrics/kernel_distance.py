@@ -35,9 +35,9 @@ def kernel_distance(
     Parameters
     ----------
     generated, reference : Embeddings
-        Of the same feature network; the sizes may differ.
+        Embeddings by the same feature network; the sizes may differ.
     name : str
-        Of the metric.
+        The metric's name.
     settings : mapping, optional
         The feature network and its hash, representation, frame rate, window and stride.
 

@@ -143,7 +143,7 @@ class DerivativeSettings:
     Attributes
     ----------
     name, unit : str
-        Of the metric.
+        Name and unit of the metric.
     order : int
         2 for acceleration, 3 for jerk.
     joints : tuple of str

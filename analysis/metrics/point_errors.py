@@ -91,7 +91,7 @@ def paired(generated: FloatArray, recorded: FloatArray) -> tuple[FloatArray, Flo
     Parameters
     ----------
     generated, recorded : ndarray, shape (T, ...), (U, ...)
-        Of one frame rate and one representation.
+        Motion at one frame rate, in one representation.
 
     Returns
     -------
@@ -188,7 +188,7 @@ def velocity_error(
         L1: mean absolute difference of velocity components. L2: mean length of the difference
         of velocity vectors.
     settings : mapping, optional
-        Of the positions.
+        Settings of the positions.
 
     Returns
     -------

@@ -151,7 +151,7 @@ class ConditionScore:
     scored, clips : int
         Clips with a score, and all clips.
     settings : mapping of str to str
-        As in `MetricResult`.
+        The same as in `MetricResult`.
     reason : str
         Why clips have no score; empty if all have one.
     better : {'lower', 'higher', 'near the reference', 'unsaid'}

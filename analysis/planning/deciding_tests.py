@@ -208,7 +208,7 @@ def decided_by_holm(p_values: Floats, rest: Sequence[tuple[Floats, int]], seed: 
     Parameters
     ----------
     p_values : ndarray, shape (blocks, tests)
-        Of one block each.
+        The tests' p-values, a row for each block.
     rest : sequence of (ndarray, shape (studies, tests), int)
         The other blocks of the family, with which each is corrected: of each part, p values of
         simulated blocks, and how many of them are drawn.

@@ -31,7 +31,7 @@ class Cell:
     size : Size
         The study.
     powers : tuple of Power
-        Of each part of the study.
+        The power of each part of the study.
     """
 
     size: Size
@@ -47,7 +47,7 @@ class Task:
     size : Size
         The study.
     effect : float
-        By how much one condition is better than all others, in logits.
+        How much better one condition is than all others, in logits.
     opinions : Opinions
         How people answer.
     effort : Effort

@@ -65,7 +65,7 @@ class Trials:
     conditions : int
         How many are compared; number 0 is the one that differs from all others.
     left, right : ndarray of int, shape (N,), or None
-        Of pairs, the conditions shown; None where every trial shows all conditions.
+        The conditions shown, for pairs; None where every trial shows all conditions.
     """
 
     participants: Codes
@@ -111,11 +111,11 @@ class Part:
     Attributes
     ----------
     name : str
-        Of the set, block or task; empty where a study has no parts.
+        Name of the set, block or task; empty where a study has no parts.
     kind : {'pairs', 'ratings', 'rankings'}
         How conditions are judged.
     trials : Trials
-        Of one block.
+        The trials of one block.
     levels : int
         Points of the scale; of pairs 2, 3 or 5.
     blocks : int
@@ -151,7 +151,7 @@ class Size:
     recruited : int
         Places of the whole study.
     analysed : int
-        Of `participants`, those who are expected not to be excluded.
+        How many of `participants` are expected not to be excluded.
     trials : int
         Analysed trials of each participant.
     parts : tuple of Part
@@ -195,7 +195,7 @@ def simulate_answers(
     Parameters
     ----------
     effect : float
-        By how much condition 0 is better than every other one, in logits.
+        How much better condition 0 is than every other one, in logits.
 
     Returns
     -------

@@ -54,7 +54,7 @@ def pilot_opinions(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Opinions
     Parameters
     ----------
     table : AnswerTable
-        Of any protocol.
+        The answers, of any protocol.
     analysed : DataFrame
         Its answers of those who are not excluded.
 

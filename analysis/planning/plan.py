@@ -32,7 +32,7 @@ class Request:
     Attributes
     ----------
     title : str
-        Of the study.
+        The study's title.
     protocol : str
         Its name.
     size : callable
@@ -118,7 +118,7 @@ class Plan:
     tests : mapping of str to int
         By part, how many tests are corrected together.
     smallest : tuple of Smallest
-        Of each part; empty where there is no study yet.
+        The smallest difference of each part; empty where there is no study yet.
     effort : Effort
         How much was simulated, at least.
     cut : str

@@ -63,7 +63,7 @@ class Power:
     part : str
         Its name; empty where a study has no parts.
     effect : float
-        By how much one condition is better than all others, in logits.
+        How much better one condition is than all others, in logits.
     power, error : float
         The share of true differences that the report finds in the right direction, where all of
         its comparisons and questions have the effect, and its Monte-Carlo standard error. With an

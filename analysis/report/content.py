@@ -27,7 +27,7 @@ class Cell:
     Attributes
     ----------
     text : str
-        As the page shows it.
+        The text that the page shows.
     value : float or None
         The number behind the text, by which rows are sorted and which files hold; None for words.
     best, second : bool
@@ -110,7 +110,7 @@ class FigureText:
     Attributes
     ----------
     name : str
-        Of its file, and prefix of its ids: letters, digits and '-'.
+        Name of its file, and prefix of its ids: letters, digits and '-'.
     title, caption : str
         A few words, and the text under the figure.
     data : str
@@ -276,7 +276,7 @@ class Subject:
     questions : mapping of str to str
         The text of each question by its name; '' if unknown.
     reference : str or None
-        Of a pairwise study: the condition with which all others are compared.
+        The condition with which all others are compared, in a pairwise study.
     recorded : str or None
         The condition that is recorded motion.
     broken : str or None
@@ -292,11 +292,11 @@ class Subject:
     frozen : tuple of str
         Channels that the videos keep still.
     study_sha256 : str
-        Of the study's definition; '' for a table.
+        Hash of the study's definition; '' for a table.
     seed : int or None
-        Of the study.
+        The study's seed.
     truth : tuple of (KnownValue, Estimate)
-        Of a rehearsal: the true values of its raters, with their estimates.
+        The true values of a rehearsal's raters, with their estimates.
     metrics : StudyMetrics or None
         Automatic metrics of the conditions; None without motion files.
     stills : tuple of Still

@@ -61,7 +61,7 @@ def write_report(
     report : TableReport
         The results.
     subject : Subject
-        What they are about.
+        The subject of the report.
     folder : Path
         Gets ``report.html``, which needs no other file; ``results.json``; ``tables`` with CSV and
         LaTeX; ``figures`` with PDF, PNG and SVG; ``paper.txt`` with text for a paper. Tables and

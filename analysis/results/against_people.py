@@ -132,7 +132,7 @@ class AgainstPeople:
     conditions, participants, segments : int
         Conditions that people judged, and what the judgement rests on.
     resamples : int
-        Of each interval.
+        Number of resamples of each interval.
     sampling_range : SamplingRange or None
         What a study with so many conditions can find; None for fewer than three.
     metrics : tuple of MetricAgainstPeople

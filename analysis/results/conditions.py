@@ -88,7 +88,8 @@ class RatingContrast(PairKey):
     difference : RatedDifference
         Mean difference of paired ratings; the headline.
     log_odds, odds_ratio : float
-        Of a better rating for a than for b in the mixed model, which describes and does not test.
+        The odds that a is rated better than b in the mixed model, which describes and does not
+        test.
     cliffs_delta : Estimate
         How much the ratings of a dominate those of b.
     remark : str
@@ -134,7 +135,7 @@ class RatingResults:
     contrasts : tuple of RatingContrast
         In the order of sets, questions and conditions.
     equivalence : tuple of RatedEquivalent
-        Of participants' mean ratings; empty where no margin was stated.
+        Equivalence of participants' mean ratings; empty where no margin was stated.
     heterogeneity : tuple of PairHeterogeneity
         Differences of paired ratings by emotion, speaker and segment.
     """

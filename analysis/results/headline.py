@@ -73,11 +73,11 @@ class Sensitivity:
     Attributes
     ----------
     set, question, measure
-        As in `HeadlineNumber`.
+        The same as in `HeadlineNumber`.
     conditions : tuple of str
         The condition, or a and b.
     analysed : Estimate
-        As reported.
+        The estimate as it is reported.
     as_planned : Estimate
         With the rules alone that were settled beforehand.
     everyone : Estimate
@@ -239,7 +239,7 @@ class AgreedSoFar(Interval):
 def agreement_of(answers: pd.DataFrame) -> Agreement:
     """Return how far participants agree about segments' conditions or comparisons.
 
-    Of several answers of a participant about an item, the first counts.
+    If a participant answered about an item several times, the first answer counts.
     """
     item_codes = [*shown_codes(answers).values(), codes(answers, "segment")]
     items = np.unique(np.stack(item_codes), axis=1, return_inverse=True)[1].ravel()
@@ -254,12 +254,12 @@ def agreement_of(answers: pd.DataFrame) -> Agreement:
 def retest_of(answers: pd.DataFrame) -> Retest:
     """Compare practice trials with their repeats; sides may be swapped.
 
-    Of several answers in practice the last counts, of repeats the first.
+    Of several practice answers, the last counts; of several repeats, the first.
 
     Parameters
     ----------
     answers : DataFrame
-        Of one question, practice trials included, of those whom every rule kept.
+        Answers to one question, practice trials included, of those whom every rule kept.
     """
     shown = shown_codes(answers)
     rows = pd.DataFrame(

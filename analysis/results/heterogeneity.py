@@ -75,7 +75,7 @@ def cells(
     levels : ndarray of int, shape (N,)
         Which emotion, segment or speaker each is about, a place in `names`.
     names : sequence of str
-        Of the levels.
+        The levels' names.
     participants, segments : ndarray of int, shape (N,)
         Who answered about which segment.
     null : float

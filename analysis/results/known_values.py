@@ -60,7 +60,7 @@ class KnownDifference:
     Attributes
     ----------
     part, question : str
-        As in `KnownValue`.
+        The same as in `KnownValue`.
     measure : str
         'win_share', 'own_speech', or a difference: 'mean_rating' or 'mean_rank'.
     first, second : str

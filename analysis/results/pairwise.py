@@ -105,7 +105,7 @@ def pairwise_results(
     Parameters
     ----------
     table : AnswerTable
-        Of the pairwise layout.
+        Answers in the pairwise layout.
     left_out : LeftOut
         Who is left out.
     margin : float, optional
@@ -200,7 +200,7 @@ def mismatch_results(
     Parameters
     ----------
     table : AnswerTable
-        Of the mismatch layout.
+        Answers in the mismatch layout.
     left_out : LeftOut
         Who is left out.
     family : Family

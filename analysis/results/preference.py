@@ -111,7 +111,7 @@ class Preference:
     share : mapping of str to float
         `<first>`, `<second>`, `equal`: percent of all answers.
     win_share : Estimate
-        Of the first side, ties counting one half, tested against one half.
+        Win share of the first side, ties counting one half, tested against one half.
     clmm : NetPreference
         In favour of the first side.
     robustness : Robustness
@@ -185,7 +185,7 @@ def preferences(
     Parameters
     ----------
     kind : type
-        Of pairs, `Comparison`; of one motion with two speeches, `MatchedCondition`.
+        `Comparison` for pairs; `MatchedCondition` for one motion with two speeches.
     table : AnswerTable
         All answers.
     excluded : collection of str

@@ -229,7 +229,7 @@ def sampling_range(conditions: int, tau: float = 0.5) -> SamplingRange:
     Parameters
     ----------
     conditions : int
-        Of a study; at least two.
+        Number of the study's conditions; at least two.
     tau : float
         Among all conditions, in [-1, 1].
     """

@@ -123,7 +123,7 @@ class TableReport:
     segments : int
         How many the analysed answers are about; not in `results.json`.
     kinds : frozenset of str
-        Of all trials in the table; not in `results.json`.
+        Kinds of all trials in the table; not in `results.json`.
     results : Results
         What the protocol gives.
     """
@@ -182,7 +182,7 @@ def analyse_table(
     family : str
         Which tests decide; see `read_family`.
     scale : (int, int), optional
-        Of ratings: the lowest and the highest that could be given.
+        For ratings, the lowest and the highest that could be given.
     exclude : sequence of ExclusionRule
         Exploratory rules, applied after those of every table.
 
@@ -234,11 +234,11 @@ def analyse_answers(
     settings : Settings
         What the researcher decided.
     arms, arm_of
-        Of a study; see `participant_flow`.
+        The study's arms, and the arm of each participant; see `participant_flow`.
     screened_out : mapping of str to int, optional
-        Of a study; see `TableReport`.
+        How many were screened out of a study, by stage; see `TableReport`.
     looks : LooksBefore, optional
-        Of a study; see `looks_before`.
+        Earlier looks at a study's results; see `looks_before`.
 
     Raises
     ------
@@ -284,7 +284,7 @@ def check_margin(table: AnswerTable, margin: float | None) -> None:
     Raises
     ------
     InputError
-        With what is wrong.
+        If the protocol has no test of equivalence, or the margin is out of range.
     """
     if margin is None:
         return

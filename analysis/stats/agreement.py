@@ -210,7 +210,7 @@ class SegmentConcordance:
     estimate : float
         Kendall's W with ties, from 0 to 1; NaN where there is none.
     p_value : float
-        Of W being no more than chance gives, by chi-square; rough for few rankings.
+        p-value that W is no more than chance gives, by chi-square; rough for few rankings.
     n, incomplete : int
         Rankings it rests on, and those left out because they do not place every condition.
     reason : str
@@ -240,7 +240,7 @@ class Concordance(Interval):
     n : int
         Participants behind `overall`.
     segments : tuple of SegmentConcordance
-        Of the participants about each segment.
+        Concordance of the participants about each segment.
     method : str
         How the interval was found.
     """
@@ -257,7 +257,7 @@ def kendall_w(rankings: Placements) -> Concordance:
     Parameters
     ----------
     rankings : Placements
-        Of one question.
+        Rankings of one question.
     """
     segments = tuple(
         _of_segment(rankings, number, name) for number, name in enumerate(rankings.segment_names)
@@ -309,7 +309,7 @@ def resampled_concordance(rankings: Placements) -> Floats:
     Parameters
     ----------
     rankings : Placements
-        Of one question; rankings that leave conditions out do not count.
+        Rankings of one question; rankings that leave conditions out do not count.
 
     Returns
     -------

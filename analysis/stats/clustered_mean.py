@@ -28,7 +28,7 @@ class ClusteredVariance:
     Attributes
     ----------
     variance : ndarray, shape (...)
-        Of each estimate; NaN where one group bears all of it.
+        Variance of each estimate; NaN where one group bears all of it.
     df : ndarray, shape (...)
         Satterthwaite's degrees of freedom of the variances: of equal groups one less than there
         are, and fewer where some groups weigh more than others.

@@ -40,7 +40,7 @@ class FTest:
     df, df_rest : float
         Degrees of freedom of the numerator and of the denominator.
     p_value : float
-        Of the hypothesis that there is no difference.
+        p-value of the hypothesis that there is no difference.
     method, reason : str
         Which test; why there is none.
     """

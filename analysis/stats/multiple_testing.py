@@ -145,7 +145,7 @@ class LooksBefore:
         How often something is found where nothing is, by who ends a study at the first of these
         looks that finds something; the reported answers are the last one. NaN without looks.
     level : float
-        Of each test.
+        Level of each test.
     reason : str
         Why there is no rate.
     """

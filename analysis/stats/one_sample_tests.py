@@ -185,7 +185,7 @@ class Equivalence(Interval):
     margin : float
         A difference up to it does not matter: stated before the data were seen.
     standard_error, df : float
-        Of the difference.
+        Standard error and degrees of freedom of the difference.
     p_value : float
         Larger one of the two one-sided p values; NaN where there is no test.
     verdict : {'equivalent', 'different', 'equivalent and different', 'undecided', 'unknown'}
@@ -259,7 +259,7 @@ def require_margin(margin: float, below: float = math.inf) -> None:
     Raises
     ------
     InputError
-        With what is wrong.
+        If the margin is outside that range.
     """
     if not 0 < margin < below:
         limit = "" if below == math.inf else f" and below {below:g}, which no difference exceeds"

@@ -40,7 +40,7 @@ class Placements:
     participants, segments : ndarray of int, shape (rankings,)
         Whose ranking it is, and of which segment; from 0.
     participant_names, segment_names : tuple
-        Of those numbers.
+        The names behind those numbers.
     """
 
     conditions: tuple[str, ...]
@@ -284,11 +284,11 @@ class PairwiseRanks:
         Mean place of a minus that of b over participants, ranked by their means: below zero
         where a is the better one; NaN without a test.
     nemenyi_p : float
-        Of the Studentised range; corrects for all pairs by itself.
+        p-value of the Studentised range; corrects for all pairs by itself.
     conover_p, conover_holm : float
-        Of Conover & Iman's t, plain and after Holm's correction.
+        p-values of Conover & Iman's t, plain and after Holm's correction.
     wilcoxon_p, wilcoxon_holm : float
-        Of the participants' differences, exact.
+        p-values of the participants' differences, exact, plain and after Holm's correction.
     n : int
         Participants.
     reason : str

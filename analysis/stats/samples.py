@@ -60,7 +60,7 @@ def levels(values: Floats) -> NDArray[np.intp]:
     Parameters
     ----------
     values : ndarray
-        Of any shape; finite.
+        Values of any shape; finite.
     """
     flat = np.ravel(values)
     if not flat.size:

@@ -37,9 +37,9 @@ class TwoWayErrors:
     Attributes
     ----------
     errors, freedoms : ndarray, shape (K,)
-        Of each strength.
+        Standard error and degrees of freedom of each strength.
     differences, difference_freedoms : ndarray, shape (K, K)
-        Of the difference of every two strengths; 0 and NaN of one with itself.
+        The same for the difference of every two strengths; the diagonal is 0 and NaN.
     by_participant, by_segment, by_cell : ndarray, shape (K, K)
         One-way covariances with the factor G/(G-1) of each clustering.
     method : str
@@ -119,7 +119,7 @@ def _variances(
     Parameters
     ----------
     influences, squares : ndarray, shape (kinds, estimates)
-        Of an answer of each kind, and their mean square in its situation.
+        Influence of an answer of each kind, and its mean square in its situation.
     counts : sequence of sparse array, shape (groups, kinds)
         How many answers of each kind each participant, segment and cell gave.
     answers : ndarray of int, shape (kinds,)
@@ -212,7 +212,7 @@ def rank_intervals(strengths: Floats, p_values: Floats) -> tuple[tuple[int, int]
     strengths : ndarray, shape (K,)
         Estimates.
     p_values : ndarray, shape (K, K)
-        Of the difference of every two of them; see `difference_tests`.
+        p-value of the difference of every two of them; see `difference_tests`.
 
     Returns
     -------

@@ -252,7 +252,7 @@ class FittedStrengths:
     strengths : ndarray, shape (conditions,)
         Log strengths; NaN where they are not identified.
     covariance : ndarray, shape (conditions, conditions)
-        Of the strengths, clustered by participant (CR0).
+        Covariance of the strengths, clustered by participant (CR0).
     errors, errors_by_model : ndarray, shape (conditions,)
         Standard errors: clustered by participant; of the model.
     two_way : TwoWayErrors or None

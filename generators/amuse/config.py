@@ -40,7 +40,7 @@ class MotionConfig:
     width : int
         Width of the transformers and of the latent. The paper says 1024.
     feed_forward, heads, layers : int
-        Of the transformers; `layers` is odd, since the first half is told to the second.
+        Sizes of the transformers; `layers` is odd, since the first half feeds the second.
     condition_width : int
         Width of each of the latents of content, emotion and style.
     conditions : int
@@ -91,11 +91,11 @@ class SpeechConfig:
     Attributes
     ----------
     frames, bands : int
-        Of the filterbank: frames of 10 ms, mel bands.
+        Size of the filterbank: frames of 10 ms, mel bands.
     patch_stride : int
         Frames and bands from one patch of 16 × 16 to the next.
     width, feed_forward, heads, layers : int
-        Of each of the three encoders (DeiT-base).
+        Sizes of each of the three encoders (DeiT-base).
     latent : int
         Width of each latent.
     emotions, styles : int
@@ -103,9 +103,9 @@ class SpeechConfig:
     decoder_width, decoder_hidden : int
         Width of the decoder's transformer, and of the layer before the filterbank.
     decoder_feed_forward, decoder_heads, fusion_layers, decoder_layers : int
-        Of the fusion and of the decoder.
+        Sizes of the fusion and of the decoder.
     dropout : float
-        Of the fusion and of the decoder, while training.
+        Dropout of the fusion and of the decoder, while training.
     classified : {'tokens', 'latent'}
         Inputs of the classifiers of emotion and speaker: the class tokens, as released and in
         appendix B.1, or the latents of emotion and style, as in section 3.2 and appendix B.4. With
@@ -152,7 +152,7 @@ class MotionPreset(Preset):
     weights : mapping of str to float
         Weights of losses that differ from `generators.amuse.losses.MOTION_LOSSES`.
     align_steps : int
-        Of DDIM in the third pass.
+        Number of DDIM steps in the third pass.
     named : float
         How often emotion, and style, are given by the mean latent of their label, as in edits by
         name, in place of what is heard.

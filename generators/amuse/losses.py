@@ -105,7 +105,7 @@ def motion_losses(
     weights : mapping of str to float
         Weights of the losses: see `MOTION_LOSSES`.
     steps : int
-        Of DDIM in the third pass.
+        Number of DDIM steps in the third pass.
 
     Returns
     -------
@@ -196,7 +196,7 @@ def reconstruction_errors(
     Parameters
     ----------
     decoder : SpeechDecoder
-        Of the network.
+        The network's decoder.
     output : SpeechOutput
         Its latents of them.
     target : Tensor

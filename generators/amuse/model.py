@@ -136,7 +136,7 @@ class Denoiser(nn.Module):
         Returns
         -------
         Tensor
-            As `z_t`.
+            The denoised latent, with the shape of `z_t`.
         """
         t = timestep.reshape(-1).expand(len(z_t))
         step = self.time_embedding(step_embedding(t, self.config.condition_width))
@@ -166,7 +166,7 @@ class MotionModel(nn.Module):
         speech : sequence of Tensor
             Content, emotion and style, (batch, 1, condition width) each.
         steps : int
-            Of DDIM.
+            Number of DDIM steps.
         """
         return SCALED_LINEAR.ddim(
             noise, lambda z_t, t: self.denoiser(z_t, t, *speech), steps, self.config.clip

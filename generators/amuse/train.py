@@ -58,13 +58,13 @@ class MotionTask(WindowTask):
     weights : mapping of str to float
         Weights of the losses.
     align_steps : int
-        Of DDIM in the third pass.
+        Number of DDIM steps in the third pass.
     named : float
         How often emotion, and style, are given by the mean latent of their label.
     means : mapping of str to (mapping of str to Tensor)
         These, see `SpeechNetwork.latents`.
     training, held_out : Windows
-        Of the features ``motion`` and ``latents``.
+        Windows of the features ``motion`` and ``latents``.
     """
 
     config: MotionConfig

@@ -64,7 +64,7 @@ class SpeechTask(WindowTask):
     weights : mapping of str to float
         Weights of the losses.
     training, held_out : Windows
-        Of the feature ``filterbank``.
+        Windows of the feature ``filterbank``.
     quadruples : ndarray, shape (quadruples, 4)
         Rows of `training`.
     classes : Classes

@@ -47,7 +47,7 @@ class DenoiserConfig:
     frame_rate : float
         Frames per second.
     width, feed_forward, heads, layers : int
-        Of the transformer of each branch.
+        Sizes of the transformer of each branch.
     audio_width, speech_width : int
         Mel bands, and width of what the shared encoder makes of them; channels that each branch
         makes of the speech features.

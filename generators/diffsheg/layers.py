@@ -169,7 +169,7 @@ class FusedSpeech:
     mapped : Tensor
         (batch, frames, 2 · width), the speech through the first layer.
     moments : Moments
-        Of the speech.
+        The speech's moments.
     ones, bias : Tensor
         (2 · width,), the norm's weight and its bias through the first layer.
     """

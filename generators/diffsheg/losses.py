@@ -21,11 +21,11 @@ class LossWeights:
     Attributes
     ----------
     noise : float
-        Of the noise, equation 4.
+        Weight of the loss of the noise, equation 4.
     velocity : float
-        Of the motion's steps from frame to frame, equation 6.
+        Weight of the loss of the motion's steps from frame to frame, equation 6.
     reconstruction : float
-        Of the motion: Huber's loss, equation 7.
+        Weight of Huber's loss of the motion, equation 7.
     turn : float
         Error of normalised values at which Huber's loss turns from square to straight, the
         paper's δ, of which it does not tell the value.

@@ -167,7 +167,7 @@ class MotionNetwork:
     dataset : {'beat', 'show'}
         The data set of its motion representation.
     normalisation : Normalisation
-        Of its values.
+        The normalisation of its values.
     speakers : Speakers or None
         Its speakers; None if only their numbers are known, as of a released network.
     hubert : str or None

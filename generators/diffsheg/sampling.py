@@ -50,7 +50,7 @@ def stream(
     """Yield motion as soon as it is settled.
 
     How the speech is cut into pieces changes nothing: all of it at once gives the same motion.
-    Of speech in small pieces, never more than a window and the shared frames are kept.
+    If speech comes in small pieces, at most a window and the shared frames are kept.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def sample_window(
     sampling : Sampling
         The sampling.
     noise : WindowNoise
-        Of as many values as `estimate` reads.
+        Noise of as many values as `estimate` reads.
     shared : Tensor, optional
         (overlap, values), the last frames of the window before, which the first frames continue.
 

@@ -82,7 +82,7 @@ class DiffShegTask(WindowTask):
         Of the features ``gesture``, ``expression``, ``mel``, ``hubert`` and, where it counts,
         ``semantic``.
     normalisation : Normalisation
-        Of the takes in `training`.
+        The normalisation of the takes in `training`.
     speakers : Speakers
         The speakers of the training data.
     """
@@ -182,7 +182,7 @@ def training_features(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[
     Parameters
     ----------
     dataset : {'beat', 'show'}
-        As whose motion that of the takes is told; BEAT2's is SHOW's.
+        The data set whose joints and face the network has; SHOW's also for BEAT2.
     hubert : Hubert
         The speech network.
     frame_rate : float

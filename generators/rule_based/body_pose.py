@@ -147,7 +147,7 @@ class Trunk:
     pelvis, spine, head : ndarray, shape (T, 3)
         Turn of the pelvis in the world; of the spine and of neck and head as wholes.
     shift : ndarray, shape (T, 3)
-        Of the pelvis, in metres.
+        Shift of the pelvis, in metres.
     shoulders_up, shoulders_forward : ndarray, shape (T,)
         Degrees of both collar bones.
     """

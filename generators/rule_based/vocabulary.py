@@ -112,7 +112,7 @@ class GestureForm:
     wind_up_shape : HandShape
         The fingers at the stroke's beginning.
     one_hand, both_hands : bool
-        With what it can be done.
+        Whether one hand, or both, can do it.
     """
 
     apex: HandPose
@@ -175,13 +175,13 @@ class Posture:
     Attributes
     ----------
     spine_bend : float
-        Of the whole spine, forward positive.
+        Bend of the whole spine, forward positive.
     lean : float
-        Of the whole body from the hips, forward positive.
+        Lean of the whole body from the hips, forward positive.
     shoulders_up, shoulders_forward : float
-        Of the collar bones.
+        Rotations of the collar bones.
     head_down, head_tilt, head_turn : float
-        Of neck and head together.
+        Rotations of neck and head together.
     """
 
     spine_bend: float = 0.0

@@ -37,7 +37,7 @@ class NetworkConfig:
     node_width, part_width : int
         D_f and D_u, of a landmark or a bone; D_l and D_v, of an anatomical component; as S2AG's.
     face_width, pose_width : int
-        Of the latents of seed face and seed pose; chosen. S2AG has 8 for the pose.
+        Widths of the latents of seed face and seed pose; chosen. S2AG has 8 for the pose.
     hidden : int
         Width of encoders' and decoders' inner layers; chosen.
     reach : int
@@ -110,7 +110,7 @@ class LossWeights:
         Of the cross-speaker ranking loss (section 5.2.2); by how much nearer the own speaker's
         motion is to lie.
     adversarial : float
-        Of equation 18; S2AG's 5 of 500. Zero is 'w/o Discriminator'.
+        Weight of equation 18; S2AG's 5 of 500. Zero is 'w/o Discriminator'.
     latent : float
         Of the divergence of the speakers' latent from a normal one, which the paper does not name
         and without which it could not be sampled; S2AG's 0.1 of 500.

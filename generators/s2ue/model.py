@@ -90,7 +90,7 @@ class Synthesis(nn.Module):
         Parameters
         ----------
         sound, words, person
-            As `Network.synthesise` is given them; sound is normalised.
+            The same as for `Network.synthesise`; sound is normalised.
         noise : Tensor
             (B, D_k).
         seeds : mapping

@@ -121,7 +121,7 @@ class FaceLandmarks:
         Parameters
         ----------
         shifts : ndarray, shape (T, L, 3)
-            As `shifts` returns them.
+            The shifts that `shifts` returns.
         misfit : float
             Metres of misfit, over all landmarks, that count as much as a weight of 1. Noisy
             landmarks need more, so that no action explains their noise.

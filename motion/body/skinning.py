@@ -194,7 +194,7 @@ class ForearmTwists:
     Attributes
     ----------
     angles : ndarray, shape (2, 2)
-        Of left and right, elbow and wrist, in radians from -pi to pi.
+        Angles of the left and right arm's elbow and wrist, in radians from -pi to pi.
     turns : ndarray, shape (2, 2)
         Whole turns of each in addition.
     """

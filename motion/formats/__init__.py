@@ -136,7 +136,7 @@ def read_recorded(path: Path, **options: Any) -> tuple[MotionClip, list[str]]:
     path : Path
         The motion.
     **options
-        As for `read_motion`, which also says what is raised.
+        The same as for `read_motion`, which also lists what is raised.
     """
     clip = read_motion(path, **options)
     note = clip.provenance.get("notes", "")

@@ -115,7 +115,7 @@ def read_frame_rate(path: Path) -> float:
     Raises
     ------
     InputError
-        As `read_clip`, where the file states no usable frame rate.
+        As in `read_clip`; and if the file states no usable frame rate.
     """
     path = Path(path)
     with found_at(path):

@@ -137,7 +137,8 @@ class _Binary:
 def _joint_quaternions(clip: MotionClip, body: BodyModel) -> FloatArray:
     """Return quaternions of all joints, the body's twist joints last, shape (T, 55 + K, 4).
 
-    Of its two signs, each quaternion has the one that is nearer to the quaternion before it.
+    A quaternion and its negative are the same rotation: each has the sign nearer to the one before
+    it.
     """
     count = len(clip)
     turns = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_quat()

@@ -43,7 +43,7 @@ class Panel:
     caption : str
         The text under it.
     clip : MotionClip
-        As participants see it, but with as many frames as the video.
+        The clip that participants see, but with as many frames as the video.
     """
 
     caption: str

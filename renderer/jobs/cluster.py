@@ -42,7 +42,7 @@ class ClusterWorkers:
     Parameters
     ----------
     address : str
-        Of the scheduler, such as ``tcp://node1:8786``.
+        Address of the scheduler, such as ``tcp://node1:8786``.
     needed : sequence of Path
         Absolute paths of files and folders that every worker must see.
     """

@@ -41,7 +41,7 @@ def quantise(values: NDArray[np.floating], step: float) -> tuple[NDArray[np.int1
     Returns
     -------
     (ndarray of int16, float)
-        Of the values' shape; times the step they are at most half a step from the values.
+        The packed values, in the same shape, and the step; packed times step is within half a step.
     """
     step = max(step, float(np.abs(values).max(initial=0)) / LARGEST)
     return np.round(values / step).astype(np.int16), step

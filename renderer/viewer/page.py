@@ -231,7 +231,7 @@ def write_motion_page(
     scenes : sequence of Scene
         The first one is open.
     look : Look
-        As for `MotionFigures`.
+        The same as for `MotionFigures`.
     notes : sequence of str
         Sentences below.
     shares : bool

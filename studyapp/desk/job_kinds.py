@@ -32,7 +32,7 @@ class JobKind:
     name : str
         In addresses, and of its folder.
     title, purpose : str
-        What it is called, and what it does.
+        Its title, and what it does.
     command : callable
         Returns the command with its arguments, given the study and the submitted form.
     needs : Right

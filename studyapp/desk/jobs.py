@@ -93,7 +93,7 @@ class Progress(BaseModel):
     Attributes
     ----------
     done, total : int
-        Of whatever it counts.
+        How far it is, in whatever it counts.
     words : str
         The same for people, with the time that is left.
     """

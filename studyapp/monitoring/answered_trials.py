@@ -51,7 +51,7 @@ def analysed_by_emotion(
     Parameters
     ----------
     arms : mapping of study session to arm
-        Of all `trials`.
+        The arms of all `trials`.
     """
     counts: defaultdict[str, Counter[str]] = defaultdict(Counter)
     for trial in trials:

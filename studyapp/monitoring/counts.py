@@ -84,7 +84,7 @@ class Dropout:
     Attributes
     ----------
     position : int
-        Of the trial, from 1; 0 before the first trial.
+        Position of the trial, from 1; 0 before the first trial.
     left : int
         How many left.
     came : int

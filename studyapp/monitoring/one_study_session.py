@@ -38,7 +38,7 @@ class Event:
     ----------
     at : datetime
     what : str
-        As a sentence without a full stop; never an answer.
+        A sentence without a full stop; never an answer.
     trial : int or None
         Position of its trial.
     video : int or None

@@ -110,7 +110,7 @@ class Overview:
     failed : mapping of kind to mapping of int to int
         Numbers of failed checks of each kind, and how many participants failed so many.
     whole : Durations
-        Of whole study sessions, from the first trial to the last answer.
+        Durations of whole study sessions, from the first trial to the last answer.
     """
 
     at: datetime

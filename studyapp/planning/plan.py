@@ -163,7 +163,7 @@ def read_pilot(path: Path, protocol: str) -> Assumptions:
     path : Path
         A study folder, or a CSV or Parquet file as ``motionjury report --responses`` takes it.
     protocol : {'pairwise', 'rating', 'ranking', 'mismatch'}
-        Of the study that is planned; the pilot's must be the same.
+        Protocol of the study that is planned; the pilot's must be the same.
 
     Raises
     ------

@@ -167,9 +167,9 @@ def judge_submission(
     Parameters
     ----------
     status, code : str
-        As Prolific has them.
+        Prolific's status and code.
     study_status : StudyStatus
-        Of the participant.
+        The participant's status in the study.
     codes : Prolific
         The study's codes.
     """
@@ -204,7 +204,7 @@ def judge_assignment(own_code: str, answer: str, study_status: StudyStatus) -> P
     answer : str
         The answer submitted with the assignment.
     study_status : StudyStatus
-        Of the worker.
+        The worker's status in the study.
     """
     if study_status != "completed":
         return PaymentDecision(verdict="look", reason=REASONS_NOT_TO_PAY[study_status])

@@ -132,7 +132,7 @@ class ProlificClient:
     token : str
         See `prolific_token`.
     address : str, optional
-        Of the API; Prolific's by default.
+        Address of the API; Prolific's by default.
     wait : callable
         Waits so many seconds before another attempt.
     """

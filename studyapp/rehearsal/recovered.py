@@ -113,13 +113,13 @@ class Recovery:
     Attributes
     ----------
     title : str
-        The study's.
+        The study's title.
     labels : mapping of str to str
         What the study calls its conditions and comparisons, by name.
     values : tuple of (KnownValue, Estimate)
         Every number that was put in and estimated.
     differences : tuple of KnownDifference
-        Of any two that were compared, which is found to be the better one.
+        Which of any two that were compared is found to be the better one.
     kinds : tuple of KindRecovered
         What became of each kind of rater that came.
     checks : tuple of Check

@@ -48,7 +48,7 @@ def measure_study(
     folder : StudyFolder
         The study.
     presets, processes, on_progress
-        As in `analysis.measurement.measuring.study_metrics`.
+        The same as for `analysis.measurement.measuring.study_metrics`.
     evaluators : sequence of Path or PublishedFile
         Feature networks besides the study's own (`study_evaluators`).
     penetration : bool
@@ -143,7 +143,7 @@ def measure_folders(
     speech : Path or None
         ``<segment>.wav``, or a table ``segments.csv`` with its recordings.
     presets, processes, on_progress
-        As in `analysis.measurement.measuring.study_metrics`.
+        The same as for `analysis.measurement.measuring.study_metrics`.
     evaluators : sequence of Path or PublishedFile
         Feature networks.
     penetration : bool

@@ -116,7 +116,7 @@ def withdrawal_promise(database: Database, token: str) -> Promise | None:
     Raises
     ------
     ConflictError
-        As `withdraw`.
+        As in `withdraw`.
     """
     with database.reading() as session:
         study_session = find_study_session(session, token, to_change=False)

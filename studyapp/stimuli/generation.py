@@ -229,7 +229,7 @@ def generate_files(
     emotion : str
         One of `motion.segment.EMOTIONS`, for generators that use it.
     on_clip : callable
-        As in `generate`.
+        The same as for `generate`.
 
     Raises
     ------

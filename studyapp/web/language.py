@@ -49,7 +49,7 @@ class Language:
     locale : Locale
         How it writes lists and numbers.
     texts : gettext translations
-        Of the English texts.
+        Translations of the English texts.
     script_texts : mapping
         Those that `static/words.js` needs.
     """

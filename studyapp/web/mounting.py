@@ -79,7 +79,7 @@ def with_test_participations(
     make_test : callable
         Makes the other one, when somebody first asks for it.
     database : Path
-        Of the other one. Without it nobody has a link, and nothing is made.
+        The other database. Without it nobody has a link, and nothing is made.
     """
     make_once, lock = cache(make_test), threading.Lock()
 

@@ -122,7 +122,7 @@ class Pace:
         Parameters
         ----------
         token : str
-            The participant's.
+            The participant's token.
         now : float
             The present moment in seconds, on any clock.
         """

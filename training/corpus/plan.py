@@ -84,7 +84,7 @@ class CorpusRequest:
     frame_rate : float
         Frames per second of the body's motion.
     seed : int
-        Of all random numbers, at least 0.
+        Seed of all random numbers, at least 0.
     shared_passages : bool
         Whether all speakers speak the same passages, as BEAT's do, rather than their own.
 
@@ -152,7 +152,7 @@ class PlannedTake:
     Attributes
     ----------
     name : str
-        As BEAT names recordings.
+        The recording's name, in BEAT's style.
     speaker : CorpusSpeaker
         The speaker.
     emotion : str
@@ -168,7 +168,7 @@ class PlannedTake:
     held_out_speaker : bool
         Whether its speaker occurs in no take for training or validation.
     seed : tuple of int
-        Of its random numbers.
+        Seed of its random numbers.
     """
 
     name: str

@@ -38,7 +38,7 @@ class CorpusSpeaker:
     number : int
         From 1, as BEAT numbers its speakers.
     name : str
-        As file names have it.
+        The name in file names.
     right_handed : bool
         The leading hand.
     amplitude : float

@@ -164,7 +164,7 @@ class Truth:
     speaker : int
         The speaker's number.
     seed : tuple of int
-        Of all random numbers of the take, as `training.corpus.chance.Chance` takes it.
+        Seed of all random numbers of the take, for `training.corpus.chance.Chance`.
     """
 
     frame_rate: float

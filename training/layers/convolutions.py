@@ -125,15 +125,15 @@ class ComponentEncoder(nn.Module):
     Parameters
     ----------
     edges : ndarray, shape (N, N)
-        Of landmarks or bones.
+        Edges between landmarks or bones.
     parts : tuple of tuple of int
         Nodes of each anatomical component.
     part_edges : ndarray or None
-        Of the components; None leaves the higher graph out.
+        Edges between the components; None leaves the higher graph out.
     frames : pair of int
         T_in, T_out.
     widths : triple of int
-        Of a node, of a component and of the latent.
+        Widths of a node, of a component and of the latent.
     kernel : int
         Frames of temporal convolutions.
     """

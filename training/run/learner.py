@@ -92,7 +92,8 @@ class Learner(Generic[Network]):
     def learn(self, step: int) -> dict[str, float]:
         """Make a step, counted from 0, and return its losses over all processes.
 
-        Of several passes each has its loss under its name; ``loss`` is the first one's.
+        If there are several passes, each has its loss under its name; ``loss`` is that of the
+        first.
         """
         self._pass_weights.prepare(self._network, step)
         losses: dict[str, float] = {}

@@ -93,7 +93,7 @@ class WindowTask:
     weights : dataclass or mapping of str to float
         Weights of the losses.
     training, held_out : Windows
-        Of the network's conditions and targets.
+        Windows of the network's conditions and targets.
     extra_settings : mapping
         Further identity of this training, as JSON values.
     device : str

@@ -70,9 +70,9 @@ class SoundContext(nn.Module):
     Parameters
     ----------
     channels : int
-        Of the features, at least 186.
+        Number of features, at least 186.
     seed : int
-        Of the weights that mix bands and moments.
+        Seed of the weights that mix bands and moments.
     """
 
     filters: Tensor

@@ -272,7 +272,7 @@ def stream_windows(
     frame_rate : float
         Frames per second.
     frames, overlap : int
-        Of a window, and what it shares with the next; what is new in one lasts whole seconds.
+        Frames of a window, and how many the next one shares; the new ones last whole seconds.
     """
     new = frames - overlap
     excerpts = _stream_excerpts(
@@ -299,7 +299,7 @@ class WindowPlan:
     Attributes
     ----------
     frames : int
-        Of a window.
+        Frames of a window.
     stride : int
         Frames from the beginning of one window to that of the next.
     count : int

@@ -209,7 +209,7 @@ def matrix_pictures(
     questions : mapping of str to mapping of (str, str) to MatrixCell
         By question, and then by the conditions of row and column.
     conditions : sequence of str
-        Of rows and columns, in order; columns have the numbers of the rows.
+        The conditions of rows and columns, in order; columns have the numbers of the rows.
     text : FigureText
         The text around the figure.
     """
@@ -322,7 +322,7 @@ def dot_pictures(
     rows : sequence of Row
         From the top.
     scale : Scale
-        Of every panel.
+        The scale of every panel.
     text : FigureText
         The text around the figure.
     series : sequence of str, optional

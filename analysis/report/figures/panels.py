@@ -57,7 +57,7 @@ class Format:
     Attributes
     ----------
     width, max_height : float
-        Of a sheet.
+        Width and largest height of a sheet.
     label_width : float
         The most that the rows' names take at the left.
     max_columns : int
@@ -112,7 +112,7 @@ class PanelFigure:
     rows : sequence of Row
         From the top, the same in every panel; () for none.
     height : float
-        Of a panel in inches; 0 for what the rows need.
+        Height of a panel in inches; 0 for what the rows need.
     widths : tuple of float
         Shares of a panel's width for its axes.
     columns : int
@@ -167,7 +167,7 @@ def draw_sheet(content: PanelFigure, titles: Sequence[str], sheet: Format = WIDE
     content : PanelFigure
         The figure.
     titles : sequence of str
-        Of the panels on the sheet.
+        Titles of the panels on the sheet.
     sheet : Format, optional
         The size of the sheet.
     """

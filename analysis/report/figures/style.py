@@ -146,7 +146,7 @@ def fit_text(text: str, inches: float, *, size: float, lines: int = 1, bold: boo
     inches : float
         Width of a line.
     size : float
-        Of the font, in points.
+        Font size, in points.
     lines : int
         The most lines.
     bold : bool

@@ -47,7 +47,7 @@ class Verdict:
     Attributes
     ----------
     outcome : {'significant', 'not significant', 'untested', 'outside the family'}
-        Of the corrected test.
+        Outcome of the corrected test.
     better, worse : str
         The two sides, as the answers order them.
     question, set : str

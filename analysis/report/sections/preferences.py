@@ -84,7 +84,7 @@ class PreferenceGroup:
     first, second : str
         Names of the two sides that fit every row.
     heading : str
-        Of the column that names the rows.
+        Heading of the column that names the rows.
     data : str
         File in the report's ``tables`` folder with the full results.
     rows : tuple of PreferenceRow
@@ -165,7 +165,7 @@ def reference_of(comparisons: Sequence[Comparison], reference: str | None) -> st
     Parameters
     ----------
     comparisons : sequence of Comparison
-        Of one set.
+        The comparisons of one set.
     reference : str or None
         The study's reference; without it, the condition that all comparisons share, or the first
         of two such conditions.

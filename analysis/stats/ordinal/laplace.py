@@ -227,7 +227,7 @@ class Likelihood:
     settled : bool
         Whether the modes were found.
     information : Information
-        Of the random effects at their modes.
+        Information of the random effects at their modes.
     """
 
     value: float
@@ -247,7 +247,7 @@ def likelihood(answers: Answers, parameters: Floats, start: Likelihood | None = 
     parameters : ndarray, shape (answers.count,)
         See `Answers.split`; the sign of a standard deviation has no meaning.
     start : Likelihood, optional
-        Of parameters nearby: where the way to the modes begins, and what leads it at first.
+        The likelihood at nearby parameters, where the search for the modes begins.
     """
     _, _, deviations = answers.split(parameters)
     scaled = [sd * m for sd, m in zip(deviations, answers.multipliers, strict=True)]

@@ -97,7 +97,7 @@ class Population:
         Mean latent quality in logits; only differences matter between conditions that are
         compared, while a rating's middle lies at 0.
     belonging : mapping of condition to mapping of question to float
-        By how many logits a motion suits its own speech better than another's.
+        How many logits better a motion suits its own speech than another's.
     participant_sd, item_sd : float
         Standard deviations, over raters and over segments, of the *difference* between two
         conditions, in logits. One condition's ``taste`` or ``fit`` has this over sqrt(2).

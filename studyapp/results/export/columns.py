@@ -42,7 +42,7 @@ class Column:
     type : ColumnType
         ``moment`` is ISO 8601 in UTC in CSV, a timestamp in Parquet.
     meaning : str
-        As a sentence or two.
+        A sentence or two.
     unit : str
         Empty where there is none.
     missing : str

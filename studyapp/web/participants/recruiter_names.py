@@ -224,7 +224,7 @@ def arrival_of(names: Mapping[str, str], *, visit: str, form: Mapping[str, str])
     Parameters
     ----------
     names : mapping of str to str
-        As `read_names` returned them.
+        The names that `read_names` returned.
     visit : str
         Identifies a person without names.
     form : mapping of question name to text
