@@ -209,8 +209,8 @@ class Database:
         with self.writing() as session:
             session.execute(text("UPDATE alembic_version SET version_num = version_num"))
         # On a full disk, so little still fits into SQLite's log; answers may not.
-        file = self.engine.url.database
-        if self.engine.dialect.name == "sqlite" and file and disk_usage(file).free < LEAST_FREE:
+        file = sqlite_file(str(self.engine.url))
+        if file is not None and disk_usage(file).free < LEAST_FREE:
             raise OSError(ENOSPC, os.strerror(ENOSPC))
 
     def close(self) -> None:
