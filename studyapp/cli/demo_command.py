@@ -117,5 +117,6 @@ def command(ctx: click.Context, folder: Path, participants: int, processes: int)
     ctx.invoke(
         plan_command.rehearse_command, folder=study_folder, participants=participants, seed=SEED
     )
-    ctx.invoke(report_command.command, folder=study_folder, rehearsal=True)
+    has_been_served = study_folder.responses.exists()
+    ctx.invoke(report_command.command, folder=study_folder, rehearsal=not has_been_served)
     click.echo(f"To take part yourself: make serve (or: motionjury serve {folder})")

@@ -2,12 +2,21 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
 from motion.segment import EMOTIONS
+from studyapp.cli import (
+    check_command,
+    generate_command,
+    plan_command,
+    render_command,
+    report_command,
+)
 from studyapp.cli.demo_command import prepare_demo
 from studyapp.study.folder import StudyFolder
+from tests.support.command_line import run
 
 pytestmark = pytest.mark.skipif(
     shutil.which("espeak-ng") is None, reason="espeak-ng, which speaks the sentences, is not here"
@@ -29,3 +38,17 @@ def test_the_demo_has_a_sentence_per_emotion_and_resumes(
     (folder.speech / "segments.csv").unlink()
     assert prepare_demo(folder)
     assert folder.segments() == segments
+
+
+def test_the_demo_reports_people_who_took_part_in_its_folder(
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in (check_command, generate_command, render_command):
+        monkeypatch.setattr(module.command, "callback", Mock())
+    monkeypatch.setattr(plan_command.rehearse_command, "callback", Mock())
+    report = Mock()
+    monkeypatch.setattr(report_command.command, "callback", report)
+    run("demo", tiny_study)
+    StudyFolder(tiny_study).responses.touch()
+    run("demo", tiny_study)
+    assert [call.kwargs["rehearsal"] for call in report.call_args_list] == [True, False]
