@@ -131,7 +131,7 @@ class LabStudy:
         self._reread()
         return self._served
 
-    def begin_new_version(self) -> None:
+    def begin_new_version(self, *, by: str) -> None:
         """Serve the files as they are as a new version; earlier answers are kept apart.
 
         Raises
@@ -140,7 +140,7 @@ class LabStudy:
             If it cannot be served.
         """
         served = ServedStudy.read(self.folder.root).opened_for(rehearsal=False)
-        open_study(self.database, served, self._clock, new_version=True)
+        open_study(self.database, served, self._clock, new_version=True, by=by)
         # So that all processes of the server read the files again.
         os.utime(self.folder.definition)
 

@@ -151,7 +151,7 @@ def take_part_as_test(study: OpenedStudy) -> ResponseReturnValue:
 
 def begin_new_version(study: OpenedStudy) -> ResponseReturnValue:
     """Serve what the study file says as a new version."""
-    study.study.begin_new_version()
+    study.study.begin_new_version(by=study.account.name)
     return redirect(request.path.removesuffix("new-version"), 303)
 
 

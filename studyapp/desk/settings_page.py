@@ -61,7 +61,7 @@ def save_settings(study: OpenedStudy) -> ResponseReturnValue:
     if is_new_version:
         with suppress(InputError):
             # If a video is missing, the study's page says so, and offers to begin it later.
-            study.study.begin_new_version()
+            study.study.begin_new_version(by=study.account.name)
         return redirect(url_for("research.study_page", study=study.name), 303)
     return redirect(url_for("research.settings", study=study.name, saved=""), 303)
 

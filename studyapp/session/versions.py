@@ -10,7 +10,8 @@ from sqlalchemy.orm import Session
 from motion.errors import InputError, listed
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import AuditLine, Event, Place, StudySession, StudyVersion
+from studyapp.database.tables import Event, Place, StudySession, StudyVersion
+from studyapp.researchers.audit import log_change
 from studyapp.session.intake import open_places, take_allocation_turn
 from studyapp.session.places import STALE, regain_place, stale_before
 from studyapp.session.served_study import ServedStudy
@@ -19,7 +20,12 @@ from studyapp.study.versioning import design_changes, operation_changes, operati
 
 
 def open_study(
-    database: Database, served: ServedStudy, clock: Clock, *, new_version: bool = False
+    database: Database,
+    served: ServedStudy,
+    clock: Clock,
+    *,
+    new_version: bool = False,
+    by: str = "",
 ) -> None:
     """Prepare the database for `served`: store its version, and open its places.
 
@@ -27,6 +33,8 @@ def open_study(
     ----------
     new_version : bool
         Whether a changed design may become a new version.
+    by : str
+        The researcher, for the log; empty for the server and the command line.
 
     Raises
     ------
@@ -35,7 +43,7 @@ def open_study(
     """
     with database.writing() as session:
         take_allocation_turn(session)
-        _open(session, served, clock.now(), new_version=new_version)
+        _open(session, served, clock.now(), new_version=new_version, by=by)
 
 
 def needs_new_version(database: Database, design: str) -> bool:
@@ -51,7 +59,9 @@ def definition_in_use(database: Database) -> str | None:
         return version.definition if version and _has_participants(session, version) else None
 
 
-def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: bool) -> None:
+def _open(
+    session: Session, served: ServedStudy, now: datetime, *, new_version: bool, by: str
+) -> None:
     previous = _version_left_behind(session, served.design)
     if previous is not None and not new_version:
         raise InputError(
@@ -63,12 +73,12 @@ def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: 
             "in changed arms cannot continue",
         )
     query = select(StudyVersion).where(StudyVersion.design == served.design)
-    version = session.scalars(query).first() or _create_version(session, served, now)
+    version = session.scalars(query).first() or _create_version(session, served, now, by)
     if not _has_participants(session, version):
         # The exclusion rules count as stated when the first participant comes.
         version.definition = served.definition
     session.execute(update(StudyVersion).values(in_force=StudyVersion.id == version.id))
-    _log_operation_changes(session, served, version, now)
+    _log_operation_changes(session, served, version, now, by)
     _release_outdated_places(session, served)
     open_places(session, served)
     _restore_places(session, served, now)
@@ -90,7 +100,7 @@ def _changed_parts(previous: StudyVersion, served: ServedStudy) -> str:
     return listed(design_changes(before, served.study)) or "the speech or the videos"
 
 
-def _create_version(session: Session, served: ServedStudy, now: datetime) -> StudyVersion:
+def _create_version(session: Session, served: ServedStudy, now: datetime, by: str) -> StudyVersion:
     """Return a version for a new design; it replaces versions without participants."""
     with_participants = select(StudySession.version_id)
     session.execute(delete(StudyVersion).where(StudyVersion.id.not_in(with_participants)))
@@ -105,7 +115,8 @@ def _create_version(session: Session, served: ServedStudy, now: datetime) -> Stu
     session.add(version)
     session.flush()
     if version.number > 1:
-        session.add(AuditLine(at=now, event=Event.NEW_VERSION, detail=f"version {version.number}"))
+        detail = f"version {version.number}"
+        log_change(session, now, Event.NEW_VERSION, by=by, detail=detail)
     return version
 
 
@@ -116,12 +127,12 @@ def _has_participants(session: Session, version: StudyVersion) -> bool:
 
 
 def _log_operation_changes(
-    session: Session, served: ServedStudy, version: StudyVersion, now: datetime
+    session: Session, served: ServedStudy, version: StudyVersion, now: datetime, by: str
 ) -> None:
     operation = operation_part(served.study)
     changes = operation_changes(version.operation, operation)
     if changes:
-        session.add(AuditLine(at=now, event=Event.OPERATION_CHANGED, detail="; ".join(changes)))
+        log_change(session, now, Event.OPERATION_CHANGED, by=by, detail="; ".join(changes))
         version.operation = operation
         session.flush()
 

@@ -93,7 +93,7 @@ def test_another_process_waits_for_a_new_version_and_then_serves_it(
     assert first_question(taken).endswith("rhythm of the speech better?")
     assert other.standing().state == "changed"
     assert other.application() is None
-    taken.begin_new_version()
+    taken.begin_new_version(by="Ada")
     for study in (taken, other):
         assert first_question(study).endswith("follow the speech better?")
         assert study.standing().problem is None

@@ -126,6 +126,8 @@ def test_changing_the_design_while_people_take_part_makes_a_new_version(
     assert now is not None
     assert now.study.questions[0].text.endswith("follow the speech better?")
     assert taken.standing().problem is None
+    newest = latest_changes(taken.database)[0]
+    assert (newest.researcher, newest.event) == ("Ada", "new version")
 
 
 def test_the_number_of_participants_may_change_while_people_take_part(
