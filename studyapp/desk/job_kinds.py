@@ -139,11 +139,13 @@ def _figure(study: OpenedStudy, form: Form) -> tuple[str, ...]:
 
 
 def segment_names(study: OpenedStudy) -> list[str]:
-    """Return the study's segments; none where they cannot be read."""
+    """Return the segments whose motion can be drawn; none where they cannot be read."""
     try:
-        return [segment.name for segment in study.folder.segments_of(study.folder.study())]
+        definition = study.folder.study()
+        segments = () if definition.only_finished else study.folder.segments_of(definition)
     except InputError:
         return []
+    return [segment.name for segment in segments]
 
 
 BRING_IN: Final = JobKind(

@@ -34,6 +34,7 @@ State = Literal["missing", "motion", "video"]
 class _CheckFinding(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True)
 
+    name: str
     severity: str
     where: str
     what: str
@@ -156,9 +157,11 @@ class Material:
         )
 
     def _current_findings(self, file: str) -> list[_CheckFinding]:
-        """Return the findings of a file, unless it has changed since the check."""
-        is_older = _modified_at(self.folder.root / file) <= self.checked_at
-        return self._findings[file] if is_older else []
+        """Return the findings of a file, unless it was changed or removed since the check."""
+        path, findings = self.folder.root / file, self._findings[file]
+        if not path.exists():
+            return [finding for finding in findings if finding.name == "video-missing"]
+        return findings if _modified_at(path) <= self.checked_at else []
 
     def rows(self) -> list[tuple[Segment, list[Cell]]]:
         """Return each segment with its cell in every condition."""

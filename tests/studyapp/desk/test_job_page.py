@@ -16,6 +16,7 @@ from tests.studyapp.desk.conftest import Joined
 from tests.studyapp.desk.job_watching import SLOW, begin, wait_until_ended
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.studies.answered_study import answer_study
+from tests.support.studies.redefining import redefine
 
 TINY = "/research/studies/tiny/"
 JOBS = f"{TINY}jobs/"
@@ -109,6 +110,21 @@ def test_only_listed_commands_run_and_only_listed_files_are_sent(
     assert ada.post(f"{JOBS}figure", figure="strip", segment="../x").status_code == 409
     assert ada.post(f"{JOBS}rehearse", participants="-1").status_code == 409
     assert not [event for _, event, _ in changes(tiny) if event == "job started"]
+
+
+def test_a_figure_is_offered_only_where_there_is_motion_to_draw(
+    tiny: LabStudy, ada: ResearchBrowser
+) -> None:
+    assert ada.get(f"{JOBS}figure").soup.select("form[action$=figure]")
+    redefine(
+        tiny.folder.root,
+        ("[conditions.rule_based]", "[conditions.rule_based]\nvideos = true"),
+        ("[conditions.mismatched]", "[conditions.mismatched]\nvideos = true"),
+        ('generator = "broken"', "videos = true"),
+    )
+    page = ada.get(f"{JOBS}figure")
+    assert "There is no motion to draw" in page.text
+    assert not page.soup.select("form[action$=figure]")
 
 
 def test_a_report_is_shown_in_a_sandbox(tiny: LabStudy, ada: ResearchBrowser) -> None:

@@ -142,10 +142,12 @@ def test_a_file_is_deleted_after_confirmation(
     tiny: LabStudy, folder: StudyFolder, ada: ResearchBrowser
 ) -> None:
     path = folder.clip("mismatched", "take-1")
+    write_finding(folder, "motion/mismatched/take-1.npz", "the archive is damaged")
     assert ada.post(f"{MATERIAL}/mismatched/take-1/remove").status_code == 409
     assert path.is_file()
     assert ada.post(f"{MATERIAL}/mismatched/take-1/remove", sure="on").status_code == 303
     assert not path.exists()
+    assert "damaged" not in ada.get(f"{MATERIAL}/mismatched/take-1").text
     newest = latest_changes(tiny.database)[0]
     assert (newest.event, newest.detail) == (
         "file removed",
