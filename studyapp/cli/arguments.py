@@ -5,15 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, get_args
 from urllib.parse import urlsplit
 
 import click
 
+from generators.registry import Device
 from motion.errors import InputError
 from studyapp.desk.jobs import PROCESSES
 from studyapp.side_process import MOST_PROCESSES, available_processors
 from studyapp.study.folder import StudyFolder
+
+Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+
+def together(*options: Decorator) -> Decorator:
+    """Return several options of a command as one decorator."""
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
 
 
 def existing_study(root: str | Path) -> StudyFolder:
@@ -43,6 +57,11 @@ def refuse_options(options: Mapping[str, object], context: str) -> None:
         )
 
 
+FILE: Final = click.Path(dir_okay=False, path_type=Path)
+EXISTING_FILE: Final = click.Path(exists=True, dir_okay=False, path_type=Path)
+FOLDER: Final = click.Path(file_okay=False, path_type=Path)
+
+
 class Number(click.FloatRange):
     """A number within bounds; click itself lets NaN pass them."""
 
@@ -61,6 +80,12 @@ def _read_joint_map(path: str) -> Mapping[str, str]:
     return read_joint_map(Path(path))
 
 
+file_rate_option = click.option(
+    "--fps",
+    "frame_rate",
+    type=Number(0, 1000, min_open=True),
+    help="Frame rate, overriding the files' own.",
+)
 joints_option = click.option(
     "--joints",
     "joint_map",
@@ -76,12 +101,10 @@ study_folder = click.argument("folder", type=existing_study, default=".")
 named_study_folder = click.argument("folder", type=existing_study)
 """An existing study folder, without a default, for commands with further arguments."""
 
-optional_study_folder: Callable[[Callable[..., None]], Callable[..., None]] = click.argument(
-    "folder", required=False, type=existing_study
-)
+optional_study_folder: Decorator = click.argument("folder", required=False, type=existing_study)
 """An existing study folder, or none."""
 
-processes: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
+processes_option: Decorator = click.option(
     "--processes",
     type=click.IntRange(1, MOST_PROCESSES),
     envvar=PROCESSES,
@@ -90,17 +113,12 @@ processes: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     help="Number of parallel processes.",
 )
 
-cluster: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
-    "--cluster",
-    metavar="ADDRESS",
-    help="Render on the Dask cluster whose scheduler is at ADDRESS, such as tcp://node1:8786. "
-    "Its workers need the same version, and the study under the same path.",
+device_option = click.option(
+    "--device", type=click.Choice(get_args(Device)), default="cpu", help="Where networks run."
 )
 
 
-def public_address(
-    *, help: str, default: str | None = None, required: bool = False
-) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def public_address(*, help: str, default: str | None = None, required: bool = False) -> Decorator:
     """Return the option of the public address, which the command gets without a final slash.
 
     It is empty if not given.
@@ -109,7 +127,6 @@ def public_address(
         "--address",
         default=default,
         required=required,
-        show_default=default is not None,
         metavar="URL",
         envvar="MOTIONJURY_ADDRESS",
         callback=lambda context, parameter, value: (

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from motion.errors import InputError, counted, listed
-from studyapp.cli.arguments import optional_study_folder
+from studyapp.cli.arguments import EXISTING_FILE, FOLDER, optional_study_folder
 from studyapp.cli.output import progress
 from studyapp.clock import Clock
 from studyapp.custody.backup import back_up, check_archive
@@ -28,7 +28,7 @@ from studyapp.study.folder import StudyFolder, format_size
 @click.option(
     "--check",
     "archive",
-    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    type=EXISTING_FILE,
     help="Check this backup instead of making one; with FOLDER, also check that the media "
     "outside the backup are there.",
 )
@@ -99,8 +99,8 @@ _MOST_NAMED = 3
 
 
 @click.command("restore")
-@click.argument("archive", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
+@click.argument("archive", type=EXISTING_FILE)
+@click.argument("folder", type=FOLDER)
 def restore_command(archive: Path, folder: Path) -> None:
     """Restore the study in the backup ARCHIVE to the new or empty FOLDER.
 

@@ -8,7 +8,7 @@ import click
 
 from motion.errors import InputError, counted
 from motion.files import write_text
-from studyapp.cli.arguments import check_address, study_folder
+from studyapp.cli.arguments import FILE, check_address, study_folder
 from studyapp.cli.output import sign_of_life
 from studyapp.preflight.check import check
 from studyapp.preflight.finding import make_record, text_lines
@@ -19,16 +19,13 @@ from studyapp.study.folder import StudyFolder
 @study_folder
 @click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
 @click.option(
-    "--verbose",
-    "everything",
-    is_flag=True,
-    help="Print notes too, and all findings of each kind.",
+    "--verbose", "everything", is_flag=True, help="Print notes too, and all findings of each kind."
 )
 @click.option(
     "--record",
     "record_file",
     metavar="FILE",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=FILE,
     help="Also write the findings into FILE, as JSON.",
 )
 @click.option(

@@ -18,7 +18,7 @@ from studyapp.cli import (
     render_command,
     report_command,
 )
-from studyapp.cli.arguments import processes as processes_option
+from studyapp.cli.arguments import FOLDER, processes_option
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.study_file import new_study
@@ -99,8 +99,8 @@ the true value, as such intervals do; a first report should show the usual case.
 
 
 @click.command("demo")
-@click.argument("folder", type=click.Path(path_type=Path, file_okay=False), default="demo-study")
-@click.option("--participants", type=click.IntRange(1, 1000), default=25, show_default=True)
+@click.argument("folder", type=FOLDER, default="demo-study")
+@click.option("--participants", type=click.IntRange(1, 1000), default=25)
 @processes_option
 @click.pass_context
 def command(ctx: click.Context, folder: Path, participants: int, processes: int) -> None:

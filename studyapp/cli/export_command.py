@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from motion.errors import InputError, counted
-from studyapp.cli.arguments import refuse_options, study_folder
+from studyapp.cli.arguments import FILE, FOLDER, refuse_options, study_folder
 from studyapp.researchers.audit import read_reason
 from studyapp.results.export.sharing import Shared, share
 from studyapp.results.export.tables import export
@@ -18,14 +18,14 @@ from studyapp.study.folder import StudyFolder
 @study_folder
 @click.option(
     "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="The main table, .csv or .parquet, by default responses.csv in the study folder; the "
     "other tables are written beside it.",
 )
 @click.option(
     "--folder",
     "shared_folder",
-    type=click.Path(path_type=Path, file_okay=False),
+    type=FOLDER,
     help="Write a folder for another lab instead: behavioural data in BIDS, with everything "
     "needed to reproduce the report byte for byte.",
 )

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from renderer.figures.strip import MAX_MOMENTS, Moment
-from studyapp.cli.arguments import Number, study_folder
+from studyapp.cli.arguments import FILE, Number, study_folder
 from studyapp.cli.output import echo_note, progress
 from studyapp.study.folder import StudyFolder
 
 if TYPE_CHECKING:
     from studyapp.stimuli.figures.paper_figures import Choice, Print
 
-_OUTPUT = click.Path(dir_okay=False, path_type=Path)
 _ENDINGS = (".pdf", ".png")
 
 
@@ -48,9 +47,7 @@ skeleton = click.option(
     "--skeleton", type=click.Choice(["over", "beside"]), help="Also draw the skeleton."
 )
 output = click.option(
-    "--output",
-    type=_OUTPUT,
-    help="The output file, instead of one in FOLDER/figures.",
+    "--output", type=FILE, help="The output file, instead of one in FOLDER/figures."
 )
 
 
@@ -73,7 +70,6 @@ def inches(default: float) -> Callable[..., Any]:
         "--inches",
         type=Number(1, 14),
         default=default,
-        show_default=True,
         help="Width in print, at 300 dots per inch.",
     )
 
@@ -91,7 +87,7 @@ def command() -> None:
 @segment
 @click.option("--condition", required=True, help="The condition to show.")
 @click.option("--at", "seconds", type=Number(0), required=True, help="The moment.")
-@click.option("--size", type=click.IntRange(64, 2160), default=1440, show_default=True)
+@click.option("--size", type=click.IntRange(64, 2160), default=1440)
 @skeleton
 @clear
 @closeup
@@ -116,7 +112,6 @@ def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
     "count",
     type=click.IntRange(1, MAX_MOMENTS),
     default=6,
-    show_default=True,
     help="Without --at: number of moments, each at the loudest syllable of a part of the speech.",
 )
 @inches(6.9)

@@ -9,20 +9,28 @@ from typing import Any, Final, Literal, get_args, get_origin
 import click
 from click.core import ParameterSource
 
-from generators.registry import Device, generator_names, settings_type
+from generators.registry import generator_names, settings_type
 from generators.settings import File, Folder, Setting, settings_of
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError, counted
 from motion.segment import EMOTIONS
-from studyapp.cli.arguments import Number, current_study, optional_study_folder
-from studyapp.cli.arguments import processes as processes_option
+from studyapp.cli.arguments import (
+    EXISTING_FILE,
+    FILE,
+    FOLDER,
+    Number,
+    current_study,
+    device_option,
+    optional_study_folder,
+    processes_option,
+)
 from studyapp.cli.output import progress
 from studyapp.study.folder import StudyFolder
 from studyapp.study.study_options import make_condition
 
 _TYPES: Final = {
-    File: click.Path(dir_okay=False, path_type=Path),
-    Folder: click.Path(file_okay=False, path_type=Path),
+    File: FILE,
+    Folder: FOLDER,
     int: click.INT,
     float: click.FLOAT,
     bool: click.BOOL,
@@ -68,41 +76,24 @@ def _param_type(annotation: Any) -> click.ParamType[Any]:
     return _TYPES.get(annotation, click.STRING)
 
 
-_file = click.Path(exists=True, dir_okay=False, path_type=Path)
-_folder = click.Path(file_okay=False, path_type=Path)
-
-
 @click.command("generate", cls=SettingsCommand)
 @optional_study_folder
 @click.option("--generator", metavar=f"[{'|'.join(generator_names())}]", help="The generator.")
-@click.option("--speech", type=_file, multiple=True, help="A recording; can be repeated.")
-@click.option("--out", type=_folder, help="The folder for the clips of --speech.")
+@click.option("--speech", type=EXISTING_FILE, multiple=True, help="A recording; can be repeated.")
+@click.option("--out", type=FOLDER, help="The folder for the clips of --speech.")
 @click.option(
     "--emotion",
     metavar=f"[{'|'.join(EMOTIONS)}]",
     help="The emotion of the speech, by default neutral. For amuse, also a recording that has it.",
 )
-@click.option(
-    "--seed",
-    type=click.IntRange(0),
-    default=1,
-    show_default=True,
-    help="Seed of the random numbers.",
-)
+@click.option("--seed", type=click.IntRange(0), default=1, help="Seed of the random numbers.")
 @click.option(
     "--fps",
     type=Number(MIN_FRAME_RATE, MAX_FRAME_RATE),
     default=30.0,
-    show_default=True,
     help="Frame rate of the clips of --speech.",
 )
-@click.option(
-    "--device",
-    type=click.Choice(get_args(Device)),
-    default="cpu",
-    show_default=True,
-    help="Where networks run.",
-)
+@device_option
 def command(
     folder: StudyFolder | None,
     generator: str | None,
@@ -170,33 +161,24 @@ def command(
 
 
 @click.command("corpus")
-@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
+@click.argument("folder", type=FOLDER)
 @click.option(
     "--speakers",
     type=click.IntRange(1),
     default=8,
-    show_default=True,
     help="Number of speakers, held-out ones included.",
 )
 @click.option(
     "--sentences",
     type=click.IntRange(8),
     default=16,
-    show_default=True,
     help="Passages of each speaker, a multiple of eight: the same number in each emotion.",
 )
-@click.option(
-    "--takes",
-    type=click.IntRange(1),
-    default=2,
-    show_default=True,
-    help="Takes of each passage.",
-)
+@click.option("--takes", type=click.IntRange(1), default=2, help="Takes of each passage.")
 @click.option(
     "--held-out-speakers",
     type=click.IntRange(0),
     default=2,
-    show_default=True,
     help="Speakers, the last ones, that are kept out of training.",
 )
 @click.option(
@@ -208,10 +190,9 @@ def command(
     "--fps",
     type=Number(MIN_FRAME_RATE, MAX_FRAME_RATE),
     default=30.0,
-    show_default=True,
     help="Frames per second of the body; the face has 60, as in BEAT.",
 )
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True)
+@click.option("--seed", type=click.IntRange(0), default=1)
 @processes_option
 def corpus_command(folder: Path, fps: float, processes: int, **options: Any) -> None:
     """Make a synthetic corpus of speech and motion in FOLDER, laid out as BEAT.

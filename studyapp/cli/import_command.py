@@ -2,43 +2,44 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import Any
 
 import click
 
 from motion.errors import InputError, counted
-from motion.formats.joint_maps import JointMap
 from motion.segment import EMOTIONS
-from studyapp.cli.arguments import Number, existing_study, joints_option
+from studyapp.cli.arguments import (
+    EXISTING_FILE,
+    FOLDER,
+    Number,
+    existing_study,
+    file_rate_option,
+    joints_option,
+)
 from studyapp.cli.output import echo_note, progress
 from studyapp.stimuli.imported_folder import folder_items
 from studyapp.stimuli.recordings import RecordingFacts, Take, import_clips, import_take
 from studyapp.stimuli.video_takes import import_video
-from studyapp.study.folder import StudyFolder, lock_folder
-
-_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
-_FILE_OR_FOLDER = click.Path(exists=True, path_type=Path)
+from studyapp.study.folder import StudyFolder
 
 
 @click.command("import")
-@click.argument("motion", nargs=-1, type=_FILE_OR_FOLDER)
-@click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
+@click.argument("motion", nargs=-1, type=click.Path(exists=True, path_type=Path))
+@click.argument("folder", type=FOLDER)
 @click.option("--condition", help="The condition of the motion.")
 @click.option(
     "--from-video",
     "video",
-    type=_FILE,
+    type=EXISTING_FILE,
     help="Make takes for training in FOLDER from a video of a speaker.",
 )
 @click.option(
-    "--speech", type=_FILE, help="The speech of a new take, which adds its segments to the study."
+    "--speech",
+    type=EXISTING_FILE,
+    help="The speech of a new take, which adds its segments to the study.",
 )
-@click.option(
-    "--fps",
-    type=Number(0, 1000, min_open=True),
-    help="Frame rate, overriding the files' own.",
-)
+@file_rate_option
 @click.option(
     "--segment",
     "segment_seconds",
@@ -61,16 +62,10 @@ _FILE_OR_FOLDER = click.Path(exists=True, path_type=Path)
 def command(
     motion: tuple[Path, ...],
     folder: Path,
-    condition: str | None,
     video: Path | None,
     speech: Path | None,
-    fps: float | None,
-    segment_seconds: float | None,
-    speaker: str | None,
-    emotion: str | None,
-    joint_map: JointMap | None,
     move: bool,
-    as_recorded: bool,
+    **options: Any,
 ) -> None:
     """Import MOTION into the study FOLDER.
 
@@ -79,61 +74,44 @@ def command(
     finished videos. With --from-video, FOLDER is not a study but a folder of takes for 'motionjury
     train'.
     """
+    facts = RecordingFacts(**options)
+    speaker, emotion = facts.speaker, facts.emotion
     if video is not None:
-        others = (condition, speech, fps, segment_seconds, emotion, joint_map)
-        if motion or move or as_recorded or any(option is not None for option in others):
+        if motion or move or speech is not None or facts != RecordingFacts(speaker=speaker):
             raise click.UsageError("--from-video can only be combined with FOLDER and --speaker.")
         _import_video(video, folder, speaker)
         return
-    facts = RecordingFacts(
-        condition=condition,
-        speaker=speaker,
-        emotion=emotion,
-        segment_seconds=segment_seconds,
-        frame_rate=fps,
-        as_recorded=as_recorded,
-        joint_map=joint_map,
-    )
     if len(motion) == 1 and motion[0].is_dir():
         if speech is not None:
             raise click.UsageError("The speech of a folder must be in the folder: omit --speech.")
         study = existing_study(folder)
-        with _locked(study):
+        with study.locked():
             _import_folder(study, motion[0], facts, move=move)
         return
     if move or any(path.is_dir() for path in motion):
         raise click.UsageError("Give one folder, or files without --move.")
+    condition = facts.condition
     if not motion or condition is None:
         raise click.UsageError("Give MOTION and --condition, or --from-video.")
     study = existing_study(folder)
     if speech is None:
-        if segment_seconds is not None or speaker is not None or emotion is not None:
+        if any(given is not None for given in (facts.segment_seconds, speaker, emotion)):
             raise click.UsageError(
                 "--segment, --speaker and --emotion describe --speech: give it too."
             )
-        with _locked(study):
+        with study.locked():
             notes = import_clips(study, motion, condition, facts)
         imported = f"{counted(len(motion), 'clip')} of condition {condition!r}"
     else:
         if len(motion) != 1 or speaker is None or emotion is None:
             raise click.UsageError("--speech needs one motion file, --speaker and --emotion.")
         take = Take(**vars(facts), motion=motion[0], speech=speech)
-        with _locked(study):
+        with study.locked():
             segments, notes = import_take(study, take)
         imported = f"{counted(len(segments), 'segment')} with condition {condition!r}"
     for note in notes:
         echo_note(note)
     click.echo(f"Imported {imported} into {folder}.")
-
-
-def _locked(study: StudyFolder) -> AbstractContextManager[None]:
-    """Keep other imports out, which would overwrite the table of segments with theirs."""
-    busy = InputError(
-        "something else is being imported into this study, or it is being rehearsed",
-        where=study.root,
-        remedy="Wait until that command ends, and run this one again",
-    )
-    return lock_folder(study.root, busy=busy)
 
 
 def _import_folder(study: StudyFolder, source: Path, facts: RecordingFacts, *, move: bool) -> None:

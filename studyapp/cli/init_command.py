@@ -8,6 +8,7 @@ from typing import Any, get_args
 import click
 
 from motion.files import write_text
+from studyapp.cli.arguments import FOLDER
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import MAX_MINUTES, MAX_PARTICIPANTS, read_pay, require_stated_pay
 from studyapp.study.settings.presentation import Framing, Language
@@ -17,13 +18,12 @@ from studyapp.study.study_options import StudyOptions, read_conditions
 
 
 @click.command("init")
-@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
-@click.option("--template", type=click.Choice(TEMPLATES), default="pairwise", show_default=True)
+@click.argument("folder", type=FOLDER)
+@click.option("--template", type=click.Choice(TEMPLATES), default="pairwise")
 @click.option(
     "--language",
     type=click.Choice(get_args(Language)),
     default="en",
-    show_default=True,
     help="The language of participants' pages.",
 )
 @click.option(

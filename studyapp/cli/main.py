@@ -116,7 +116,10 @@ def _explain(error: OSError) -> str:
     return f"{where}{error.strerror or error}. {remedy}"
 
 
-@click.group(cls=_LazyCommands, context_settings={"help_option_names": ["-h", "--help"]})
+_SETTINGS: Final = {"help_option_names": ["-h", "--help"], "show_default": True}
+
+
+@click.group(cls=_LazyCommands, context_settings=_SETTINGS)
 @click.version_option(metadata.version("motionjury"), prog_name="motionjury")
 @click.option("--debug", is_flag=True, help="Show a traceback when something fails.")
 def group(debug: bool) -> None:

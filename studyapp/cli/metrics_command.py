@@ -14,21 +14,25 @@ from analysis.metrics.score_tables import check_ending, write_scores
 from analysis.metrics.scores import ConditionScore
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError, counted
-from studyapp.cli.arguments import Number, current_study, optional_study_folder
-from studyapp.cli.arguments import processes as processes_option
+from studyapp.cli.arguments import (
+    FILE,
+    FOLDER,
+    Number,
+    current_study,
+    optional_study_folder,
+    processes_option,
+)
 from studyapp.cli.output import echo_note, echo_skipped, echo_table, progress
 from studyapp.results.metrics import measure_folders, measure_study
 from studyapp.study.folder import StudyFolder
 
-_folder = click.Path(path_type=Path, file_okay=False)
-
 
 @click.command("metrics")
 @optional_study_folder
-@click.option("--generated", type=_folder, help="Motion files, or a folder of them per condition.")
-@click.option("--reference", type=_folder, help="Recorded motion of the same speech.")
-@click.option("--speech", type=_folder, help="Recordings with the names of the motion files.")
-@click.option("--semantics", type=_folder, help="BEAT's semantic scores of the reference (.txt).")
+@click.option("--generated", type=FOLDER, help="Motion files, or a folder of them per condition.")
+@click.option("--reference", type=FOLDER, help="Recorded motion of the same speech.")
+@click.option("--speech", type=FOLDER, help="Recordings with the names of the motion files.")
+@click.option("--semantics", type=FOLDER, help="BEAT's semantic scores of the reference (.txt).")
 @click.option(
     "--preset",
     "presets",
@@ -49,7 +53,7 @@ _folder = click.Path(path_type=Path, file_okay=False)
 @click.option("--penetration", is_flag=True, help="Also measure how far arms enter the body; slow.")
 @click.option(
     "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="The file for the scores of conditions and clips: .csv, .json or .parquet. By default "
     "metrics.parquet in the study folder.",
 )

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from studyapp.cli.arguments import Number, processes, study_folder
+from studyapp.cli.arguments import Number, processes_option, study_folder
 from studyapp.cli.output import echo_note, progress
 from studyapp.rehearsal import SPEED
 from studyapp.study.folder import StudyFolder
@@ -51,6 +51,7 @@ class _NumberListType(click.ParamType[tuple[Any, ...]]):
     "effects",
     type=_NumberListType(Number(0, 10)),
     default=(0.2, 0.4, 0.6),
+    show_default=False,
     metavar="X,…",
     help="Differences between conditions to try, in logits.  [default: 0.2,0.4,0.6]",
 )
@@ -66,7 +67,7 @@ class _NumberListType(click.ParamType[tuple[Any, ...]]):
     metavar="AMOUNT",
     help="Cost of one participant, fees included; adds the cost of each design.",
 )
-@processes
+@processes_option
 def command(folder: StudyFolder, processes: int, **options: Any) -> None:
     """Simulate a study to find how many participants and segments it needs.
 
@@ -92,12 +93,11 @@ def command(folder: StudyFolder, processes: int, **options: Any) -> None:
     help="Simulated participants: per comparison if each has its own, else of the study. By "
     "default as many as the study asks for.",
 )
-@click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=1, show_default=True)
+@click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=1)
 @click.option(
     "--speed",
     type=Number(1, 1000),
     default=SPEED,
-    show_default=True,
     help="How many times faster than real time the clock runs. Rules about time need a slow clock.",
 )
 def rehearse_command(

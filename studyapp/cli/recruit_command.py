@@ -11,7 +11,7 @@ from typing import Final
 import click
 
 from motion.errors import InputError, counted, listed
-from studyapp.cli.arguments import named_study_folder, public_address
+from studyapp.cli.arguments import EXISTING_FILE, FILE, named_study_folder, public_address
 from studyapp.cli.output import echo_table
 from studyapp.preflight.recruiting_checks import pay_findings
 from studyapp.recruitment import mturk, prolific
@@ -204,13 +204,11 @@ def return_(folder: StudyFolder, submissions: tuple[str, ...], reason: str) -> N
 @click.option(
     "--list",
     "people",
-    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    type=EXISTING_FILE,
     help="A CSV file with a header, and one person per row in its first column.",
 )
 @click.option(
-    "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="The table of links, by default invitations.csv in the study folder.",
+    "--out", type=FILE, help="The table of links, by default invitations.csv in the study folder."
 )
 @click.pass_obj
 def invite_(

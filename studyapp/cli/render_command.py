@@ -12,14 +12,15 @@ from motion.errors import InputError, counted
 from motion.formats.joint_maps import JointMap
 from renderer.look import AVATARS, FIRST_AVATAR, FRAMINGS, VIEWS, Look
 from studyapp.cli.arguments import (
-    Number,
+    EXISTING_FILE,
+    FOLDER,
+    file_rate_option,
     joints_option,
     named_study_folder,
+    processes_option,
     public_address,
     study_folder,
 )
-from studyapp.cli.arguments import cluster as cluster_option
-from studyapp.cli.arguments import processes as processes_option
 from studyapp.cli.output import echo_note, progress
 from studyapp.stimuli.publishing import allow_origin, publish, remove
 from studyapp.study.folder import StudyFolder
@@ -32,7 +33,12 @@ if TYPE_CHECKING:
 @click.command("render")
 @study_folder
 @processes_option
-@cluster_option
+@click.option(
+    "--cluster",
+    metavar="ADDRESS",
+    help="Render on the Dask cluster whose scheduler is at ADDRESS, such as tcp://node1:8786. "
+    "Its workers need the same version, and the study under the same path.",
+)
 @click.option("--sheet", is_flag=True, help="Also write a contact sheet of every clip.")
 def command(
     folder: StudyFolder,
@@ -81,29 +87,16 @@ def _videos(state: RenderProgress) -> str:
     return f"{state.videos} of {state.all_videos} videos{failed}"
 
 
-_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
-
-
 @click.command("preview")
-@click.argument("motions", nargs=-1, required=True, type=_FILE, metavar="FILE...")
-@click.option("--speech", type=_FILE, help="The speech.")
-@click.option(
-    "--fps",
-    type=Number(0, 1000, min_open=True),
-    help="Frame rate, overriding the files' own.",
-)
+@click.argument("motions", nargs=-1, required=True, type=EXISTING_FILE, metavar="FILE...")
+@click.option("--speech", type=EXISTING_FILE, help="The speech.")
+@file_rate_option
 @joints_option
-@click.option("--avatar", type=click.Choice(list(AVATARS)), default=FIRST_AVATAR, show_default=True)
+@click.option("--avatar", type=click.Choice(list(AVATARS)), default=FIRST_AVATAR)
+@click.option("--framing", type=click.Choice(list(FRAMINGS)), default="full_body")
+@click.option("--view", type=click.Choice(list(VIEWS)), default="front")
 @click.option(
-    "--framing", type=click.Choice(list(FRAMINGS)), default="full_body", show_default=True
-)
-@click.option("--view", type=click.Choice(list(VIEWS)), default="front", show_default=True)
-@click.option(
-    "--size",
-    type=click.IntRange(64, 2160),
-    default=720,
-    show_default=True,
-    help="Pixels along each side of a video.",
+    "--size", type=click.IntRange(64, 2160), default=720, help="Pixels along each side of a video."
 )
 @click.option(
     "--as",
@@ -111,21 +104,14 @@ _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
     type=click.Choice(["page", "video", "glb", "bvh"]),
     multiple=True,
     default=["page"],
-    show_default=True,
     help="What to write; can be repeated: a page on which all motions play side by side and can "
     "be turned around, a video of each, or files for other programs.",
 )
-@click.option(
-    "--out",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=Path("preview"),
-    show_default=True,
-    help="The output folder.",
-)
+@click.option("--out", type=FOLDER, default=Path("preview"), help="The output folder.")
 def preview_command(
     motions: tuple[Path, ...],
     speech: Path | None,
-    fps: float | None,
+    frame_rate: float | None,
     joint_map: JointMap | None,
     avatar: str,
     framing: str,
@@ -147,7 +133,9 @@ def preview_command(
     look = Look(size=size + size % 2, framing=framing, view=view, avatar=avatar)
     previewed = []
     for path, name in zip(motions, distinct_names(motions), strict=True):
-        motion = read_previewed(path, name, speech=speech, frame_rate=fps, joint_map=joint_map)
+        motion = read_previewed(
+            path, name, speech=speech, frame_rate=frame_rate, joint_map=joint_map
+        )
         previewed.append(motion)
         for note in motion.notes:
             echo_note(note)
@@ -165,10 +153,16 @@ def preview_command(
 @click.option(
     "--endpoint",
     default="",
+    show_default=False,
     metavar="URL",
     help="The store's address, such as https://s3.example.org, unless it is Amazon's.",
 )
-@click.option("--region", default="", help="The store's region, unless the environment names it.")
+@click.option(
+    "--region",
+    default="",
+    show_default=False,
+    help="The store's region, unless the environment names it.",
+)
 @public_address(
     help="The study's public address; allows its pages to load from the bucket, and tests that.",
 )

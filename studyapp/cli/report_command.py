@@ -12,7 +12,13 @@ from pydantic import TypeAdapter, ValidationError
 from analysis.answers.participants import MAX_CATCH_FAILURES
 from analysis.answers.table import LAYOUTS
 from motion.errors import InputError
-from studyapp.cli.arguments import Number, current_study, optional_study_folder, refuse_options
+from studyapp.cli.arguments import (
+    FOLDER,
+    Number,
+    current_study,
+    optional_study_folder,
+    refuse_options,
+)
 from studyapp.cli.output import sign_of_life
 from studyapp.researchers.audit import read_reason
 from studyapp.study.folder import StudyFolder
@@ -30,9 +36,7 @@ from studyapp.study.settings.sections import explain_errors
 )
 @click.option("--protocol", type=click.Choice(list(LAYOUTS)), help="The protocol of the table.")
 @click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    help="The output folder, for results.json, report.html and tables.",
+    "--out", type=FOLDER, help="The output folder, for results.json, report.html and tables."
 )
 @click.option(
     "--max-catch-failures",
@@ -71,9 +75,7 @@ from studyapp.study.settings.sections import explain_errors
     "repeated; a study states its rules in study.toml.",
 )
 @click.option(
-    "--rehearsal",
-    is_flag=True,
-    help="Report the rehearsal, even if participants have answered.",
+    "--rehearsal", is_flag=True, help="Report the rehearsal, even if participants have answered."
 )
 @click.option(
     "--with-motion",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -13,7 +12,7 @@ from urllib.parse import urlsplit
 import click
 
 from motion.errors import InputError
-from studyapp.cli.arguments import public_address, study_folder
+from studyapp.cli.arguments import FOLDER, public_address, study_folder, together
 from studyapp.clock import Clock
 from studyapp.custody.deployment import (
     DATABASES,
@@ -32,39 +31,25 @@ from studyapp.study.folder import StudyFolder
 from studyapp.web.mounting import checked_prefix, path_to_try
 from studyapp.web.server import THREADS, WORKERS, run_server
 
-_Command = Callable[..., None]
-
-
-def _server_options(command: _Command) -> _Command:
-    """Add the options of a server that is started here."""
-    for option in reversed(
-        (
-            click.option(
-                "--host",
-                default="127.0.0.1",
-                show_default=True,
-                # URLs need brackets around IPv6 addresses.
-                callback=lambda _c, _o, host: f"[{host.strip('[]')}]" if ":" in host else host,
-                help="Address to listen on.",
-            ),
-            click.option("--port", default=8000, show_default=True, type=click.IntRange(1, 65535)),
-            click.option(
-                "--workers", default=WORKERS, show_default=True, type=click.IntRange(1, 64)
-            ),
-            click.option(
-                "--threads",
-                default=THREADS,
-                show_default=True,
-                type=click.IntRange(1, 512),
-                help="Requests that each worker handles at once; slow connections do not count.",
-            ),
-            public_address(
-                help="The public address, behind a proxy; printed links start with it.",
-            ),
-        )
-    ):
-        command = option(command)
-    return command
+_server_options = together(
+    click.option(
+        "--host",
+        default="127.0.0.1",
+        # URLs need brackets around IPv6 addresses.
+        callback=lambda _c, _o, host: f"[{host.strip('[]')}]" if ":" in host else host,
+        help="Address to listen on.",
+    ),
+    click.option("--port", default=8000, type=click.IntRange(1, 65535)),
+    click.option("--workers", default=WORKERS, type=click.IntRange(1, 64)),
+    click.option(
+        "--threads",
+        default=THREADS,
+        type=click.IntRange(1, 512),
+        help="Requests that each worker handles at once; slow connections do not count.",
+    ),
+    public_address(help="The public address, behind a proxy; printed links start with it."),
+)
+"""The options of a server that is started here."""
 
 
 @click.command("serve")
@@ -85,6 +70,7 @@ def _server_options(command: _Command) -> _Command:
 @click.option(
     "--prefix",
     default="",
+    show_default=False,
     metavar="PATH",
     envvar="MOTIONJURY_PREFIX",
     help="Serve under this path of the host, such as /studies/one; the proxy must not strip it.",
@@ -223,38 +209,36 @@ def _print_owners_link(database: Database, url: str, whose: str) -> bool:
 @click.command("deploy")
 @study_folder
 @click.option("--host", required=True, help="The server's name, such as study.example.org.")
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    required=True,
-    help="A new folder for the files.",
-)
+@click.option("--out", type=FOLDER, required=True, help="A new folder for the files.")
 @click.option(
     "--proxy",
     type=click.Choice(PROXIES),
     default=PROXIES[0],
-    show_default=True,
     help="What serves HTTPS. Caddy needs less setup; nginx sends the videos itself.",
 )
 @click.option(
     "--database",
     type=click.Choice(DATABASES),
     default=DATABASES[0],
-    show_default=True,
     help="Where answers are stored.",
 )
 @click.option(
     "--prefix",
     default="",
+    show_default=False,
     metavar="PATH",
     help="Serve under this path of the host, such as /studies/one.",
 )
-@click.option("--contact", default="", help="E-mail address for the certificate authority.")
+@click.option(
+    "--contact",
+    default="",
+    show_default=False,
+    help="E-mail address for the certificate authority.",
+)
 @click.option(
     "--port",
     type=click.IntRange(1024, 65535),
     default=PORT,
-    show_default=True,
     help="Where the study's server listens for the proxy; choose another one for each study.",
 )
 @click.option(

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, cast, get_args
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import click
 
@@ -22,7 +22,7 @@ from generators.registry import (
 )
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
-from studyapp.cli.arguments import Number
+from studyapp.cli.arguments import FILE, FOLDER, Decorator, Number, device_option, together
 from studyapp.cli.output import echo_note, echo_skipped, progress
 from studyapp.study.settings.study import GROUND_TRUTH
 from training.data.take import KINDS
@@ -51,6 +51,19 @@ def command() -> None:
     """Train networks on your own recordings."""
 
 
+def _training_options(*, smallest_batch: int) -> Decorator:
+    """Return the options of every training; its config has the numbers that are not given."""
+    return together(
+        click.option("--steps", type=click.IntRange(1), help="Number of updates."),
+        click.option(
+            "--batch-size", type=click.IntRange(smallest_batch), help="Windows per update."
+        ),
+        click.option("--learning-rate", type=Number(0, 1, min_open=True)),
+        click.option("--seed", type=click.IntRange(0), default=0),
+        device_option,
+    )
+
+
 @command.command("evaluator")
 @click.argument("kind", type=click.Choice(["emotion", "motion", "face"]))
 @click.option(
@@ -61,10 +74,7 @@ def command() -> None:
     "that has the columns name and emotion.",
 )
 @click.option(
-    "--condition",
-    default=GROUND_TRUTH,
-    show_default=True,
-    help="With a study: the condition with recorded motion.",
+    "--condition", default=GROUND_TRUTH, help="With a study: the condition with recorded motion."
 )
 @click.option(
     "--channels",
@@ -76,21 +86,16 @@ def command() -> None:
     "size",
     type=click.Choice(["full", "tiny"]),
     default="full",
-    show_default=True,
     help="The papers' sizes, which need a GPU and hours of recordings, or small ones that a CPU "
     "trains in minutes.",
 )
 @click.option(
     "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="The network's file. By default KIND.safetensors in the study's folder evaluators, where "
     "'motionjury metrics' finds it, or in the working directory.",
 )
-@click.option("--steps", type=click.IntRange(1), help="Number of updates.")
-@click.option("--batch-size", type=click.IntRange(2), help="Windows per update.")
-@click.option("--learning-rate", type=Number(0, 1, min_open=True))
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
-@click.option("--device", type=click.Choice(["cpu", "cuda"]), default="cpu", show_default=True)
+@_training_options(smallest_batch=2)
 @click.option(
     "--fps",
     type=Number(MIN_FRAME_RATE, MAX_FRAME_RATE),
@@ -98,7 +103,7 @@ def command() -> None:
 )
 @click.option(
     "--body",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="With a folder: the SMPL-X body (.npz) whose expression coefficients the clips have.",
 )
 def evaluator(
@@ -235,99 +240,78 @@ def training_run(out: Path) -> Iterator[None]:
 _CONFIG_OPTIONS: Final = ("steps", "batch_size", "learning_rate", "precision", "accumulate")
 """Options that override a field of the training's config."""
 
-_folder = click.Path(file_okay=False, path_type=Path)
-_file = click.Path(dir_okay=False, path_type=Path)
-
 
 def generator_command(name: str) -> click.Command:
     """Return the command that trains generator `name`."""
     trainable = TRAINABLE[name]
     configs = "; ".join(f"{config}: {words}" for config, words in trainable.configs.items())
     explanation = " ".join(trainable.explanation.split())
-    options: list[click.Parameter] = [
-        click.Option(
-            ["--data"],
+    with_options = together(
+        click.option(
+            "--data",
             required=True,
-            type=_folder,
+            type=FOLDER,
             help="Recordings laid out as BEAT, BEAT2, SHOW or by 'motionjury corpus'.",
         ),
-        click.Option(
-            ["--kind"],
+        click.option(
+            "--kind",
             type=click.Choice(KINDS),
             help="Layout of --data, if it cannot be recognised.",
         ),
-        click.Option(
-            ["--split"], type=_file, help="A list of the split that each take belongs to."
-        ),
-        click.Option(
-            ["--config"],
+        click.option("--split", type=FILE, help="A list of the split that each take belongs to."),
+        click.option(
+            "--config",
             type=click.Choice(list(trainable.configs)),
             default=next(iter(trainable.configs)),
-            show_default=True,
             help=f"{configs}.",
         ),
-        click.Option(
-            ["--out"],
-            type=_file,
+        click.option(
+            "--out",
+            type=FILE,
             default=Path(f"{name}.safetensors"),
-            show_default=True,
             help="The network's file; the training run is stored beside it.",
         ),
-        click.Option(
-            ["--cache"],
-            type=_folder,
+        click.option(
+            "--cache",
+            type=FOLDER,
             help="Folder for the recordings' features; by default features, beside --out.",
         ),
         *(
-            click.Option(
-                [f"--{choice.name.replace('_', '-')}"],
-                type=_type_of(choice),
-                help=choice.help,
+            click.option(
+                f"--{choice.name.replace('_', '-')}", type=_type_of(choice), help=choice.help
             )
             for choice in trainable.choices
         ),
-        click.Option(["--steps"], type=click.IntRange(1), help="Number of updates."),
-        click.Option(["--batch-size"], type=click.IntRange(1), help="Windows per update."),
-        click.Option(["--learning-rate"], type=Number(0, 1, min_open=True)),
-        click.Option(
-            ["--accumulate"],
+        _training_options(smallest_batch=1),
+        click.option(
+            "--accumulate",
             type=click.IntRange(1),
             help="Split each update into this many parts, to save memory.",
         ),
-        click.Option(
-            ["--precision"],
+        click.option(
+            "--precision",
             type=click.Choice(["float32", "bfloat16", "float16"]),
             help="Precision of the layers that need less than float32.",
         ),
-        click.Option(["--seed"], type=click.IntRange(0), default=0, show_default=True),
-        click.Option(
-            ["--device"],
-            type=click.Choice(get_args(Device)),
-            default="cpu",
-            show_default=True,
-        ),
-        click.Option(
-            ["--processes"],
+        click.option(
+            "--processes",
             type=click.IntRange(1),
             default=1,
-            show_default=True,
             help="Processes that train together on this machine, one per GPU.",
         ),
-    ]
-    return click.Command(
+    )
+    return click.command(
         name,
-        params=options,
-        callback=partial(_train_generator, name, trainable),
         short_help=trainable.summary,
         help=f"{trainable.summary}\n\n{explanation}\n\n"
         "Run the same command again to continue an interrupted run.",
-    )
+    )(with_options(partial(_train_generator, name, trainable)))
 
 
 def _type_of(choice: TrainingChoice) -> click.ParamType[Any]:
     if choice.values:
         return click.Choice(choice.values)
-    return _file if choice.file else _folder
+    return FILE if choice.file else FOLDER
 
 
 def _train_generator(

@@ -21,7 +21,7 @@ from studyapp.rehearsal.resumption import Roster, expire_leases, prepare, read_r
 from studyapp.rehearsal.server import rehearsal_server
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.session.served_study import ServedStudy
-from studyapp.study.folder import StudyFolder, lock_folder
+from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
 WORKERS: Final = 8
@@ -90,12 +90,7 @@ def rehearse(
     """
     study = ServedStudy.read(folder.root).study
     count = _count_participants(folder, study, participants)
-    busy = InputError(
-        "this study is already being rehearsed, or something is being imported into it",
-        where=folder.root,
-        remedy="Wait until that command ends, or stop it",
-    )
-    with lock_folder(folder.root, busy=busy), ExitStack() as opened:
+    with folder.locked(), ExitStack() as opened:
         truth, note = prepare(folder, seed=seed, population=population)
         database = opened.enter_context(closing(Database.open(sqlite_url(folder.rehearsal))))
         roster = read_roster(database, count, truth)

@@ -6,7 +6,7 @@ import fcntl
 import os
 import shutil
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -123,6 +123,15 @@ class StudyFolder:
     def semantics(self, segment: str) -> Path:
         """Return BEAT's annotations of semantic gestures in a recording."""
         return self.speech / f"{segment}.txt"
+
+    def locked(self) -> AbstractContextManager[None]:
+        """Keep other imports and rehearsals of the study out during the block."""
+        busy = InputError(
+            "this study is already being rehearsed, or something is being imported into it",
+            where=self.root,
+            remedy="Wait until that command ends, or stop it",
+        )
+        return lock_folder(self.root, busy=busy)
 
     def study(self) -> Study:
         """Read and validate the study file."""

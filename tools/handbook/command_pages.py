@@ -37,7 +37,7 @@ def commands() -> dict[str, click.Context]:
     dict of str to click.Context
         Sorted; subcommands come right behind the command that they belong to.
     """
-    top = click.Context(group, info_name=_PROGRAM)
+    top = click.Context(group, info_name=_PROGRAM, **group.context_settings)
     contexts: dict[str, click.Context] = {}
     for path, context in _below(group, top):
         contexts[" ".join(path)] = context
