@@ -255,10 +255,14 @@ def _trimmed(
 
 
 class _FileState(BaseModel, frozen=True):
-    """The hash of a file; its size and time of writing show whether it still holds."""
+    """The hash of a file; its size and times show whether it still holds.
+
+    A copy or an edit can keep the time of writing, but not that of the last change.
+    """
 
     size: int
     mtime_ns: int
+    ctime_ns: int = 0
     sha256: str
 
 
@@ -266,12 +270,15 @@ _STATES: Final = TypeAdapter(dict[str, _FileState])
 
 
 def _state_of(path: Path, known: _FileState | None = None) -> _FileState:
-    """Return the state of `path`; it is read only if size or time differ from `known`."""
+    """Return the state of `path`; it is read only if size or times differ from `known`."""
     status = path.stat()
-    size, mtime_ns = status.st_size, status.st_mtime_ns
-    if known is not None and (known.size, known.mtime_ns) == (size, mtime_ns):
-        return known
-    return _FileState(size=size, mtime_ns=mtime_ns, sha256=sha256_of(path))
+    state = _FileState(
+        size=status.st_size,
+        mtime_ns=status.st_mtime_ns,
+        ctime_ns=status.st_ctime_ns,
+        sha256="" if known is None else known.sha256,
+    )
+    return state if state == known else state.model_copy(update={"sha256": sha256_of(path)})
 
 
 def _hashes_of(files: tuple[Path, ...], memory: Path) -> tuple[str, ...]:
