@@ -16,15 +16,16 @@ RESERVED_NAMES = ("trial",)
 """Names of the page's own form fields."""
 
 _OF_FACES: Final = re.compile(
-    r"(?<!ignore the )(?<!disregard the )\b(faces?|facial|lips?|mouth)\b"
-    r"|gesicht(?!spunkt)|mimik|lippen|顔|表情",
-    re.IGNORECASE,
+    r"\b(faces?|facial|lips?|mouth)\b|gesicht(?!spunkt)|mimik|lippen|顔|表情", re.IGNORECASE
+)
+_IGNORED: Final = re.compile(
+    r"\b(ignor|disregard)\w* (the )?\w+((,|,? and|,? or) (the )?\w+)*", re.IGNORECASE
 )
 
 
 def is_about_face(text: str) -> bool:
     """Tell whether the text of a question names the face, other than to ignore it."""
-    return _OF_FACES.search(text) is not None
+    return _OF_FACES.search(_IGNORED.sub("", text)) is not None
 
 
 class Reason(Section):

@@ -279,6 +279,14 @@ class Study(Section, ABC):
         return any(is_about_face(question.text) for question in self.questions)
 
     @property
+    def most_questions(self) -> int:
+        """The number of questions in the part that has the most."""
+        return max(
+            sum(question.belongs_to(part) for question in self.questions)
+            for part in self.parts or ("",)
+        )
+
+    @property
     def is_ordered(self) -> bool:
         """Whether the answers to a question are ranks."""
         return False

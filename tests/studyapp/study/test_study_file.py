@@ -142,7 +142,8 @@ def test_the_chosen_settings_are_written_into_the_file(tmp_path: Path) -> None:
     [
         (None, "Which face is more alive?", "face"),
         (None, "Which motion is more alive?", "upper_body"),
-        (None, "Ignore the face. Which gestures fit better?", "upper_body"),
+        (None, "Ignore the face, the lips and the mouth: which arms fit better?", "upper_body"),
+        (None, "Ignoring the hands, which face is more alive?", "face"),
         (None, "Welche Bewegung ist unter diesem Gesichtspunkt besser?", "upper_body"),
         ("full_body", "Which face is more alive?", "full_body"),
     ],

@@ -86,6 +86,7 @@ MISMATCHED = (
     '[conditions.mismatched]\ngenerator = "mismatched"\nsource = "rule_based"',
 )
 FACE = ("In which video do the gestures fit", "In which video do face and lips fit")
+ANOTHER = '\n[[questions]]\nname = "speed"\ntitle = "Speed"\ntext = "Which is calmer?"\n'
 FROZEN = ('title = "G', 'freeze = ["face", "root"]\ntitle = "G')
 
 
@@ -120,6 +121,23 @@ def test_instructions_follow_the_study_and_never_reveal_practice_trials(
     for page in (text, visitor.begin().page().words()):
         assert unsaid not in page
         assert "ractice" not in page
+
+
+@pytest.mark.parametrize(
+    ("protocol", "added", "sentence"),
+    [
+        ("mismatch", "", "Answer the question under them."),
+        ("mismatch", ANOTHER, "Answer all questions under them."),
+        ("ranking", "", "Put the videos in order, best first."),
+        ("ranking", ANOTHER, "best first, separately for each question."),
+        ("rating", "", "Answer the questions under each video."),
+    ],
+)
+def test_instructions_speak_of_as_many_questions_as_are_asked(
+    own_study: OwnStudy, serve: Serve, clock: SetClock, protocol: str, added: str, sentence: str
+) -> None:
+    app = serve(folder=own_study(protocol).root, added=added)
+    assert sentence in Visitor(app, clock).enrol().page().words()
 
 
 def test_texts_of_the_study_file_are_escaped(serve: Serve, clock: SetClock) -> None:
