@@ -154,7 +154,7 @@ NOTICEABLE: Final = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlayedVideo:
+class VideoShowings:
     """How one video played in all its showings.
 
     Attributes
@@ -190,7 +190,7 @@ class PlayedVideo:
         return self.stalled > 0 or self.unplayable > 0 or is_jerky
 
 
-def played_videos(session: Session, names: Mapping[str, str]) -> tuple[PlayedVideo, ...]:
+def played_videos(session: Session, names: Mapping[str, str]) -> tuple[VideoShowings, ...]:
     """Return how each video played that anybody began to watch, the most trouble first.
 
     Parameters
@@ -203,7 +203,7 @@ def played_videos(session: Session, names: Mapping[str, str]) -> tuple[PlayedVid
         segment, first, second, shown, stalled, seconds, frames, dropped, unplayable = row
         conditions = [names.get(name, name) for name in (first, second) if name]
         videos.append(
-            PlayedVideo(
+            VideoShowings(
                 what=f"{segment}: {' | '.join(conditions)}",
                 shown=shown,
                 stalled=stalled,

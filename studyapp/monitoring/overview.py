@@ -31,7 +31,7 @@ from studyapp.monitoring.counts import (
 )
 from studyapp.monitoring.data_quality import (
     CheckedItem,
-    PlayedVideo,
+    VideoShowings,
     checked_items,
     checks,
     failed_by_session,
@@ -131,7 +131,7 @@ class Overview:
     items: tuple[CheckedItem, ...]
     whole: Durations
     trials: tuple[Durations, ...]
-    videos: tuple[PlayedVideo, ...]
+    videos: tuple[VideoShowings, ...]
     sides: tuple[Sides, ...]
 
     @property
@@ -229,7 +229,7 @@ def _of_places(places: PlaceCounts, is_open: bool) -> Iterator[Decision]:
         )
 
 
-def _of_video(video: PlayedVideo) -> Iterator[Decision]:
+def _of_video(video: VideoShowings) -> Iterator[Decision]:
     if video.unplayable >= MOST_UNPLAYABLE:
         yield Decision(
             what=f"{video.unplayable} of {video.shown} said that {video.what} does not play.",

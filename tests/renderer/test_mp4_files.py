@@ -26,7 +26,7 @@ from renderer.encoder import (
 from renderer.loudness import read_excerpt
 from renderer.stream_copy import copy_video, end_of, write_dubbed
 from renderer.video_jobs import DubJob
-from tests.support.encoded import Told, write_video
+from tests.support.encoded import VideoRecipe, write_video
 
 NOISE = Audio(np.random.default_rng(0).normal(0, 0.05, SOUND_RATE).astype(np.float32), SOUND_RATE)
 
@@ -42,7 +42,7 @@ def test_only_the_bit_rates_of_the_sound_are_cleared(
     tmp_path: Path,
 ) -> None:
     video = tmp_path / "video.mp4"
-    write_video(video, Told(frames=30, sound=NOISE))
+    write_video(video, VideoRecipe(frames=30, sound=NOISE))
     sound, rate = packets(video, "audio"), bit_rate(video)
     before = video.read_bytes()
 
@@ -83,17 +83,19 @@ def test_padded_files_have_equal_size_and_valid_boxes(sizes: list[int]) -> None:
 
 LASTS = Fraction(2071, 1000)
 SOURCES = {
-    "plain": Told(),
-    "named": Told(name="groundtruth", language="jpn", rate=25, frames=50),
-    "ending-late": Told(frames=62, sound=Audio(0.1 * np.ones(99_000, np.float32), SOUND_RATE)),
+    "plain": VideoRecipe(),
+    "named": VideoRecipe(name="groundtruth", language="jpn", rate=25, frames=50),
+    "ending-late": VideoRecipe(
+        frames=62, sound=Audio(0.1 * np.ones(99_000, np.float32), SOUND_RATE)
+    ),
 }
 
 SECONDS = 2.03
 RATE = 30
 
 
-def copied(folder: Path, told: Told, *, sound: bool = True) -> Path:
-    write_video(folder / "source.mp4", told)
+def copied(folder: Path, recipe: VideoRecipe, *, sound: bool = True) -> Path:
+    write_video(folder / "source.mp4", recipe)
     copy_video(folder / "source.mp4", folder / "copy.mp4", lasts=LASTS, sound=sound)
     return folder / "copy.mp4"
 
@@ -137,10 +139,10 @@ def test_a_copy_holds_no_metadata_and_plays_while_it_loads(tmp_path: Path) -> No
 
 def test_copies_of_different_originals_have_equal_length(tmp_path: Path) -> None:
     lengths = set()
-    for number, (told, sound) in enumerate(product(SOURCES.values(), (True, False))):
+    for number, (recipe, sound) in enumerate(product(SOURCES.values(), (True, False))):
         folder = tmp_path / str(number)
         folder.mkdir()
-        with av.open(str(copied(folder, told, sound=sound))) as container:
+        with av.open(str(copied(folder, recipe, sound=sound))) as container:
             assert bool(container.streams.audio) == sound
             picture = container.streams.video[0]
             assert picture.duration is not None

@@ -22,8 +22,8 @@ def _second_of_sound() -> Audio:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
-    """The metadata of a file.
+class VideoRecipe:
+    """What a video holds, and the metadata of its file.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Told:
     sound: Audio | None = field(default_factory=_second_of_sound)
 
 
-def write_video(path: Path, recipe: Told) -> None:
+def write_video(path: Path, recipe: VideoRecipe) -> None:
     """Write a video whose grey grows lighter."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with av.open(str(path), "w") as container:

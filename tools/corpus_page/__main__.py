@@ -13,11 +13,11 @@ from pathlib import Path
 from tools.corpus_page.measuring import (
     BEAT,
     MeasuredTake,
+    classifier_scores,
     decided,
     minutes,
     paces,
     read_measured,
-    told,
 )
 from tools.markdown import write_part
 
@@ -59,7 +59,7 @@ def tables(takes: Sequence[MeasuredTake], size: int) -> Iterator[str]:
     yield ""
     yield "| identified by the nearest class mean | correct | chance | test takes |"
     yield "|---|---|---|---|"
-    for line in told(takes):
+    for line in classifier_scores(takes):
         right = f"{line.share:.0%}" if line.takes else "– (there is no such take)"
         yield f"| {line.what} | {right} | {line.chance:.0%} | {line.takes} |"
     yield ""

@@ -143,13 +143,13 @@ class Decided:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
+class ClassifierScore:
     """How often a plain classifier names a property of a test take.
 
     Attributes
     ----------
     what : str
-        The property, and what it is told from.
+        The property, and what it is predicted from.
     share : float
         Of test takes named rightly; NaN where there are none.
     chance : float
@@ -256,7 +256,7 @@ def _other(take: MeasuredTake, takes: Sequence[MeasuredTake]) -> MeasuredTake:
     return alike[0] if alike else take
 
 
-def told(takes: Sequence[MeasuredTake]) -> tuple[Told, ...]:
+def classifier_scores(takes: Sequence[MeasuredTake]) -> tuple[ClassifierScore, ...]:
     """Return how well the nearest mean of the training takes predicts emotion and speaker."""
     familiar = [take for take in takes if not take.plan.held_out_speaker]
     strangers = [take for take in takes if take.plan.split != "test" or take.plan.held_out_speaker]
@@ -264,21 +264,21 @@ def told(takes: Sequence[MeasuredTake]) -> tuple[Told, ...]:
     pose, sound = attrgetter("pose"), attrgetter("sound")
     emotion, speaker = attrgetter("plan.emotion"), attrgetter("plan.speaker.name")
     return (
-        _told("emotion from motion, known speakers", familiar, pose, emotion),
-        _told("emotion from motion, held-out speakers", strangers, pose, emotion),
-        _told("emotion from sound, known speakers", familiar, sound, emotion),
-        _told("emotion from sound, held-out speakers", strangers, sound, emotion),
-        _told("speaker from motion", familiar, pose, speaker),
-        _told("speaker from sound", familiar, sound, speaker),
+        _classifier_score("emotion from motion, known speakers", familiar, pose, emotion),
+        _classifier_score("emotion from motion, held-out speakers", strangers, pose, emotion),
+        _classifier_score("emotion from sound, known speakers", familiar, sound, emotion),
+        _classifier_score("emotion from sound, held-out speakers", strangers, sound, emotion),
+        _classifier_score("speaker from motion", familiar, pose, speaker),
+        _classifier_score("speaker from sound", familiar, sound, speaker),
     )
 
 
-def _told(
+def _classifier_score(
     what: str,
     takes: Sequence[MeasuredTake],
     seen: Callable[[MeasuredTake], FloatArray],
     label: Callable[[MeasuredTake], str],
-) -> Told:
+) -> ClassifierScore:
     train = [take for take in takes if take.plan.split == "train"]
     test = [take for take in takes if take.plan.split == "test"]
     known = np.stack([seen(take) for take in train])
@@ -294,7 +294,7 @@ def _told(
         for take in test
     ]
     share = float(np.mean(right)) if right else float("nan")
-    return Told(what=what, share=share, chance=1 / len(labels), takes=len(test))
+    return ClassifierScore(what=what, share=share, chance=1 / len(labels), takes=len(test))
 
 
 def _summary(values: FloatArray) -> FloatArray:

@@ -14,7 +14,7 @@ from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession, Trial, WatchRecord
 from studyapp.monitoring.answered_trials import Durations, Sides
 from studyapp.monitoring.counts import Dropout, PlaceCounts
-from studyapp.monitoring.data_quality import CheckedItem, PlayedVideo
+from studyapp.monitoring.data_quality import CheckedItem, VideoShowings
 from studyapp.monitoring.one_study_session import one_study_session
 from studyapp.monitoring.overview import Overview, overview
 from studyapp.monitoring.study_sessions import STANDINGS, Selection, list_study_sessions
@@ -148,7 +148,7 @@ def test_participants_who_skipped_too_many_videos_are_listed_with_the_number(
     ]
 
 
-def video(**changes: Any) -> PlayedVideo:
+def video(**changes: Any) -> VideoShowings:
     values: dict[str, Any] = {
         "what": "s: a | b",
         "shown": 20,
@@ -158,7 +158,7 @@ def video(**changes: Any) -> PlayedVideo:
         "reason": "",
         "unplayable": 0,
     }
-    return PlayedVideo(**(values | changes))
+    return VideoShowings(**(values | changes))
 
 
 def item(careful: int, careful_failed: int) -> CheckedItem:

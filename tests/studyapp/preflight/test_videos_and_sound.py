@@ -24,7 +24,7 @@ from studyapp.study.design.trial import Content, PlannedTrial, Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media
 from tests.studyapp.conftest import OwnStudy
-from tests.support.encoded import Told, write_video
+from tests.support.encoded import VideoRecipe, write_video
 from tests.support.studies.made_study import make_segments
 
 
@@ -64,20 +64,20 @@ FREE_BOX = (12).to_bytes(4, "big") + b"free" + bytes(4)
     [
         (lambda file: file.write_bytes(b"no video"), "video-damaged", "cannot be played"),
         (lambda file: file.write_bytes(file.read_bytes() + FREE_BOX), "sizes-differ", "file size"),
-        (Told(name="render of Ours v2"), "metadata-tells", "'ours'"),
-        (Told(name="take 3"), "metadata-tells", "other videos of"),
-        (Told(frames=62), "lengths-differ", "to 2.07 s"),
-        (Told(sound=None), "sound-missing", "has no sound"),
-        (Told(sound=SILENCE), "sound-silent", "videos/ours/one.mp4 is silent"),
-        (Told(sound=PAUSED), "sound-mostly-silent", "75%"),
+        (VideoRecipe(name="render of Ours v2"), "metadata-tells", "'ours'"),
+        (VideoRecipe(name="take 3"), "metadata-tells", "other videos of"),
+        (VideoRecipe(frames=62), "lengths-differ", "to 2.07 s"),
+        (VideoRecipe(sound=None), "sound-missing", "has no sound"),
+        (VideoRecipe(sound=SILENCE), "sound-silent", "videos/ours/one.mp4 is silent"),
+        (VideoRecipe(sound=PAUSED), "sound-mostly-silent", "75%"),
     ],
 )
 def test_revealing_or_missing_properties_of_a_file_are_found(
-    own_study: OwnStudy, spoil: Callable[[Path], object] | Told, name: str, words: str
+    own_study: OwnStudy, spoil: Callable[[Path], object] | VideoRecipe, name: str, words: str
 ) -> None:
     study = own_study("rating")
     file = participant_file(study, "ours")
-    if isinstance(spoil, Told):
+    if isinstance(spoil, VideoRecipe):
         write_video(file, spoil)
     else:
         spoil(file)
@@ -98,7 +98,7 @@ def test_loudness_is_compared_within_a_segment_before_between_segments(
     study = own_study("rating")
     loud = Audio((0.4 * np.sin(np.arange(2 * SOUND_RATE) / 20)).astype(np.float32), SOUND_RATE)
     for condition in ("ours", "theirs", "real"):
-        write_video(participant_file(study, condition), Told(sound=loud))
+        write_video(participant_file(study, condition), VideoRecipe(sound=loud))
     assert {"loudness-differs"} <= set(check_videos(study)) - {"loudness-differs-beside"}
     shutil.copyfile(participant_file(study, "real", "two"), participant_file(study, "real"))
 
@@ -111,13 +111,13 @@ def test_loudness_is_compared_within_a_segment_before_between_segments(
 def test_catch_trials_with_similar_videos_are_found(own_study: OwnStudy) -> None:
     study = own_study("pairwise")
     assert "hardly differ in 3 of 3 segments" in check_videos(study)["catch-hardly-differs"]
-    for segment, spoilt in (("one", Told(rate=10)), ("two", Told(frames=24))):
+    for segment, spoilt in (("one", VideoRecipe(rate=10)), ("two", VideoRecipe(frames=24))):
         write_video(study.videos / "broken" / f"{segment}.mp4", spoilt)
-        write_video(study.videos / "real" / f"{segment}.mp4", Told())
+        write_video(study.videos / "real" / f"{segment}.mp4", VideoRecipe())
     # A slower video differs, and a shorter one is compared up to its end.
     assert "hardly differ in 2 of 3 segments" in check_videos(study)["catch-hardly-differs"]
     for segment in ("one", "two", "three"):
-        write_video(study.videos / "broken" / f"{segment}.mp4", Told(size=120))
+        write_video(study.videos / "broken" / f"{segment}.mp4", VideoRecipe(size=120))
 
     assert "catch-hardly-differs" not in check_videos(study)
 

@@ -14,7 +14,7 @@ from studyapp.stimuli.imported_folder import folder_items
 from studyapp.stimuli.recordings import RecordingFacts
 from studyapp.study.folder import StudyFolder
 from tests.support.command_line import refused, run
-from tests.support.encoded import Told, write_video
+from tests.support.encoded import VideoRecipe, write_video
 from tests.support.studies.redefining import redefine
 from tests.support.studies.takes import write_motion, write_speech
 
@@ -36,7 +36,7 @@ def source(tmp_path: Path) -> Path:
     (place / "ground_truth" / "take.csv").write_text(f"{','.join(joints)}\n", "utf-8")
     for name in ("alone", "take"):
         write_motion(place / "ours" / f"{name}.npz", 2.0)
-    write_video(place / "filmed" / "take.mp4", Told())
+    write_video(place / "filmed" / "take.mp4", VideoRecipe())
     return place
 
 
@@ -109,14 +109,14 @@ NOT_PLAYED = "take.mp4: the video cannot be played"
 @pytest.mark.parametrize(
     ("name", "content", "error"),
     [
-        ("take.mp4", Told(frames=90), "lasts 3.00 s, its segment 2.00 s"),
-        ("take@nobody.mp4", Told(), "there is no segment 'nobody'"),
+        ("take.mp4", VideoRecipe(frames=90), "lasts 3.00 s, its segment 2.00 s"),
+        ("take@nobody.mp4", VideoRecipe(), "there is no segment 'nobody'"),
         ("take.mp4", b"#EXTM3U\n", NOT_PLAYED),
         ("take.mp4", b"ffconcat version 1.0\nfile ../alone.wav\n", NOT_PLAYED),
     ],
 )
 def test_an_invalid_video_or_one_without_segment_is_refused(
-    folder: StudyFolder, source: Path, name: str, content: Told | bytes, error: str
+    folder: StudyFolder, source: Path, name: str, content: VideoRecipe | bytes, error: str
 ) -> None:
     (source / "filmed" / "take.mp4").unlink()
     video = source / "filmed" / name
@@ -140,7 +140,7 @@ def test_audio_files_and_other_formats_are_not_accepted_as_video(
         frame = av.AudioFrame.from_ndarray(np.zeros((1, 96_000), np.float32), "fltp", "mono")
         frame.sample_rate = 48_000
         container.mux([*stream.encode(frame), *stream.encode(None)])
-    write_video(tmp_path / "other.mkv", Told())
+    write_video(tmp_path / "other.mkv", VideoRecipe())
     (tmp_path / "other.mkv").rename(other)
 
     said = refused("import", source, folder.root, *FACTS)
@@ -151,7 +151,7 @@ def test_audio_files_and_other_formats_are_not_accepted_as_video(
 
 def test_existing_videos_and_motion_are_never_replaced(folder: StudyFolder, source: Path) -> None:
     run("import", source, folder.root, *FACTS)
-    write_video(source / "filmed" / "take.mp4", Told(size=96))
+    write_video(source / "filmed" / "take.mp4", VideoRecipe(size=96))
     (source / "ours" / "take.mp4").write_bytes((source / "filmed" / "take.mp4").read_bytes())
     (source / "filmed" / "alone.npz").write_bytes((source / "ours" / "alone.npz").read_bytes())
     output = refused("import", source, folder.root, *FACTS)

@@ -19,7 +19,7 @@ from studyapp.study.design.trial import Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media, read_stimuli
 from tests.studyapp.conftest import OwnStudy
-from tests.support.encoded import Told, write_video
+from tests.support.encoded import VideoRecipe, write_video
 from tests.support.studies.finished_study import write_finished_study
 from tests.support.studies.redefining import redefine
 
@@ -27,17 +27,17 @@ from tests.support.studies.redefining import redefine
 @pytest.fixture
 def study(tmp_path: Path) -> StudyFolder:
     """Return a study of ratings whose finished videos are encoded alike."""
-    write_video(tmp_path / "usual.mp4", Told())
+    write_video(tmp_path / "usual.mp4", VideoRecipe())
     folder = StudyFolder(tmp_path / "study")
     folder.root.mkdir()
     write_finished_study(folder.root, "rating", tmp_path / "usual.mp4")
     return folder
 
 
-def write_original(folder: StudyFolder, told: Told) -> Path:
+def write_original(folder: StudyFolder, recipe: VideoRecipe) -> Path:
     """Replace the finished video of 'ours' for the first segment."""
     file = folder.videos / "ours" / "one.mp4"
-    write_video(file, told)
+    write_video(file, recipe)
     return file
 
 
@@ -52,7 +52,7 @@ def shown(folder: StudyFolder, condition: str, segment: str = "one") -> Path:
 
 
 def test_copies_do_not_reveal_their_condition(study: StudyFolder) -> None:
-    original = write_original(study, Told(name="groundtruth", language="jpn", frames=62))
+    original = write_original(study, VideoRecipe(name="groundtruth", language="jpn", frames=62))
     before = original.read_bytes()
 
     assert render(study, processes=1).failures == ()
@@ -71,7 +71,7 @@ def test_copies_do_not_reveal_their_condition(study: StudyFolder) -> None:
 
 
 def test_a_changed_original_is_found_and_copied_again(study: StudyFolder) -> None:
-    write_original(study, Told(name="another"))
+    write_original(study, VideoRecipe(name="another"))
 
     assert errors(study) == [
         "the video of 'ours' for segment one has changed since it was copied for participants"
@@ -125,20 +125,20 @@ LONGER = Audio((0.1 * np.sin(np.arange(98_000) / 25)).astype(np.float32), SOUND_
 @pytest.mark.parametrize(
     ("original", "name", "words"),
     [
-        (Told(rate=25, frames=50), "frame-rate-differs", "25.0 in videos/ours/one.mp4"),
-        (Told(size=80), "picture-size-differs", "80 × 80 in videos/ours/one.mp4"),
-        (Told(codec="mpeg4"), "video-unplayable", "is encoded as mpeg4"),
-        (Told(sound=None), "sound-missing", "videos/ours/one.mp4 has no sound"),
-        (Told(frames=80), "video-length", "one.mp4 lasts 2.67 s, its segment 2.00 s"),
+        (VideoRecipe(rate=25, frames=50), "frame-rate-differs", "25.0 in videos/ours/one.mp4"),
+        (VideoRecipe(size=80), "picture-size-differs", "80 × 80 in videos/ours/one.mp4"),
+        (VideoRecipe(codec="mpeg4"), "video-unplayable", "is encoded as mpeg4"),
+        (VideoRecipe(sound=None), "sound-missing", "videos/ours/one.mp4 has no sound"),
+        (VideoRecipe(frames=80), "video-length", "one.mp4 lasts 2.67 s, its segment 2.00 s"),
         # What only tools see.
-        (Told(frames=62), "structure-tells", "how many pictures there are"),
-        (Told(encoder={"g": "10"}), "structure-tells", "encoded from which others"),
-        (Told(encoder={"crf": "30"}), "structure-tells", "settings of the encoder"),
-        (Told(sound=LONGER), "structure-tells", "how long the sound lasts"),
+        (VideoRecipe(frames=62), "structure-tells", "how many pictures there are"),
+        (VideoRecipe(encoder={"g": "10"}), "structure-tells", "encoded from which others"),
+        (VideoRecipe(encoder={"crf": "30"}), "structure-tells", "settings of the encoder"),
+        (VideoRecipe(sound=LONGER), "structure-tells", "how long the sound lasts"),
     ],
 )
 def test_differences_that_copying_cannot_remove_are_found(
-    study: StudyFolder, original: Told, name: str, words: str
+    study: StudyFolder, original: VideoRecipe, name: str, words: str
 ) -> None:
     # Without speech, a segment is as long as the first condition's video of it.
     real = "[conditions.real]\nvideos = true\n"

@@ -19,7 +19,7 @@ from studyapp.stimuli.video_takes import LEFT_OUT, import_video
 from studyapp.study.folder import StudyFolder
 from tests.motion.random_clips import random_clip
 from tests.support.command_line import refused, run
-from tests.support.encoded import Told, write_video
+from tests.support.encoded import VideoRecipe, write_video
 from training.data.folders import read_takes
 
 SECONDS = 8
@@ -32,7 +32,7 @@ def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("video") / "talk.mp4"
     tone = np.sin(np.arange(SECONDS * SOUND_RATE) / 40)
     sound = Audio((0.1 * tone).astype(np.float32), SOUND_RATE)
-    write_video(path, Told(frames=SECONDS * RATE, rate=RATE, sound=sound))
+    write_video(path, VideoRecipe(frames=SECONDS * RATE, rate=RATE, sound=sound))
     return path
 
 
@@ -104,7 +104,7 @@ def test_another_video_is_added_and_the_same_one_refused(video: Path, tmp_path: 
     ("write", "sentence"),
     [
         (lambda path, video: path.write_bytes(b"no video"), "broken.mp4"),
-        (lambda path, video: write_video(path, Told(sound=None)), "no audio"),
+        (lambda path, video: write_video(path, VideoRecipe(sound=None)), "no audio"),
         (lambda path, video: path.write_bytes(video.read_bytes()[:4000]), "broken.mp4"),
         (lambda path, video: path.write_bytes(video.read_bytes()), "no face was found in 8"),
     ],
