@@ -1,4 +1,4 @@
-"""The cells of a table in a file, CSV or Parquet, and checking them column by column."""
+"""The cells of a CSV or Parquet file, and checking them column by column."""
 
 from __future__ import annotations
 
@@ -31,19 +31,19 @@ Codes = NDArray[np.intp]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Cells:
-    """What a file holds.
+    """The cells of a file.
 
     Attributes
     ----------
     path : Path
         The file.
     rows : DataFrame
-        Text, empty where there is nothing; rows without any text are left out.
+        The cells as text, '' where empty; empty rows are dropped.
     numbers : Index
-        How a person finds each row: in CSV the line, the header being 1; in Parquet counted
-        from 1.
+        Each row's number for a reader: its line in CSV, where the header is line 1; in Parquet
+        counted from 1.
     ignored : tuple of str
-        Columns that were not asked for.
+        Columns that are not read.
     """
 
     path: Path
@@ -52,7 +52,7 @@ class Cells:
     ignored: tuple[str, ...]
 
     def part(self, rows: NDArray[np.bool_]) -> Cells:
-        """Return some of the rows."""
+        """Return the selected rows."""
         return replace(
             self, rows=self.rows[rows].reset_index(drop=True), numbers=self.numbers[rows]
         )
@@ -68,7 +68,7 @@ def read_cells(path: Path, columns: Sequence[str], required: Sequence[str]) -> C
     Raises
     ------
     InputError
-        If the file cannot be read, a column of `required` is missing, or one occurs twice.
+        If the file cannot be read, a column of `required` is missing, or a heading occurs twice.
     """
     try:
         if path.suffix.lower() in PARQUET:
@@ -114,15 +114,15 @@ def _check_header(path: Path, header: Sequence[str], required: Sequence[str]) ->
             where=path,
             remedy=f"Name the columns {', '.join(required)}",
         )
-    twice = sorted({name for name in header if name and header.count(name) > 1})
-    if twice:
+    duplicates = sorted({name for name in header if name and header.count(name) > 1})
+    if duplicates:
         raise InputError(
-            f"column {', '.join(twice)} occurs twice", where=path, remedy="Keep one of them"
+            f"column {', '.join(duplicates)} occurs twice", where=path, remedy="Keep one of them"
         )
 
 
 def _csv_header(path: Path) -> tuple[list[str], str]:
-    """Return the headings and what separates them: a comma, a semicolon or a tabulator."""
+    """Return the headings and their separator: a comma, a semicolon or a tab."""
     with path.open(encoding="utf-8-sig", newline="") as stream:
         start = stream.readline()
         stream.seek(0)
@@ -149,7 +149,7 @@ def _csv(path: Path, header: Sequence[str], separator: str) -> pd.DataFrame:
 
 
 def _as_given(column: pd.Series[str]) -> pd.Series[str]:
-    """Take away apostrophes that keep a spreadsheet from running a cell as a formula."""
+    """Remove the apostrophes that keep spreadsheets from running cells as formulas."""
     marked = column.str.startswith(APOSTROPHE)
     return column.mask(marked, column[marked].map(cell_as_given)) if marked.any() else column
 
@@ -160,7 +160,7 @@ def _parquet(path: Path, names: Sequence[str]) -> pd.DataFrame:
 
 
 def _text(column: pd.Series[Any]) -> pd.Series[str]:
-    """Return a column as text; whole numbers that a gap made into fractions stay whole."""
+    """Return a column as text; whole numbers stay whole even if a gap made the column float."""
     values: pd.Series[Any] = column
     if pd.api.types.is_float_dtype(column.dtype):
         values = column.astype("Float64").convert_dtypes()
@@ -168,14 +168,14 @@ def _text(column: pd.Series[Any]) -> pd.Series[str]:
 
 
 class Checking:
-    """A table whose columns are checked one after the other.
+    """Checks a table column by column.
 
     Parameters
     ----------
     cells : Cells
         The file's text.
     analysed : ndarray of bool, shape (N,)
-        Which rows are those of main and repeated trials, which need more cells than others.
+        Rows of main and repeated trials, which need more cells than others.
     """
 
     def __init__(self, cells: Cells, analysed: Rows | None = None) -> None:
@@ -197,7 +197,7 @@ class Checking:
         return np.append(np.asarray(values, np.float64), np.nan)[codes]
 
     def filled(self, column: Column) -> Rows:
-        """Tell which rows have a cell of `column` that is not empty."""
+        """Return which rows have a nonempty cell in `column`."""
         if column.name not in self._cells.rows:
             return np.zeros(len(self._cells.rows), bool)
         codes, texts = pd.factorize(self._cells.rows[column.name])
@@ -216,11 +216,11 @@ class Checking:
             raise InputError(problem(row), where=self._cells.place(row, column), remedy=remedy)
 
     def number_of(self, row: int) -> int:
-        """Return how a person finds a row."""
+        """Return the number of a row in the file."""
         return int(self._cells.numbers[row])
 
     def _distinct(self, column: Column) -> tuple[Codes, list[Any]]:
-        """Return the values of filled cells, and for each row which one it is; -1 for none."""
+        """Return each row's index into the values, -1 for an empty cell, and the values."""
         if column.name not in self._cells.rows:
             return np.full(len(self._cells.rows), -1, np.intp), []
         codes, texts = pd.factorize(self._cells.rows[column.name])

@@ -1,6 +1,6 @@
-"""The exclusion rules, each of which judges the facts of one participant, and their outcomes.
+"""The exclusion rules, each of which judges one participant's facts, and their outcomes.
 
-It loads without pandas, since the server uses it.
+This module loads without pandas, because the server uses it.
 """
 
 from __future__ import annotations
@@ -19,18 +19,17 @@ BY_HAND: Final = "researcher"
 
 @dataclass(frozen=True, kw_only=True)
 class KnownFacts:
-    """What a study knows of a participant that a table of answers does not hold.
+    """Facts about a participant that a study knows and a table of answers lacks.
 
     Attributes
     ----------
     trials, settled : int or None
-        Trials of the whole study session, and how many of them the participant is done with:
-        answered, or said that a video does not play; None where that is not known.
+        Trials of the whole study session, and how many of them are done: answered, or skipped
+        because a video does not play. None if unknown.
     failed_catch, failed_attention : int or None
-        Catch trials and attention checks that were failed; None where there are none, or that is
-        not known.
+        Failed catch trials and attention checks; None if there are none, or if unknown.
     decided : str
-        Why a researcher excluded the participant by hand; empty where nobody did.
+        Why a researcher excluded the participant by hand; empty if nobody did.
     """
 
     trials: int | None = None
@@ -42,16 +41,16 @@ class KnownFacts:
 
 @dataclass(frozen=True, kw_only=True)
 class SameAnswer:
-    """How alike one participant's answers to one question are.
+    """How often one participant gave the same answer to one question.
 
     Attributes
     ----------
     question : str
-        Its name.
+        The question's name.
     answers : int
-        How many were given in main and repeated trials.
+        The participant's answers in main and repeated trials.
     share : float
-        The share of the most frequent one, in (0, 1].
+        Share of the most frequent answer, in (0, 1].
     """
 
     question: str
@@ -61,22 +60,22 @@ class SameAnswer:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ParticipantFacts(KnownFacts):
-    """The facts of one participant that rules decide from.
+    """The facts by which rules judge one participant.
 
     Attributes
     ----------
     participant : str
-        Who.
+        The participant's name in the table.
     marked : str
-        Why the table itself excludes the participant; empty where it does not.
+        Why the table itself excludes the participant; empty if it does not.
     watched : float
-        Mean share of the videos that was watched, over the answers of main and repeated trials,
-        in [0, 1]; NaN where that is not known.
+        Share of the videos that was watched, in [0, 1], averaged over the answers in main and
+        repeated trials; NaN if unknown.
     seconds : ndarray, shape (N,)
-        How long answers of main and repeated trials took, as far as that is known; ascending.
+        The known response times of main and repeated trials, in ascending order.
     same_answers : tuple of SameAnswer or None
-        One for each question answered; None where the answers to a trial exclude one another,
-        so that they are never alike.
+        One for each question answered; None if the answers to a trial always differ, as in a
+        ranking.
     """
 
     participant: str
@@ -89,23 +88,23 @@ class ParticipantFacts(KnownFacts):
 Judge = Callable[[ParticipantFacts], str | None]
 
 KEPT: Final = ""
-"""The verdict of a rule about a participant whom it keeps."""
+"""A rule's verdict on a participant whom it keeps."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RuleOutcome:
-    """What one rule did to those who reached it.
+    """The outcome of one rule.
 
     Attributes
     ----------
     rule, description : str
         The rule's name and description.
     reached, removed : int
-        Participants whom no earlier rule removed, and those of them whom this one did.
+        Participants whom no earlier rule removed, and how many of them this rule removed.
     exploratory : bool
         Whether the rule was set up, or changed, after answers could have been seen.
     remark : str
-        Who the rule could not be applied to, and why; empty if it could be applied to all.
+        To how many participants the rule could not be applied, and why; empty if to none.
     """
 
     rule: str
@@ -118,16 +117,16 @@ class RuleOutcome:
 
 @dataclass(frozen=True, kw_only=True)
 class Removed:
-    """Whom the rules removed.
+    """The participants whom the rules removed.
 
     Attributes
     ----------
     rules : tuple of RuleOutcome
-        In the order in which they were applied.
+        The outcomes, in the order in which the rules were applied.
     exclusions : dict of str to str
-        Each participant removed, and why: rule after rule, by name within each.
+        Why each participant was removed; ordered by rule, then by participant.
     removed_by : dict of str to int
-        The place in `rules` of the rule that removed each.
+        Index in `rules` of the rule that removed each participant.
     """
 
     rules: tuple[RuleOutcome, ...]
@@ -146,12 +145,12 @@ class ExclusionRule:
     description : str
         What removed participants are or did, in words that follow their count.
     judge : callable
-        From a participant's facts, why the rule removes them; `KEPT` where it does not, None
-        where the facts are missing that it decides from.
+        Returns why the rule removes a participant with these facts; `KEPT` if it does not, None if
+        it lacks the facts to decide.
     missing : str
-        What is not known where `judge` returns None, in words.
+        The missing facts in words, for when `judge` returns None.
     exploratory : bool
-        Whether it was set up, or changed, after answers could have been seen.
+        Whether the rule was set up, or changed, after answers could have been seen.
     """
 
     name: str
@@ -177,7 +176,7 @@ def marked() -> ExclusionRule:
 def excluded_by_hand() -> ExclusionRule:
     """Return the rule that removes participants whom a researcher excluded, for that reason.
 
-    It cannot be settled beforehand, so it is always exploratory.
+    It cannot be settled in advance, so it is always exploratory.
     """
     return ExclusionRule(
         name=BY_HAND,
@@ -188,9 +187,9 @@ def excluded_by_hand() -> ExclusionRule:
 
 
 def incomplete() -> ExclusionRule:
-    """Return the rule that removes participants who did not get through all trials.
+    """Return the rule that removes participants who did not finish all trials.
 
-    A trial whose video would not play counts as done: that is not a fault of the participant.
+    A trial whose video would not play counts as done: that is not the participant's fault.
     """
 
     def judge(facts: ParticipantFacts) -> str | None:
@@ -206,15 +205,15 @@ def incomplete() -> ExclusionRule:
         name="incomplete",
         description="did not finish",
         judge=judge,
-        missing="who reached the end is known of studies only",
+        missing="only a study records who reached the end",
     )
 
 
 def failed_catch_trials(allowed: int) -> ExclusionRule:
     """Return the rule that removes participants who failed more catch trials than `allowed`.
 
-    A catch trial is failed when any of its questions is not answered in favour of the motion
-    that is not flawed.
+    A catch trial is failed when any of its questions is not answered in favour of the unflawed
+    motion.
     """
     return ExclusionRule(
         name="catch",
@@ -227,7 +226,7 @@ def failed_catch_trials(allowed: int) -> ExclusionRule:
 def failed_attention_checks(allowed: int) -> ExclusionRule:
     """Return the rule that removes participants who failed more than `allowed` attention checks.
 
-    A check is failed when any of its questions is not answered as it asks.
+    A check is failed when any of its questions is not answered as instructed.
     """
     return ExclusionRule(
         name="attention",
@@ -240,7 +239,7 @@ def failed_attention_checks(allowed: int) -> ExclusionRule:
 def watched_less(below: float) -> ExclusionRule:
     """Return the rule that removes participants who watched less than `below` of the videos.
 
-    It looks at the mean over the answers of main and repeated trials, in [0, 1].
+    The share, in [0, 1], is averaged over the answers in main and repeated trials.
     """
 
     def judge(facts: ParticipantFacts) -> str | None:
@@ -266,8 +265,8 @@ def answered_too_fast(below: float, share: float) -> ExclusionRule:
     below : float
         Seconds, above zero.
     share : float
-        Share of the answers of main and repeated trials from which it is too often, in (0, 1].
-        One half is a rule about the median.
+        A participant is removed from this share of fast answers on, in (0, 1], among those in main
+        and repeated trials. At one half it is a rule about the median.
     """
 
     def judge(facts: ParticipantFacts) -> str | None:
@@ -287,23 +286,22 @@ def answered_too_fast(below: float, share: float) -> ExclusionRule:
 
 
 def straight_lined(at_least: float, trials: int) -> ExclusionRule:
-    """Return the rule that removes participants who gave nearly always the same answer.
+    """Return the rule that removes participants who nearly always gave the same answer.
 
     Parameters
     ----------
     at_least : float
-        Share of the most frequent answer among those to one question from which a participant
-        is removed, in (0, 1]. The answer is the one chosen on the page: the side, not the
-        condition.
+        A participant is removed from this share of the most frequent answer to one question on, in
+        (0, 1]. An answer is what was chosen on the page: a side, not a condition.
     trials : int
-        Questions with fewer answers from a participant say nothing about that participant.
+        A question that a participant answered fewer times is not judged.
     """
 
     def judge(facts: ParticipantFacts) -> str | None:
-        asked = [same for same in facts.same_answers or () if same.answers >= trials]
-        if not asked:
+        judged = [same for same in facts.same_answers or () if same.answers >= trials]
+        if not judged:
             return None
-        worst = max(asked, key=lambda same: same.share)
+        worst = max(judged, key=lambda same: same.share)
         if worst.share < at_least:
             return KEPT
         return (

@@ -1,4 +1,4 @@
-"""What is known of participants: how they answered, who is left out by which rule, their flow."""
+"""Participants: their facts, which rule excludes whom, their flow, and how they answered."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from analysis.answers.exclusion_rules import (
 from analysis.answers.table import ANALYSED_KINDS, AnswerTable
 
 MAX_CATCH_FAILURES: Final = 1
-"""Failed catch trials that a participant may have, unless told otherwise."""
+"""Failed catch trials that a participant may have by default."""
 
 EVERYBODY: Final = ""
-"""The arm of a table, and of a study that has one."""
+"""The arm of a table, and of a study with a single arm."""
 
 RELATIVE_SPEED: Final = 2.0
 """A participant this many times as fast as the typical one is too fast (Leiner 2019)."""
 
 ALIKE: Final = 0.9
-"""A participant is listed from this share of one answer among all of theirs."""
+"""A participant is listed if one answer makes up at least this share of all of theirs."""
 
 MIDDLE: Final = 3
-"""The answer for neither side."""
+"""The answer that prefers neither side."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,14 +47,14 @@ class LeftOut(Removed):
     Attributes
     ----------
     planned_exclusions : dict of str to str
-        Participants excluded by the rules that were settled before answers could be seen, and the
-        reason; the same as `exclusions` where no rule is exploratory.
+        Why the rules settled before answers could be seen exclude each participant; equal to
+        `exclusions` if no rule is exploratory.
     kept : DataFrame
-        Answers to practice, main and repeated trials of those whom every rule kept.
+        Answers of the kept participants in practice, main and repeated trials.
     analysed, everyone : DataFrame
-        Main and repeat answers of those whom every rule kept; of all.
+        Answers in main and repeated trials: of the kept participants, and of all.
     recruited, attentive : int
-        How many participants there are in the table, and how many were kept.
+        Number of participants in the table, and of those kept.
     """
 
     planned_exclusions: dict[str, str]
@@ -66,12 +66,12 @@ class LeftOut(Removed):
 
     @property
     def is_as_planned(self) -> bool:
-        """Whether the rules settled beforehand exclude exactly the same participants."""
+        """Whether the rules settled in advance exclude exactly the same participants."""
         return self.exclusions.keys() == self.planned_exclusions.keys()
 
     @property
     def as_planned(self) -> pd.DataFrame:
-        """Main and repeat answers of participants whom the rules settled beforehand keep."""
+        """Answers in main and repeated trials of those kept by the rules settled in advance."""
         gone = self.everyone["participant"].isin(list(self.planned_exclusions))
         return self.everyone[~gone].reset_index(drop=True)
 
@@ -85,8 +85,8 @@ def leave_out(
 ) -> LeftOut:
     """Apply `rules` in order; a participant counts under the first that removes them.
 
-    `planned` are the rules that were settled before answers could be seen: by default, those that
-    are not exploratory. `known` is what a study knows beside the table.
+    `planned` are the rules settled before answers could be seen; by default, those that are not
+    exploratory. `known` holds the facts that a study knows beyond the table.
     """
     if planned is None:
         planned = [rule for rule in rules if not rule.exploratory]
@@ -119,23 +119,23 @@ def table_rules(
 
 @dataclass(frozen=True, kw_only=True)
 class ArmState:
-    """What a study knows of the participants of one arm; None where a table does not.
+    """What a study knows about the participants of one arm; None for a table.
 
     Attributes
     ----------
     arm : str
-        Its name; `EVERYBODY` where there is one.
+        The arm's name; `EVERYBODY` if it is the only one.
     places : int or None
-        How many participants it waits for; None for an arm that the study no longer has.
+        Participants planned for the arm; None for an arm that the study no longer has.
     opened : int or None
         Study sessions begun.
     withdrawn, earlier : int or None
-        Those of them whose participants withdrew; that belong to an earlier design of the study
-        and are not analysed.
+        Sessions whose participants withdrew, and sessions of an earlier design of the study, which
+        are not analysed.
     unwatched : int or None
-        Those that ended before, since too many videos were said not to play.
+        Sessions that ended early because too many videos were reported not to play.
     completed : int or None
-        Those of all others that reached the end.
+        The other sessions that reached the end.
     """
 
     arm: str
@@ -154,11 +154,11 @@ class Flow(ArmState):
     Attributes
     ----------
     answered : int
-        How many gave an answer, and did not withdraw.
+        Participants who answered and did not withdraw.
     removed : tuple of int
-        How many of them each rule removed, in the order of the rules.
+        How many of them each rule removed, in the rules' order.
     analysed : int
-        How many every rule kept.
+        How many of them every rule kept.
     """
 
     answered: int
@@ -167,7 +167,7 @@ class Flow(ArmState):
 
     @property
     def silent(self) -> int | None:
-        """How many came and did not withdraw, but gave no answer."""
+        """Number of participants who came and did not withdraw, but gave no answer."""
         if self.opened is None or self.withdrawn is None or self.earlier is None:
             return None
         return self.opened - self.withdrawn - self.earlier - self.answered
@@ -179,7 +179,7 @@ def participant_flow(
     arms: Sequence[ArmState] = (),
     arm_of: Mapping[str, str] | None = None,
 ) -> tuple[Flow, ...]:
-    """Count participants arm by arm; without `arms`, everybody is in one."""
+    """Count participants arm by arm; without `arms`, all are in one."""
     arm_of = arm_of or {}
     answered = Counter(arm_of.get(name, EVERYBODY) for name in table.participants)
     removed = Counter(
@@ -243,16 +243,16 @@ def facts_of(table: AnswerTable, known: Mapping[str, KnownFacts]) -> tuple[Parti
 
 
 def _wrong_side(catch: pd.DataFrame) -> NDArray[np.bool_]:
-    """Tell which answers do not prefer the correct side, weakly or strongly."""
+    """Return which answers prefer the correct side neither weakly nor strongly."""
     sign = np.where(catch["correct_side"].astype(object) == "right", 1, -1)
     return np.asarray((catch["value"].to_numpy() - MIDDLE) * sign <= 0, bool)
 
 
 def _disobeyed(attention: pd.DataFrame) -> NDArray[np.bool_]:
-    """Tell which answers are not the one asked for; where none is asked for, any will do."""
-    asked = attention["instructed"].to_numpy(np.float64)
+    """Return which answers differ from the instructed one, if there is one."""
+    instructed = attention["instructed"].to_numpy(np.float64)
     values = attention["value"].to_numpy(np.float64)
-    return np.asarray(np.isfinite(asked) & (values != asked), bool)
+    return np.asarray(np.isfinite(instructed) & (values != instructed), bool)
 
 
 def _failed(
@@ -274,9 +274,9 @@ def _failed(
 
 
 def _presentations(answers: pd.DataFrame) -> NDArray[np.int64]:
-    """Return a number for each presentation: rows that differ in the question alone share it.
+    """Return the number of each row's presentation; its rows differ only in the question.
 
-    Without numbers of trials, a second answer to a question belongs to a second showing.
+    Without trial numbers, a second answer to a question belongs to a second showing.
     """
     shown = [name for name in _SHOWN if name in answers]
     codes = pd.DataFrame({name: answers[name].cat.codes for name in [*shown, "question"]})
@@ -288,7 +288,7 @@ def _presentations(answers: pd.DataFrame) -> NDArray[np.int64]:
 def _same_answers(
     table: AnswerTable, analysed: pd.DataFrame
 ) -> dict[str, tuple[SameAnswer, ...]] | None:
-    """Return how alike each participant's answers are; None of rankings, whose ranks differ."""
+    """Return each participant's most frequent answers; None for rankings, whose ranks differ."""
     if table.protocol == "ranking":
         return None
     by_participant: dict[str, tuple[SameAnswer, ...]] = {}
@@ -320,11 +320,11 @@ class ResponseTimes:
     limit : float
         Half the median: a participant whose median is below it is too fast.
     too_fast : mapping of participant to float
-        The medians of those who are.
+        The medians of the participants who are too fast.
     n, missing : int
-        Answers whose time is known, and is not.
+        Answers with a known time, and without.
     reason : str
-        Why there are no numbers; empty where there are.
+        Why there are no numbers; empty if there are.
     """
 
     median: float = math.nan
@@ -339,14 +339,14 @@ class ResponseTimes:
 
 @dataclass(frozen=True, kw_only=True)
 class StraightLining:
-    """Who gives one answer again and again.
+    """Participants who give one answer again and again.
 
     Attributes
     ----------
     limit : float
-        Share of the commonest answer from which a participant is listed.
+        Share of the most frequent answer from which a participant is listed.
     participants : mapping of participant to float
-        That share of those who are.
+        The share of each participant listed.
     """
 
     limit: float
@@ -362,7 +362,7 @@ class Quality:
 
 
 def quality(everyone: pd.DataFrame) -> Quality:
-    """Describe how all participants answered main and repeated trials; nobody is excluded by it."""
+    """Describe how all participants answered main and repeated trials; this excludes nobody."""
     lines = _most_frequent(everyone.assign(value=everyone["value"].round()))
     return Quality(
         response_seconds=_response_times(everyone),

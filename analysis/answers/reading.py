@@ -28,14 +28,14 @@ SLIPS: Final = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class Order:
-    """The order of names, where it is not that of their appearance, and the scales of questions.
+    """The order of names, if it is not that of appearance, and the questions' scales.
 
     Attributes
     ----------
     conditions, questions, sets : tuple of str
-        Names, the first first.
+        Names in their order.
     scales : mapping of str to (int, int)
-        The lowest and the highest rating that questions allow.
+        The lowest and the highest rating that each question allows.
     """
 
     conditions: tuple[str, ...] = ()
@@ -88,11 +88,11 @@ def answers_in(
     Parameters
     ----------
     cells : Cells
-        Cells of the shared columns and the layout's, as far as there are any.
+        Cells of the shared and the layout's columns; optional columns may be missing.
     layout : Layout
         The protocol's columns.
     order : Order
-        In which conditions, questions and sets stand; those it does not name come after.
+        The order of conditions, questions and sets; names that it lacks come last.
     scale : (int, int), optional
         The lowest and the highest rating that could be given.
 
@@ -102,15 +102,15 @@ def answers_in(
         As in `read_answers`.
     """
     everything = Checking(cells)
-    people = everything.names(_COLUMN["participant"])
+    participants = everything.names(_COLUMN["participant"])
     kinds = _kinds(everything)
     judged = ("catch",) if layout.has_sides else ()
-    asked = (kinds == "attention") & everything.filled(_COLUMN["instructed"])
-    used = np.isin(kinds, (*ANALYSED_KINDS, "practice", *judged)) | asked
+    instructed = (kinds == "attention") & everything.filled(_COLUMN["instructed"])
+    used = np.isin(kinds, (*ANALYSED_KINDS, "practice", *judged)) | instructed
     checking = Checking(cells.part(used), np.isin(kinds[used], ANALYSED_KINDS))
     answers = _answers(layout, checking, kinds[used])
     if layout.answered_once:
-        answers["trial"] = _repeated_alone(answers, layout)
+        answers["trial"] = _ambiguous_trials(answers, layout)
     if layout.distinct is not None:
         left, right = (answers[name].astype(object) for name in layout.distinct)
         checking.refuse(
@@ -149,17 +149,17 @@ def answers_in(
         protocol=layout.protocol,
         scales=dict.fromkeys(questions, scale) if scale is not None else order.scales,
         answers=answers[answers["value"].notna()].reset_index(drop=True),
-        participants=tuple(map(str, people.categories)),
-        marked=_marked(everything.names(_COLUMN["excluded"]), people),
+        participants=tuple(map(str, participants.categories)),
+        marked=_marked(everything.names(_COLUMN["excluded"]), participants),
         conditions=conditions,
         questions=questions,
         sets=_ordered(_appearing(answers[["set"]], analysed), order.sets),
-        notes=tuple(_notes(cells, kinds, asked, layout, answers, analysed, has_scale)),
+        notes=tuple(_notes(cells, kinds, instructed, layout, answers, analysed, has_scale)),
     )
 
 
 def _kinds(checking: Checking) -> NDArray[np.object_]:
-    """Return the kind of every row's trial; a trial is a main one unless the table says else."""
+    """Return the kind of each row's trial; 'main' unless stated."""
     kinds = checking.names(_COLUMN["kind"])
     names = np.array([*kinds.categories, "main"], object)
     return np.asarray(names[kinds.codes], object)
@@ -203,13 +203,13 @@ def _refuse_repetitions(layout: Layout, checking: Checking, answers: pd.DataFram
     checking.refuse(
         np.asarray(first != np.arange(len(group)), bool),
         "trial",
-        lambda row: f"the same answer stands in row {checking.number_of(int(first[row]))} already",
-        "Remove one of them, or number trials apart",
+        lambda row: f"row {checking.number_of(int(first[row]))} already holds this answer",
+        "Remove one of them, or give the trials different numbers",
     )
 
 
-def _repeated_alone(answers: pd.DataFrame, layout: Layout) -> pd.Series[str]:
-    """Return the trials of those who answered about something repeatedly; empty for others.
+def _ambiguous_trials(answers: pd.DataFrame, layout: Layout) -> pd.Series[str]:
+    """Return the trial of each answer that only its trial tells from another; else empty.
 
     A table may give every row its own trial number. Trials distinguish answers only where one
     question about a segment's condition was answered in several of them.
@@ -224,25 +224,25 @@ def _repeated_alone(answers: pd.DataFrame, layout: Layout) -> pd.Series[str]:
 
 
 def _appearing(columns: pd.DataFrame, where: Rows) -> tuple[str, ...]:
-    """Return the names of rows `where`, in the order in which all rows name them."""
+    """Return the names in the rows `where`, in the order of appearance in all rows."""
     names = columns.astype(object).to_numpy()
     present = {name for name in pd.unique(names[where].ravel()) if not pd.isna(name)}
     return tuple(str(name) for name in pd.unique(names.ravel()) if name in present)
 
 
 def _ordered(names: tuple[str, ...], order: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names found in the order wanted, the others after them."""
+    """Return `names` in the given order; those that it lacks come last."""
     return tuple(dict.fromkeys((*(name for name in order if name in names), *names)))
 
 
-def _marked(excluded: pd.Categorical, people: pd.Categorical) -> dict[str, str]:
-    """Return the reason for which the table excludes participants, the first of each."""
+def _marked(excluded: pd.Categorical, participants: pd.Categorical) -> dict[str, str]:
+    """Return the first reason for which the table excludes each participant."""
     reasons = [_reason(str(text)) for text in excluded.categories]
     reason = np.append(np.array(reasons, object), "")[excluded.codes]
     marked = np.flatnonzero(reason != "")
     reasons_of: dict[str, str] = {}
-    for row in marked[np.unique(people.codes[marked], return_index=True)[1]]:
-        reasons_of[str(people[row])] = str(reason[row])
+    for row in marked[np.unique(participants.codes[marked], return_index=True)[1]]:
+        reasons_of[str(participants[row])] = str(reason[row])
     return reasons_of
 
 
@@ -256,7 +256,7 @@ def _reason(text: str) -> str:
 def _notes(
     cells: Cells,
     kinds: NDArray[np.object_],
-    asked: Rows,
+    instructed: Rows,
     layout: Layout,
     answers: pd.DataFrame,
     analysed: Rows,
@@ -269,24 +269,24 @@ def _notes(
     if not tells_apart and (repeated := int(answers[~unanswered].duplicated().sum())):
         yield (
             f"{_rows(repeated)} the same as an earlier one, and no column trial tells "
-            "presentations apart: each counts as an answer of its own. Is the table joined with "
+            "presentations apart: each counts as a separate answer. Is the table joined with "
             "itself?"
         )
     if cells.ignored:
         yield f"Columns that are not read: {', '.join(cells.ignored)}."
     if unanswered.any():
-        yield f"{_rows(int(unanswered.sum()))} without a {layout.value.name} left out."
-    unasked = int(((kinds == "attention") & ~asked).sum())
+        yield f"{_rows(int(unanswered.sum()))} left out for lack of a {layout.value.name}."
+    uninstructed = int(((kinds == "attention") & ~instructed).sum())
     # Of a ranking it is enough to ask for the place of one condition.
-    if unasked and not (layout.answered_once and asked.any()):
+    if uninstructed and not (layout.answered_once and instructed.any()):
         yield (
-            f"{_rows(unasked)} of attention checks left out; the table does not say what they ask "
-            "for, so that they exclude nobody by themselves."
+            f"{_rows(uninstructed)} left out as attention checks; the table does not say what they "
+            "ask for, so they exclude nobody by themselves."
         )
     if not layout.has_sides and (catch := int((kinds == "catch").sum())):
         yield (
-            f"{_rows(catch)} of catch trials left out; a {layout.protocol} has no correct side, "
-            "so that they exclude nobody by themselves."
+            f"{_rows(catch)} left out as catch trials; a {layout.protocol} has no correct side, "
+            "so they exclude nobody by themselves."
         )
 
 

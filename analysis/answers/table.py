@@ -32,20 +32,20 @@ Rows = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Column:
-    """One column.
+    """A column of a table of answers.
 
     Attributes
     ----------
     name : str
-        Its heading.
+        The heading.
     cells : TypeAdapter
-        Reads a list of cells that are not empty.
+        Validates a list of nonempty cells.
     meaning : str
         What a cell holds, in words that follow 'is not'.
     needed : {'always', 'analysed', 'no'}
         Which rows need a cell: all, those of main and repeated trials, or none.
     missing : frozenset of str
-        What counts as an empty cell. A name may well be 'NA', a number cannot.
+        Texts that count as an empty cell. A name may be 'NA', a number cannot.
     required : bool
         Whether every table has the column.
     """
@@ -59,7 +59,7 @@ class Column:
 
 
 def name_column(name: str, *, needed: Needed = "analysed", required: bool = True) -> Column:
-    """Return a column that names something."""
+    """Return a column of names."""
     missing = frozenset({""}) if required else MISSING
     return Column(name, TypeAdapter(list[str]), "a name", needed, missing, required)
 
@@ -118,7 +118,7 @@ RANK: Final = Column("rank", TypeAdapter(list[Positive]), "a number above zero, 
 
 
 def speech_column(name: str) -> Column:
-    """Return the column that tells which speech a side was heard with."""
+    """Return the column that states which speech a side was heard with."""
     return Column(name, TypeAdapter(list[Literal["own", "other"]]), "own or other", "analysed")
 
 
@@ -129,22 +129,22 @@ class Layout:
     Attributes
     ----------
     protocol : str
-        Its name.
+        The protocol's name.
     conditions : tuple of Column
         Columns that name conditions, from left to right.
     value : Column
-        The answer.
+        The column of answers.
     others : tuple of Column
-        What else tells what was shown.
+        Further columns that identify what was shown.
     has_sides : bool
         Whether two videos stand side by side, so that a catch trial has a correct side.
     answered_once : bool
-        Whether a participant answers one question about a segment's condition once, so that
-        rows need no trial to belong together.
+        Whether a participant answers a question about a segment's condition only once, so that rows
+        belong together without a trial number.
     distinct : (str, str) or None
         Two columns that differ in every row of main and repeated trials.
     contradiction : str
-        What is wrong with a row where they do not.
+        The error message for a row in which they do not.
     """
 
     protocol: str
@@ -158,7 +158,7 @@ class Layout:
 
     @property
     def columns(self) -> tuple[Column, ...]:
-        """All of them."""
+        """All columns of this protocol alone."""
         return (*self.conditions, *self.others, self.value)
 
 
@@ -199,35 +199,35 @@ MISMATCH: Final = Layout(
 LAYOUTS: Final[Mapping[str, Layout]] = MappingProxyType(
     {layout.protocol: layout for layout in (PAIRWISE, RATING_OF_ONE, RANKING, MISMATCH)}
 )
-"""By the name that the command line takes."""
+"""Layouts by protocol, as the command line names them."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AnswerTable:
-    """Answers that can be relied on.
+    """A table of answers that has been checked.
 
     Attributes
     ----------
     protocol : str
-        How they were asked for.
+        The protocol of the answers.
     answers : DataFrame
         One row for each answer of practice, main, repeated and catch trials, and of attention
         checks that say what they ask for: `participant`, `segment`, `question`, `set`, `kind`,
-        `trial`, `correct_side` and the protocol's columns as categories, NaN where a cell is
-        empty; `value`, the answer; `instructed`, the one that an attention check asks for;
-        `seconds`, how long it took; `watched`, the share of the trial's videos that was watched
-        before it, in [0, 1]; NaN where that is not known.
+        `trial`, `correct_side` and the protocol's columns as categories, NaN where a cell is empty;
+        `value`, the answer; `instructed`, the answer that an attention check asks for; `seconds`,
+        the response time; `watched`, the share of the trial's videos that was watched before
+        answering, in [0, 1]; NaN if unknown.
     participants : tuple of str
-        Everybody who is in the table, in the order of appearance.
+        All participants in the table, in the order of appearance.
     marked : dict of str to str
-        Who is marked as excluded, and why.
+        Why participants are marked as excluded.
     conditions, questions, sets : tuple of str
-        Of main and repeated trials, in the order of appearance in the table; the only set is
-        '' where there is no such column.
+        Names in main and repeated trials, in the order of appearance in the table; without a column
+        of sets, the only set is ''.
     notes : tuple of str
-        What the table holds that is not analysed, or looks like a slip, in sentences.
+        Sentences about rows that are not analysed, or that look like slips.
     scales : mapping of str to (int, int)
-        The lowest and the highest rating that each question allows, where that is known.
+        The lowest and the highest rating that each question allows, if known.
     """
 
     protocol: str
@@ -242,11 +242,11 @@ class AnswerTable:
 
     @property
     def has_sets(self) -> bool:
-        """Whether the answers are kept apart by set."""
+        """Whether the answers are divided into sets."""
         return self.sets not in ((), ("",))
 
     def limits(self, question: str) -> tuple[float, float]:
-        """Return where ratings can lie: anywhere, unless the scale is stated."""
+        """Return the lowest and highest possible rating; infinite unless the scale is stated."""
         return self.scales.get(question, (-math.inf, math.inf))
 
     @property

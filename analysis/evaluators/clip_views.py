@@ -1,4 +1,4 @@
-"""The input of a feature network: the channels of a clip's frames, cut into windows."""
+"""The input of a feature network: channels of a clip's frames, cut into windows."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def _required(values: FloatArray | None, name: str) -> FloatArray:
     if values is None:
         raise InputError(
             f"the clip holds no {name}, which the network was trained on",
-            remedy="Use clips that hold them, or train a network on what these clips hold",
+            remedy="Use clips that hold them, or train a network on the channels of these clips",
         )
     return values
 

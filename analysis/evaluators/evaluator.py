@@ -93,7 +93,7 @@ class EvaluatorFacts(Design):
     training : TrainingFacts
         The training.
     held_out : mapping of str to float
-        Measured on held-out windows.
+        Measurements on held-out windows.
     """
 
     format: Literal[2] = _FORMAT
@@ -263,7 +263,7 @@ def load_evaluator(path: Path) -> Evaluator:
     Raises
     ------
     InputError
-        If the file is missing, damaged, another program's, of another version or changed.
+        If the file is missing or damaged, or comes from another program or version.
     """
     file = read_weights(path)
     with found_at(path):
@@ -295,11 +295,11 @@ def _facts(file: WeightsFile) -> EvaluatorFacts:
     try:
         return EvaluatorFacts.model_validate(file.facts)
     except ValidationError as error:
-        # Keys of one kind of network are unknown to the other, which says nothing.
+        # Keys of one kind of network are unknown to the other; such errors explain nothing.
         first = min(error.errors(), key=lambda item: item["type"] == "extra_forbidden")
         key = ".".join(map(str, first["loc"]))
         raise InputError(
-            f"what the file says of its network is unusable: {key}: {first['msg']}",
+            f"the file's description of its network is unusable: {key}: {first['msg']}",
             remedy=_REMEDY,
         ) from error
 

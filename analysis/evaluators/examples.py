@@ -31,7 +31,7 @@ class Normalisation:
     Attributes
     ----------
     mean, deviation : ndarray, shape (C,), float32
-        In the channels' own units; a deviation is never below the floor it was made with.
+        In the channels' own units; no deviation is below its floor.
     """
 
     mean: FloatArray
@@ -133,8 +133,8 @@ def split(
 ) -> Split:
     """Cut clips into windows, and hold out a fifth of the recordings of each label.
 
-    If no label has two recordings, the last fifth of every clip is held out instead; windows that
-    lie in both parts are left out.
+    If no label has two recordings, the last fifth of every clip is held out instead; windows across
+    the border are dropped.
 
     Parameters
     ----------
@@ -145,9 +145,9 @@ def split(
     names : sequence of str
         The labels in the order of their numbers.
     window, stride : int
-        Frames of a window, and from one to the next.
+        Frames per window, and frames from one window to the next.
     floor : ndarray, shape (C,)
-        Least deviation of each channel.
+        Smallest deviation of each channel.
     seed : int
         Determines which recordings are held out.
     device : str
@@ -175,7 +175,8 @@ def split(
     how = (
         f"{len(held_out)} of {total} recordings"
         if held_out
-        else f"the last fifth of every clip, since {_too_few(total, len(names))}"
+        else "the last fifth of every clip, since "
+        + ("there is one recording" if total == 1 else "no emotion has two recordings")
     )
     return Split(
         training=_examples(frames, training_windows, window),
@@ -184,12 +185,6 @@ def split(
         recordings=total,
         how=how,
     )
-
-
-def _too_few(recordings: int, labels: int) -> str:
-    if recordings == 1:
-        return "there is one recording"
-    return "no emotion has two recordings" if labels > 1 else "there are no two recordings"
 
 
 def _examples(frames: Tensor, windows: Sequence[tuple[int, int]], window: int) -> Examples:
@@ -204,11 +199,11 @@ class FeatureTask:
     Attributes
     ----------
     fresh : callable
-        Makes the network for frames of so many channels.
+        Makes the network for a number of channels.
     training, held_out : Examples
         Windows.
     settings : mapping
-        Identify the task.
+        Settings that identify the task.
     data_sha256 : str
         Hash of all clips.
     device : str

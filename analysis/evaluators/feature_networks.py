@@ -1,4 +1,4 @@
-"""Feature networks for metrics: their names, those of their scores, and their features of a clip.
+"""Feature networks for metrics: names of networks and scores, and the features of a clip.
 
 Papers use one name for distances in different features, so each name includes the network.
 """
@@ -87,7 +87,7 @@ def kernel_of(network: str) -> str:
 
 
 _FACE_NETWORKS: Final = (EXPRESSION, LANDMARKS)
-"""Networks that see nothing but the face."""
+"""Networks that see only the face."""
 
 COMMANDS: Final = {
     EMOTION: "motionjury train evaluator emotion",
@@ -110,7 +110,7 @@ class PublishedFile:
     file : Path
         Its checkpoint.
     statistics : Path or None
-        For ``beat``, the folder of its mean and spread; None for that of the checkpoint.
+        For ``beat``, the folder with its mean and spread; None for the checkpoint's folder.
     """
 
     preset: str
@@ -119,7 +119,7 @@ class PublishedFile:
 
 
 Source = Path | PublishedFile
-"""The file of a network: of ``motionjury train evaluator``, or published."""
+"""A network's file, from ``motionjury train evaluator`` or published."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,7 +159,7 @@ class Network:
 def open_network(source: Source) -> Evaluator | PublishedEvaluator:
     """Return the network of a file.
 
-    A child process gets one thread of torch, because such processes share the processors.
+    In a child process torch uses one thread, because the processes share the processors.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def networks(sources: Iterable[Source]) -> tuple[Network, ...]:
     Raises
     ------
     InputError
-        If a file is no such network.
+        If a file is not such a network.
     """
     opened: dict[str, tuple[Source, Evaluator | PublishedEvaluator]] = {}
     for source in sources:
@@ -284,6 +284,6 @@ def _opened(source: Source, sha256: str) -> Evaluator | PublishedEvaluator:
         raise InputError(
             "the network's file changed while it was being used",
             where=source if isinstance(source, Path) else source.file,
-            remedy="Leave it alone until the metrics are there",
+            remedy="Do not change it until the metrics are computed",
         )
     return network

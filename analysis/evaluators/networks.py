@@ -1,15 +1,15 @@
-"""The networks that are trained here: a classifier of emotions, and an autoencoder of motion.
+"""The networks that are trained here: an emotion classifier and a motion autoencoder.
 
 The classifier is AMUSE's evaluator M (Chhatre et al. 2024, "Emotional Speech-driven 3D Body
 Animation via Disentangled Latent Diffusion", section 5.1 and appendix D, after Petrovich et al.
 2021). The paper appends a class token; the released network averages over frames instead, and so
 does this one.
 
-The autoencoder of short windows, convolutions over time and then one vector, is designed as the
-feature network of Yoon et al. 2020, "Speech Gesture Generation from the Trimodal Context of Text,
-Audio, and Speaker Identity", which BEAT (Liu et al. 2022) and DiffSHEG (Chen et al. 2024) use with
-more features. Speech2UnifiedExpressions trains one on face landmarks for its FLD and does not
-state its layers; it has those of Yoon here.
+The autoencoder of short windows (convolutions over time, then one vector) follows the feature
+network of Yoon et al. 2020, "Speech Gesture Generation from the Trimodal Context of Text, Audio,
+and Speaker Identity", which BEAT (Liu et al. 2022) and DiffSHEG (Chen et al. 2024) use with more
+features. Speech2UnifiedExpressions trains one on face landmarks for its FLD without stating its
+layers; here it has Yoon's.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class EmotionConfig(WindowConfig):
     Attributes
     ----------
     width : int
-        Numbers of an embedding; a multiple of twice `heads`.
+        Length of an embedding; a multiple of twice `heads`.
     feed_forward : int
         Hidden units of each layer.
     layers, heads : int
@@ -122,7 +122,7 @@ class EmotionNetwork(nn.Module):
         return logits
 
     def losses(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
-        """Return the cross-entropy of a batch, as AMUSE's appendix D has it."""
+        """Return the cross-entropy of a batch, as in AMUSE's appendix D."""
         return {"loss": nn.functional.cross_entropy(self(windows), labels)}
 
     def measured(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
@@ -135,14 +135,14 @@ class EmotionNetwork(nn.Module):
 
 
 def sinusoids(length: int, width: int) -> Tensor:
-    """Return the positions of Vaswani et al. 2017, section 3.5, shape (length, width)."""
+    """Return positional encodings (Vaswani et al. 2017, section 3.5), shape (length, width)."""
     rates = torch.exp(torch.arange(0, width, 2) * (-math.log(10_000.0) / width))
     angles = torch.arange(length)[:, None] * rates
     return torch.stack([angles.sin(), angles.cos()], dim=2).reshape(length, width)
 
 
 _SLOPE: Final = 0.2
-"""Of the leaky rectifiers."""
+"""Negative slope of the leaky rectifiers."""
 
 _SHORTEST: Final = 12
 """Frames that the encoder's convolutions need."""
@@ -154,7 +154,7 @@ class AutoencoderConfig(WindowConfig):
     Attributes
     ----------
     features : int
-        Numbers of an embedding; the convolutions have as many channels, or twice as many.
+        Length of an embedding; the convolutions have as many channels, or twice as many.
     """
 
     frame_rate: FrameRate = 15.0
@@ -167,7 +167,7 @@ MOTION_FULL: Final = AutoencoderConfig()
 """BEAT's 300 features."""
 
 FACE_FULL: Final = AutoencoderConfig(features=64)
-"""For face landmarks, of which Speech2UnifiedExpressions states no size."""
+"""For face landmarks; Speech2UnifiedExpressions states no size."""
 
 AUTOENCODER_TINY: Final = AutoencoderConfig(features=32)
 """Yoon's 32 features: enough for a processor."""
@@ -236,7 +236,7 @@ class AutoencoderNetwork(nn.Module):
 def _convolved(
     channels: int, size: int, *, kernel: int = 3, stride: int = 1, padding: int = 0
 ) -> tuple[nn.Module, ...]:
-    # Batch normalisation removes a bias, which would only drift by rounding.
+    # Batch normalisation cancels a bias, which would only drift by rounding.
     convolution = nn.Conv1d(channels, size, kernel, stride=stride, padding=padding, bias=False)
     return convolution, nn.BatchNorm1d(size), nn.LeakyReLU(_SLOPE)
 

@@ -69,8 +69,8 @@ class PublishedEvaluator:
         Parameters
         ----------
         motion : array_like, shape (n, T, channels)
-            As the network was trained on it, normalised; see `Preset.sees`. `T` is the window of
-            BEAT and TED, and any length from `Preset.shortest` of the others.
+            Normalised as in the network's training; see `Preset.sees`. For BEAT and TED, `T` is the
+            window; for the others it is at least `Preset.shortest`.
 
         Returns
         -------
@@ -100,8 +100,8 @@ class PublishedEvaluator:
         needed = max(preset.shortest, preset.span)
         if len(frames) < needed:
             raise InputError(
-                f"the clip lasts {len(frames) / preset.frame_rate:.2f} s and {preset.title} looks "
-                f"at {needed / preset.frame_rate:.2f} s at least",
+                f"the clip lasts {len(frames) / preset.frame_rate:.2f} s, and {preset.title} needs "
+                f"at least {needed / preset.frame_rate:.2f} s",
                 remedy="Use longer clips",
             )
         if preset.window:
@@ -153,11 +153,11 @@ class PublishedEvaluator:
             raise InputError(
                 "BEAT's evaluator sees motion in deviations of BEAT's frames, and its mean and "
                 "spread are not given",
-                remedy="Put bvh_mean.npy and bvh_std.npy beside the checkpoint, or name their "
+                remedy="Put bvh_mean.npy and bvh_std.npy next to the checkpoint, or name their "
                 "folder as 'statistics'",
             )
         mean, spread = self.statistics
-        # What BEAT's recordings never move, and what SMPL-X has no joint for, is at its mean.
+        # Channels that never move in BEAT's recordings or have no SMPL-X joint are at their mean.
         frames = np.where(np.isnan(frames) | (spread < _STILL), mean, frames)
         return np.asarray((frames - mean) / np.maximum(spread, _STILL), np.float32)
 

@@ -14,7 +14,7 @@ from motion.errors import InputError
 from training.released_weights import fill, not_weights_error, read_saved
 
 _SLOPE: Final = 0.2
-"""Of the leaky rectifiers between convolutions."""
+"""Negative slope of the leaky rectifiers between convolutions."""
 
 TRIMMED_TO: Final = 32
 """The published code drops trailing frames until their number is a multiple of this."""
@@ -30,7 +30,7 @@ _CONVOLVED_FRAMES: Final = 12
 """Frames of a window after the convolutions."""
 
 _SLOPE_OF_TRUE: Final = 1.0
-"""Of those between full layers: published as ``LeakyReLU(True)``, whose slope is 1."""
+"""The same between full layers: published as ``LeakyReLU(True)``, whose slope is 1."""
 
 
 class EmageNetwork(nn.Module):
@@ -141,7 +141,7 @@ class _ShowConvolved(nn.Module):
 
 
 class _Halved(_ShowConvolved):
-    """Halves the frames, with a second convolution beside the normed one."""
+    """Halves the frames, with a second convolution parallel to the normed one."""
 
     def __init__(self, entries: int, size: int) -> None:
         super().__init__(entries, size, kernel=4, stride=2)
@@ -153,7 +153,7 @@ class _Halved(_ShowConvolved):
 
 
 class _Stack(_ShowConvolved):
-    """Two convolutions and a third, whose result is added to what came in."""
+    """Three convolutions, whose result is added to the input."""
 
     def __init__(self, size: int) -> None:
         super().__init__(size, size)
@@ -175,7 +175,7 @@ class YoonNetwork(nn.Module):
     Parameters
     ----------
     channels : int
-        Numbers of a frame.
+        Channels of a frame.
     convolved : tuple of int
         Channels after each of the four convolutions.
     connected : tuple of int
@@ -235,17 +235,17 @@ def load_weights(network: nn.Module, file: Path, place: tuple[str, ...]) -> None
     Parameters
     ----------
     network : Module
-        With the published names. Other parts in the file, such as a decoder, are ignored.
+        Has the published names. Other parts of the file, such as a decoder, are ignored.
     file : Path
-        Written by ``torch.save``. Only tensors, plain values and the ``argparse.Namespace`` in
-        which training scripts keep their options are unpickled; unpickling the latter runs no code.
+        Written by ``torch.save``. Only tensors, plain values and ``argparse.Namespace``, in which
+        training scripts keep their options, are unpickled; this runs no code.
     place : tuple of str
-        Keys of the weights in the file, which may also hold the weights alone.
+        Keys under which the file holds the weights; it may also hold the weights alone.
 
     Raises
     ------
     InputError
-        If the file is missing, holds other objects, or holds another network's weights.
+        If the file is missing, or holds other objects or another network's weights.
     """
     try:
         with torch.serialization.safe_globals([argparse.Namespace]):

@@ -52,8 +52,8 @@ _SHOW_ORDER: Final = (
 """SMPL-X joints in the order of SHOW's files."""
 
 _NOT_SHOWN: Final = (0, 1, 2, 3, 4, 5, 7, 8, 10, 11, 15, 16)
-"""Places in `_SHOW_ORDER` that TalkSHOW's published code leaves out: jaw, eyes, pelvis, hips,
-knees, ankles; and neck and left collar, in whose stead both feet are seen."""
+"""Places in `_SHOW_ORDER` that TalkSHOW's published code leaves out: jaw, eyes, pelvis, hips, knees
+and ankles; also neck and left collar, in place of which it keeps both feet."""
 
 TALKSHOW_JOINTS: Final = tuple(
     joint for place, joint in enumerate(_SHOW_ORDER) if place not in _NOT_SHOWN
@@ -64,7 +64,7 @@ TALKSHOW_JOINTS: Final = tuple(
 def talkshow_frames(clip: MotionClip) -> FloatArray:
     """Return the axis-angles that TalkSHOW's published code picks, (T, 129).
 
-    Fingers are relative to SMPL-X's mean hands there; relaxed hands stand for these.
+    Its fingers are relative to SMPL-X's mean hands; here they are relative to relaxed hands.
     """
     poses = clip.poses.astype(float)
     poses[:, FINGERS] -= RELAXED_HANDS
@@ -84,7 +84,8 @@ def ted_joints(clip: MotionClip) -> FloatArray:
     """Return TED Gesture's ten joints on the body, shape (T, 10, 3), in its axes and in metres.
 
     Spine, neck, nose, crown, then shoulder, elbow and wrist of the left and of the right. SMPL-X
-    has no joint for nose and crown: on an unturned head they lie as in the data set's mean pose.
+    has no joint for nose and crown; on an unturned head they are placed as in the data set's mean
+    pose.
     """
     positions, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     head = joint_index("head")
@@ -105,8 +106,8 @@ def ted_joints(clip: MotionClip) -> FloatArray:
 def beat_frames(clip: MotionClip) -> FloatArray:
     """Return local Euler angles of BEAT's 47 joints, about x, y, z, in degrees, (T, 141).
 
-    The reverse of how BEAT's recordings are brought to our body: spine and neck bend in their
-    lowest joints. What SMPL-X has no joint for, the roots of three fingers, is not a number.
+    This reverses the retargeting of BEAT's recordings to our body: spine and neck bend in their
+    lowest joints. The roots of three fingers, for which SMPL-X has no joint, are NaN.
     """
     world = _beat_world(clip)
     parents = {joint.name: joint.parent for joint in BEAT_SKELETON}
@@ -119,13 +120,13 @@ def beat_frames(clip: MotionClip) -> FloatArray:
         while above not in world:
             above = names[parents[above]]
         local = world[above].inv() * world[name]
-        # Where several angles mean the same rotation, any will do.
+        # If several angles mean the same rotation, any will do.
         angles[:, place] = local.as_euler("XYZ", degrees=True, suppress_warnings=True)
     return angles.reshape(len(clip), -1)
 
 
 def _beat_world(clip: MotionClip) -> dict[str, Rotation]:
-    """Return how each joint of BEAT's skeleton is turned in the world, where SMPL-X tells."""
+    """Return the world rotation of each joint of BEAT's skeleton that SMPL-X determines."""
     rest = BvhMotion(joints=BEAT_SKELETON, values=np.zeros((1, 0)), frame_rate=clip.frame_rate)
     _, joint_map = choose_joint_map(rest.joint_names)
     places = rest.rest_positions
@@ -138,7 +139,7 @@ def _beat_world(clip: MotionClip) -> dict[str, Rotation]:
         name: Rotation.from_matrix(turns[:, joint_index(joint)]) * corrections[joint].inv()
         for joint, name in joint_map.items()
     }
-    # BEAT's own joints between these do not turn: what they would do is done by the lowest.
+    # BEAT's joints between these do not turn: the lowest one does their part.
     world["Spine"] = world["Spine3"]
     world["Neck1"] = world["Head"]
     return world
@@ -159,14 +160,14 @@ class Preset:
     frames : callable
         Turns a clip at `frame_rate` into frames, shape (T, channels).
     channels, features : int
-        Numbers of a frame, and of a row of features.
+        Length of a frame, and of a row of features.
     frame_rate : float
         Frames per second.
     window, span, stride : int
-        Frames of a window, frames that a clip must still have where one begins, and frames from
-        one window to the next; a window of 0 is the whole clip.
+        Frames of a window, frames that must remain at a window's start, and frames from one window
+        to the next; a window of 0 is the whole clip.
     shortest : int
-        Frames that the network needs at least.
+        Fewest frames that the network accepts.
     cut : str
         The cutting of windows in words.
     rule : {'pytorch-fid', 'offset'}
@@ -174,7 +175,7 @@ class Preset:
     network : callable
         Makes the network, without its weights.
     place : tuple of str
-        Keys of the checkpoint below which the weights lie.
+        Keys of the checkpoint under which the weights are.
     """
 
     title: str
@@ -262,4 +263,4 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
         ),
     }
 )
-"""By name."""
+"""Presets by name."""

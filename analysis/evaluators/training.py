@@ -92,8 +92,8 @@ def train_evaluator(
     Raises
     ------
     InputError
-        If the clips that can be used are too few or show one emotion, or the run kept in `folder`
-        is another one.
+        If too few clips are usable, if they show one emotion only, or if `folder` keeps another
+        run.
     TrainingStopped
         After Ctrl-C; the state is saved.
     """
@@ -191,26 +191,26 @@ def _check_clips(clips: TrainingClips, labels: tuple[str, ...], kind: Kind) -> N
         )
     if kind == "emotion" and len(labels) < 2:
         raise InputError(
-            f"the clips that can be used, {len(clips.sources)}, show one emotion, {labels[0]!r}"
+            f"the usable clips ({len(clips.sources)}) show one emotion, {labels[0]!r}"
             f"{_left_out(clips)}",
             remedy="Give recordings of two emotions or more, or train a network of another kind",
         )
 
 
 def _left_out(clips: TrainingClips) -> str:
-    """Return how many clips could not be used, and why the first could not, behind a clause."""
+    """Return a clause with the number of unusable clips and the first one's error."""
     if not clips.skipped:
         return ""
     count = len(clips.skipped)
     first = f"{clips.skipped[0].where}: {clips.skipped[0].what}"
-    return f"; {count} could not be used ({first}{', for one' if count > 1 else ''})"
+    return f"; {count} could not be used ({'such as ' if count > 1 else ''}{first})"
 
 
 def _check_windows(parts: Split, config: WindowConfig, clips: TrainingClips) -> None:
     """Raise an error if there are too few windows for training or for validation."""
     for count, fewest, purpose in (
         (len(parts.training), FEWEST_WINDOWS, "to learn from"),
-        (len(parts.held_out), FEWEST_HELD_OUT, "to keep back"),
+        (len(parts.held_out), FEWEST_HELD_OUT, "to hold out"),
     ):
         if count < fewest:
             raise InputError(

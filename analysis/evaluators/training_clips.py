@@ -70,7 +70,7 @@ class TrainingClips:
 
     @property
     def seen_sha256(self) -> str:
-        """Hash of these and of the network's input: the same files may be read differently."""
+        """Hash of `sha256` and of the network's input: the same files may be read differently."""
         digest = hashlib.sha256(self.sha256.encode())
         for frames in self.frames:
             digest.update(np.ascontiguousarray(frames).data)
@@ -101,7 +101,7 @@ def read_training_clips(
     needs_emotion : bool
         Whether clips without a label are unusable.
     show : callable, optional
-        Called with the clips read and all clips.
+        Called with the number of clips read, and of all.
     """
     ordered = sorted(sources, key=lambda source: source.name)
     used: list[ClipSource] = []

@@ -1,4 +1,4 @@
-"""Scores of whole conditions: of all clips together, and in the features of each network."""
+"""Scores of whole conditions: over all clips, and in the features of each network."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _FACES: Final = {52: "ARKit weights", 100: "SMPL-X expression coefficients"}
 def recorded_conditions(
     conditions: Iterable[str], segments: Sequence[SegmentFiles]
 ) -> frozenset[str]:
-    """Return the conditions that are recorded motion themselves."""
+    """Return the conditions whose motion is the recorded one."""
     return frozenset(
         condition
         for condition in conditions

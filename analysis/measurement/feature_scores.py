@@ -35,8 +35,8 @@ from analysis.metrics.scores import (
 )
 
 ENOUGH: Final = 0.5
-"""A condition with fewer windows than this share of the most is not compared by Fréchet distance:
-cutting all others to its size would cost them their precision."""
+"""A condition with fewer windows than this share of the most gets no Fréchet distance: cutting all
+others to its size would cost them their precision."""
 
 Clips = Mapping[str, ClipFeatures]
 """Features by segment."""
@@ -49,11 +49,11 @@ class FeatureScores:
     Attributes
     ----------
     clips : tuple of ClipScore
-        Whether the emotion of each clip was named.
+        Whether the network named the emotion of each clip.
     conditions : tuple of ConditionScore
         By condition.
     confusions : tuple of EmotionConfusion
-        By condition; none of a network without labels.
+        By condition; empty for a network without labels.
     """
 
     clips: tuple[ClipScore, ...] = ()
@@ -78,9 +78,9 @@ def feature_scores(
     conditions : mapping of condition to mapping of segment to ClipFeatures
         All clips.
     recorded : mapping of segment to ClipFeatures
-        Features of recorded motion; empty for no distances.
+        Features of recorded motion; without them there are no distances.
     recordings : frozenset of str
-        Conditions that are recorded motion themselves; they get no distance from themselves.
+        Conditions that are recorded motion, which have no distance from themselves.
     emotions : mapping of segment to str, optional
         The emotion of each segment's speech.
     """
@@ -132,13 +132,13 @@ def scores_without_network(
     Parameters
     ----------
     name : str
-        The network's, as in `analysis.evaluators.feature_networks`.
+        The network's name in `analysis.evaluators.feature_networks`.
     command : str
-        Trains one.
+        The command that trains one.
     condition, clips : str, int
         The condition, and how many clips it has.
     recorded : bool
-        Whether these are recorded motion, which has no distance from itself.
+        Whether the clips are recorded motion, which has no distance from itself.
     """
     missing: list[tuple[str, Better]] = [] if recorded else [(names.DISTANCES[name], "lower")]
     if name == names.EMOTION:
@@ -223,7 +223,7 @@ def _distances(
 def _by_published_rule(
     network: Network, generated: Embeddings, reference: Embeddings, rule: Rule, name: str
 ) -> MetricResult:
-    """Return the Fréchet distance that the network's authors' code gives: over all windows."""
+    """Return the Fréchet distance over all windows, as the network's authors' code computes it."""
     fewest, dimensions = min(len(generated), len(reference)), reference.values.shape[1]
     settings = dict(network.settings) | {
         "samples": f"{len(generated)} generated, {len(reference)} recorded",

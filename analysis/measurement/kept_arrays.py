@@ -1,4 +1,4 @@
-"""Arrays kept in a folder between runs, by what they were computed from.
+"""Arrays kept in a folder between runs, under a name that identifies their origin.
 
 A file's name gives the version of the code, the settings and the content of the source. Several
 runs may share a folder: files appear in one step, and an array that another run removes or damages
@@ -71,13 +71,13 @@ class KeptArrays:
         Parameters
         ----------
         kind : Kind
-            The array's kind.
+            The kind of array.
         sources : sequence of Path
             The files.
         settings : str
-            Everything else that it depends on.
+            Everything else that the array depends on.
         compute : callable
-            Computes it.
+            Computes the array.
 
         Raises
         ------
@@ -101,7 +101,7 @@ class KeptArrays:
 
 
 def forget_unused(used: Collection[Path]) -> None:
-    """Remove unused arrays with the settings of `used` ones, and arrays of other versions."""
+    """Remove unused arrays with the settings of `used` ones, and those of other versions."""
     parts = [tuple(path.name.split("-")) for path in used]
     kinds = {kind for kind, *_ in parts}
     versions = {part[:2] for part in parts}

@@ -57,7 +57,7 @@ class LandmarkBody:
     path : Path
         The body's file.
     expression_matrix : Path or None
-        The same as for `motion.body.model.read_body`.
+        As in `motion.body.model.read_body`.
     """
 
     path: Path
@@ -84,12 +84,12 @@ class SeenMotion:
     file_rate: float | None = None
 
     def files(self, path: Path) -> tuple[Path, ...]:
-        """Return the files that the clip in `path` is read from: its own, and a face beside it."""
+        """Return the files of the clip in `path`: its own, and a face next to it."""
         face = face_beside(path)
         return (path,) if self.own_files or not face.is_file() else (path, face)
 
     def read(self, path: Path) -> tuple[MotionClip, list[str]]:
-        """Return the clip in `path`, with its frozen channels still, and notes for people.
+        """Return the clip in `path`, with its frozen channels still, and notes for the researcher.
 
         Raises
         ------
@@ -121,7 +121,7 @@ class Setup:
     preset : Preset
         The metrics.
     spread : RecordedSpread or None
-        Spread of all recordings; None until it is known.
+        Spread of all recordings; None until known.
     kept : Path or None
         Folder that keeps arrays between runs.
     face : LandmarkBody or None
@@ -154,9 +154,9 @@ class Landmarks:
     Attributes
     ----------
     positions : ndarray, shape (T, L, 3), or None
-        In metres, with the head held still; None with a `reason`, and if not asked for.
+        In metres, with the head held still; None with a `reason`, or if not requested.
     reason : str
-        Why there are none.
+        Why there are no landmarks.
     """
 
     positions: FloatArray | None = None
@@ -181,7 +181,7 @@ class MeasuredClip:
     features : mapping of str to ClipFeatures
         The features of each network, by its name.
     depths : ndarray, shape (n,), float32, or None
-        How deep the arms are in the body, in metres, if asked for.
+        Depth of the arms inside the body, in metres, if requested.
     """
 
     joints: JointMotion

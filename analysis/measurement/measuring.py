@@ -40,7 +40,7 @@ from motion.formats.clip_npz import read_frame_rate
 from motion.processes import ProcessPool
 
 Progress = Callable[[int, int], None]
-"""Called with the tasks done and all tasks."""
+"""Called with the number of finished tasks, and of all tasks."""
 
 _Result = TypeVar("_Result")
 
@@ -83,7 +83,7 @@ def study_metrics(
         The emotion of each segment's speech, for gesture emotion accuracy.
     evaluators : iterable of Path or PublishedFile
         Feature networks made by ``motionjury train evaluator``, or published ones; all of them are
-        used, whatever the presets ask for.
+        used, whatever the presets request.
     face : LandmarkBody, optional
         The body of the face landmarks, for metrics that compare them with recorded ones.
     penetrable : Path, optional
@@ -91,18 +91,18 @@ def study_metrics(
     presets : iterable of str
         Names in `analysis.measurement.presets.PRESETS`.
     own_files : bool
-        Whether the motion files are a study's own and read as they are; other files may have any
-        format and are brought into the study's world.
+        Whether the motion files belong to a study and are read as they are; other files may have
+        any format and are converted to the study's conventions.
     file_rate : float, optional
         Frames per second of all motion files, in place of the stated rate.
     kept : Path, optional
-        Folder that keeps joint positions, features and the like between runs. Arrays under the
-        settings of this run that it does not use are removed.
+        Folder that keeps joint positions, features and the like between runs. Arrays with this
+        run's settings that it does not use are removed.
     processes : int
         How many segments are measured in parallel.
     on_progress : callable, optional
-        Called with the steps done and all steps; a step is a segment, or a recording that is
-        measured beforehand.
+        Called with the number of finished steps, and of all; a step is a segment, or a recording
+        that is measured first.
 
     Raises
     ------
@@ -241,6 +241,6 @@ def _remarks(
 
 
 def _named(segments: Sequence[str], of_all: int) -> str:
-    """Return the number of segments and the first names."""
+    """Return the number of segments and the first few names."""
     names = ", ".join(segments[:3]) + (", …" if len(segments) > 3 else "")
     return f"{len(segments)} of {of_all} segments ({names})"

@@ -1,7 +1,7 @@
 """Named presets: the metrics of a paper, computed as in that paper.
 
-Distances in the features of a network need a trained one; a preset lists the networks of its
-paper, so that a report names those that are missing.
+Distances in features need a trained network; a preset lists its paper's networks, so that a report
+can name the missing ones.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ class Preset:
     foot_sliding : bool
         Sliding of the feet.
     correct : tuple of CorrectSettings
-        Percents of correct motion, and semantic-relevant gesture recalls where there are semantic
-        scores; they need recorded motion, as do all that follow.
+        Percents of correct motion, and semantic-relevant gesture recalls if there are semantic
+        scores. These and all the following need recorded motion.
     joint_errors, landmark_errors : tuple of PointSettings
         Errors of joints, and of face landmarks, in a box of one metre.
     velocity_errors : tuple of {'L1', 'L2'}
@@ -149,7 +149,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
         ),
     }
 )
-"""By name; 'report' is shown in every report, 'physical' follows no paper."""
+"""Presets by name; 'report' is shown in every report, 'physical' follows no paper."""
 
 
 def combined(names: Iterable[str]) -> Preset:

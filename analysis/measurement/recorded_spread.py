@@ -29,9 +29,9 @@ class ClipExtent:
     total, squares : ndarray, shape (J, 3)
         Sums of rotations, and of their squares, over frames.
     box : ndarray, shape (2, 3)
-        Opposite corners of the box in which all joints stay, in metres.
+        Opposite corners of the box around all joints, in metres.
     face_box : ndarray, shape (2, 3), or None
-        The same of face landmarks; None for a recording without a face.
+        The same for face landmarks; None for a recording without a face.
     """
 
     frames: int
@@ -70,12 +70,11 @@ class RecordedSpread:
         Mean and standard deviation of axis-angle channels, in radians; 1 for channels that never
         move.
     moving : ndarray, shape (J,), bool
-        Joints of which any channel moves.
+        Joints with any channel that moves.
     scale : float
-        Puts all recorded joints into a box of one metre diagonal.
+        Fits all recorded joints into a box with a diagonal of one metre.
     face_scale : float
-        Puts all recorded face landmarks into a box of one metre diagonal; NaN if no recording
-        has a face.
+        The same for face landmarks; NaN if no recording has a face.
     """
 
     mean: FloatArray
@@ -85,20 +84,20 @@ class RecordedSpread:
     face_scale: float
 
     def normalised(self, rotations: FloatArray) -> FloatArray:
-        """Return rotations of shape (T, J, 3) in standard deviations, of moving joints alone."""
+        """Return rotations of shape (T, J, 3) in standard deviations, for moving joints only."""
         standard = (rotations - self.mean) / self.deviation
         return np.asarray(standard[:, self.moving])
 
 
 def recorded_spread(extents: Iterable[ClipExtent]) -> RecordedSpread | None:
-    """Return the spread of recordings; None for no recording, or one of a single point."""
+    """Return the spread of recordings; None without recordings, or if all points coincide."""
     extents = list(extents)
     if not extents:
         return None
     frames = sum(extent.frames for extent in extents)
     mean = sum(extent.total for extent in extents) / frames
     squares = sum(extent.squares for extent in extents) / frames
-    # Rotations are near 1, so that squares lose nothing that `_STILL` would see.
+    # Rotations are near 1, so the squares lose no precision at the scale of `_STILL`.
     deviation = np.sqrt(np.maximum(0, squares - mean**2))
     moves = deviation > _STILL
     scale = box_scale(extent.box for extent in extents)

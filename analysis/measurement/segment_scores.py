@@ -64,7 +64,7 @@ class SegmentFiles:
     Attributes
     ----------
     segment : str
-        Its name.
+        The segment's name.
     clips : mapping of condition to path
         Motion files.
     recorded : Path or None
@@ -89,13 +89,13 @@ class ClipMeasurements:
     Attributes
     ----------
     scores : tuple of MetricResult
-        Every metric of the clip, alone or compared with its recording.
+        All metrics of the clip, on its own and compared with its recording.
     upper_body : ndarray, shape (T, 8, 3), float32, or None
-        Positions for distances between clips, if a preset asks for them.
+        Positions for distances between clips, if a preset requests them.
     face : ndarray, shape (T, 52) or (T, 100), float32, or None
-        The face for distances between clips, if a preset asks for them and the clip has one.
+        The face for distances between clips, if a preset requests them and the clip has one.
     speeds : ndarray, shape (8, 80), int, or None
-        How often each speed occurs (`analysis.metrics.kinematics`), if asked for.
+        How often each speed occurs (`analysis.metrics.kinematics`), if requested.
     features : mapping of str to ClipFeatures
         The features of each network, by its name.
     """
@@ -114,7 +114,7 @@ class SegmentScores:
     Attributes
     ----------
     segment : str
-        Its name.
+        The segment's name.
     clips : mapping of condition to ClipMeasurements
         Every clip that could be read.
     recorded : ClipMeasurements or None
@@ -181,7 +181,7 @@ def _measurements(
 
 
 def recorded_extent(path: Path, setup: Setup) -> ClipExtent | None:
-    """Return what one recording adds to the spread of all; None if it cannot be read."""
+    """Return one recording's contribution to the spread of all; None if it cannot be read."""
     clip = Reader(setup).clip(path)
     if clip is None or clip.rotations is None:
         return None
@@ -198,14 +198,14 @@ def _clip_metrics(
     recorded: MeasuredClip | None = None,
     semantics: tuple[SemanticSpan, ...] | None = None,
 ) -> Iterator[MetricResult]:
-    """Yield every metric of the preset for which there is material.
+    """Yield every metric of the preset for which there is data.
 
     Parameters
     ----------
     clip : MeasuredClip
         The clip that is measured.
     setup : Setup
-        The settings; without the spread of all recordings nothing is normalised by it.
+        The settings; without the recordings' spread nothing is normalised by it.
     onsets : Onsets or None
         Onsets of the speech; None for no beat alignment.
     recorded : MeasuredClip or None
@@ -299,7 +299,7 @@ def _represented(
     if settings.representation == "normalised rotations":
         return None if spread is None else spread.normalised(clip.rotations)
     rotations = Rotation.from_rotvec(clip.rotations.reshape(-1, 3))
-    # At a gimbal lock the third angle is taken as 0, which is one of the right answers.
+    # In gimbal lock the third angle is set to 0, which is one of the valid solutions.
     angles = rotations.as_euler("XYZ", degrees=True, suppress_warnings=True)
     return np.asarray(angles.reshape(clip.rotations.shape))
 

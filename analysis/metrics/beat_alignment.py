@@ -1,8 +1,8 @@
 """Beat alignment: whether a motion stops and turns where the speech has its beats.
 
 Papers use one name for different scores, so each preset fixes all choices. A wide Gaussian rewards
-any dense beats (onsets unrelated to the motion easily score .8), so every score comes with its
-chance level; compare the difference.
+any dense beats: onsets unrelated to the motion easily score .8. So every score has a chance level;
+compare the differences from it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SHIFTS: Final = 200
 """Circular shifts over which the chance level is averaged."""
 
 SHALLOWEST: Final = 0.01
-"""Metres per second by which a motion beat must lie below its surroundings."""
+"""Metres per second by which a motion beat must be slower than its surroundings."""
 
 SHALLOWEST_TURN: Final = 0.04
 """The same in radians per second, for bones of a quarter of a metre."""
@@ -40,16 +40,16 @@ class BeatSettings:
     Attributes
     ----------
     name : str
-        Names the preset.
+        Name of the preset.
     direction : {'motion to audio', 'audio to motion'}
         Each beat of the first kind is scored by its distance to the nearest of the second.
     joints : tuple of str
         The joints whose speed is used.
     bones : tuple of (str, str)
-        Ends of bones, among `joints`, whose turning replaces speed.
+        Ends of bones, among `joints`, whose angular speed replaces the joints' speed.
     pooling : {'mean speed', 'each joint'}
-        One series of motion beats from the mean speed of joints or bones, or one per joint or
-        bone with the mean of their scores.
+        One series of motion beats from the mean speed of joints or bones, or one series per joint
+        or bone, whose scores are averaged.
     sigma : float
         Width of the Gaussian in seconds.
     window : float
@@ -215,8 +215,8 @@ def chance_score(
 ) -> float:
     """Return the mean score over motion beats shifted circularly within the clip.
 
-    The shifts are evenly spaced, so that the level is the same at every call; the unshifted
-    motion is not among them.
+    The shifts are evenly spaced, so the level is reproducible; the unshifted motion is not among
+    them.
     """
     scores = []
     for shift in duration * (np.arange(SHIFTS) + 0.5) / SHIFTS:
@@ -255,7 +255,7 @@ def beat_alignment(
     Returns
     -------
     BeatAlignment
-        NaN with a reason if the motion or the speech has no beat, or one is much shorter.
+        NaN with a reason if the motion or the speech has no beat, or if one is much shorter.
     """
     duration = len(positions) / frame_rate
     speeds = _speeds(positions, settings) * frame_rate
@@ -308,6 +308,6 @@ def _speeds(positions: FloatArray, settings: BeatSettings) -> FloatArray:
     starts, ends = ([settings.joints.index(bone[end]) for bone in settings.bones] for end in (0, 1))
     along = positions[:, ends] - positions[:, starts]
     along = along / np.maximum(np.linalg.norm(along, axis=2, keepdims=True), 1e-12)
-    # The angle from its chord, because the arc cosine near 1 loses all precision.
+    # The angle is computed from its chord, because the arc cosine loses all precision near 1.
     chord = np.linalg.norm(np.diff(along, axis=0), axis=2).T
     return np.asarray(2 * np.arcsin(np.minimum(1, chord / 2)))

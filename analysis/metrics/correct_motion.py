@@ -1,10 +1,10 @@
-"""Percent of correct motion (PCM): the share of joints near their recorded position.
+"""Percent of correct motion (PCM): the share of joints near their recorded value.
 
 Papers use one name for different thresholds in different units (Chen et al. 2024, DiffSHEG, on
 normalised rotations; Liu et al. 2022, BEAT, on Euler angles; Liu et al. 2024, EMAGE, on positions),
 so each preset fixes both.
 
-Semantic-relevant gesture recall (SRGR) is the same, weighted by how much gestures mean. Published
+Semantic-relevant gesture recall (SRGR) is PCM weighted by how meaningful each gesture is. Published
 code multiplies by a constant (1 / 0.165) in place of the mean weight, so its values depend on the
 excerpt and may exceed 1. Here the weighted mean is divided by the sum of the weights.
 """
@@ -33,12 +33,12 @@ _WORDS: Final[Mapping[Representation, str]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class CorrectSettings:
-    """What makes a joint's motion correct.
+    """The choices that define a joint's motion as correct.
 
     Attributes
     ----------
     name : str
-        Names the preset.
+        Name of the preset.
     representation : {'positions', 'normalised rotations', 'euler angles'}
         The three channels of a joint.
     distance : {'Euclidean', 'sum of absolute differences'}
@@ -140,14 +140,14 @@ def semantic_recall(
     *,
     settings: CorrectSettings,
 ) -> MetricResult:
-    """Return the share of correct joints, weighted by how much each frame's gesture means.
+    """Return the share of correct joints, weighted by how meaningful each frame's gesture is.
 
     Parameters
     ----------
     generated, recorded : ndarray, shape (T, J, 3)
         In the representation of `settings`, at one frame rate.
     weights : ndarray, shape (T,)
-        Semantic score of each frame, at least 0; of the longer clip if they differ.
+        Semantic score of each frame, at least 0; as long as the longer clip.
     settings : CorrectSettings
         Usually one of the presets.
 

@@ -1,4 +1,4 @@
-"""Diversity: three different quantities that papers call by one name.
+"""Diversity: three different quantities to which papers give one name.
 
 `l1_deviation` is how far one clip moves around its own mean pose, `mean_pair_distance` how far the
 clips of a condition differ from each other, and `feature_variance` the same for their embeddings.

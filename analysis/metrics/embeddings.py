@@ -1,4 +1,4 @@
-"""Two samples of embeddings: checked, of equal size, and drawn again clip by clip."""
+"""Samples of embeddings: checked, cut to equal sizes, and resampled clip by clip."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SEED: Final = 0
 """Seed of every draw, so that two runs give equal numbers."""
 
 FEWEST_CLIPS: Final = 5
-"""Fewer clips than this say nothing about how scores differ between samples of clips."""
+"""Fewer clips than this do not show how scores vary between samples of clips."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,10 +28,9 @@ class Embeddings:
     Attributes
     ----------
     values : ndarray, shape (n, d)
-        One row per clip, or several where a clip is cut into windows.
+        One row per clip, or per window of a clip.
     clips : ndarray, shape (n,), int
-        Number of the clip that each row belongs to, from 0 without gaps; rows of one clip are not
-        independent of each other.
+        Index of each row's clip, from 0 without gaps; rows of one clip are not independent.
     """
 
     values: FloatArray
@@ -42,7 +41,7 @@ class Embeddings:
         return len(self.values)
 
     def rows(self, index: NDArray[np.int64]) -> Embeddings:
-        """Return the embeddings of the rows that `index` picks."""
+        """Return the rows at `index`."""
         clips = np.unique(self.clips[index], return_inverse=True)[1].astype(np.int64)
         return Embeddings(values=self.values[index], clips=clips)
 
@@ -55,13 +54,13 @@ def embeddings(values: FloatArray, clips: Sequence[object] | None = None) -> Emb
     values : ndarray, shape (n, d)
         Embeddings.
     clips : sequence of n names, optional
-        The clip of each row; by default every row is a clip of its own.
+        The clip of each row; by default each row is a separate clip.
 
     Raises
     ------
     InputError
-        If the array is not two-dimensional, has no column, holds a value that is not finite, or
-        if `clips` names another number of rows.
+        If the array is not two-dimensional, has no column or holds a value that is not finite, or
+        if `clips` has another length.
     """
     array = np.asarray(values, np.float64)
     if array.ndim != 2 or not array.shape[1]:
@@ -87,7 +86,7 @@ def embeddings(values: FloatArray, clips: Sequence[object] | None = None) -> Emb
 
 
 def check_dimensions(x: Embeddings, y: Embeddings) -> None:
-    """Raise `InputError` where two samples do not come from the same feature network."""
+    """Raise `InputError` if two samples have different dimensions."""
     if x.values.shape[1] != y.values.shape[1]:
         raise InputError(
             f"embeddings have {x.values.shape[1]} and {y.values.shape[1]} dimensions",
@@ -98,8 +97,8 @@ def check_dimensions(x: Embeddings, y: Embeddings) -> None:
 def of_equal_size(x: Embeddings, y: Embeddings) -> tuple[Embeddings, Embeddings]:
     """Return both samples with as many rows as the smaller one, drawn without replacement.
 
-    The bias of a Fréchet distance depends on both sizes, so that scores of unequal samples do not
-    compare.
+    The bias of a Fréchet distance depends on both sizes, so scores of unequal samples are not
+    comparable.
     """
     count = min(len(x), len(y))
     return drawn(x, count), drawn(y, count)
@@ -114,7 +113,7 @@ def drawn(sample: Embeddings, count: int) -> Embeddings:
 
 
 def resampled_clips(sample: Embeddings, count: int, seed: int) -> Iterator[NDArray[np.int64]]:
-    """Yield the rows of `count` bootstrap samples that draw whole clips again."""
+    """Yield the rows of `count` bootstrap samples of whole clips."""
     chance = np.random.default_rng(seed)
     order = np.argsort(sample.clips, kind="stable")
     rows = np.split(order, np.flatnonzero(np.diff(sample.clips[order])) + 1)

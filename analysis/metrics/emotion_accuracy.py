@@ -1,8 +1,8 @@
 """Gesture emotion accuracy (GA): how often a network names the emotion that was spoken.
 
-AMUSE (Chhatre et al. 2024, section 5.1) reports the top-1 accuracy of a classifier of gestures,
-as the mean over emotions, with a confusion matrix (its figure A.11). Recorded gestures are not
-classified without error either, so their accuracy is reported as one more condition.
+AMUSE (Chhatre et al. 2024, section 5.1) reports the top-1 accuracy of a classifier of gestures, as
+the mean over emotions, with a confusion matrix (its figure A.11). Recorded gestures are not
+classified without error either, so their accuracy is reported as another condition.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ def emotion_confusion(
     condition: str,
     network: str,
 ) -> EmotionConfusion:
-    """Count which emotion each clip was taken for.
+    """Count the emotions that the network named, by spoken emotion.
 
     Parameters
     ----------
     spoken, named : sequence of str
-        The emotion of each clip's speech, and the one that the network names.
+        The emotion of each clip's speech, and the emotion that the network named.
     labels : sequence of str
         The emotions that the network classifies. Clips with other emotions are left out.
     condition, network : str
@@ -69,10 +69,10 @@ def emotion_accuracy(
     Returns
     -------
     MetricResult
-        In [0, 1]; emotions count alike, however many clips they have. The interval takes clips as
-        independent and combines Wilson's intervals of the emotions (MOVER; Zou, Huang & Zhang
-        2009, "A note on confidence interval estimation for a linear function of binomial
-        proportions"). NaN where no clip has an emotion that the network knows.
+        In [0, 1]; every emotion has the same weight, however many clips it has. The interval
+        assumes independent clips and combines Wilson's intervals of the emotions (MOVER; Zou, Huang
+        & Zhang 2009, "A note on confidence interval estimation for a linear function of binomial
+        proportions"). NaN if no clip has an emotion that the network knows.
     """
     counts = np.array(confusion.counts, float).reshape(len(confusion.spoken), len(confusion.named))
     clips = counts.sum(axis=1)

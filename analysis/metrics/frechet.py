@@ -1,12 +1,12 @@
 """Fréchet distance of embeddings: FGD, FED, FMD and FLD, by a route that is safe at low rank.
 
-The distance of two normal distributions is ``|m₁ - m₂|² + tr Σ₁ + tr Σ₂ - 2 tr √(Σ₁ Σ₂)``
-(Dowson & Landau 1982; Heusel et al. 2017). A matrix square root of the product is slow, and wrong
-where samples are fewer than dimensions. The last trace is the sum of the singular values of
-``A Bᵀ`` for any ``AᵀA = Σ₁``, ``BᵀB = Σ₂``: the centred samples themselves where they are fewer
-than dimensions, symmetric square roots otherwise.
+The distance of two normal distributions is ``|m₁ - m₂|² + tr Σ₁ + tr Σ₂ - 2 tr √(Σ₁ Σ₂)`` (Dowson &
+Landau 1982; Heusel et al. 2017). A matrix square root of the product is slow, and wrong with fewer
+samples than dimensions. The last trace is the sum of the singular values of ``A Bᵀ`` for any ``AᵀA
+= Σ₁``, ``BᵀB = Σ₂``: here the scaled centred samples if they are fewer than dimensions, and
+symmetric square roots otherwise.
 
-Published code takes a matrix square root of the product nevertheless, and papers report its result:
+Published code takes a matrix square root of the product, and papers report the result;
 `published_distance` computes it for comparison.
 """
 
@@ -34,13 +34,13 @@ from analysis.metrics.scores import Metric, MetricResult
 FloatArray = NDArray[np.float64]
 
 FEWEST_PER_DIMENSION: Final = 2
-"""Fewer samples than this many times the dimensions are flagged."""
+"""Samples of fewer than this many times the dimensions are flagged."""
 
 RESAMPLES: Final = 200
-"""Bootstrap samples behind an interval; its standard error is then known to 5%."""
+"""Bootstrap samples for an interval; they determine its standard error to 5%."""
 
 RESAMPLES_OF_MANY: Final = 60
-"""The same of samples of more than `MANY` rows, which take seconds each; known to 9%."""
+"""The same for more than `MANY` rows, which take seconds each; accurate to 9%."""
 
 MANY: Final = 2000
 
@@ -48,7 +48,7 @@ SIZES: Final = 15
 """Sample sizes for the extrapolation, evenly spaced in 1 / n from n / 2 to n."""
 
 DRAWS: Final = 4
-"""Draws per size, whose mean is fitted."""
+"""Draws per size; their mean is fitted."""
 
 
 def frechet_of_samples(x: FloatArray, y: FloatArray) -> float:
@@ -84,8 +84,7 @@ def frechet(
         Embeddings by the same feature network. The larger sample is cut to the size of the smaller
         one.
     name : str
-        Of the metric: FGD (gestures), FED (expressions), FMD (both), FLD (face
-        landmarks).
+        The metric's name: FGD (gestures), FED (expressions), FMD (both), FLD (face landmarks).
     settings : mapping, optional
         The feature network and its hash, representation, frame rate, window and stride.
 
@@ -123,11 +122,11 @@ def frechet_extrapolated(
     name: str = "Fréchet distance, extrapolated",
     settings: Mapping[str, str] | None = None,
 ) -> MetricResult:
-    """Return FGD∞, the Fréchet distance that infinitely many samples would have.
+    """Return FGD∞, the Fréchet distance extrapolated to infinitely many samples.
 
-    The bias falls as 1 / n, so the distances of ever smaller parts of the samples lie on a line
-    over 1 / n whose value at 0 has no bias (Chong & Forsyth 2020, "Effectively Unbiased
-    FID"). Below twice as many samples as dimensions there is no such line.
+    The bias falls as 1 / n, so the distances of subsamples lie on a line over 1 / n, whose value at
+    0 is unbiased (Chong & Forsyth 2020, "Effectively Unbiased FID"). With fewer than twice as many
+    samples as dimensions they do not lie on a line.
 
     Parameters
     ----------
@@ -136,13 +135,13 @@ def frechet_extrapolated(
     name : str
         The metric's name.
     settings : mapping, optional
-        The same as for `frechet`.
+        As in `frechet`.
 
     Returns
     -------
     MetricResult
         May be below 0 by chance. NaN for fewer samples than four times the dimensions, because half
-        of them must still be twice the dimensions.
+        of them must still be at least twice the dimensions.
     """
     check_dimensions(generated, reference)
     x, y = of_equal_size(generated, reference)
@@ -193,15 +192,15 @@ def _remark(count: int, dimensions: int) -> str:
     return (
         f"{count} samples are fewer than {FEWEST_PER_DIMENSION} x {dimensions} dimensions: two "
         f"samples of one standard normal would score {_bias(count, dimensions):.0f}; compare only "
-        "with scores of as many samples, and read the kernel distance beside it"
+        "with scores of as many samples, and read the kernel distance as well"
     )
 
 
 def _bias(count: int, dimensions: int) -> float:
     """Return the mean distance of two samples of one standard normal distribution.
 
-    It is about d (d + 5) / (2 n) where n is far above d. Below that it is simulated: at so many
-    dimensions one draw is nearly its own mean.
+    It is about d (d + 5) / (2 n) for n far above d. For n < d it is simulated: with so many
+    dimensions a single draw is close to the mean.
     """
     if count >= dimensions:
         return dimensions * (dimensions + 5) / (2 * count)
@@ -228,7 +227,7 @@ def _distance(shift: FloatArray, factor1: FloatArray, factor2: FloatArray) -> fl
 
 
 def _sample_factor(centred: FloatArray) -> FloatArray:
-    """Return a factor F with FᵀF the covariance of centred samples, of min(n, d) rows."""
+    """Return a factor F of min(n, d) rows with FᵀF the covariance of centred samples."""
     count, dimensions = centred.shape
     if count <= dimensions:
         return centred / math.sqrt(count - 1)
@@ -262,7 +261,7 @@ def published_distance(x: FloatArray, y: FloatArray, rule: Rule) -> float:
     """Return the Fréchet distance of two samples by a published rule.
 
     If a sample has no more rows than columns, the product is singular, and its root depends on
-    SciPy's version and on the number of threads; `FAILED` may come of it.
+    SciPy's version and the number of threads; the result may be `FAILED`.
 
     Parameters
     ----------
@@ -287,6 +286,6 @@ def published_distance(x: FloatArray, y: FloatArray, rule: Rule) -> float:
 
 def _matrix_root(product: FloatArray) -> NDArray[np.complex128]:
     with warnings.catch_warnings():
-        # That the product is singular is said with the number of samples.
+        # The remark about the number of samples states that the product is singular.
         warnings.simplefilter("ignore", LinAlgWarning)
         return np.asarray(sqrtm(product), np.complex128)

@@ -1,7 +1,7 @@
 """Kernel distance of embeddings (KID): unbiased at any sample size, so it may be below 0.
 
 The squared maximum mean discrepancy with the kernel ``k(x, y) = (x·y / d + 1)³`` (Bińkowski et al.
-2018, "Demystifying MMD GANs"). It accompanies every Fréchet distance of few samples.
+2018, "Demystifying MMD GANs"). It accompanies every Fréchet distance.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from analysis.metrics.scores import Metric, MetricResult
 FloatArray = NDArray[np.float64]
 
 _BLOCK: Final = 1000
-"""Rows of the kernel matrix held at a time: bounds the memory."""
+"""Rows of the kernel matrix held at a time, which bounds the memory."""
 
 
 def kernel_distance(
@@ -79,11 +79,11 @@ class _Side:
     rows : ndarray, shape (C,)
         Rows of each clip.
     touching : ndarray, shape (C,)
-        Sum over pairs of different rows that contain a row of the clip, on either side.
+        Sum over ordered pairs of different rows with at least one row of the clip.
     total : float
         Sum over all ordered pairs of different rows.
     across : ndarray, shape (C,)
-        Sum over pairs of a row of the clip and one of the other sample.
+        Sum over pairs of a row of the clip and a row of the other sample.
     """
 
     rows: FloatArray
@@ -110,7 +110,7 @@ class _Side:
 
     @property
     def left(self) -> FloatArray:
-        """Remaining rows when each clip in turn is left out."""
+        """Rows that remain when each clip in turn is left out."""
         return np.asarray(self.rows.sum() - self.rows)
 
     @property
@@ -120,7 +120,7 @@ class _Side:
         return float(self.total / (count * (count - 1)))
 
     def variance(self, other: _Side) -> float:
-        """Return what this sample adds to the variance of the distance, by a jackknife."""
+        """Return this sample's contribution to the variance of the distance, by the jackknife."""
         within = (self.total - self.touching) / (self.left * (self.left - 1))
         between = (self.across.sum() - self.across) / (self.left * other.rows.sum())
         without = within + other.mean - 2 * between

@@ -1,8 +1,8 @@
 """Kinematics: joints on the default body, their jerk, acceleration, speed and foot sliding.
 
 Jerk and acceleration are large where motion trembles or jumps. GENEA's evaluation (Kucherenko et
-al. 2021) compares how often each speed occurs, whenever it does, by the Hellinger distance, which
-is 0 for equal histograms and 1 for ones without a common bin.
+al. 2021) compares histograms of speeds by the Hellinger distance, which is 0 for equal histograms
+and 1 for histograms without a common bin.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from motion.skeleton import (
 FloatArray = NDArray[np.float64]
 
 HIGHEST_FRAME_RATE: Final = 30.0
-"""Metrics look at 30 frames per second at most, whatever the clips hold."""
+"""Metrics use at most 30 frames per second, whatever the clips' rate."""
 
 ARM_JOINTS: Final = (
     "left_wrist",
@@ -68,8 +68,7 @@ GESTURE_JOINTS: Final = (
 def common_frame_rate(frame_rates: Collection[float]) -> float:
     """Return the rate at which clips of different rates are compared: the slowest, at most 30.
 
-    Frames that were never recorded would have to be invented for any faster rate, and an
-    interpolated frame is smooth by construction, which flatters jerk.
+    Any faster rate would need interpolated frames, which are smooth by construction and lower jerk.
     """
     return min(HIGHEST_FRAME_RATE, *frame_rates)
 
@@ -88,8 +87,8 @@ class JointMotion:
     relative : ndarray, shape (T, 55, 3), float64
         Positions relative to the pelvis in metres, y up.
     pelvis : ndarray, shape (T, 3), float64
-        Pelvis positions in the world, in metres, with the feet on the ground as in videos.
-        All values are of single precision, whether they were computed or read.
+        Pelvis positions in the world, in metres, with the feet on the ground as in videos. All
+        values are rounded to single precision, whether computed or read.
     """
 
     relative: FloatArray
@@ -97,18 +96,18 @@ class JointMotion:
 
     @classmethod
     def of(cls, packed: NDArray[np.float32]) -> JointMotion:
-        """Return what `packed_joints` packed."""
+        """Return the motion that `packed_joints` packed."""
         values = packed.astype(np.float64)
         return cls(relative=values[:, :JOINT_COUNT], pelvis=values[:, JOINT_COUNT])
 
 
 def joint_motion(clip: MotionClip, frame_rate: float) -> JointMotion:
-    """Return where all joints are, on the default body, whatever the clip's own shape.
+    """Return the positions of all joints on the default body, whatever the clip's own shape.
 
     Parameters
     ----------
     clip : MotionClip
-        Any frame rate.
+        A clip at any frame rate.
     frame_rate : float
         Frames per second of the result.
     """
@@ -129,11 +128,11 @@ _FILTER_ORDER: Final = 4
 FEET: Final = ("left_foot", "right_foot")
 
 CONTACT_HEIGHT: Final = 0.025
-"""Metres above the ground below which a foot may be standing."""
+"""Metres above the ground below which a foot may be in contact with it."""
 
 _GROUND: Final = 0.02
-"""The ground is where this share of the feet's heights lies below: a few damaged frames do not
-move it."""
+"""The ground is at this quantile of the feet's heights, so that a few damaged frames do not move
+it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,10 +166,10 @@ HANDS: Final = DerivativeSettings(name="jerk (hands)", joints=WRISTS, cutoff=6.0
 """Wrists, low-pass at 6 Hz: gestures pass, frame-to-frame jitter at 15 fps and more does not."""
 
 HANDS_UNFILTERED: Final = DerivativeSettings(name="jerk (hands, unfiltered)", joints=WRISTS)
-"""Wrists as they are; jitter counts in full, and so does noise of the recording."""
+"""Wrists without a filter; jitter counts in full, and so does recording noise."""
 
 GENEA: Final = DerivativeSettings(name="jerk (genea)", joints=UPPER_BODY_JOINTS)
-"""GENEA's evaluation: all joints, here those of head and arms, without a filter."""
+"""GENEA's evaluation, without a filter; its "all joints" are here those of head and arms."""
 
 GENEA_ACCELERATION: Final = DerivativeSettings(
     name="acceleration (genea)", unit="m/s²", order=2, joints=UPPER_BODY_JOINTS, fewest=3
@@ -195,8 +194,8 @@ def mean_derivative(
     -------
     MetricResult
         In m/s² or m/s³: mean norm of second or third differences times that power of the frame
-        rate, as GENEA's evaluation (Kucherenko et al. 2021); NaN for a clip of too few frames, and
-        where the cut-off is not below half the frame rate.
+        rate, as in GENEA's evaluation (Kucherenko et al. 2021). NaN for a clip of too few frames,
+        or if the cut-off is not below half the frame rate.
     """
     metric = Metric(settings.name, settings.unit, "near the reference")
     cutoff, order = settings.cutoff, settings.order
@@ -233,9 +232,9 @@ def foot_sliding(positions: FloatArray, *, frame_rate: float) -> MetricResult:
     Returns
     -------
     MetricResult
-        In m/s: horizontal speed between two frames times ``2 - 2 ** (h / H)`` of the greater
-        height h above the clip's own ground, over frame pairs with h below H = `CONTACT_HEIGHT`.
-        NaN for one frame, and where no foot stays on the ground from one frame to the next.
+        In m/s: horizontal speed between two frames times ``2 - 2 ** (h / H)`` of the greater height
+        h above the clip's own ground, over frame pairs with h below H = `CONTACT_HEIGHT`. NaN for
+        one frame, or if no foot stays on the ground from one frame to the next.
     """
     described = {
         "joints": ", ".join(FEET),
@@ -280,7 +279,7 @@ def speed_counts(positions: FloatArray, frame_rate: float) -> Counts:
     Returns
     -------
     ndarray, shape (J, 80), int
-        Frames by joint and speed, in bins of `BIN`; the last holds all that is faster.
+        Frames by joint and speed, in bins of `BIN`; the last bin holds all faster ones.
     """
     speed = np.linalg.norm(np.diff(positions, axis=0), axis=2) * frame_rate
     bins = np.minimum((speed / BIN).astype(np.int64), _BINS - 1)
@@ -302,8 +301,8 @@ def speed_distance(generated: Counts, recorded: Counts, *, frame_rate: float) ->
     Returns
     -------
     MetricResult
-        In [0, 1], mean over joints. The interval is the score ± 1.96 times its standard deviation
-        when clips are drawn again. NaN without a clip of two frames on either side.
+        In [0, 1], mean over joints. The interval is the score ± 1.96 bootstrap standard errors over
+        clips. NaN if either side has no clip of two frames.
     """
     described = {
         "joints": ", ".join(UPPER_BODY_JOINTS),

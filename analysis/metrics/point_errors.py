@@ -1,10 +1,11 @@
-"""Errors of points relative to the recording of the same speech.
+"""Errors of points compared with the recording of the same speech.
 
 Mean absolute error of joints (MAJE) and of face landmarks (MALE) and mean acceleration error
 (MAcE): Speech2UnifiedExpressions (Bhattacharya et al. 2024, section 6.2) after Yoon et al. 2020, in
-millimetres, after all motion is scaled by one constant into a box with a diagonal of one metre.
-Frames that seed the generator are left out. Code of its predecessor leaves the frame rate out of
-accelerations, which makes values of other frame rates incomparable; it is in here.
+millimetres, after one constant has scaled all motion into a box with a diagonal of one metre.
+Frames that seed the generator are left out. Its predecessor's code omits the frame rate from
+accelerations, so values at different frame rates are not comparable; here the frame rate is
+included.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ FloatArray = NDArray[np.float64]
 Norm = Literal["L1", "L2"]
 
 LEAST_OVERLAP: Final = 0.9
-"""A clip shorter than this share of the other one is not the same segment."""
+"""A clip shorter than this share of the other is not the same segment."""
 
 SEED_FRAMES: Final = 4
 """Seed frames of the generators of S2UE and its predecessors, at 15 fps."""
@@ -38,11 +39,11 @@ class PointSettings:
     Attributes
     ----------
     metric : Metric
-        Its name and unit.
+        The metric's name and unit.
     points : str
         The points in words.
     order : int
-        Derivative that is compared: 0 for positions, 2 for accelerations.
+        Order of the derivative compared: 0 for positions, 2 for accelerations.
     too_short : str
         Why a clip with too few frames has no error.
     """
@@ -50,7 +51,7 @@ class PointSettings:
     metric: Metric
     points: str
     order: int = 0
-    too_short: str = "the clip has no frame behind those that seed the generator"
+    too_short: str = "the clip has no frame after those that seed the generator"
 
     def described(self, frame_rate: float, scale: float) -> dict[str, str]:
         """Return the settings in words, for a footnote."""
@@ -73,7 +74,7 @@ def _acceleration(name: str, points: str) -> PointSettings:
         metric=Metric(f"mean acceleration error ({name}, s2ue)", "mm/s²", "lower"),
         points=points,
         order=2,
-        too_short="the clip has fewer than 3 frames behind those that seed",
+        too_short="the clip has fewer than 3 frames after those that seed the generator",
     )
 
 
@@ -86,7 +87,7 @@ MACE_LANDMARKS: Final = _acceleration("MAcE-LM", _LANDMARKS)
 
 
 def paired(generated: FloatArray, recorded: FloatArray) -> tuple[FloatArray, FloatArray, str]:
-    """Return two clips cut to the shorter one, and why they cannot be paired if they cannot.
+    """Return two clips cut to the shorter one's length, and why they cannot be paired, if so.
 
     Parameters
     ----------
@@ -96,7 +97,7 @@ def paired(generated: FloatArray, recorded: FloatArray) -> tuple[FloatArray, Flo
     Returns
     -------
     generated, recorded : ndarray
-        Cut to equally many frames.
+        The clips with the same number of frames.
     reason : str
         Empty if they can be paired.
     """

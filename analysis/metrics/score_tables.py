@@ -28,14 +28,14 @@ COLUMNS: Final = (
 )
 
 _TEXT: Final = pa.dictionary(pa.int32(), pa.string())
-"""Texts repeat a great deal, so that Parquet holds each once."""
+"""Texts repeat often, so Parquet stores each once."""
 
 _TYPES: Final[Mapping[str, tuple[str, pa.DataType]]] = MappingProxyType(
     dict.fromkeys(COLUMNS, ("str", _TEXT))
     | dict.fromkeys(_NUMBERS, ("float64", pa.float64()))
     | dict.fromkeys(_COUNTS, ("Int64", pa.int64()))
 )
-"""Of each column, in pandas and in Parquet."""
+"""Type of each column, in pandas and in Parquet."""
 
 
 def score_table(metrics: StudyMetrics) -> pd.DataFrame:
@@ -44,10 +44,10 @@ def score_table(metrics: StudyMetrics) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        Columns as in `COLUMNS`. First the scores of whole conditions, whose `segment` is empty and
-        which say how many clips they are a mean over; then those of single clips, whose `n` says
-        how many things they are a mean over. ``low`` and ``high`` are the 95% interval of a score
-        that has one. A missing value is empty, with its reason.
+        Columns as in `COLUMNS`. First the scores of whole conditions, with an empty `segment` and
+        the number of clips they average; then those of single clips, whose `n` is the number of
+        items they average. ``low`` and ``high`` are the 95% interval, if there is one. A missing
+        value is empty, with its reason.
     """
     rows = chain(
         (
@@ -77,7 +77,7 @@ def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[st
     metrics : StudyMetrics
         The scores.
     root : Path, optional
-        Files are named from this folder, so that the document does not tell where it lies.
+        Files are named relative to this folder, so that the document does not reveal its location.
 
     Returns
     -------
@@ -109,7 +109,7 @@ def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[st
 
 
 def write_scores(metrics: StudyMetrics, path: Path) -> None:
-    """Write all scores to `path`, in one step, in the format that its ending names.
+    """Write all scores to `path` atomically, in the format of its ending.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def write_scores(metrics: StudyMetrics, path: Path) -> None:
 
 
 def check_ending(path: Path) -> None:
-    """Raise `InputError` where `write_scores` knows no format for `path`."""
+    """Raise `InputError` if `write_scores` has no format for `path`."""
     _writer(path)
 
 
@@ -148,7 +148,7 @@ def _write_parquet(metrics: StudyMetrics, path: Path) -> None:
 
 
 def _metadata(metrics: StudyMetrics) -> dict[str, str]:
-    """Return what a Parquet file says of its metrics: units, directions and settings by name."""
+    """Return the metadata of a Parquet file: frame rate, and each metric's unit and direction."""
     units: dict[str, str] = {}
     better: dict[str, str] = {}
     for score in metrics.conditions:
@@ -180,7 +180,7 @@ _WRITERS: Final[Mapping[str, Callable[[StudyMetrics, Path], None]]] = MappingPro
 
 
 def _row(score: ConditionScore | ClipScore) -> dict[str, object]:
-    """Return a score by column."""
+    """Return a score's values by column."""
     result = score.result if isinstance(score, ClipScore) else score
     low, high = result.interval or (None, None)
     row: dict[str, object] = {
@@ -205,7 +205,7 @@ def _row(score: ConditionScore | ClipScore) -> dict[str, object]:
 
 
 def _plain(value: object) -> object:
-    """Return a value as JSON holds it, which knows no NaN."""
+    """Return a value that JSON can hold: None for NaN and infinity."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

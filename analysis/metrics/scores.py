@@ -12,24 +12,24 @@ import numpy as np
 from motion.errors import InputError
 
 Better = Literal["lower", "higher", "near the reference", "unsaid"]
-"""Which of two scores is better; 'near the reference' if too much is as bad as too little, 'unsaid'
-for numbers that only help to read others."""
+"""Which of two scores is better: 'near the reference' if too much is as bad as too little, 'unsaid'
+for numbers that only help to interpret others."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MetricResult:
-    """One score.
+    """One score of one metric.
 
     Attributes
     ----------
     name : str
         The metric and, if there are several, its preset.
     value : float
-        The score; NaN where it is not defined.
+        The score; NaN if undefined.
     unit : str
-        Unit of `value`; empty where it has none.
+        Unit of `value`; empty if it has none.
     n : int
-        Number of items that `value` is a mean over.
+        Number of items that `value` averages.
     settings : mapping of str to str
         Everything that another score must share to be comparable with this one.
     reason : str
@@ -76,7 +76,7 @@ class Metric:
         interval: tuple[float, float] | None = None,
         remark: str = "",
     ) -> MetricResult:
-        """Return a score; `MetricResult` says what each part is."""
+        """Return a score; see `MetricResult` for its parts."""
         return MetricResult(
             name=self.name,
             value=value,
@@ -89,7 +89,7 @@ class Metric:
         )
 
     def missing(self, reason: str, settings: Mapping[str, str] | None = None) -> MetricResult:
-        """Return that there is no score, and why."""
+        """Return the result without a score, with the reason."""
         return MetricResult(
             name=self.name,
             value=math.nan,
@@ -144,19 +144,18 @@ class ConditionScore:
     condition, name, unit : str
         The condition, the metric and its unit.
     value : float
-        Mean over the clips that have a score, or the score of the whole condition; NaN for none.
+        Mean over the clips with a score, or the score of the whole condition; NaN if there is none.
     spread : float
         Standard deviation over those clips; NaN for fewer than two and for a score of the whole
         condition.
     scored, clips : int
         Clips with a score, and all clips.
     settings : mapping of str to str
-        The same as in `MetricResult`.
+        As in `MetricResult`.
     reason : str
         Why clips have no score; empty if all have one.
     better : {'lower', 'higher', 'near the reference', 'unsaid'}
-        Which scores are better; `analysis.report.sections.metrics` has what each paper
-        says.
+        Which scores are better; `analysis.report.sections.metrics` shows what papers state.
     interval : (float, float) or None
         95% interval of a score of the whole condition; `settings` say how it was made.
     remark : str
@@ -192,9 +191,9 @@ class StudyMetrics:
     skipped : tuple of InputError
         About files that could not be used.
     notes : tuple of str
-        On files that were read, such as a damaged face file beside one; not stored.
+        On files that were read, such as a damaged face file next to one; not stored.
     remarks : tuple of str
-        Segments without speech or recording, so that metrics are missing.
+        About segments without speech or a recording, for which metrics are missing.
     confusions : tuple of EmotionConfusion
         By emotion network, then condition: the emotions named for gestures.
     """
@@ -209,11 +208,11 @@ class StudyMetrics:
 
 
 _REASONS: Final = 3
-"""Different reasons that are named; clips of different lengths may have one each."""
+"""Number of different reasons that are listed; every clip may have its own."""
 
 
 def whole_condition(condition: str, result: MetricResult, clips: int) -> ConditionScore:
-    """Return the score of a condition whose `clips` were measured together."""
+    """Return the score of a condition whose clips were measured together."""
     return ConditionScore(
         condition=condition,
         name=result.name,
@@ -252,7 +251,7 @@ def clip_means(condition: str, scores: Sequence[ClipScore]) -> Iterator[Conditio
 
 
 def counted(reasons: Sequence[str], clips: int) -> str:
-    """Return each reason once, with its number of clips; of many reasons, the first ones."""
+    """Return each reason once, with its number of clips; only the first few of many reasons."""
     different = list(dict.fromkeys(reasons))
     named = [
         f"{reason} ({reasons.count(reason)} of {clips} clips)" for reason in different[:_REASONS]

@@ -1,11 +1,10 @@
 """Self-penetration: how deep forearms and hands reach into trunk, head and thighs.
 
-A vertex of a forearm or hand is inside where the surface of trunk, head and thighs winds around it
+A vertex of a forearm or hand is inside if the surface of trunk, head and thighs winds around it
 (generalised winding number above one half; Jacobson et al. 2013, "Robust inside-outside
-segmentation using generalized winding numbers"), which open edges of clothes and at the shoulders
-do not disturb. Its depth is its distance from that surface. Upper arms are left out: they are the
-trunk's and the forearms' neighbours and touch both in every pose. So are legs, which gestures leave
-alone.
+segmentation using generalized winding numbers"), a test that tolerates open edges of clothes and at
+the shoulders. Its depth is its distance from that surface. Upper arms are left out because they
+touch trunk and forearms in every pose, and lower legs because gestures do not reach them.
 """
 
 from __future__ import annotations
@@ -30,17 +29,17 @@ FloatArray = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 SAMPLES_PER_SECOND: Final = 2.0
-"""Frames that are looked at: a hand that sinks in stays in for longer than half a second."""
+"""Sampled frames: a hand that sinks in usually stays for longer than half a second."""
 
 TOLERANCE: Final = 0.005
-"""Metres that skin and clothes give way: a frame counts as penetrated beyond them."""
+"""Metres by which skin and clothes give way; a deeper frame counts as penetrated."""
 
 _MOVING: Final = (
     *(f"{side}_{joint}" for side in ("left", "right") for joint in ("elbow", "wrist")),
     *LEFT_HAND_JOINTS,
     *RIGHT_HAND_JOINTS,
 )
-"""Joints whose skin is that of forearms and hands."""
+"""Joints that move the skin of forearms and hands."""
 
 _SOLIDS: Final = (
     ("pelvis", "spine1", "spine2", "spine3", "left_collar", "right_collar"),
@@ -48,7 +47,7 @@ _SOLIDS: Final = (
     ("left_hip",),
     ("right_hip",),
 )
-"""Joints whose skin is that of trunk, head and thighs."""
+"""Joints that move the skin of trunk, head and thighs."""
 
 _DIRECTIONS: Final = np.array(
     [d for d in product((-1, 0, 1), repeat=3) if d > (0, 0, 0)], np.float64
@@ -57,14 +56,14 @@ _DIRECTIONS: Final = np.array(
 
 _INSIDE: Final = 0.5
 _NEAREST: Final = 8
-"""Triangles with the nearest centres, among which the nearest one is."""
+"""Triangles with the nearest centres, among which the nearest triangle is sought."""
 
 _POINTS_AT_A_TIME: Final = 64
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PenetrableBody:
-    """A body, and which of its vertices can be inside which.
+    """A body, with its vertices that can penetrate and those that can be penetrated.
 
     Attributes
     ----------
@@ -85,7 +84,7 @@ class PenetrableBody:
 
     @classmethod
     def of(cls, body: BodyModel) -> PenetrableBody:
-        """Tell the parts of `body` distances, by the joint that moves each vertex most."""
+        """Divide `body` into parts, by the joint that moves each vertex most."""
         joints = _main_joints(body)
         solids = tuple(np.flatnonzero(np.isin(joints, _indices(names))) for names in _SOLIDS)
         is_solid = np.zeros(len(joints), bool)
@@ -98,12 +97,12 @@ class PenetrableBody:
         )
 
     def depths(self, clip: MotionClip) -> NDArray[np.float32]:
-        """Return how deep the deepest vertex is inside, in sampled frames of `clip`.
+        """Return the depth of the deepest vertex in each sampled frame of `clip`.
 
         Parameters
         ----------
         clip : MotionClip
-            Its own shape and face are left out, so that all clips are on one body.
+            The clip; its shape and face are ignored, so that all clips are on one body.
 
         Returns
         -------
@@ -115,7 +114,7 @@ class PenetrableBody:
         return np.array([self._depth(vertices) for vertices in sampled], np.float32)
 
     def _depth(self, vertices: NDArray[np.float32]) -> float:
-        """Return how deep the deepest vertex of a frame is, in metres."""
+        """Return the depth of a frame's deepest vertex, in metres."""
         placed = vertices.astype(np.float64)
         points = placed[self.moving]
         points = points[self._within_bounds(placed, points)]
@@ -148,7 +147,7 @@ def sampled_frames(frames: int, frame_rate: float) -> Index:
 
 
 def winding_numbers(points: FloatArray, vertices: FloatArray, faces: Index) -> FloatArray:
-    """Return how often a surface winds around each point: 1 inside a closed one, 0 outside.
+    """Return the winding number of a surface around each point: 1 inside, 0 outside.
 
     Parameters
     ----------
@@ -157,7 +156,7 @@ def winding_numbers(points: FloatArray, vertices: FloatArray, faces: Index) -> F
     vertices : ndarray, shape (V, 3)
         Corners of the surface.
     faces : ndarray, shape (F, 3), int
-        Its triangles, in one order seen from outside.
+        Its triangles, consistently oriented seen from outside.
 
     Returns
     -------
@@ -165,7 +164,7 @@ def winding_numbers(points: FloatArray, vertices: FloatArray, faces: Index) -> F
         Solid angle of all triangles over 4 pi (Van Oosterom & Strackee 1983).
     """
     corners, faces = np.unique(faces, return_inverse=True)
-    # All products of a point with corners are matrix products; near the origin none cancels.
+    # Products of points and corners are matrix products; near the origin none cancels.
     centre = vertices[corners].mean(axis=0)
     placed, points = vertices[corners] - centre, points - centre
     a, b, c = (placed[faces[:, corner]] for corner in range(3))
@@ -239,7 +238,7 @@ def _main_joints(body: BodyModel) -> Index:
 
 
 def _distances(points: FloatArray, triangles: FloatArray) -> FloatArray:
-    """Return the distance of points from the surface: to the triangles with the nearest centres."""
+    """Return the points' distances to the nearest of the triangles with the nearest centres."""
     near = cKDTree(triangles.mean(axis=1)).query(points, k=min(_NEAREST, len(triangles)))[1]
     near = near.reshape(len(points), -1)
     repeated = np.repeat(points, near.shape[1], axis=0)

@@ -96,7 +96,7 @@ def test_empty_answers_and_unknown_columns_are_skipped_with_a_note(
     assert result.conditions == ("ours", "other", "NA")
     assert result.notes == (
         "Columns that are not read: browser.",
-        "2 rows are without a response left out.",
+        "2 rows are left out for lack of a response.",
     )
 
 
@@ -121,8 +121,8 @@ OWN_SPEECH_TWICE = (
     [
         ("right,response\n", PAIRWISE, "the table has no column left; it has participant, segment"),
         ("left,right,response,left\n", PAIRWISE, "column left occurs twice"),
-        (STORED_TWICE, PAIRWISE, "row 4, column trial: the same answer stands in row 2 already"),
-        (RANKING_TWICE, RANKING, r"row 3, .* stands in row 2 already"),
+        (STORED_TWICE, PAIRWISE, "row 4, column trial: row 2 already holds this answer"),
+        (RANKING_TWICE, RANKING, r"row 3, .*row 2 already holds this answer"),
         (TOO_MANY_CELLS, PAIRWISE, "line 3"),
         (OWN_SPEECH_TWICE, MISMATCH, "row 3, column right_speech: left_speech and right"),
     ],

@@ -96,7 +96,7 @@ def test_points_are_scaled_to_a_box_of_one_metre() -> None:
 def test_too_few_frames_and_unequal_lengths_give_a_reason() -> None:
     whole = motion()
     for result, reason in (
-        (point_error(whole[:4], whole[:4], frame_rate=15, settings=MAJE), "no frame behind those"),
+        (point_error(whole[:4], whole[:4], frame_rate=15, settings=MAJE), "no frame after those"),
         (point_error(whole[:6], whole[:6], frame_rate=15, settings=MACE_POSES), "fewer than 3"),
         (
             point_error(whole[:20], whole, frame_rate=15, settings=MAJE),
