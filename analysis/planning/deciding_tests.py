@@ -1,4 +1,4 @@
-"""The tests that a report decides by, and quick approximations of them for many studies at once.
+"""The tests by which a report decides, and quick approximations for many studies at once.
 
 Where the report tests a mean, the quick test is the same. Where it fits a model, the quick test
 replaces it: the two nearly always agree, and their difference is measured on some studies.
@@ -28,10 +28,10 @@ Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
 
 LEVEL: Final = 0.05
-"""Corrected p values below it decide."""
+"""Corrected p values below this are significant."""
 
 ROUNDS: Final = 8
-"""Random families that each block is corrected in."""
+"""Number of random families in which each block is corrected."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class DecidingTests:
     Attributes
     ----------
     part : Part
-        What is tested.
+        The part that is tested.
     """
 
     part: Part
@@ -70,7 +70,7 @@ class DecidingTests:
         return min(len(np.unique(codes[rows])) for codes in (trials.participants, trials.items))
 
     def quick(self, answers: Floats) -> BlockTests:
-        """Test all studies of `answers`, as `simulate_answers` gives them."""
+        """Test all studies in `answers`, which come from `simulate_answers`."""
         tests = [
             self._clustered(answers, rows, pair, modelled)
             for rows, pair, modelled in zip(self._rows, self.pairs, self.by_model, strict=True)
@@ -79,7 +79,7 @@ class DecidingTests:
         return BlockTests(p_values=p_values, signs=np.sign(means))
 
     def exact(self, answers: Floats) -> BlockTests:
-        """Test each study of `answers` by the models that the report decides by."""
+        """Test each study in `answers` by the models that decide in the report."""
         results = self.quick(answers)
         for study, study_answers in enumerate(answers):
             if self.part.kind == "rankings":
@@ -97,7 +97,7 @@ class DecidingTests:
     ) -> tuple[Floats, Floats]:
         participants, items = self.part.trials.participants[rows], self.part.trials.items[rows]
         if self.part.kind == "pairs":
-            # The report's win share, or scores, which come nearer to the model's answer.
+            # The report's win share; for a model, graded scores, which approximate it better.
             preferences = answers[:, rows]
             return clustered_tests(
                 preferences if modelled else np.sign(preferences) / 2, participants, items
@@ -151,12 +151,12 @@ def clustered_tests(values: Floats, participants: Codes, items: Codes) -> tuple[
     values : ndarray, shape (studies, N)
         Answers, 0 for no preference.
     participants, items : ndarray of int, shape (N,)
-        Who answered about what.
+        The participant and the item of each answer.
 
     Returns
     -------
     tuple of ndarray, shape (studies,)
-        The means, and the two-sided p values; NaN where a study has no test.
+        The means, and the two-sided p values; NaN if a study has no test.
     """
     if not values.shape[1]:
         missing = np.full(len(values), np.nan)
@@ -173,7 +173,7 @@ def clustered_tests(values: Floats, participants: Codes, items: Codes) -> tuple[
 
 
 def _savage_scores(ranks: Floats) -> Floats:
-    """Return scores of ranks, the best highest, by which a Plackett-Luce model tells them apart."""
+    """Return Savage scores of ranks, the best highest, in place of a Plackett-Luce model."""
     steps = np.cumsum(1 / np.arange(ranks.shape[-1], 0, -1))
     return np.asarray(-steps[ranks.astype(np.intp) - 1], np.float64)
 
@@ -185,9 +185,9 @@ class BlockTests:
     Attributes
     ----------
     p_values : ndarray, shape (studies, tests)
-        NaN where a test cannot be made.
+        NaN if there is no test.
     signs : ndarray, shape (studies, tests)
-        Above 0 where the first of the two conditions comes out better.
+        Above 0 if the first of the two conditions comes out better.
     """
 
     p_values: Floats
@@ -202,27 +202,29 @@ class BlockTests:
         )
 
 
-def decided_by_holm(p_values: Floats, rest: Sequence[tuple[Floats, int]], seed: int) -> Floats:
-    """Return how probable it is that each test of each block decides, shape (blocks, tests).
+def decided_by_holm(
+    p_values: Floats, other_blocks: Sequence[tuple[Floats, int]], seed: int
+) -> Floats:
+    """Return the probability that each test of each block is significant, (blocks, tests).
 
     Parameters
     ----------
     p_values : ndarray, shape (blocks, tests)
         The tests' p-values, a row for each block.
-    rest : sequence of (ndarray, shape (studies, tests), int)
-        The other blocks of the family, with which each is corrected: of each part, p values of
-        simulated blocks, and how many of them are drawn.
+    other_blocks : sequence of (ndarray, shape (studies, tests), int)
+        The family's other blocks, corrected together with each block: for each part, p values of
+        simulated blocks, and how many of them to draw.
     seed : int
-        Draws the rest; the same for what is to be compared.
+        Seed for drawing the other blocks; use the same for results that are compared.
     """
     generator = np.random.default_rng(seed)
     blocks, tests = p_values.shape
-    rounds = ROUNDS if any(count for _, count in rest) else 1
+    rounds = ROUNDS if any(count for _, count in other_blocks) else 1
     decided = np.zeros(p_values.shape)
     for _ in range(rounds):
         drawn = [
             pool[generator.integers(len(pool), size=(blocks, count))].reshape(blocks, -1)
-            for pool, count in rest
+            for pool, count in other_blocks
             if count
         ]
         decided += holm_rows(np.concatenate([p_values, *drawn], axis=1))[:, :tests] < LEVEL
@@ -234,13 +236,13 @@ def detection_shares(
 ) -> Floats:
     """Return the share of a block's true differences that are found, shape (blocks,).
 
-    A difference counts as found where the better condition comes out ahead. Without an effect
-    there is none, and every test that decides counts.
+    A difference is found if its test is significant and the better condition comes out ahead.
+    Without an effect there is none, and every significant test counts.
 
     Parameters
     ----------
     true : sequence of bool
-        Which tests compare conditions that differ where there is an effect.
+        Which tests compare conditions that differ if there is an effect.
     """
     if not effect:
         return np.asarray(decided.mean(axis=1), np.float64)

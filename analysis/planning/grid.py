@@ -19,12 +19,12 @@ from motion.files import write_text
 from motion.processes import ProcessPool
 
 VERSION: Final = "3"
-"""Raised whenever the same task is simulated otherwise."""
+"""Raised whenever the same task would give other numbers."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
-    """How often a study of one size finds a difference of one size.
+    """The power of a study of one size for one effect.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Cell:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Task:
-    """A cell that is to be simulated.
+    """A cell to simulate.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Task:
 
     @property
     def seconds(self) -> float:
-        """About how long it takes, in seconds of one processor."""
+        """Estimated time, in seconds of one processor."""
         return sum(
             _seconds(part, self.effort, with_null=self.effect > 0) for part in self.size.parts
         )
@@ -94,7 +94,7 @@ def simulate_cell(task: Task) -> tuple[Power, ...]:
 
 
 def load_powers(task: Task, folder: Path) -> tuple[Power, ...] | None:
-    """Return what was simulated before; None where nothing was, or it cannot be read."""
+    """Return the powers kept by an earlier run; None if there are none, or they are unreadable."""
     try:
         rows = json.loads((folder / f"{task.key}.json").read_text("utf-8"))
         return tuple(Power(**row) for row in rows)
@@ -103,7 +103,7 @@ def load_powers(task: Task, folder: Path) -> tuple[Power, ...] | None:
 
 
 def save_powers(task: Task, powers: Sequence[Power], folder: Path) -> None:
-    """Keep what was simulated for a later run."""
+    """Keep simulated powers for a later run."""
     write_text(folder / f"{task.key}.json", json.dumps([asdict(power) for power in powers]))
 
 
@@ -122,20 +122,20 @@ def _seconds(part: Part, effort: Effort, *, with_null: bool) -> float:
 
 
 USUAL: Final = 90
-"""Models that are usually fitted until a power is precise enough."""
+"""Number of models that are usually fitted until a power is precise enough."""
 
 
 Show = Callable[[int, int], None]
-"""Told how many cells are done, and of how many."""
+"""Called with the number of finished cells, and of all cells."""
 
 PROCESSORS: Final = 2
-"""For which a number of minutes is meant; more of them are only faster."""
+"""Number of processors for which minutes are estimated."""
 
 FEWEST_QUICK: Final = 400
-"""Blocks that quick tests see at least."""
+"""Fewest blocks for the quick tests."""
 
 SHORT: Final = 4.0
-"""Seconds of work that are not worth starting processes for."""
+"""Seconds of work below which starting processes does not pay."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,9 +147,9 @@ class Runner:
     folder : Path
         Where simulated cells are kept.
     processes : int
-        How many work at once; the numbers do not depend on it.
+        Number of processes; the results do not depend on it.
     show : callable, optional
-        Told how many cells are done, and of how many.
+        Called with the number of finished cells, and of all cells.
     """
 
     folder: Path
@@ -157,20 +157,20 @@ class Runner:
     show: Show | None = None
 
     def cells(self, tasks: Sequence[Task]) -> list[Cell]:
-        """Return the cell of each task, in their order; an interrupted run goes on."""
+        """Return the cell of each task, in order; an interrupted run is resumed."""
         powers_of: dict[int, tuple[Power, ...]] = {}
         for number, task in enumerate(tasks):
             if (powers := load_powers(task, self.folder)) is not None:
                 powers_of[number] = powers
         waiting = [number for number in range(len(tasks)) if number not in powers_of]
-        self._tell(len(powers_of), len(tasks))
+        self._show_progress(len(powers_of), len(tasks))
         for number, powers in self._simulated(tasks, waiting):
             save_powers(tasks[number], powers, self.folder)
             powers_of[number] = powers
-            self._tell(len(powers_of), len(tasks))
+            self._show_progress(len(powers_of), len(tasks))
         return [Cell(size=task.size, powers=powers_of[n]) for n, task in enumerate(tasks)]
 
-    def _tell(self, done: int, total: int) -> None:
+    def _show_progress(self, done: int, total: int) -> None:
         if self.show is not None:
             self.show(done, total)
 
@@ -191,24 +191,24 @@ class Runner:
 
 
 def limit_effort(tasks: Sequence[Task], minutes: float) -> list[Task]:
-    """Return the tasks with so much less effort that they take about so many minutes.
+    """Return the tasks, with less effort if they would take longer than `minutes`.
 
-    The estimate is for two processors. It depends on the studies alone, so that the numbers do
-    not depend on how fast a machine is.
+    The estimate is for two processors. It depends on the studies alone, so the results do not
+    depend on a machine's speed.
     """
     whole = sum(task.seconds for task in tasks)
     share = 60 * minutes * PROCESSORS / max(whole, 1e-9)
     if share >= 1:
         return list(tasks)
-    return [replace(task, effort=_less(task.effort, share)) for task in tasks]
+    return [replace(task, effort=_reduced(task.effort, share)) for task in tasks]
 
 
 def estimate_minutes(tasks: Sequence[Task]) -> float:
-    """Return about how many minutes the tasks take on two processors."""
+    """Return the estimated minutes of the tasks on two processors."""
     return sum(task.seconds for task in tasks) / 60 / PROCESSORS
 
 
-def _less(effort: Effort, share: float) -> Effort:
+def _reduced(effort: Effort, share: float) -> Effort:
     return replace(
         effort,
         quick=max(min(FEWEST_QUICK, effort.quick), int(effort.quick * share)),

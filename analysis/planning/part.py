@@ -1,4 +1,4 @@
-"""The parts of a study that are simulated: trials and opinions, and the answers of many studies.
+"""The simulated parts of a study: trials, opinions, and the answers of many studies.
 
 The latent difference of two conditions is the sum of an effect, a participant's and an item's
 deviation, and logistic noise.
@@ -24,14 +24,14 @@ Codes = NDArray[np.intp]
 Kind = Literal["pairs", "ratings", "rankings"]
 
 THRESHOLDS: Final = (0.45, 1.6)
-"""Thresholds of a latent difference from which answers are slight, and clear."""
+"""Latent differences from which answers are slight, and clear."""
 
 RATING_THRESHOLDS: Final = (-1.6, -0.45, 0.45, 1.6)
-"""Between five ratings on the latent scale."""
+"""Thresholds between five ratings on the latent scale."""
 
 PARTICIPANT_SD: Final = 0.6
 ITEM_SD: Final = 0.45
-"""How much the difference of two conditions varies where nobody has measured it, in logits."""
+"""Assumed standard deviations of the difference of two conditions, in logits."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,11 +61,11 @@ class Trials:
     Attributes
     ----------
     participants, items : ndarray of int, shape (N,)
-        Who judges which item, from 0.
+        The participant and the item of each trial, numbered from 0.
     conditions : int
-        How many are compared; number 0 is the one that differs from all others.
+        Number of conditions; condition 0 differs from all others.
     left, right : ndarray of int, shape (N,), or None
-        The conditions shown, for pairs; None where every trial shows all conditions.
+        The conditions shown, for pairs; None if every trial shows all conditions.
     """
 
     participants: Codes
@@ -76,22 +76,22 @@ class Trials:
 
     @property
     def pairs(self) -> tuple[tuple[int, int], ...]:
-        """Every two conditions: what is tested."""
+        """All pairs of conditions; each pair is tested."""
         return tuple(combinations(range(self.conditions), 2))
 
     @cached_property
     def analysed(self) -> int:
-        """How many participants there are."""
+        """Number of participants."""
         return len(np.unique(self.participants))
 
     @cached_property
     def shown_items(self) -> int:
-        """How many items are judged by anybody."""
+        """Number of items that anybody judges."""
         return len(np.unique(self.items))
 
     @property
     def sides(self) -> tuple[Codes, Codes]:
-        """Of pairs, the conditions shown on the left and on the right."""
+        """The conditions shown on the left and on the right, for pairs."""
         if self.left is None or self.right is None:
             raise ValueError("trials of pairs say which conditions they show")
         return self.left, self.right
@@ -106,21 +106,21 @@ class Trials:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Part:
-    """Blocks of tests that are alike: the comparisons and questions of one part of a study.
+    """Similar blocks of tests: the comparisons and questions of one part of a study.
 
     Attributes
     ----------
     name : str
-        Name of the set, block or task; empty where a study has no parts.
+        Name of the set, block or task; empty if a study has no parts.
     kind : {'pairs', 'ratings', 'rankings'}
-        How conditions are judged.
+        The way in which conditions are judged.
     trials : Trials
         The trials of one block.
     levels : int
-        Points of the scale; of pairs 2, 3 or 5.
+        Points of the scale; 2, 3 or 5 for pairs.
     blocks : int
-        How many blocks the report tests: one for each comparison with participants or motions of
-        its own, and each question.
+        Number of blocks that the report tests: one for each question of each comparison that has
+        separate participants or motions.
     family : str
         Parts of one family are corrected together by Holm's method.
     """
@@ -145,17 +145,17 @@ class Size:
     Attributes
     ----------
     participants : int
-        Places of each comparison that has participants of its own; else of the study.
+        Places of each comparison if comparisons have separate participants; else of the study.
     items : int
         Segments.
     recruited : int
         Places of the whole study.
     analysed : int
-        How many of `participants` are expected not to be excluded.
+        Expected number of `participants` who are not excluded.
     trials : int
         Analysed trials of each participant.
     parts : tuple of Part
-        What is simulated.
+        The simulated parts.
     """
 
     participants: int
@@ -167,17 +167,17 @@ class Size:
 
     @property
     def numbers(self) -> tuple[int, int]:
-        """Participants and items, which tell the sizes of a plan apart."""
+        """Participants and items, which identify a size within a plan."""
         return self.participants, self.items
 
 
 def count_analysed(participants: int, excluded: float) -> int:
-    """Return how many of so many participants are analysed where a share is excluded."""
+    """Return the number of participants analysed if a share is excluded."""
     return participants - int(participants * excluded + 0.5)
 
 
 POINTS: Final = len(RATING_THRESHOLDS) + 1
-"""Points of the scale that `RATING_THRESHOLDS` cut."""
+"""Points of the scale that `RATING_THRESHOLDS` divides."""
 
 _NODES, _WEIGHTS = hermegauss(61)
 
@@ -190,7 +190,7 @@ def grade_preferences(latent: Floats, thresholds: Sequence[float] = THRESHOLDS) 
 def simulate_answers(
     part: Part, opinions: Opinions, effect: float, studies: int, generator: np.random.Generator
 ) -> Floats:
-    """Return what the participants of many studies answer in one block of a part.
+    """Return the answers in one block of a part, for many simulated studies.
 
     Parameters
     ----------
@@ -200,8 +200,8 @@ def simulate_answers(
     Returns
     -------
     ndarray, shape (studies, N) or (studies, N, conditions)
-        Of pairs, from -2 or -1 (the second condition, in number) to 2 or 1 (the first); of
-        ratings, scores from 1; of rankings, ranks, 1 for the best.
+        For pairs, from -2 or -1 (the condition with the higher number is better) to 2 or 1 (the
+        lower); for ratings, scores from 1; for rankings, ranks, 1 for the best.
     """
     trials = part.trials
     if part.kind == "pairs":
@@ -212,33 +212,35 @@ def simulate_answers(
     if part.kind == "rankings":
         worth += generator.gumbel(size=worth.shape)
         return np.asarray((-worth).argsort(axis=2).argsort(axis=2) + 1, np.float64)
-    people = opinions.participant_sd * _each(trials.participants, studies, (), generator)
-    items = opinions.item_sd * _each(trials.items, studies, (), generator)
-    worth += (people + items)[..., None] + generator.logistic(size=worth.shape)
+    participants = opinions.participant_sd * _group_draws(
+        trials.participants, studies, (), generator
+    )
+    items = opinions.item_sd * _group_draws(trials.items, studies, (), generator)
+    worth += (participants + items)[..., None] + generator.logistic(size=worth.shape)
     return _rated(worth, part.levels)
 
 
 def _worths(
     trials: Trials, opinions: Opinions, effect: float, studies: int, generator: np.random.Generator
 ) -> Floats:
-    """Return how good each condition is in each trial, (studies, N, conditions), without noise."""
+    """Return the noiseless worth of each condition in each trial, (studies, N, conditions)."""
     worth = np.zeros((studies, len(trials.items), trials.conditions))
     worth[..., 0] = effect
-    # A difference of two conditions varies twice as much as one of them.
+    # The variance of a difference is twice that of one condition.
     for sd, codes in (
         (opinions.participant_sd, trials.participants),
         (opinions.item_sd, trials.items),
     ):
-        worth += sd / math.sqrt(2) * _each(codes, studies, (trials.conditions,), generator)
+        worth += sd / math.sqrt(2) * _group_draws(codes, studies, (trials.conditions,), generator)
     return worth
 
 
-def _each(
-    codes: NDArray[np.intp], studies: int, beside: tuple[int, ...], generator: np.random.Generator
+def _group_draws(
+    codes: NDArray[np.intp], studies: int, shape: tuple[int, ...], generator: np.random.Generator
 ) -> Floats:
     """Return a normal draw for each group, repeated for its trials."""
-    drawn = generator.standard_normal((studies, int(codes.max(initial=-1)) + 1, *beside))
-    return np.asarray(drawn[:, codes], np.float64)
+    draws = generator.standard_normal((studies, int(codes.max(initial=-1)) + 1, *shape))
+    return np.asarray(draws[:, codes], np.float64)
 
 
 def _differences(
@@ -248,8 +250,8 @@ def _differences(
     if trials.conditions == 2:
         return (
             effect
-            + opinions.participant_sd * _each(trials.participants, studies, (), generator)
-            + opinions.item_sd * _each(trials.items, studies, (), generator)
+            + opinions.participant_sd * _group_draws(trials.participants, studies, (), generator)
+            + opinions.item_sd * _group_draws(trials.items, studies, (), generator)
         )
     worth = _worths(trials, opinions, effect, studies, generator)
     rows = np.arange(len(trials.items))
@@ -263,9 +265,10 @@ def preference_thresholds(levels: int, opinions: Opinions) -> tuple[float, ...]:
 
 
 def rating_thresholds(levels: int) -> tuple[float, ...]:
-    """Return the borders between the places of a rating scale, in logits.
+    """Return the thresholds between the points of a rating scale, in logits.
 
-    Those of a slider lie so that its ends are as far as those of a scale of five labels.
+    Those of a slider are stretched so that its outer fifths match the end points of a five-point
+    scale.
     """
     if levels == POINTS:
         return RATING_THRESHOLDS
@@ -278,7 +281,7 @@ def _rated(latent: Floats, levels: int) -> Floats:
 
 
 def describe_effect(part: Part, opinions: Opinions, effect: float) -> str:
-    """Return what people answer where one condition is better by `effect` logits, in words."""
+    """Return in words how people answer if one condition is better by `effect` logits."""
     spread = math.hypot(opinions.participant_sd, opinions.item_sd)
     if part.kind == "pairs":
         tie = preference_thresholds(part.levels, opinions)[0]
@@ -288,7 +291,7 @@ def describe_effect(part: Part, opinions: Opinions, effect: float) -> str:
     if part.kind == "rankings":
         ahead = _mean(expit(effect + spread * _NODES))
         return f"ahead of another in {ahead:.0%} of rankings"
-    # A level of the participant and item, and half of what a difference of two varies by.
+    # Variance of the participant's and the item's level, plus half that of a difference.
     wide = spread * math.sqrt(1.5)
     borders = np.array(rating_thresholds(part.levels))[:, None]
 

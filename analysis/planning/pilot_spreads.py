@@ -24,22 +24,22 @@ from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit
 from motion.errors import InputError
 
 MANY: Final = 10
-"""More different ratings than these are those of a slider, and are taken in five bands."""
+"""More distinct ratings than this come from a slider, and are grouped into five bands."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spreads:
-    """What one model of a pilot's answers estimates.
+    """The estimates of one model of a pilot's answers.
 
     Attributes
     ----------
     participant_sd, item_sd : float
         Standard deviations of the difference of two conditions, in logits.
     thresholds : (float, float) or None
-        From which felt difference on answers are slight, and clear; None where the scale does not
-        tell.
+        Latent differences from which answers are slight, and clear; None if the scale does not show
+        them.
     answers : int
-        What it rests on.
+        Number of answers in the model.
     """
 
     participant_sd: float
@@ -49,14 +49,14 @@ class Spreads:
 
 
 def pilot_opinions(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Opinions, int]:
-    """Return how people answer, pooled over all comparisons and questions, and from how many.
+    """Return opinions pooled over all comparisons and questions, and the number of answers.
 
     Parameters
     ----------
     table : AnswerTable
         The answers, of any protocol.
     analysed : DataFrame
-        Its answers of those who are not excluded.
+        The answers of participants who are not excluded.
 
     Raises
     ------
@@ -68,9 +68,9 @@ def pilot_opinions(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Opinions
     total = sum(each.answers for each in spreads)
     if not total:
         raise InputError(
-            "the pilot's answers do not tell how much opinions differ",
-            remedy="Take a pilot in which at least two participants answer about at least two "
-            "segments, and not all alike; or leave --pilot away and state "
+            "the pilot's answers do not show how much opinions differ",
+            remedy="Use a pilot in which at least two participants judge at least two segments, "
+            "and not all answers agree; or omit --pilot and state "
             "rehearsal.participants_differ and rehearsal.segments_differ in study.toml",
         )
     opinions = Opinions(
@@ -118,7 +118,7 @@ def _of_comparison(answers: pd.DataFrame) -> Iterator[Spreads]:
 
 
 def _of_ratings(answers: pd.DataFrame) -> Iterator[Spreads]:
-    """Fit conditions, and of participants and segments a mean and a taste for each condition."""
+    """Fit conditions, with a level and a taste per condition of each participant and segment."""
     values = answers["value"].to_numpy(np.float64)
     scores = np.unique(values)
     if len(scores) > MANY:
@@ -145,7 +145,7 @@ def _of_ratings(answers: pd.DataFrame) -> Iterator[Spreads]:
 
 
 def _of_rankings(answers: pd.DataFrame) -> Iterator[Spreads]:
-    """Fit which of every two conditions is placed first; ties tell nothing."""
+    """Fit which condition of each pair is placed first; ties are dropped."""
     ranks = answers.pivot_table(
         index=["participant", "segment"], columns="condition", values="value", observed=True
     )

@@ -1,4 +1,4 @@
-"""A plan: what is asked, what simulated studies answer, and the smallest difference they find."""
+"""A plan: its request, simulated studies, and the smallest difference that they find."""
 
 from __future__ import annotations
 
@@ -14,53 +14,53 @@ from analysis.planning.grid import Cell, Runner, Task, estimate_minutes, limit_e
 from analysis.planning.part import Opinions, Size, describe_effect
 from analysis.planning.power import Effort, Power
 
-WANTED: Final = 0.8
-"""The power that a plan aims at."""
+TARGET_POWER: Final = 0.8
+"""The power at which a plan aims."""
 
 LARGEST: Final = 4.0
 
 SMALLEST: Final = 0.02
-"""Differences beyond these are not looked for, in logits."""
+"""Differences beyond these, in logits, are not searched for."""
 
 _SURE: Final = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """What a plan is asked for.
+    """A request for a plan.
 
     Attributes
     ----------
     title : str
         The study's title.
     protocol : str
-        Its name.
+        The protocol's name.
     size : callable
-        From numbers of participants and segments to the study of that size.
+        Returns the study for a number of participants and of segments.
     participants, items : tuple of int
-        Numbers that are tried; of participants, those of each comparison where `per_comparison`.
+        Numbers to try; participants are counted per comparison if `per_comparison`.
     effects : tuple of float
-        Differences that are tried, in logits.
+        Differences to try, in logits.
     own : (int, int) or None
-        Participants and segments of the study as it stands; None where there is none yet.
+        Participants and segments of the study as it stands; None if there is no study yet.
     per_comparison : bool
-        Whether each comparison has participants of its own.
+        Whether each comparison has separate participants.
     opinions : Opinions
         How people answer.
     source : str
         Where `opinions` come from, in words.
     excluded : float
-        Share of participants who will be left out.
+        Share of participants who will be excluded.
     pay : float or None
-        What one participant costs, fees included; None where that is not known.
+        Cost of one participant, fees included; None if unknown.
     effort : Effort
         How much is simulated.
     minutes : float
-        About how long it may take, on two processors.
+        Approximate time limit, on two processors.
     seed : int
         The same seed gives the same numbers.
     notes : tuple of str
-        What else must be known of the study, as sentences.
+        Further sentences about the study.
     """
 
     title: str
@@ -90,9 +90,9 @@ class Smallest:
     part : str
         The part of the study.
     effect : float
-        In logits; NaN where there is none.
+        In logits; NaN if there is none.
     in_answers : str
-        The same in words.
+        The effect in words.
     reason : str
         Why there is none.
     """
@@ -105,24 +105,24 @@ class Smallest:
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """What simulated studies answer.
+    """The results of simulated studies.
 
     Attributes
     ----------
     request : Request
-        What was asked.
+        The request.
     cells : tuple of Cell
-        By segments, participants and effect, in the order asked.
+        By segments, participants and effect, in the order of the request.
     meanings : mapping of (str, float) to str
         What an effect means in answers, by part and effect.
     tests : mapping of str to int
-        By part, how many tests are corrected together.
+        Number of tests that are corrected together, by part.
     smallest : tuple of Smallest
-        The smallest difference of each part; empty where there is no study yet.
+        The smallest difference of each part; empty if there is no study yet.
     effort : Effort
         How much was simulated, at least.
     cut : str
-        What was simulated less than asked, in words; empty where nothing was.
+        A sentence about effort that was cut; empty if none was.
     """
 
     request: Request
@@ -139,7 +139,7 @@ class Plan:
         return tuple(power.part for power in self.cells[0].powers)
 
     def power(self, part: int, participants: int, items: int, effect: float) -> Power:
-        """Return what one of the cells says of a part, by its place."""
+        """Return the power of a part, given by its index, in one of the cells."""
         return next(
             cell.powers[part]
             for cell in self.cells
@@ -148,9 +148,9 @@ class Plan:
 
 
 def plan(request: Request, runner: Runner) -> Plan:
-    """Simulate all that is asked for."""
+    """Simulate everything requested."""
     sizes = {(p, i): request.size(p, i) for i, p in product(request.items, request.participants)}
-    asked = [
+    requested = [
         Task(
             size=size,
             effect=effect,
@@ -161,13 +161,13 @@ def plan(request: Request, runner: Runner) -> Plan:
         for size in sizes.values()
         for effect in request.effects
     ]
-    tasks = limit_effort(asked, request.minutes)
+    tasks = limit_effort(requested, request.minutes)
     cells = runner.cells(tasks)
     smallest: tuple[Smallest, ...] = ()
     if request.own is not None:
         own_size = request.own
         size = sizes.get(own_size) or request.size(*own_size)
-        # Found with at most as much effort as all others.
+        # The search spends at most as much effort as any cell.
         effort = min((task.effort for task in tasks), key=lambda effort: effort.quick)
         smallest = _smallest(request, size, cells, effort, replace(runner, show=None))
     first = next(iter(sizes.values()))
@@ -185,7 +185,7 @@ def plan(request: Request, runner: Runner) -> Plan:
         },
         smallest=smallest,
         effort=tasks[0].effort,
-        cut=_cut(request, asked, tasks),
+        cut=_cut(request, requested, tasks),
     )
 
 
@@ -227,50 +227,52 @@ def _smallest(
 _FIRST: Final = 0.4
 
 
-def _cut(request: Request, asked: Sequence[Task], tasks: Sequence[Task]) -> str:
-    if tasks[0].effort == asked[0].effort:
+def _cut(request: Request, requested: Sequence[Task], tasks: Sequence[Task]) -> str:
+    if tasks[0].effort == requested[0].effort:
         return ""
     effort = tasks[0].effort
-    long = estimate_minutes(tasks)
-    still = f", which still takes about {math.ceil(long)}" if long > 1.2 * request.minutes else ""
+    minutes = estimate_minutes(tasks)
+    warning = (
+        f", which still takes about {math.ceil(minutes)}" if minutes > 1.2 * request.minutes else ""
+    )
     return (
         f"Each power rests on {effort.quick:,} simulated studies instead of "
         f"{request.effort.quick:,}, and on at most {effort.exact} fitted models, to take about "
-        f"{request.minutes:g} minutes{still}."
+        f"{request.minutes:g} minutes{warning}."
     )
 
 
 def smallest_effect(
     known: Mapping[float, float], power_at: Callable[[float], float]
 ) -> tuple[float, str]:
-    """Return the smallest difference that is found, and why there is none.
+    """Return the smallest difference that is found, or why there is none.
 
-    Between two differences that were simulated, the probit of the power rises evenly.
+    Between two simulated differences, the probit of the power is interpolated linearly.
 
     Parameters
     ----------
     known : mapping of float to float
         The powers of some differences above 0, by their size in logits.
     power_at : callable
-        Simulates the power of another one.
+        Simulates the power of another difference.
     """
     powers = dict(sorted(known.items()))
     if any(math.isnan(power) for power in powers.values()):
         return math.nan, "there is no test"
-    while max(powers.values()) < WANTED:
+    while max(powers.values()) < TARGET_POWER:
         larger = 1.5 * max(powers)
         if larger > LARGEST:
             return math.nan, f"not even a difference of {max(powers):.2g} logits is found so often"
         powers[larger] = power_at(larger)
-    while min(powers.values()) >= WANTED:
+    while min(powers.values()) >= TARGET_POWER:
         smaller = min(powers) / 2
         if smaller < SMALLEST:
             return math.nan, f"even a difference of {min(powers):.2g} logits is found so often"
         powers[smaller] = power_at(smaller)
-    above = min(effect for effect, power in powers.items() if power >= WANTED)
+    above = min(effect for effect, power in powers.items() if power >= TARGET_POWER)
     below = max(effect for effect in powers if effect < above)
     low, high = (_probit(powers[effect]) for effect in (below, above))
-    share = (float(norm.ppf(WANTED)) - low) / (high - low)
+    share = (float(norm.ppf(TARGET_POWER)) - low) / (high - low)
     return below + share * (above - below), ""
 
 

@@ -22,17 +22,17 @@ from analysis.planning.part import Opinions, Part, Trials, simulate_answers
 Floats = NDArray[np.float64]
 
 AT_ONCE: Final = 400_000
-"""Answers that are held in memory at once."""
+"""Answers held in memory at once."""
 
 BATCH: Final = 20
-"""Studies that are analysed by models before the precision is looked at."""
+"""Studies analysed by models between two checks of the precision."""
 
 FEWEST_EXACT: Final = 40
-"""Studies that are analysed by models at least."""
+"""Fewest studies analysed by models."""
 
 
 NULL_BLOCKS: Final = 500
-"""Blocks without an effect that others are corrected together with."""
+"""Simulated blocks without an effect, with which others are corrected."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,11 +42,11 @@ class Effort:
     Attributes
     ----------
     quick : int
-        Blocks that the quick tests see.
+        Blocks for the quick tests.
     exact : int
-        Blocks that models are fitted to, at most.
+        Most blocks to which models are fitted.
     precision : float
-        No more models are fitted once the Monte-Carlo standard error of the power is below it.
+        No more models are fitted once the Monte-Carlo standard error of the power is this small.
     """
 
     quick: int = 2000
@@ -61,20 +61,20 @@ class Power:
     Attributes
     ----------
     part : str
-        Its name; empty where a study has no parts.
+        The part's name; empty if a study has no parts.
     effect : float
         How much better one condition is than all others, in logits.
     power, error : float
-        The share of true differences that the report finds in the right direction, where all of
-        its comparisons and questions have the effect, and its Monte-Carlo standard error. With an
-        effect of 0, the share of tests that find what is not there.
+        The share of true differences that the report finds in the right direction, if all of its
+        comparisons and questions have the effect, and its Monte-Carlo standard error. With an
+        effect of 0, the share of tests that are significant.
     alone, uncorrected : float
-        The same where no other block of tests has the effect, and without correction.
+        The same if no other block of tests has the effect, and without correction.
     studies, modelled : int
-        Blocks that were simulated, and those of them that a model was fitted to; 0 where the
-        report's test is no model's.
+        Blocks that were simulated, and those to which a model was fitted; no model is fitted if the
+        report's test uses none.
     reason : str
-        Why there is no power; empty where there is.
+        Why there is no power; empty if there is.
     """
 
     part: str
@@ -93,9 +93,9 @@ def simulate_power(
 ) -> tuple[Power, ...]:
     """Simulate a study and return how often it finds `effect`, part by part.
 
-    Every part's blocks are drawn and tested quickly. Where the report decides by a model, some of
-    them are tested by it too, and the mean difference of what the two decide corrects the share
-    that the quick test finds (a control variate; Owen 2013, Monte Carlo theory, ch. 8.9).
+    Quick tests analyse all blocks of every part. If the report decides by a model, the model
+    analyses some of the blocks too, and the mean difference of the two corrects the share that the
+    quick test finds (a control variate; Owen 2013, Monte Carlo theory, ch. 8.9).
 
     Parameters
     ----------
@@ -228,12 +228,12 @@ def _corrected(
     effort: Effort,
     step: float,
 ) -> tuple[dict[str, float], int, float]:
-    """Return the mean shares, the number of models that correct them, and the error of the power.
+    """Return the corrected mean shares, the number of models fitted, and the power's error.
 
     Parameters
     ----------
     step : float
-        What one test contributes to a block's share.
+        The contribution of one test to a block's share.
     """
     if not any(pool.tests.by_model):
         means = {name: float(each.mean()) for name, each in quick.items()}
@@ -258,7 +258,7 @@ def _corrected(
 def _error(values: Floats, step: float) -> float:
     """Return the standard error of the mean of blocks' shares.
 
-    One value of `step` and one of 0 are added: a share of 0 or 1 is not known without error.
+    One value of `step` and one of 0 are added, because a share of 0 or 1 also has an error.
     """
     padded = np.append(values, [step, 0.0])
     return float(np.sqrt(padded.var() / len(values)))

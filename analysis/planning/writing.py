@@ -1,4 +1,4 @@
-"""Writing a plan: what it says, its numbers for programs, its table, and its figure of power."""
+"""Writing a plan: its sentences, its numbers for programs, its table, and its figure."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from analysis.planning.grid import Cell
-from analysis.planning.plan import WANTED, Plan
+from analysis.planning.plan import TARGET_POWER, Plan
 from analysis.planning.power import Power
 from analysis.report.figures.panels import Hints, Panel, PanelFigure, draw_sheet
 from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, as_file, series_style
@@ -26,7 +26,7 @@ from analysis.results.report import as_json
 from motion.files import replacing, write_frame, write_text
 
 CELLS: Final = ".simulated"
-"""Folder beside them that keeps what was simulated."""
+"""Folder next to a plan's files that keeps simulated cells."""
 
 _WIDE: Final = 32
 
@@ -46,7 +46,7 @@ def write_plan(plan: Plan, folder: Path) -> tuple[Path, ...]:
 
 
 def plan_document(plan: Plan) -> dict[str, Any]:
-    """Return what ``plan.json`` holds."""
+    """Return the content of ``plan.json``."""
     request = plan.request
     return {
         "title": request.title,
@@ -115,7 +115,7 @@ def power_lines(plan: Plan) -> Iterator[str]:
 
 _DASHES: Final = ("-", "--", "-.", ":")
 _HEIGHT: Final = 1.75
-"""Of a panel, in inches."""
+"""Height of a panel, in inches."""
 
 
 def power_figure(plan: Plan) -> Figure:
@@ -157,7 +157,7 @@ def power_figure(plan: Plan) -> Figure:
 
 
 def _own_size(plan: Plan) -> tuple[int, int] | None:
-    """Return participants and segments of the study as it stands, where that size is drawn."""
+    """Return participants and segments of the study as it stands, if that size is drawn."""
     request, own = plan.request, plan.request.own
     if own is None or own[0] not in request.participants or own[1] not in request.items:
         return None
@@ -165,40 +165,44 @@ def _own_size(plan: Plan) -> tuple[int, int] | None:
 
 
 def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
-    axes.axhline(WANTED, color=SOFT, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1)
-    people, own_size = sorted(set(plan.request.participants)), _own_size(plan)
+    axes.axhline(TARGET_POWER, color=SOFT, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1)
+    participants, own_size = sorted(set(plan.request.participants)), _own_size(plan)
     for place, items in enumerate(plan.request.items):
-        powers = [plan.power(number, count, items, effect) for count in people]
+        powers = [plan.power(number, count, items, effect) for count in participants]
         values = [power.power for power in powers]
         colour, _ = series_style(place)
-        axes.add_line(_line(place, people, values))
+        axes.add_line(_line(place, participants, values))
         # Two standard errors, within [0, 1].
         margins = [
             [min(2 * power.error, power.power) for power in powers],
             [min(2 * power.error, 1 - power.power) for power in powers],
         ]
-        axes.errorbar(people, values, yerr=margins, fmt="none", ecolor=colour, elinewidth=0.8)
+        axes.errorbar(participants, values, yerr=margins, fmt="none", ecolor=colour, elinewidth=0.8)
         if own_size is not None and own_size[1] == items:
             count = own_size[0]
-            ringed = [power for power, each in zip(values, people, strict=True) if each == count]
+            ringed = [
+                power for power, each in zip(values, participants, strict=True) if each == count
+            ]
             axes.add_line(_ring([count] * len(ringed), ringed))
     axes.set_ylim(0, 1)
     axes.set_yticks([0, 0.2, 0.4, 0.6, 0.8, 1], ["0", ".2", ".4", ".6", ".8", "1"])
     axes.set_xscale("log")
-    axes.xaxis.set_major_locator(FixedLocator(people))
+    axes.xaxis.set_major_locator(FixedLocator(participants))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_xticks(people, [str(count) for count in people])
+    axes.set_xticks(participants, [str(count) for count in participants])
     margin = 1.12
-    axes.set_xlim(people[0] / margin, people[-1] * margin)
+    axes.set_xlim(participants[0] / margin, participants[-1] * margin)
     axes.grid(axis="y", color=LINE, linewidth=0.4)
     axes.set_axisbelow(True)
 
 
-def _line(place: int, people: Sequence[float], powers: Sequence[float], label: str = "") -> Line2D:
+def _line(
+    place: int, participants: Sequence[float], powers: Sequence[float], label: str = ""
+) -> Line2D:
     colour, marker = series_style(place)
     return Line2D(
-        people,
+        participants,
         powers,
         color=colour,
         marker=marker,
@@ -211,10 +215,10 @@ def _line(place: int, people: Sequence[float], powers: Sequence[float], label: s
     )
 
 
-def _ring(people: Sequence[float], powers: Sequence[float], label: str = "") -> Line2D:
+def _ring(participants: Sequence[float], powers: Sequence[float], label: str = "") -> Line2D:
     """Return a ring around the powers of the study as it stands."""
     return Line2D(
-        people,
+        participants,
         powers,
         marker="o",
         markersize=9,
@@ -229,17 +233,17 @@ def _ring(people: Sequence[float], powers: Sequence[float], label: str = "") -> 
 
 
 LITTLE: Final = 0.08
-"""A doubling that raises the power by less adds little."""
+"""Doubling the participants adds little if it raises the power by less than this."""
 
 SEEN: Final = 0.2
-"""Powers below say nothing yet about what more participants add."""
+"""Powers below this do not show yet what more participants add."""
 
 APART: Final = 0.05
-"""Powers that differ by more are worth a sentence."""
+"""Powers that differ by more than this are worth a sentence."""
 
 
 def plan_sentences(plan: Plan) -> tuple[str, ...]:
-    """Return what a plan says, the most important first."""
+    """Return a plan's sentences, the most important first."""
     by_part = [
         f"{part}: {sentence}" if part else sentence
         for number, part in enumerate(plan.parts)
@@ -272,7 +276,7 @@ def _of_part(plan: Plan, number: int, part: str) -> tuple[str, ...]:
         request=request,
         people=lambda number: f"{count(number, 'participant')}{each}",
         with_error=with_error,
-        wanted=f"{WANTED:g}".removeprefix("0"),
+        wanted=f"{TARGET_POWER:g}".removeprefix("0"),
         own=as_it_stands[0][0] if as_it_stands else None,
         differences=[
             f"{_logits(plan, part, power.effect)} with power {with_error(power)}"
@@ -295,7 +299,7 @@ def _logits(plan: Plan, part: str, effect: float) -> str:
 
 
 class _Saturated(NamedTuple):
-    """From how many participants on more of them add little, and what adds more."""
+    """The number of participants beyond which more add little, and what adds more."""
 
     effect: float
     items: int
@@ -307,14 +311,14 @@ class _Saturated(NamedTuple):
 
 
 def _saturated(plan: Plan, number: int) -> Iterator[_Saturated]:
-    """Give where participants add little although power is wanting."""
+    """Yield where more participants add little, although the power is too low."""
     for effect in plan.request.effects:
         for items in plan.request.items:
             for enough, larger in pairwise(sorted(plan.request.participants)):
                 before, after = (plan.power(number, p, items, effect) for p in (enough, larger))
                 gain = after.power - before.power
                 is_little = gain / math.log2(larger / enough) < LITTLE
-                if not (SEEN < after.power < WANTED and is_little):
+                if not (SEEN < after.power < TARGET_POWER and is_little):
                     continue
                 others = [
                     (other, power.power)
@@ -330,10 +334,10 @@ def _saturated(plan: Plan, number: int) -> Iterator[_Saturated]:
 def _cheapest(
     plan: Plan, cells: list[tuple[Cell, Power]], part: str
 ) -> Iterator[tuple[str, Cell, Power, bool]]:
-    """Give the study with the fewest participants that is powerful enough, or the best one."""
+    """Yield the smallest study that is powerful enough, or the most powerful one, by effect."""
     for effect in filter(None, plan.request.effects):
         tried = [(cell, power) for cell, power in cells if power.effect == effect]
-        enough = [(cell, power) for cell, power in tried if power.power >= WANTED]
+        enough = [(cell, power) for cell, power in tried if power.power >= TARGET_POWER]
         known = [(cell, power) for cell, power in tried if not power.reason]
         if len(tried) < 2 or not (enough or known):
             continue

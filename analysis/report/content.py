@@ -1,4 +1,4 @@
-"""What a report is about, and the parts of its page: sections with text, figures and tables."""
+"""A report's subject, and the parts of its page: sections with text, figures and tables."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Table:
     groups : tuple of (str, int)
         Headings over several columns, with how many they span; empty for none.
     text_columns : int
-        How many columns, from the left, hold text; the others hold numbers.
+        Number of columns, from the left, that hold text; the others hold numbers.
     notes : tuple of str
         Footnotes.
     name : str
@@ -87,7 +87,7 @@ class Picture:
     svg : Markup
         The element that shows it on the page, with a text alternative.
     caption : str
-        What it shows.
+        The text under the figure.
     data : str
         File in the report's ``tables`` folder with its numbers; empty for none.
     name : str
@@ -134,7 +134,7 @@ class PlayablePair:
 
 @dataclass(frozen=True, kw_only=True)
 class Section:
-    """A heading and what is under it, in order: paragraphs, figures, motions, tables."""
+    """A heading and its content, in order: paragraphs, figures, motions, tables."""
 
     anchor: str
     heading: str
@@ -167,11 +167,11 @@ def headline_section(
     Parameters
     ----------
     set_name : str or None
-        Put before the heading and the captions; None without sets.
+        The set, named before the heading and in captions; None without sets.
     suffix : str
         End of the names of the set's tables; see `analysis.report.wording.set_suffix`.
     heading : str
-        What the section shows.
+        The section's heading.
     no_figure : str
         Why no figure is drawn, which replaces figures and paragraph; '' if there are figures.
     pictures : callable
@@ -259,7 +259,7 @@ class PlayableMotion:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Subject:
-    """What a report is about: everything it needs besides the results.
+    """The subject of a report: everything it needs besides the results.
 
     Attributes
     ----------
@@ -302,7 +302,7 @@ class Subject:
     stills : tuple of Still
         Frames by condition and then time.
     no_stills : str
-        A sentence that says why there are none; '' if there are some.
+        A sentence on why there are no stills; '' if there are some.
     motion : PlayableMotion or None
         The most and least preferred pairs; None if the page plays none.
     """

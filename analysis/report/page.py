@@ -63,9 +63,9 @@ def write_report(
     subject : Subject
         The subject of the report.
     folder : Path
-        Gets ``report.html``, which needs no other file; ``results.json``; ``tables`` with CSV and
-        LaTeX; ``figures`` with PDF, PNG and SVG; ``paper.txt`` with text for a paper. Tables and
-        figures of an earlier report are removed.
+        Receives ``report.html``, which needs no other file; ``results.json``; ``tables`` with CSV
+        and LaTeX; ``figures`` with PDF, PNG and SVG; ``paper.txt`` with text for a paper. Tables
+        and figures of an earlier report are removed.
     extra_keys : mapping of str to object, optional
         Further keys of ``results.json``.
     further_tasks : tuple of TableReport
@@ -213,7 +213,7 @@ def _records(results: Any, has_sets: bool) -> list[Record]:
 
 
 def _unnested(entry: Record) -> list[Record]:
-    """Return a record for each level of an effect or each condition, with what they share."""
+    """Return a record for each level of an effect or each condition, with their shared values."""
     plural = "levels" if "levels" in entry else "conditions"
     singular = plural[:-1]
     shared = {name: value for name, value in entry.items() if name != plural}
@@ -265,7 +265,7 @@ class Page:
     certainty : tuple of str
         How sure the answer is, in sentences that the page folds away.
     motion : PlayableMotion or None
-        What plays on the page.
+        The motions that play on the page.
     """
 
     title: str
@@ -361,7 +361,7 @@ def take_first_picture(sections: Sequence[Section]) -> tuple[Picture | None, lis
 
 
 def _of_task(task: TableReport, section: Section) -> Section:
-    """Put the task's name before anchor, heading and files, apart from those of the main task."""
+    """Return a section with the task's name before its anchor, heading and file names."""
     name = TASKS[task.protocol]
     return replace(
         section,

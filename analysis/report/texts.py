@@ -1,8 +1,8 @@
 """The report's text from templates: paragraphs, tables (also as LaTeX) and captions.
 
-In a template, functions give words (``share(x)``) and filters give cells of a table
-(``x | share``). ``tables.toml`` lists the columns of each table, ``figures.toml`` the text around
-each figure, and ``words`` holds the paragraphs.
+In a template, functions return words (``share(x)``) and filters return table cells (``x | share``).
+``tables.toml`` lists the columns of each table, ``figures.toml`` the text around each figure, and
+``words`` holds the paragraphs.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from analysis.stats.clustered_mean import LEVEL, TWO_WAY, Estimate
 from motion.errors import listed
 
 _MOST_QUESTIONS_ACROSS: Final = 3
-"""Questions up to which a table shows them side by side."""
+"""Most questions that a table shows side by side."""
 
 LONGEST: Final = 40
-"""Rows up to which a table floats; a longer one breaks across pages."""
+"""Most rows of a floating table; a longer one breaks across pages."""
 
 Facts = dict[str, Any]
-"""What a template can refer to, by name."""
+"""Values for a template, by the name that it uses."""
 
 
 class _Column(NamedTuple):
@@ -58,10 +58,10 @@ class _TableSpec:
     notes : list of str
         Templates; each may give several lines, or none.
     each_row : list of str
-        Expressions; what they give for a row becomes a note on ``about``.
+        Expressions; the value of each for a row becomes a note on ``about``.
     by_question : bool
-        Whether few questions are shown side by side: the first two columns are the question and
-        what a row is about.
+        Whether a few questions are shown side by side; the first two columns are then the question
+        and the row's subject.
     """
 
     caption: str
@@ -84,7 +84,7 @@ def paragraphs(macro: str, **facts: object) -> tuple[str, ...]:
         File in ``templates/words`` and macro, as ``methods.bullets``. An empty line ends a
         paragraph.
     **facts
-        What the template can refer to.
+        Values for the template.
     """
     file, name = macro.split(".")
     module = _environment().get_template(f"words/{file}.txt").make_module(facts)
@@ -102,11 +102,11 @@ def table(kind: str, rows: Iterable[object], **facts: object) -> Table:
     Parameters
     ----------
     kind : str
-        Its key there.
+        The table's key there.
     rows : iterable
-        What the lines are about; in an expression, each is ``row``.
+        The subject of each line, ``row`` in an expression.
     **facts
-        What else its templates can refer to.
+        Further values for its templates.
     """
     spec, rows = _table_specs()[kind], list(rows)
     facts |= {"rows": rows}
@@ -141,7 +141,7 @@ def figure_text(kind: str, *, suffix: str = "", **facts: object) -> FigureText:
 
 
 def _repeated(columns: Sequence[Sequence[str]], facts: Facts) -> Iterator[tuple[_Column, Facts]]:
-    """Yield each column as often as it is repeated, with what its templates can refer to."""
+    """Yield each column as often as it is repeated, with the values for its templates."""
     for repeat, neighbours in groupby((_Column(*fields) for fields in columns), lambda c: c.repeat):
         together = list(neighbours)
         for item in _value(repeat, facts) if repeat else [None]:
@@ -343,7 +343,7 @@ def _latex_environment() -> Environment:
 
 
 def as_latex(text: str) -> str:
-    """Return text as LaTeX prints it, with every special character escaped."""
+    """Return text for LaTeX, with every special character escaped."""
     return text.translate(_escapes())
 
 

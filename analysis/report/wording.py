@@ -35,15 +35,15 @@ _LABELS: ContextVar[Mapping[str, str]] = ContextVar("_LABELS", default=MappingPr
 """Labels of the conditions on the page that is being written."""
 
 _MARK: ContextVar[str] = ContextVar("_MARK", default="")
-"""Written on top of every figure of that page."""
+"""The mark on top of every figure of that page."""
 
 
 @contextmanager
 def labelled(labels: Mapping[str, str], mark: str = "") -> Iterator[None]:
     """Make `condition` return these labels, and figures carry `mark`, inside the context.
 
-    Every table and figure names conditions, and no figure may lack the mark of a rehearsal, so
-    neither is passed to each of them.
+    Every table and figure names conditions, and every figure of a rehearsal needs its mark, so a
+    context holds both instead of passing them to each.
     """
     labels_before, mark_before = _LABELS.set(labels), _MARK.set(mark)
     try:
@@ -54,7 +54,7 @@ def labelled(labels: Mapping[str, str], mark: str = "") -> Iterator[None]:
 
 
 def figure_mark() -> str:
-    """Return what is written on top of every figure of the page; empty for nothing."""
+    """Return the mark on top of every figure of the page; empty for none."""
     return _MARK.get()
 
 
@@ -170,12 +170,12 @@ def count(number: int, noun: str) -> str:
 
 
 def place_name(place: ResultKey) -> str:
-    """Return the question and the conditions that a result is about."""
+    """Return the question and the conditions of a result."""
     return f"{heading(place.question)}, {' against '.join(map(condition, place.names))}"
 
 
 def question_name(set_name: str, question: str) -> str:
-    """Return what a row about a question is called, with its set if it has one."""
+    """Return the name of a row on a question, with its set if it has one."""
     return heading(f"{set_name}: {question}" if set_name else question)
 
 
@@ -245,7 +245,7 @@ def ranks(standing: ConditionStrength | None) -> str:
 
 
 def set_suffix(set_name: str | None, number: int) -> str:
-    """Return what a set adds to the names of its files; '' without sets."""
+    """Return the suffix of a set's file names; '' without sets."""
     return "" if set_name is None else f"-set-{number}"
 
 
@@ -264,9 +264,9 @@ def reason_for_no_figure(*, answers: int, participants: int, tied: str = "") -> 
     Parameters
     ----------
     answers, participants : int
-        How many are analysed.
+        The numbers analysed.
     tied : str, optional
-        How all answers are the same; '' if they differ.
+        In what way all answers are the same; '' if they differ.
     """
     if not answers or not participants:
         return "No answer is left to analyse, so no figure is drawn."

@@ -1,4 +1,4 @@
-"""Estimates with their intervals: beside bars of answers, as marks in rows, and in matrices."""
+"""Estimates with their intervals: next to bars of answers, as marks in rows, in matrices."""
 
 from __future__ import annotations
 
@@ -56,11 +56,11 @@ class Bar:
     Attributes
     ----------
     start : float
-        Its left end, in percent.
+        The bar's left end, in percent.
     parts : tuple of Part
         In the order of the legend; () without answers.
     estimate : Estimate
-        Shown beside it with its interval.
+        Shown next to the bar, with its interval.
     formatted : callable
         Formats numbers of the estimate.
     """
@@ -77,7 +77,7 @@ class Bar:
 
     @property
     def interval_words(self) -> str:
-        """Its interval, or that it has none; '' without answers."""
+        """The interval in words, 'no interval', or '' without answers."""
         interval = wording.interval(self.estimate, self.formatted) or "no interval"
         return interval if self.parts else ""
 
@@ -255,20 +255,20 @@ def matrix_pictures(
 
 @dataclass(frozen=True, kw_only=True)
 class Dot:
-    """One estimate.
+    """An estimate, drawn as a mark.
 
     Attributes
     ----------
     estimate, low, high : float
-        NaN for none.
+        The estimate and its interval; NaN if missing.
     words, below : str
-        Written beside it: the estimate in words, and smaller words below them.
+        Text next to the mark: the estimate, and smaller text below it.
     hint : str
-        All of it in words.
+        All of this in words, shown on hover.
     is_descriptive : bool
-        Whether it rests on too little for a test or an interval: its mark is hollow.
+        Whether there are too few data for a test or an interval; the mark is hollow.
     is_overall : bool
-        Whether it sums up the other rows: its mark is a diamond, below a line.
+        Whether it summarises the other rows; the mark is a diamond, below a line.
     """
 
     estimate: float = math.nan
@@ -289,7 +289,7 @@ def dot_of(
     below: str = "",
     missing: str = "not known",
 ) -> Dot:
-    """Return the mark of an estimate; its hint ends in `more`, or is `missing` for none."""
+    """Return the mark of an estimate; its hint ends in `more`, or is `missing` without one."""
     if interval is None or math.isnan(interval.estimate):
         return Dot(words="–", hint=missing)
     words = formatted(interval.estimate)

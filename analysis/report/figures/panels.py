@@ -35,7 +35,7 @@ _LINE_HEIGHT: Final = 0.135
 """Height of a line of a row's name, in inches."""
 
 _MAX_LINES: Final = 3
-"""Of a row's name: 'first against second' is cut off in two."""
+"""Most lines of a row's name; two lines would cut off 'first against second'."""
 
 _MARGIN_HEIGHT: Final = 0.85
 """Largest height of a panel's title and axis, in inches."""
@@ -59,9 +59,9 @@ class Format:
     width, max_height : float
         Width and largest height of a sheet.
     label_width : float
-        The most that the rows' names take at the left.
+        Largest width of the rows' names, at the left.
     max_columns : int
-        The most panels side by side.
+        Most panels side by side.
     """
 
     width: float
@@ -91,7 +91,7 @@ class Row(NamedTuple):
 
 
 class Panel(NamedTuple):
-    """Where a panel is drawn: its axes, the prefix of its gids, its width in inches, its column."""
+    """The place of a panel: its axes, gid prefix, width in inches, and whether it is leftmost."""
 
     axes: Sequence[Axes]
     prefix: str
@@ -101,22 +101,22 @@ class Panel(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class PanelFigure:
-    """A figure with a panel for each question, or for each of something else.
+    """A figure of panels, usually one for each question.
 
     Attributes
     ----------
     descriptions : mapping of str to sequence of str
-        By the title of a panel: its rows in words, with the numbers.
+        The rows of each panel in words, with their numbers, by the panel's title.
     draw : callable
-        Draws the panel of a title, and returns its hints.
+        Draws the panel with a title, and returns its hints.
     rows : sequence of Row
         From the top, the same in every panel; () for none.
     height : float
-        Height of a panel in inches; 0 for what the rows need.
+        Height of a panel in inches; 0 to fit the rows.
     widths : tuple of float
         Shares of a panel's width for its axes.
     columns : int
-        The most panels side by side on a wide sheet.
+        Most panels side by side on a wide sheet.
     legend : sequence of Artist
         Labelled artists.
     """
@@ -201,7 +201,7 @@ def draw_sheet(content: PanelFigure, titles: Sequence[str], sheet: Format = WIDE
         for unused in grid[-1, (len(titles) - (lines - 1) * columns) * axes_per_panel :]:
             unused.remove()
         _add_legend(figure, content.legend, sheet)
-        # On top, so that a copied figure keeps it.
+        # The mark is part of the figure, so that a copied figure keeps it.
         if mark := wording.figure_mark():
             figure.suptitle(mark, x=0.0, ha="left", color=MARK, fontsize=7.5, fontweight="bold")
         _fit_height(figure, layout, panel_height)

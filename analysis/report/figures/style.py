@@ -1,4 +1,4 @@
-"""How figures look, and figures as files and as inline SVG: real text, the same bytes each time."""
+"""The style of figures, and figures as files and inline SVG: real text, reproducible bytes."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ PAGE_COLOURS: Final = {
     PAPER: "var(--paper, #fdfdfe)",
     MARK: "var(--mark, #8a3500)",
 }
-"""What an inline figure has in place of a colour, so that it suits a light and a dark page."""
+"""Replacements for colours in inline figures, which suit a light and a dark page."""
 
 BLUE: Final = "#0072b2"
 SKY: Final = "#56b4e9"
@@ -74,12 +74,12 @@ FORMATS: Final[Mapping[str, dict[str, None]]] = {
     "png": {"Software": None},
     "svg": {"Date": None, "Creator": None},
 }
-"""File extensions of figures, and the metadata that the file leaves out."""
+"""File extensions of figures, and the metadata omitted from each."""
 
 _FALLBACK_FONTS: Final = (
     *("Noto Sans CJK JP", "Noto Sans CJK SC", "IPAexGothic", "Noto Sans", "Unifont"),
 )
-"""Fonts for letters that DejaVu Sans does not have, where they are installed."""
+"""Fonts for letters that DejaVu Sans lacks, if they are installed."""
 
 STYLE: Final[dict[Any, Any]] = {
     "svg.fonttype": "none",
@@ -175,7 +175,7 @@ def _width(character: str, bold: bool) -> float:
 
 @contextmanager
 def missing_glyphs() -> Iterator[None]:
-    """Draw letters that no installed font has as boxes; on a page the browser has its own fonts."""
+    """Draw letters that all fonts lack as boxes, without a warning; browsers have more fonts."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=r"Glyph .* missing from font")
         yield
@@ -188,15 +188,15 @@ class Scale:
     Attributes
     ----------
     limits : (float, float) or None
-        Its range; None for what the panels of a sheet need.
+        The range; None to fit the panels of a sheet.
     ticks : mapping of float to str, or None
         Positions and labels of ticks; None for round numbers.
     label : str
-        What it shows.
+        The axis label.
     ends : (str, str)
         Labels of its two directions, in place of `label`; ('', '') for none.
     line : float or None
-        Where a line crosses all rows.
+        Position of a line across all rows.
     """
 
     limits: tuple[float, float] | None = None
@@ -206,7 +206,7 @@ class Scale:
     line: float | None = None
 
     def apply(self, axes: Axes, inches: float) -> None:
-        """Give axes of this width the scale."""
+        """Apply the scale to axes of a width in inches."""
         size = SMALL_SIZE + 0.5
         if self.limits is not None:
             axes.set_xlim(*self.limits)
@@ -235,7 +235,7 @@ class Scale:
 
 
 def annotate_row(axes: Axes, row: int, words: str, below: str, *, bold: bool = False) -> None:
-    """Write words, and smaller ones below them, at the right of a row of a panel."""
+    """Write words, and smaller ones below them, to the right of a panel's row."""
     height = 4.4 if below else 0.0
     size, weight = (8.5, "bold") if bold else (8.0, "normal")
     for text, offset, font in (

@@ -34,7 +34,7 @@ class _Question:
 
     @property
     def name(self) -> str:
-        """Question, and set before it if there are sets."""
+        """The question's name, after its set if there are sets."""
         return question_name(self.set, self.question)
 
 
@@ -45,7 +45,7 @@ _PREFERENCE_AXIS: Final = {
     "mismatch": "win share of own speech",
 }
 _MOST_ROWS: Final = 24
-"""Metrics on one sheet of the forest plot."""
+"""Most metrics on one sheet of the forest plot."""
 
 _CORRELATION: Final = Scale(
     limits=(-1.05, 1.05),
@@ -101,12 +101,12 @@ def against_people_section(report: TableReport, subject: Subject) -> Section | N
 
 
 def sampling_range_sentence(sample: SamplingRange) -> str:
-    """Return a sentence on how little so many conditions can show."""
+    """Return a sentence on how little this number of conditions can show."""
     return sentence("against_people.sampling_range", sample=sample, correlation=_correlation)
 
 
 def _intervals(questions: Sequence[_Question], correlation: str) -> tuple[int, list[str]]:
-    """Return how many intervals there are, and which correlations have one without zero."""
+    """Return the number of intervals, and the correlations whose intervals exclude zero."""
     intervals = [
         (f"{metric.metric} on {question.name}", interval)
         for question in questions
@@ -153,7 +153,7 @@ def _scatters(
 
 
 MOST_METRICS: Final = 6
-"""Metrics of one figure, as many as stay readable on a page."""
+"""Most metrics in one figure that stay readable on a page."""
 
 _SCATTER_HEIGHT: Final = 1.25
 _AXIS_LABELS: Final = {
@@ -176,7 +176,7 @@ def agreement_pictures(
     metrics : sequence of MetricAgainstPeople
         At most `MOST_METRICS`, each with at least one place.
     conditions : sequence of str
-        All of them; each has its own colour and marker.
+        All conditions; each has its own colour and marker.
     preference : str
         Label of the vertical axis.
     text : FigureText

@@ -24,7 +24,7 @@ from analysis.results.strengths import StrengthDifference
 from analysis.stats.one_sample_tests import Equivalence
 
 MOST: Final = 4
-"""How many of a kind a sentence names; the tables hold all of them."""
+"""Most items of a kind that a sentence names; the tables hold all of them."""
 
 FEW_SEGMENTS: Final = 6
 """Segments below which the text warns of wide intervals."""
@@ -51,13 +51,13 @@ class Verdict:
     better, worse : str
         The two sides, as the answers order them.
     question, set : str
-        What the test is about; '' without sets.
+        The question, and its set; '' without sets.
     measure, numbers : str
-        What is estimated; the estimate with its interval.
+        The name of the measure; the estimate with its interval.
     excludes_null : bool
         Whether the interval excludes no difference.
     size : float
-        Distance from no difference; NaN for none.
+        Distance from no difference; NaN if unknown.
     why : str
         Why this test replaces the usual one.
     reason : str
@@ -187,7 +187,7 @@ def certainty(report: TableReport, subject: Subject) -> tuple[str, ...]:
 
 
 def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
-    """Return the facts behind the answer; the verdicts stand in the order of their size."""
+    """Return the facts behind the answer; the verdicts are ordered by size."""
     results = report.results
     in_order = verdicts(report)
     by_size = sorted(in_order, key=lambda v: math.inf if math.isnan(v.size) else -v.size)
@@ -226,7 +226,7 @@ def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
 
 
 def _equivalent_pairs(results: Results) -> list[ResultKey]:
-    """Return the pairs that differ by less than the margin, segments being a sample as well."""
+    """Return the pairs that differ by less than the margin, with segments as a sample too."""
     tests: list[tuple[ResultKey, Equivalence]] = []
     if isinstance(results, PairwiseResults):
         tests = [(pair, pair) for pair in results.equivalence]
@@ -236,7 +236,7 @@ def _equivalent_pairs(results: Results) -> list[ResultKey]:
 
 
 def _omnibus_tests(report: TableReport) -> list[str]:
-    """Return the tests of all conditions together, where strengths or worths are tested."""
+    """Return the tests of all conditions together, if strengths or worths are tested."""
     match report.results:
         case PairwiseResults(decided_by="strengths", bradley_terry=strengths):
             models: list[Row[Any]] = [*strengths.rows()]

@@ -1,4 +1,4 @@
-"""Conditions rated or ranked one by one, as S2UE and DiffSHEG show them, and their strengths."""
+"""Conditions that are rated or ranked, as S2UE and DiffSHEG show them, and strengths."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from analysis.results.conditions import (
 from analysis.results.strengths import ConditionStrength, StrengthDifference, StrengthModel
 
 MOST_PAIRS: Final = 15
-"""Pairs of conditions up to which their differences are drawn."""
+"""Most pairs of conditions whose differences are drawn."""
 
 _PERCENT_TICKS: Final[Mapping[float, str]] = {0: "0", 50: "50", 100: "100"}
 
@@ -94,7 +94,7 @@ def _rating_section(
 
 
 def _scores(conditions: Sequence[RatedCondition]) -> Table:
-    """Return the table of means, the best and the second best as printed marked."""
+    """Return the table of means, with the best and the second best (as printed) marked."""
     printed: dict[str, set[float]] = {}
     for c in conditions:
         if not math.isnan(c.estimate):
@@ -119,8 +119,8 @@ def distribution_pictures(
 ) -> tuple[Picture, ...]:
     """Draw how often each score was given, with means: S2UE's Figure 6.
 
-    `labels` are those of each question's scores, worst first. They are in the legend if all
-    questions have the same ones, otherwise in the caption.
+    `labels` name each question's scores, worst first. They are in the legend if all questions share
+    them, otherwise in the caption.
     """
     scores = tuple(conditions[0].counts)
     by_question = {c.question: tuple(labels.get(c.question, ())) for c in conditions}
@@ -301,7 +301,7 @@ def _ranking_bar(ranked: RankedCondition, places: int) -> Bar:
 
 
 def _are_tied(conditions: Sequence[RankedCondition]) -> bool:
-    """Tell whether every ranking ties all conditions."""
+    """Return whether every ranking ties all conditions."""
     middle = (1 + len(conditions[0].rank_percent)) / 2
     is_even = all(
         c.mean_rank.estimate == middle and len({round(p, 9) for p in c.rank_percent.values()}) == 1
@@ -315,7 +315,7 @@ def _are_tied(conditions: Sequence[RankedCondition]) -> bool:
 def strength_pictures(
     standings: Mapping[str, StrengthModel], axis: str, text: FigureText
 ) -> tuple[Picture, ...]:
-    """Draw the strengths on each question that has a fit, the strongest on the first one on top."""
+    """Draw the strengths on each question with a fit, the strongest on the first one on top."""
     fitted = {
         question: fit for question, fit in standings.items() if not fit.reason and fit.conditions
     }
@@ -337,7 +337,7 @@ def strength_pictures(
 
 
 def strongest_first(standings: Mapping[str, StrengthModel], names: Iterable[str]) -> list[str]:
-    """Return each name once, by the strengths on the first question that has some."""
+    """Return each name once, by strength on the first question with a fit."""
     conditions = next((fit.conditions for fit in standings.values() if not fit.reason), ())
     strengths = {c.condition: c.estimate for c in conditions if not math.isnan(c.estimate)}
     return sorted(dict.fromkeys(names), key=lambda name: -strengths.get(name, -math.inf))
@@ -374,7 +374,7 @@ def contrasts_table(
 
 
 def _share_ranks(contrast: StrengthDifference, standings: StrengthModel) -> bool:
-    """Tell whether two significantly different conditions have overlapping ranks."""
+    """Return whether two significantly different conditions have overlapping ranks."""
     ends = [
         (c.best, c.worst)
         for c in standings.conditions

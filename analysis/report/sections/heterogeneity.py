@@ -30,10 +30,10 @@ from analysis.results.report import Results, TableReport
 from analysis.stats.clustered_mean import Estimate
 
 MOST_PANELS: Final = 24
-"""Effects up to which forest plots are drawn; more of them are only in the tables."""
+"""Most effects for which forest plots are drawn; more are only in the tables."""
 
 MOST_ROWS: Final = 26
-"""Levels up to which a forest plot fits on a page."""
+"""Most levels with which a forest plot fits on a page."""
 
 _OVERALL: Final = {"emotion": "all emotions", "speaker": "all speakers", "segment": "all segments"}
 
@@ -96,10 +96,10 @@ def heterogeneity_section(report: TableReport, subject: Subject) -> Section | No
 
 
 def _tests(all_effects: Sequence[Effect]) -> Table:
-    """Return the tests that could be run; where none could, a folded table says why."""
+    """Return the tests that could be run; if none could, a folded table says why."""
     tested = [effect for effect in all_effects if not math.isnan(effect.result.test.p_value)]
-    made = table("heterogeneity-tests", tested or all_effects, all_effects=all_effects)
-    return made if tested else replace(made, secondary="No test could be run")
+    tests_table = table("heterogeneity-tests", tested or all_effects, all_effects=all_effects)
+    return tests_table if tested else replace(tests_table, secondary="No test could be run")
 
 
 class Effect(NamedTuple):
@@ -111,7 +111,7 @@ class Effect(NamedTuple):
 
     @property
     def heading(self) -> str:
-        """The heading of its panel."""
+        """The panel's heading."""
         prefix = "" if self.result.set is None else f"Set {self.result.set}, "
         return f"{prefix}{wording.name(self.result.question)}: {self.label}"
 
@@ -124,7 +124,7 @@ def effects(results: Results, reference: str | None) -> tuple[Effect, ...]:
     results : PairwiseResults, RatingResults, RankingResults or MismatchResults
         The report's results.
     reference : str or None
-        The condition that stands first in its pairs, if any.
+        The condition that comes first in its pairs, if any.
     """
     overall = overall_effects(results)
     comparisons = results.comparisons if isinstance(results, PairwiseResults) else ()
@@ -147,9 +147,9 @@ def _effect(
         return Effect(wording.condition(result.condition), result, overall)
     if result.b != reference:
         return Effect(wording.against(result.a, result.b), result, overall)
-    turned = replace(result, levels=tuple(level.mirrored() for level in result.levels))
+    mirrored = replace(result, levels=tuple(level.mirrored() for level in result.levels))
     label = wording.against(result.b, result.a)
-    return Effect(label, turned, None if overall is None else overall.mirrored())
+    return Effect(label, mirrored, None if overall is None else overall.mirrored())
 
 
 Key = tuple[str | None, str, tuple[str, ...]]

@@ -58,7 +58,7 @@ class Systems:
     names : tuple of str
         Conditions from the top.
     scores : mapping of (condition, metric) to ConditionScore
-        All that were measured.
+        All measured scores.
     recorded, broken : str or None
         Recorded motion, and the visibly broken motion of catch trials; neither is ranked.
     generative : mapping of str to bool
@@ -89,7 +89,7 @@ def metric_table(
     Parameters
     ----------
     columns : sequence of TableColumn
-        From the left; those of a block next to each other.
+        From the left; columns of one block are adjacent.
     systems : Systems
         The rows.
     caption, name : str
@@ -261,7 +261,7 @@ def first_and_second(
     recorded : float
         The score of recorded motion; NaN if unknown.
     decimals : int
-        How many are printed.
+        Number of decimals printed.
     """
     printed = round(recorded, decimals)
     distances = {}

@@ -1,4 +1,4 @@
-"""Automatic metrics, the protocol's paper first, and the pairs that play with theirs.
+"""Automatic metrics, the protocol's paper first, and playable pairs with their metrics.
 
 A direction is the paper's own: AMUSE calls the diversity nearest to recorded motion best, DiffSHEG
 the greatest.
@@ -40,7 +40,7 @@ PAPER_OF: Final = {
 """The paper that a protocol is taken from, whose table is shown first."""
 
 _ENOUGH: Final = 0.5
-"""Share of a paper's metrics that a table in its shape needs."""
+"""Share of a paper's metrics that a table in its layout needs."""
 
 _MOST_COLUMNS: Final = 6
 
@@ -68,7 +68,7 @@ def metric_section(report: TableReport, subject: Subject) -> Section:
 
 
 def metric_tables(metrics: StudyMetrics, protocol: str, subject: Subject) -> tuple[Table, ...]:
-    """Return a table in the shape of each paper whose metrics were measured, and of all others."""
+    """Return a table in the layout of each paper whose metrics were measured, and further ones."""
     systems = systems_of(metrics, subject)
     measured = {score.name for score in metrics.conditions if not math.isnan(score.value)}
     papers = _papers(measured, PAPER_OF.get(protocol, ""))
@@ -76,7 +76,7 @@ def metric_tables(metrics: StudyMetrics, protocol: str, subject: Subject) -> tup
         metric_table(
             PAPER_TABLES[paper],
             systems,
-            caption=f"Automatic metrics in the shape of the table of {TITLES[paper]}; the notes "
+            caption=f"Automatic metrics in the layout of the table of {TITLES[paper]}; the notes "
             "say how each is computed.",
             name=f"metrics-{paper}",
             marks_generative=paper == "diffsheg",
@@ -111,7 +111,7 @@ def metric_tables(metrics: StudyMetrics, protocol: str, subject: Subject) -> tup
 
 
 def is_detail(metric: str, protocol: str) -> bool:
-    """Tell whether a metric only helps to read another, and is not in the paper's table."""
+    """Return whether a metric only helps to read another, and is not in the paper's table."""
     in_paper = PAPER_TABLES[PAPER_OF[protocol]] if protocol in PAPER_OF else ()
     return metric.startswith(_DETAILS) and metric not in {column.metric for column in in_paper}
 
@@ -153,7 +153,7 @@ def confusion_tables(metrics: StudyMetrics) -> Iterator[Table]:
 
 
 def metrics_not_tabled(metrics: StudyMetrics) -> tuple[str, ...]:
-    """Return what could not be measured, and which files could not be used."""
+    """Return sentences on what could not be measured, and on files that could not be used."""
     return (
         *(f"{remark[:1].upper()}{remark[1:]}." for remark in metrics.remarks),
         *(f"Not used: {Path(file.where).name}: {file.what}." for file in metrics.skipped),

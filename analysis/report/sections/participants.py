@@ -29,7 +29,7 @@ _STAGES: Final = (
 )
 
 MOST_LOOKS: Final = 100
-"""Rows of the table; ``results.json`` has all."""
+"""Most rows of the table of looks; ``results.json`` has all of them."""
 
 
 def flow_section(report: TableReport, subject: Subject) -> Section | None:
@@ -68,7 +68,7 @@ def flow_section(report: TableReport, subject: Subject) -> Section | None:
 
 
 def _total(flows: tuple[Flow, ...]) -> Flow:
-    """Return the sum of all arms; None where no arm has a number."""
+    """Return the sum over all arms; None if no arm has a number."""
     totals: dict[str, Any] = {}
     for name in (field.name for field in fields(Flow) if field.name not in ("arm", "removed")):
         numbers = [n for flow in flows if (n := getattr(flow, name)) is not None]
@@ -120,7 +120,7 @@ def looks_section(report: TableReport) -> Section | None:
 
 
 def looks_sentence(report: TableReport) -> str:
-    """Return in one sentence that there were looks; '' if there were none."""
+    """Return one sentence on looks at results; '' if there were none."""
     if not report.looks.count:
         return ""
     return f"{_looked(report)}; the p values and intervals do not correct for that."
@@ -170,9 +170,11 @@ def sensitivity_section(report: TableReport, subject: Subject) -> Section | None
     results, reference = report.results, None
     if isinstance(results, PairwiseResults) and results.comparisons:
         reference = reference_of(results.comparisons, subject.reference)
-    # The reference stands first, as in the headline.
+    # The reference comes first, as in the headline.
     shown = [
-        _turned(entry) if reference is not None and entry.conditions[1:] == (reference,) else entry
+        _mirrored(entry)
+        if reference is not None and entry.conditions[1:] == (reference,)
+        else entry
         for entry in report.sensitivity
     ]
     is_planned = all(entry.is_as_planned for entry in shown)
@@ -197,7 +199,7 @@ def sensitivity_section(report: TableReport, subject: Subject) -> Section | None
     )
 
 
-def _turned(entry: Sensitivity) -> Sensitivity:
+def _mirrored(entry: Sensitivity) -> Sensitivity:
     return replace(
         entry,
         conditions=entry.conditions[::-1],

@@ -26,7 +26,7 @@ from analysis.results.preference import Comparison, MatchedCondition
 from analysis.results.strengths import StrengthModel
 
 MOST_BARS: Final = 15
-"""Comparisons up to which each has a bar; more of them are shown as a matrix."""
+"""Most comparisons that are drawn as bars; more are drawn as a matrix."""
 
 _SHARES: Final = Scale(
     limits=(0, 1), ticks={0: "0", 0.5: ".5", 1: "1"}, label="win share", line=0.5
@@ -42,11 +42,11 @@ class PreferenceRow:
     Attributes
     ----------
     label : str
-        Names the row within its group.
+        The row's name within its group.
     first, second : str
         The names of the sides.
     result : Comparison or MatchedCondition
-        From the side of `first`.
+        The result, seen from `first`.
     """
 
     label: str
@@ -160,7 +160,7 @@ def _row(comparison: Comparison, reference: str | None) -> PreferenceRow:
 
 
 def reference_of(comparisons: Sequence[Comparison], reference: str | None) -> str | None:
-    """Return the condition that stands first in all comparisons, or None.
+    """Return the condition that comes first in all comparisons, or None.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def reference_of(comparisons: Sequence[Comparison], reference: str | None) -> st
 
 
 def mismatch_groups(results: MismatchResults) -> tuple[PreferenceGroup, ...]:
-    """Return the conditions of each set, from the side of their own speech."""
+    """Return the conditions of each set, seen from their own speech."""
     first, second = "own speech", "other speech"
     return tuple(
         _group(

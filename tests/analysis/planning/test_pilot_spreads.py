@@ -80,5 +80,5 @@ def test_a_pilot_with_one_participant_has_no_spread(tmp_path: Path) -> None:
         "response": [1, 2, 4, 5],
     }
 
-    with pytest.raises(InputError, match="do not tell how much opinions differ"):
+    with pytest.raises(InputError, match="do not show how much opinions differ"):
         estimated(rows, "pairwise", tmp_path)

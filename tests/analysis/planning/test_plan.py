@@ -130,7 +130,7 @@ SATURATED = {
 
 ADD_SEGMENTS = (
     "With 6 segments, more than 20 participants per comparison add little: 80 raise the power for "
-    "0.5 logits from .55 to .60 only; 12 segments raise it to .75: add segments."
+    "0.5 logits only from .55 to .60; 12 segments raise it to .75: add segments."
 )
 
 

@@ -196,7 +196,7 @@ def test_each_condition_is_a_row_of_stills_with_alternative_texts() -> None:
 def test_a_condition_without_stills_is_named_with_a_reason() -> None:
     of_ours, of_none = stills("ours"), stills(no_stills="There are no videos yet.")
     assert of_ours is not None and of_none is not None
-    assert of_ours.paragraphs[1] == "There is no readable video of this segment of theirs."
+    assert of_ours.paragraphs[1] == "There is no readable video of this segment for theirs."
     assert of_none.paragraphs == ("There are no videos yet.",)
     assert stills() is None
 
