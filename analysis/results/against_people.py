@@ -42,21 +42,21 @@ SEED: Final = 0
 
 
 FEWEST_SEGMENTS: Final = 6
-"""With fewer, it is not known how much the correlation varies between segments."""
+"""With fewer, the variation of the correlation between segments is unknown."""
 
 _ROUNDING: Final = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
 class WithinCorrelation(Interval):
-    """Pearson's correlation over single clips, each measured from the mean of its condition.
+    """Pearson's correlation over single clips, after the mean of each condition is subtracted.
 
     The interval is clustered by segment.
 
     Attributes
     ----------
     cells, segments, answers : int
-        Clips (of pairwise comparisons, pairs of clips), segments and answers that it rests on.
+        Numbers of clips (pairs of clips for pairwise comparisons), segments and answers.
     """
 
     cells: int
@@ -71,11 +71,11 @@ class ScoredCondition:
     Attributes
     ----------
     condition : str
-        Its name.
+        The condition's name.
     score : float
         The metric's score, as in the table of metrics, over the segments shown.
     preference, low, high : float
-        How much people prefer it, and the ends between which 95% of resamples lie.
+        People's preference of the condition, and the ends between which 95% of resamples lie.
     """
 
     condition: str
@@ -87,18 +87,18 @@ class ScoredCondition:
 
 @dataclass(frozen=True, kw_only=True)
 class MetricAgainstPeople:
-    """One metric beside the answers to one question.
+    """The agreement of one metric with the answers to one question.
 
     Attributes
     ----------
     metric, unit : str
-        What was measured.
+        The metric's name and unit.
     better : {'lower', 'higher', 'near the reference'}
-        Which scores are better; it gives the correlations their sign.
+        Which scores are better; this determines the sign of the correlations.
     recorded : float
-        The score of recorded motion where nearness to it is what counts; NaN otherwise.
+        The score of recorded motion if nearness to it counts; NaN otherwise.
     conditions : int
-        How many are correlated.
+        Number of conditions that are correlated.
     kendall, spearman : RankCorrelation
         Kendall's tau-b and Spearman's rho over the conditions.
     within : WithinCorrelation
@@ -106,7 +106,7 @@ class MetricAgainstPeople:
     places : tuple of ScoredCondition
         The conditions that are correlated.
     left_out : mapping of str to str
-        Conditions that are not, and why.
+        Conditions that are not correlated, and why.
     """
 
     metric: str
@@ -123,24 +123,24 @@ class MetricAgainstPeople:
 
 @dataclass(frozen=True, kw_only=True)
 class AgainstPeople:
-    """All metrics beside the answers to one question.
+    """The agreement of all metrics with the answers to one question.
 
     Attributes
     ----------
     preference : str
-        The measure of people's preference of a condition, in words.
+        The measure of people's preference for a condition, in words.
     conditions, participants, segments : int
-        Conditions that people judged, and what the judgement rests on.
+        Numbers of conditions that people judged, of participants and of segments.
     resamples : int
         Number of resamples of each interval.
     sampling_range : SamplingRange or None
-        What a study with so many conditions can find; None for fewer than three.
+        What a study with this number of conditions can find; None for fewer than three.
     metrics : tuple of MetricAgainstPeople
         In the order of the table of metrics; those without a better direction are left out.
     method : str
-        How intervals were found.
+        How intervals were computed.
     reason : str
-        Why there is nothing to compare; empty where there is something.
+        Why there is nothing to compare; empty otherwise.
     """
 
     preference: str
@@ -160,27 +160,27 @@ def metrics_against_people(
     metrics: StudyMetrics | None,
     recorded: str | None = None,
 ) -> ByQuestion[AgainstPeople]:
-    """Set all metrics beside the answers, question by question.
+    """Compare all metrics with the answers, question by question.
 
     Parameters
     ----------
     table : AnswerTable
         The answers, of any protocol.
     analysed : DataFrame
-        Those of them that are analysed (`analysis.answers.participants.LeftOut`).
+        The analysed answers (`analysis.answers.participants.LeftOut`).
     metrics : StudyMetrics or None
-        Automatic metrics by condition and clip; None where nothing was measured.
+        Automatic metrics by condition and clip; None if nothing was measured.
     recorded : str, optional
         The condition that is recorded motion.
 
     Returns
     -------
     ByQuestion of AgainstPeople
-        Empty where there are no metrics.
+        Empty if there are no metrics.
     """
     if metrics is None or not metrics.conditions:
         return ByQuestion()
-    # The matrices are small: more threads cost more than they bring.
+    # The matrices are small: more threads cost more than they save.
     with threadpool_limits(limits=1, user_api="blas"):
         return by_question(
             table,
@@ -198,7 +198,7 @@ def against_people(
     resamples: int = RESAMPLES,
     seed: int = SEED,
 ) -> AgainstPeople:
-    """Set all metrics beside the answers to one question; see `metrics_against_people`."""
+    """Compare all metrics with the answers to one question; see `metrics_against_people`."""
     tallies = tally(protocol, answers)
     preferences = resample_preferences(tallies, resamples=resamples, seed=seed)
     metrics_of = oriented_metrics(metrics, tallies.conditions, tallies.segments, recorded)
@@ -235,7 +235,7 @@ def _correlate(
     seed: int,
 ) -> MetricAgainstPeople:
     names = tallies.conditions
-    # Other resamples of conditions than those of people and segments.
+    # A different seed from that of participants and segments.
     tau, rho = over_conditions(preferences, metric, too_few=too_few, seed=seed + 1)
     return MetricAgainstPeople(
         metric=metric.name,
@@ -272,10 +272,10 @@ def _scored(
 
 
 def within_conditions(tallies: Tallies, metric: OrientedMetric) -> WithinCorrelation:
-    """Correlate scores with mean answers over clips, both measured from their group's mean.
+    """Correlate scores with mean answers over clips, after each group's mean is subtracted.
 
-    A group is a condition, or of pairwise comparisons a pair of conditions: there the difference
-    of two scores is correlated with the win share. Every clip weighs as much as it has answers.
+    A group is a condition or, for pairwise comparisons, a pair of conditions; there the difference
+    of two scores is correlated with the win share. Clips are weighted by their number of answers.
     The interval is a jackknife over segments, whose clips share one speech (on Fisher's scale, t
     with segments - 1 degrees of freedom).
 
@@ -284,7 +284,7 @@ def within_conditions(tallies: Tallies, metric: OrientedMetric) -> WithinCorrela
     tallies : Tallies
         The answers.
     metric : OrientedMetric
-        One metric of the same conditions and segments.
+        A metric of the same conditions and segments.
     """
     unknown = WithinCorrelation(cells=0, segments=0, answers=0)
     if metric.clips is None:
@@ -317,7 +317,7 @@ def within_conditions(tallies: Tallies, metric: OrientedMetric) -> WithinCorrela
 
 
 def _scores_of_groups(tallies: Tallies, metric: OrientedMetric, clips: Floats) -> Floats:
-    """Return the oriented score of each group's clip, shape (G, segments); NaN where unknown."""
+    """Return the oriented score of each group's clip, shape (G, segments); NaN if unknown."""
     oriented = metric.orient(clips, metric.recorded_clips).copy()
     oriented[list(metric.left_out)] = math.nan
     if tallies.groups.shape[1] == 1:
@@ -326,14 +326,14 @@ def _scores_of_groups(tallies: Tallies, metric: OrientedMetric, clips: Floats) -
 
 
 def _deviations(values: Floats, weights: Floats) -> Floats:
-    """Return how far values are from the mean of their group, 0 where they have no weight."""
+    """Return deviations of values from their group's mean, 0 for values without weight."""
     totals = weights.sum(axis=1, keepdims=True)
     means = (weights * values).sum(axis=1, keepdims=True) / np.where(totals, totals, 1)
     return np.where(weights > 0, values - means, 0)
 
 
 def _correlation(first: Floats, second: Floats, weights: Floats) -> float:
-    """Return the pooled correlation within groups; NaN where either does not vary."""
+    """Return the pooled correlation within groups; NaN if either does not vary."""
     x, y = _deviations(first, weights), _deviations(second, weights)
     spread = math.sqrt((weights * x**2).sum() * (weights * y**2).sum())
     return float((weights * x * y).sum()) / spread if spread else math.nan

@@ -88,12 +88,11 @@ class RatingContrast(PairKey):
     difference : RatedDifference
         Mean difference of paired ratings; the headline.
     log_odds, odds_ratio : float
-        The odds that a is rated better than b in the mixed model, which describes and does not
-        test.
+        The odds that a is rated better than b in the mixed model, which is descriptive only.
     cliffs_delta : Estimate
-        How much the ratings of a dominate those of b.
+        Dominance of the ratings of a over those of b.
     remark : str
-        Why there are no log-odds, or what limits them.
+        Why there are no log-odds, or a caution about them.
     """
 
     difference: RatedDifference
@@ -105,18 +104,18 @@ class RatingContrast(PairKey):
 
 @dataclass(frozen=True, kw_only=True)
 class RatedCondition(RatingSummary, ConditionKey):
-    """How a condition was rated."""
+    """The ratings of a condition."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RatedEquivalent(Equivalence, PairKey):
-    """Equivalence by participants' means, which takes the segments as the only ones.
+    """Equivalence by participants' means, which treats the segments as fixed.
 
     Attributes
     ----------
     two_way : Equivalence
-        Of the mean difference of paired ratings, for which segments are a sample too; the
-        headline.
+        Equivalence by the mean difference of paired ratings, which treats segments as a sample too;
+        the headline.
     """
 
     two_way: Equivalence
@@ -135,7 +134,7 @@ class RatingResults:
     contrasts : tuple of RatingContrast
         In the order of sets, questions and conditions.
     equivalence : tuple of RatedEquivalent
-        Equivalence of participants' mean ratings; empty where no margin was stated.
+        Equivalence of participants' mean ratings; empty if no margin was stated.
     heterogeneity : tuple of PairHeterogeneity
         Differences of paired ratings by emotion, speaker and segment.
     """
@@ -226,7 +225,7 @@ def _contrast(
 def _equivalent(
     key: PairKey, answers: pd.DataFrame, difference: Estimate, margin: float
 ) -> RatedEquivalent:
-    """Test the means of those participants who rated both conditions, and paired ratings."""
+    """Test the means of participants who rated both conditions, and paired ratings."""
     means = answers.groupby(["participant", "condition"], observed=True)["value"].mean().unstack()
     return RatedEquivalent(
         **vars(key),
@@ -236,9 +235,9 @@ def _equivalent(
 
 
 def scores_of(table: AnswerTable) -> tuple[int, ...]:
-    """Return all scales' scores, ascending, or the scores given where there are many.
+    """Return all scales' scores in ascending order; if there are too many, only those given.
 
-    A scale that is not stated has five points at least.
+    A scale that is not stated has at least five points.
     """
     scores = np.unique(table.shown["value"].to_numpy()).astype(int).tolist()
     low = min((low for low, _ in table.scales.values()), default=min(1, scores[0]))
@@ -248,14 +247,14 @@ def scores_of(table: AnswerTable) -> tuple[int, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class RankedCondition(RankSummary, ConditionKey):
-    """Where a condition is placed."""
+    """The ranks of a condition."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RankContrast(PairwiseRanks, PairKey):
-    """Whether two conditions are placed differently, after Friedman's test; secondary.
+    """Whether two conditions are ranked differently, after Friedman's test; secondary.
 
-    It rests on participants' mean ranks and takes the segments as the only ones of interest.
+    It uses participants' mean ranks and treats the segments as fixed.
     """
 
 
@@ -270,9 +269,9 @@ class RankingResults:
     plackett_luce, kendall_w, friedman : mapping of question to result
         See `ByQuestion`.
     contrasts : tuple of StrengthDifference
-        Every two conditions by their worths, in the order of sets and questions; the headline.
+        Each pair of conditions by worths, in the order of sets and questions; the headline.
     posthoc : tuple of RankContrast
-        Every two conditions, in the order of sets and questions.
+        Each pair of conditions, in the order of sets and questions.
     heterogeneity : tuple of ConditionHeterogeneity
         Mean ranks by emotion, speaker and segment.
     """
@@ -289,7 +288,7 @@ class RankingResults:
 def ranking_results(
     table: AnswerTable, left_out: LeftOut, family: Family = EVERYTHING
 ) -> RankingResults:
-    """Analyse rankings; `family` tells which tests decide."""
+    """Analyse rankings; `family` determines which tests decide."""
     fits: dict[tuple[str | None, str], PlackettLuceWorths] = {}
     agreements: dict[tuple[str | None, str], Concordance] = {}
     tests: dict[tuple[str | None, str], Friedman] = {}

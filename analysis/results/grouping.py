@@ -25,7 +25,7 @@ ResultT = TypeVar("ResultT", covariant=True)
 
 
 class Row(NamedTuple, Generic[Result]):
-    """A result, and what it is about; no set is ''."""
+    """A result with its set and question; the set is '' without sets."""
 
     set: str
     question: str
@@ -34,14 +34,14 @@ class Row(NamedTuple, Generic[Result]):
 
 @dataclass(frozen=True)
 class ByQuestion(Generic[ResultT]):
-    """Results by question, and by set where the table has sets.
+    """Results by question, and by set if the table has sets.
 
     Attributes
     ----------
     results : mapping of (set or None, question) to result
-        The set is None where the table has no sets.
+        The set is None if the table has no sets.
     sets : tuple of str
-        All of them, those without results too.
+        All sets, including those without results.
     """
 
     results: Mapping[tuple[str | None, str], ResultT] = field(default_factory=dict)
@@ -61,7 +61,7 @@ class ByQuestion(Generic[ResultT]):
         }
 
     def nested(self) -> Mapping[str, object]:
-        """Return results by question, and by set before that where there are sets."""
+        """Return results by question, nested under their set if there are sets."""
         if not self.sets:
             return self.of_set(None)
         return {name: self.of_set(name) for name in self.sets}
@@ -69,7 +69,7 @@ class ByQuestion(Generic[ResultT]):
 
 @dataclass(frozen=True, kw_only=True)
 class ConditionKey:
-    """What a result is about: one condition and one question.
+    """The subject of a result: one condition and one question.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class ConditionKey:
 
 @dataclass(frozen=True, kw_only=True)
 class PairKey:
-    """What a result is about: two conditions, of which a appeared first, and one question.
+    """The subject of a result: two conditions, of which a appears first, and one question.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ def split_by_question(
 def by_question(
     table: AnswerTable, answers: pd.DataFrame, result: Callable[[pd.DataFrame], Result]
 ) -> ByQuestion[Result]:
-    """Return a result for each question, and for each set where there are sets."""
+    """Return a result for each question, and for each set if there are sets."""
     parts = split_by_question(table, answers)
     return as_by_question(table, {(name, question): result(part) for name, question, part in parts})
 
@@ -147,7 +147,7 @@ def as_by_question(
 def split_by_key(
     table: AnswerTable, answers: pd.DataFrame
 ) -> Iterator[tuple[ResultKey, pd.DataFrame]]:
-    """Yield every condition, or pair of them, with the answers about it, question by question."""
+    """Yield every condition or pair of conditions with its answers, question by question."""
     for set_name, question, part in split_by_question(table, answers):
         shown = np.stack(list(shown_codes(part).values()))
         for codes_of_key in np.unique(shown, axis=1).T:
@@ -171,7 +171,7 @@ def codes(answers: pd.DataFrame, column: str) -> Codes:
 
 
 def shown_codes(answers: pd.DataFrame) -> dict[str, Codes]:
-    """Return the code of the condition that each answer is about, or of a pair, a before b."""
+    """Return the code of each answer's condition; for pairs those of both, a before b."""
     if "left" not in answers:
         return {"condition": codes(answers, "condition")}
     left, right = codes(answers, "left"), codes(answers, "right")
@@ -179,19 +179,19 @@ def shown_codes(answers: pd.DataFrame) -> dict[str, Codes]:
 
 
 def is_on_right(answers: pd.DataFrame) -> NDArray[np.bool_]:
-    """Tell which answers saw a, or of a mismatch task the own speech, on the right."""
+    """Return which answers had a (the own speech in a mismatch task) on the right."""
     if "left" in answers:
         return np.asarray(codes(answers, "right") < codes(answers, "left"))
     return np.asarray(answers["right_speech"] == "own", bool)
 
 
 def count_participants(answers: pd.DataFrame) -> int:
-    """Return how many participants gave the answers."""
+    """Return the number of participants who gave the answers."""
     return len(np.unique(codes(answers, "participant")))
 
 
 def shown_conditions(answers: pd.DataFrame) -> tuple[str, ...]:
-    """Return the conditions that the answers are about, in the order of the table."""
+    """Return the conditions of the answers, in the order of the table."""
     names = answers["condition"].cat.categories
     return tuple(str(names[code]) for code in np.unique(codes(answers, "condition")))
 
@@ -201,7 +201,7 @@ FORMS = "all, by question, against=CONDITION, primary=CONDITION,CONDITION[,QUEST
 
 @dataclass(frozen=True, kw_only=True)
 class Family:
-    """Which tests decide, and over which of them p values are corrected together.
+    """The tests that decide, and whose p values are corrected together.
 
     Attributes
     ----------
@@ -211,7 +211,7 @@ class Family:
     question : str
         The only question whose tests decide; empty for all.
     by_question : bool
-        Whether the tests of each question are corrected by themselves.
+        Whether the tests of each question are corrected separately.
     """
 
     conditions: tuple[str, ...] = ()
@@ -219,20 +219,20 @@ class Family:
     by_question: bool = False
 
     def contains(self, key: ResultKey) -> bool:
-        """Tell whether a test of this is a member."""
+        """Return whether a test of this subject belongs to the family."""
         return set(self.conditions) <= set(key.names) and self.question in ("", key.question)
 
     def decide(self, results: Sequence[Tested], test_field: str = "") -> tuple[Tested, ...]:
-        """Return results with the p of their test, corrected by Holm's method, as `p_holm`.
+        """Return results with their test's p, corrected by Holm's method, as `p_holm`.
 
-        It is NaN of tests that are no members.
+        It is NaN for tests outside the family.
 
         Parameters
         ----------
         results : sequence
-            What was tested.
+            The results that were tested.
         test_field : str
-            The field of a result that holds its test; empty where the result is the test.
+            The field of a result that holds its test; empty if the result is the test.
         """
         tests: list[Any] = [
             getattr(result, test_field) if test_field else result for result in results
@@ -265,7 +265,7 @@ def read_family(text: str, conditions: Sequence[str], questions: Sequence[str]) 
     Raises
     ------
     InputError
-        If it is of no form, or names a condition or question that there is not.
+        If it has none of the forms, or names an unknown condition or question.
     """
     words = text.strip()
     if words in ("all", "by question"):

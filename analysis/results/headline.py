@@ -1,4 +1,4 @@
-"""What needs no test: headline numbers, with and without exclusions, and how far people agree.
+"""Results without tests: headline numbers, with and without exclusions, and agreement.
 
 Pages show both before the end of a study.
 """
@@ -50,13 +50,13 @@ class HeadlineNumber(Estimate):
     Attributes
     ----------
     set : str or None
-        None where the table has no sets.
+        None if the table has no sets.
     question : str
-        What was asked.
+        The question's name.
     a, b : str
-        The condition, and the one that it is compared with; empty where there is none.
+        The condition, and the one that it is compared with; b is empty if there is none.
     measure : {'win_share', 'own_speech', 'mean_rating', 'mean_rank'}
-        What the number is; a share counts ties one half.
+        The kind of number; a share counts ties as one half.
     """
 
     set: str | None
@@ -68,20 +68,20 @@ class HeadlineNumber(Estimate):
 
 @dataclass(frozen=True, kw_only=True)
 class Sensitivity:
-    """How much one headline number depends on who is left out.
+    """How much one headline number depends on exclusions.
 
     Attributes
     ----------
     set, question, measure
-        The same as in `HeadlineNumber`.
+        As in `HeadlineNumber`.
     conditions : tuple of str
         The condition, or a and b.
     analysed : Estimate
         The estimate as it is reported.
     as_planned : Estimate
-        With the rules alone that were settled beforehand.
+        With only the rules that were settled in advance.
     everyone : Estimate
-        When nobody is excluded.
+        With nobody excluded.
     """
 
     set: str | None
@@ -94,13 +94,13 @@ class Sensitivity:
 
     @property
     def is_as_planned(self) -> bool:
-        """Whether the rules that were settled beforehand give the same as all rules."""
-        # As text, in which a number that does not exist equals another one.
+        """Whether the rules that were settled in advance give the same estimate as all rules."""
+        # Compared as text, in which NaN equals NaN.
         return str(self.analysed) == str(self.as_planned)
 
 
 def headline_numbers(table: AnswerTable, answers: pd.DataFrame) -> tuple[HeadlineNumber, ...]:
-    """Return the headline numbers of some of a table's answers.
+    """Return the headline numbers of a selection of a table's answers.
 
     Pages show them before the end of a study: estimates and intervals, without p.
 
@@ -130,13 +130,13 @@ def sensitivity(table: AnswerTable, left_out: LeftOut) -> tuple[Sensitivity, ...
     table : AnswerTable
         All answers.
     left_out : LeftOut
-        Who is left out.
+        The exclusions.
 
     Returns
     -------
     tuple of Sensitivity
-        In the order of sets, questions and conditions; empty where nobody is left out, neither
-        by all rules nor by those that were planned.
+        In the order of sets, questions and conditions; empty if neither all rules nor the planned
+        ones exclude anybody.
     """
     if not left_out.exclusions and left_out.is_as_planned:
         return ()
@@ -169,7 +169,7 @@ MEASURES: Final[Mapping[str, Measure]] = MappingProxyType(
         "ranking": "mean_rank",
     }
 )
-"""What the headline numbers of each protocol are."""
+"""The kind of headline number of each protocol."""
 
 
 def _estimates(table: AnswerTable, answers: pd.DataFrame) -> Iterator[tuple[ResultKey, Estimate]]:
@@ -212,20 +212,20 @@ class Agreement(Alpha):
 
 @dataclass(frozen=True, kw_only=True)
 class AgreedSoFar(Interval):
-    """How far participants agree about one question, with one another and with themselves.
+    """Agreement of participants on one question, with one another and with themselves.
 
     Attributes
     ----------
     set : str or None
-        None where the study has no sets.
+        None if the study has no sets.
     question : str
-        Its name.
+        The question's name.
     measure : {'alpha', 'w'}
-        Krippendorff's alpha for ordered answers; of rankings, Kendall's W.
+        Krippendorff's alpha for ordered answers; for rankings, Kendall's W.
     n, participants : int
-        Answers (of rankings: orders) and participants that it rests on.
+        Number of answers (for rankings, of orders) and of participants.
     retest : Retest or None
-        Practice trials against their repeats; None of rankings, which repeat none.
+        Practice trials against their repeats; None for rankings, which have no repeats.
     """
 
     set: str | None
@@ -237,14 +237,14 @@ class AgreedSoFar(Interval):
 
 
 def agreement_of(answers: pd.DataFrame) -> Agreement:
-    """Return how far participants agree about segments' conditions or comparisons.
+    """Return the agreement of participants on segments' conditions or comparisons.
 
     If a participant answered about an item several times, the first answer counts.
     """
     item_codes = [*shown_codes(answers).values(), codes(answers, "segment")]
     items = np.unique(np.stack(item_codes), axis=1, return_inverse=True)[1].ravel()
     participants = codes(answers, "participant")
-    # A key of both, so that one pass finds who answered twice.
+    # One key for both, so that one pass finds repeated answers.
     key = participants.astype(np.int64) * (int(items.max(initial=0)) + 1) + items
     first = np.sort(np.unique(key, return_index=True)[1])
     ratings = _signed_values(answers)[first], participants[first], items[first]
@@ -259,7 +259,7 @@ def retest_of(answers: pd.DataFrame) -> Retest:
     Parameters
     ----------
     answers : DataFrame
-        Answers to one question, practice trials included, of those whom every rule kept.
+        Answers of the kept participants to one question, practice trials included.
     """
     shown = shown_codes(answers)
     rows = pd.DataFrame(
@@ -290,9 +290,9 @@ def _signed_values(answers: pd.DataFrame) -> NDArray[np.int64]:
 
 
 def agreed_so_far(table: AnswerTable, left_out: LeftOut) -> tuple[AgreedSoFar, ...]:
-    """Return how far the analysed participants agree, question by question.
+    """Return the agreement of the analysed participants, question by question.
 
-    It does not reveal what they prefer: if everybody answered the opposite, it would be the same.
+    It does not reveal what they prefer: it would be the same if all answers were reversed.
     """
     with_practice = {
         (set_name, question): part
@@ -332,5 +332,5 @@ def placements_of(answers: pd.DataFrame) -> Placements:
 
 
 def concordance(rankings: Placements) -> Concordance:
-    """Return how far participants agree; several rankings of a segment count as their mean."""
+    """Return participants' concordance; several rankings of a segment count as their mean."""
     return kendall_w(rankings.averaged())

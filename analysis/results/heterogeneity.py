@@ -1,4 +1,4 @@
-"""Where an effect lies: in emotions, speakers and segments, and in single pairs of clips."""
+"""Where an effect comes from: emotions, speakers, segments, and single pairs of clips."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ KINDS: Final[tuple[By, ...]] = ("emotion", "speaker", "segment")
 
 
 FEW: Final = 3
-"""Segments up to which a cell is described and not tested."""
+"""Most segments of a cell that is described and not tested."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,10 +43,10 @@ class Cell(Estimate):
     Attributes
     ----------
     level : str
-        Which one.
+        The emotion, segment or speaker.
     descriptive : bool
-        Whether it rests on so few segments that it is described and not tested: it says nothing
-        about others of its kind, and `p_value` is NaN.
+        Whether the cell has too few segments to be tested: it does not generalise to other
+        segments, and `p_value` is NaN.
     p_holm : float
         `p_value`, corrected over all such tests of a report.
     """
@@ -73,15 +73,15 @@ def cells(
     values : ndarray, shape (N,)
         One per answer; their mean is the effect.
     levels : ndarray of int, shape (N,)
-        Which emotion, segment or speaker each is about, a place in `names`.
+        Index in `names` of each answer's emotion, segment or speaker.
     names : sequence of str
         The levels' names.
     participants, segments : ndarray of int, shape (N,)
-        Who answered about which segment.
+        The participant and the segment of each answer.
     null : float
-        The effect of none.
+        The mean if there is no effect.
     limits : (float, float)
-        Where values can lie.
+        The range of possible values.
 
     Returns
     -------
@@ -106,7 +106,7 @@ def cells(
 
 @dataclass(frozen=True, kw_only=True)
 class DifferenceTest(FTest):
-    """Whether the levels differ at all; `p_holm` is corrected over all such tests of the report."""
+    """Whether any levels differ; `p_holm` is corrected over all such tests of the report."""
 
     p_holm: float = math.nan
 
@@ -122,7 +122,7 @@ class Heterogeneity:
     measure : {'win_share', 'difference', 'mean_rank'}
         The effect: share of wins, difference of paired ratings in scores, or mean rank.
     null : float
-        The effect of none.
+        The measure if there is no effect.
     levels : tuple of Cell
         In the order of their names; those without answers are left out.
     test : DifferenceTest
@@ -138,12 +138,12 @@ class Heterogeneity:
 
 @dataclass(frozen=True, kw_only=True)
 class PairHeterogeneity(Heterogeneity, PairKey):
-    """Of two conditions."""
+    """An effect between two conditions by emotion, speaker or segment."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ConditionHeterogeneity(Heterogeneity, ConditionKey):
-    """Of one condition."""
+    """An effect of one condition by emotion, speaker or segment."""
 
 
 AnyHeterogeneity = TypeVar("AnyHeterogeneity", bound=Heterogeneity)
@@ -159,22 +159,22 @@ def heterogeneity(
     null: float,
     limits: tuple[float, float] = (-math.inf, math.inf),
 ) -> Iterator[AnyHeterogeneity]:
-    """Estimate an effect by emotion, speaker and segment, where there are several of them.
+    """Estimate an effect by emotion, speaker and segment, if there are several of each.
 
     Parameters
     ----------
     kind : type
         `PairHeterogeneity` or `ConditionHeterogeneity`.
     key : ResultKey
-        What the effect is about.
+        The subject of the effect.
     answers : DataFrame
-        Main and repeated trials of one question, one row a value.
+        Main and repeated trials of one question, with one row per value.
     values : ndarray, shape (N,)
         Their mean is the effect.
     measure, null : str, float
         See `Heterogeneity`.
     limits : (float, float)
-        Where values can lie.
+        The range of possible values.
     """
     for by in KINDS:
         known = codes(answers, by) >= 0
@@ -220,9 +220,9 @@ def preference_heterogeneity(
 
 
 def correct_tests(results: Sequence[AnyHeterogeneity]) -> tuple[AnyHeterogeneity, ...]:
-    """Return the results of a report with Holm's correction, of tests and of levels."""
+    """Return the results of a report with Holm's correction of tests and of levels."""
     tests = holm([result.test.p_value for result in results])
-    # A level that is only described is no member of the family.
+    # A level that is only described does not belong to the family.
     of_levels = iter(
         holm([cell.p_value for result in results for cell in result.levels if not cell.descriptive])
     )
@@ -240,7 +240,7 @@ def correct_tests(results: Sequence[AnyHeterogeneity]) -> tuple[AnyHeterogeneity
 
 
 MOST_PAIRS: Final = 12
-"""Pairs that a reader looks at; of more, those at both ends of the order are kept."""
+"""Most pairs to show; of more, those at both ends of the order are kept."""
 
 _CLIPS: Final = ["first", "second", "segment"]
 
@@ -252,11 +252,11 @@ class PreferredPair:
     Attributes
     ----------
     segment, first, second : str
-        Segment and conditions; the first is the one that comes first in the table.
+        Segment and conditions, in the order of the table.
     win_shares : mapping of str to float
-        By question, in [0, 1], ties counting one half.
+        Win share of the first by question, in [0, 1]; ties count as one half.
     answers : mapping of str to int
-        How many each share rests on.
+        Number of answers behind each share.
     """
 
     segment: str
@@ -267,18 +267,18 @@ class PreferredPair:
 
 
 def preferred_pairs(table: AnswerTable, analysed: pd.DataFrame) -> tuple[PreferredPair, ...]:
-    """Return, for every two conditions, the segments in which the first won most and least.
+    """Return, for each pair of conditions, the segments in which the first won most and least.
 
-    They are sorted by the win share on the table's first question, the highest first. Of ratings
+    They are sorted by the win share on the table's first question, the highest first. In ratings
     and rankings, the clip that a participant placed higher won. A mismatch task has no pairs,
-    since nobody compares conditions there.
+    because nobody compares conditions there.
 
     Parameters
     ----------
     table : AnswerTable
         The answers.
     analysed : DataFrame
-        Those of them that are analysed.
+        The analysed answers.
     """
     if table.protocol == "mismatch" or analysed.empty:
         return ()

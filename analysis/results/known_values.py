@@ -1,4 +1,4 @@
-"""Estimates of a report beside the true values of a simulation."""
+"""Estimates of a report compared with the true values of a simulation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from analysis.stats.clustered_mean import LEVEL, Estimate
 Sign = Literal["right", "wrong", "undecided", "equal"]
 
 SIGNIFICANT: Final = 1 - LEVEL
-"""A smaller p decides which of two ranked conditions is the better one."""
+"""A smaller p decides which of two ranked conditions is better."""
 
 NO_RANK_INTERVAL: Final = "the test compares worths, not mean ranks"
 """Why the difference of two mean ranks has no interval."""
@@ -25,14 +25,14 @@ NO_RANK_INTERVAL: Final = "the test compares worths, not mean ranks"
 
 @dataclass(frozen=True, kw_only=True)
 class KnownValue:
-    """A true value: what simulated raters prefer.
+    """A true value of simulated raters' preferences.
 
     Attributes
     ----------
     about : str
         The comparison (``first-second``) or the condition.
     part : str
-        The set, block or task; empty where the study has none.
+        The set, block or task; empty if the study has none.
     question : str
         Name of the question.
     measure : {'win_share', 'own_speech', 'mean_rating', 'mean_rank'}
@@ -40,9 +40,9 @@ class KnownValue:
         motion with its own speech against itself with another, in [0, 1]; the mean rating, on the
         question's scale; the mean rank, 1 the best.
     value : float
-        Over all raters and all segments such as these: what an interval is an interval for.
+        The value over all raters and all segments like these, which an interval should cover.
     on_these_segments : float
-        Over all raters, for the study's own segments, whose luck an estimate shares.
+        The value over all raters for the study's own segments, whose draw the estimate shares.
     """
 
     about: str
@@ -55,23 +55,23 @@ class KnownValue:
 
 @dataclass(frozen=True, kw_only=True)
 class KnownDifference:
-    """Which of two is better, by the true values and by the analysis.
+    """Which of two sides is better, by the true values and by the analysis.
 
     Attributes
     ----------
     part, question : str
-        The same as in `KnownValue`.
+        As in `KnownValue`.
     measure : str
         'win_share', 'own_speech', or a difference: 'mean_rating' or 'mean_rank'.
     first, second : str
         The conditions; of 'own_speech', the condition with its own speech, and ``other speech``.
     truth : float
-        How much better the first is, of a share from one half; below zero where it is worse. Of
-        ranks, how much further in front.
+        How much better the first is, below zero if it is worse: for shares the distance from one
+        half, for ranks how much further in front.
     estimate : Estimate
-        The same by the analysis.
+        The difference found by the analysis.
     decided : bool
-        Whether the analysis says that they differ.
+        Whether the analysis finds a difference.
     """
 
     part: str
@@ -85,9 +85,9 @@ class KnownDifference:
 
     @property
     def sign(self) -> Sign:
-        """Whether the analysis finds the better one.
+        """Whether the analysis finds the better side.
 
-        'equal' where neither is better in truth and none is found to be.
+        'equal' if there is no true difference and none is found.
         """
         if not self.decided:
             return "equal" if self.truth == 0 else "undecided"
@@ -95,7 +95,7 @@ class KnownDifference:
 
     @property
     def half_width(self) -> float:
-        """Half the width of the interval; NaN where there is none."""
+        """Half the width of the interval; NaN without one."""
         return (self.estimate.high - self.estimate.low) / 2
 
 
@@ -116,7 +116,7 @@ def found_values(
 def found_differences(
     reports: Sequence[TableReport], known: Sequence[KnownValue]
 ) -> tuple[KnownDifference, ...]:
-    """Return, of any two that were compared, whether the better one is found."""
+    """Return, for each pair compared, whether the better side is found."""
     truths: dict[_Key, float] = {(v.measure, v.part, v.question, v.about): v.value for v in known}
     differences = (
         _difference(report, truths, measure, key, estimate, decided)
@@ -127,7 +127,7 @@ def found_differences(
 
 
 _Key = tuple[str, str, str, str]
-"""Measure, part, question, and what it is about."""
+"""Measure, part, question and subject."""
 
 
 def _key(measure: Measure, key: ResultKey) -> _Key:
@@ -153,7 +153,7 @@ def _estimates(report: TableReport) -> Iterator[tuple[Measure, ResultKey, Estima
 
 
 def _compared(report: TableReport) -> Iterator[tuple[Measure, ResultKey, Estimate, bool]]:
-    """Yield the difference of every two, of shares from one half, and whether it is significant."""
+    """Yield each difference (of a share, from one half), and whether it is significant."""
     match report.results:
         case RatingResults(contrasts=contrasts):
             for contrast in contrasts:
@@ -169,7 +169,7 @@ def _compared(report: TableReport) -> Iterator[tuple[Measure, ResultKey, Estimat
                     participants=first.participants,
                     reason=pair.reason or NO_RANK_INTERVAL,
                 )
-                # Outside the report's family nothing is corrected.
+                # Outside the report's family p is not corrected.
                 p = pair.p_value if math.isnan(pair.p_holm) else pair.p_holm
                 yield "mean_rank", pair, ahead, p < SIGNIFICANT
         case _:

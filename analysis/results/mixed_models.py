@@ -24,12 +24,12 @@ Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
 
 SEPARATED: Final = (
-    "the answers are separated: all of them prefer the same one, so that log-odds have no finite "
-    "estimate"
+    "the answers are separated: all prefer the same side, so the log-odds have no finite estimate"
 )
 
 ONE_SIDE: Final = (
-    "always shown on the same side: a preference for it cannot be told apart from one for the side"
+    "always shown on the same side: a preference for it cannot be distinguished from one for the "
+    "side"
 )
 
 
@@ -46,9 +46,9 @@ class SidedAnswers:
     responses : ndarray of int, shape (N,)
         1 (strongly left) … 5 (strongly right).
     on_right : ndarray of bool, shape (N,)
-        Whether the first side, of which the preference is, was shown on the right.
+        Whether the first side, whose preference is measured, was shown on the right.
     participants, segments : ndarray of int, shape (N,)
-        Who answered about what.
+        The participant and the segment of each answer.
     """
 
     responses: NDArray[np.int64]
@@ -68,7 +68,7 @@ class SidedAnswers:
 
 
 def sided(answers: pd.DataFrame) -> SidedAnswers:
-    """Return answers about one comparison as arrays; see `is_on_right` for what they favour."""
+    """Return answers about one comparison as arrays; see `is_on_right` for the first side."""
     return SidedAnswers(
         responses=answers["value"].to_numpy().astype(np.int64),
         on_right=is_on_right(answers),
@@ -84,25 +84,25 @@ class NetPreference:
     Attributes
     ----------
     estimate, standard_error : float
-        Above 0 in favour of the first side.
+        The preference and its standard error; above 0 in favour of the first side.
     p_value : float
-        By the likelihood ratio.
+        p of the likelihood ratio test.
     wald_p : float
-        By the standard error.
+        p of the Wald test.
     log_likelihood : float
         By Laplace's approximation.
     sd_participant, sd_segment : float
-        How much the preference differs between participants and between segments.
+        Standard deviations of the preference between participants and between segments.
     thresholds : tuple of float
         Between neighbouring answers.
     answers_given : tuple of int
-        The answers that somebody gave; the thresholds lie between them.
+        The answers that occur; the thresholds lie between them.
     n : int
-        Answers.
+        Number of answers.
     remark : str
-        What limits the result; empty where nothing does.
+        A caution about the result; empty if there is none.
     reason : str
-        Why there is none; empty where there is one.
+        Why there is no result; empty if there is one.
     """
 
     estimate: float = math.nan
@@ -122,12 +122,12 @@ class NetPreference:
 def net_preference(answers: SidedAnswers) -> NetPreference:
     """Fit ``response ~ s + (0 + s | participant) + (0 + s | segment)``, s = ±1 for the side.
 
-    The thresholds absorb what favours a side; ties stay the middle answer.
+    The thresholds absorb side bias; ties remain the middle answer.
 
     Parameters
     ----------
     answers : SidedAnswers
-        To one question about one comparison.
+        Answers to one question about one comparison.
     """
     answers_given = tuple(np.unique(answers.responses).tolist())
     unknown = NetPreference(n=len(answers.responses), answers_given=answers_given)
@@ -193,25 +193,25 @@ def _remark(full: OrdinalFit, reduced: OrdinalFit) -> str:
 class RatingModel:
     """The model ``rating ~ condition + (1 | participant) + (1 | segment)``, in logits.
 
-    It assumes that conditions differ alike for all participants and segments. Where they do not,
-    its errors are too small, so it gives none; the differences of paired ratings are tested.
+    It assumes that conditions differ equally for all participants and segments. If they do not, its
+    standard errors are too small, so it gives none; the differences of paired ratings are tested.
 
     Attributes
     ----------
     reference : str
         The condition whose effect is zero.
     estimates : mapping of condition to float
-        Above zero where a condition is rated better than the reference.
+        Above zero if a condition is rated better than the reference.
     log_likelihood : float
         By Laplace's approximation.
     sd_participant, sd_segment : float
-        How much ratings differ between participants and between segments.
+        Standard deviations of ratings between participants and between segments.
     thresholds : tuple of float
-        Between neighbouring scores of those that somebody gave.
+        Between neighbouring scores that occur.
     n : int
-        Ratings.
+        Number of ratings.
     remark, reason : str
-        What limits the result; why there is none.
+        A caution about the result; why there is none.
     """
 
     reference: str = ""
@@ -272,7 +272,7 @@ def _why_no_model(
         return "all ratings alike"
     if len(scores) > MOST_SCORES:
         return (
-            f"{len(scores)} different ratings are no ordered categories; means and Cliff's delta "
-            "stand"
+            f"{len(scores)} different ratings are too many for ordered categories; means and "
+            "Cliff's delta remain valid"
         )
     return ""

@@ -38,7 +38,7 @@ from analysis.stats.clustered_mean import Estimate
 from analysis.stats.one_sample_tests import Equivalence, equivalence_of
 
 MOST_PAIRED: Final = 3
-"""Conditions up to which single comparisons decide; of more, the strengths of all of them."""
+"""Most conditions for which single comparisons decide; with more, their strengths decide."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,14 +48,14 @@ class Equivalent(Equivalence, PairKey):
 
 @dataclass(frozen=True, kw_only=True)
 class SideBias:
-    """How often the left side is preferred, and how often a, or the own speech, was there.
+    """How often the left side is preferred, and how often a (or the own speech) was there.
 
     Attributes
     ----------
     left_share : Estimate
-        Ties count one half.
+        Share of preferences for the left; ties count as one half.
     on_left : float
-        Share of the answers for which a, or the video with its own speech, stood on the left.
+        Share of the answers for which a, or the video with its own speech, was on the left.
     """
 
     left_share: Estimate
@@ -73,12 +73,12 @@ class PairwiseResults:
     side_bias, agreement, test_retest, bradley_terry : mapping of question to result
         See `ByQuestion`.
     contrasts : tuple of StrengthDifference
-        Every two conditions by their strengths, in the order of sets and questions.
+        Each pair of conditions by strengths, in the order of sets and questions.
     decided_by : {'comparisons', 'strengths'}
-        What the report's first sentences rest on: strengths where more than three conditions are
-        compared, unless all of them are compared with one alone.
+        The basis of the report's first sentences: strengths if more than three conditions are
+        compared, unless all comparisons share one condition.
     equivalence : tuple of Equivalent
-        In the order of `comparisons`; empty where no margin was stated.
+        In the order of `comparisons`; empty if no margin was stated.
     heterogeneity : tuple of PairHeterogeneity
         Win shares by emotion, speaker and segment, in the order of `comparisons`.
     """

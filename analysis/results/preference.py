@@ -30,22 +30,23 @@ Z_95: Final = float(stats.norm.ppf(0.975))
 By = Literal["clmm", "win_share", "sign"]
 
 FEWEST: Final = 20
-"""Participants and segments from which on the mixed model's likelihood ratio decides.
+"""Fewest participants, and segments, for the mixed model's likelihood ratio to decide.
 
-The test takes for normal what follows t with one degree of freedom less than there are groups.
-With 20 groups its false positives are at most .065 at the level .05; with fewer they are more.
+The test treats as normal a statistic that follows t with one degree of freedom less than there are
+groups. With 20 groups its false positive rate is at most .065 at the level .05; with fewer it is
+higher.
 """
 
 
 @dataclass(frozen=True, kw_only=True)
 class Robustness:
-    """Tests that need fewer assumptions, to be read beside the headline.
+    """Tests with fewer assumptions, to be read alongside the headline.
 
     Attributes
     ----------
     sign_p, wilcoxon_p : float
-        Exact sign and signed-rank tests of participants' mean preferences; they take the
-        segments as the only ones of interest.
+        Exact sign and signed-rank tests of participants' mean preferences, which treat the segments
+        as fixed.
     min_f_p : float
         min F′ over participants and segments; conservative.
     reason : str
@@ -60,7 +61,7 @@ class Robustness:
 
 @dataclass(frozen=True, kw_only=True)
 class Unexcluded:
-    """The same numbers when nobody is excluded."""
+    """The same numbers with nobody excluded."""
 
     n: int
     share: Mapping[str, float]
@@ -69,7 +70,7 @@ class Unexcluded:
 
 @dataclass(frozen=True, kw_only=True)
 class Decision(Interval):
-    """What the report decides by, and what it quotes.
+    """The test by which the report decides, and the estimate that it quotes.
 
     The estimate is for the first side: log-odds, a win share, or the share of participants who
     prefer it among those who prefer either.
@@ -77,12 +78,12 @@ class Decision(Interval):
     Attributes
     ----------
     by : {'clmm', 'win_share', 'sign'}
-        The mixed model's likelihood ratio; where there is none, or few participants or segments,
-        the win share; where it has no test either, the exact sign test of participants.
+        The mixed model's likelihood ratio; if there is none, or too few participants or segments,
+        the win share; if that has no test either, the exact sign test of participants.
     p_value, p_holm : float
-        Its test; corrected over the report's family, NaN outside of it.
+        p of the test; p corrected over the report's family, NaN outside it.
     why : str
-        Why the mixed model does not decide; empty where it does.
+        Why the mixed model does not decide; empty if it does.
     """
 
     by: By
@@ -98,30 +99,30 @@ class Decision(Interval):
 
 @dataclass(frozen=True, kw_only=True)
 class Preference:
-    """What answers for one side and against another say.
+    """The results of answers for one side and against another.
 
     Attributes
     ----------
     sides : (str, str)
-        How results call the first and the second side.
+        Names of the first and the second side in results.
     n, recruited, attentive : int
-        Answers; participants who took part, and those of them who are analysed.
+        Numbers of answers, of participants who took part, and of those analysed.
     counts : mapping of str to int
         `<first>_strong`, `<first>_weak`, `equal`, `<second>_weak`, `<second>_strong`.
     share : mapping of str to float
         `<first>`, `<second>`, `equal`: percent of all answers.
     win_share : Estimate
-        Win share of the first side, ties counting one half, tested against one half.
+        Win share of the first side (ties count as one half), tested against one half.
     clmm : NetPreference
         In favour of the first side.
     robustness : Robustness
         Secondary tests.
     as_published : Pooled
-        What pooled answers would say.
+        Tests of pooled answers.
     without_exclusions : Unexcluded
         For comparison.
     decision : Decision
-        What the report decides by.
+        The test by which the report decides.
     """
 
     sides: ClassVar[tuple[str, str]]
@@ -141,12 +142,12 @@ class Preference:
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison(Preference, PairKey):
-    """How far condition a is preferred to condition b."""
+    """The preference for condition a over condition b."""
 
     sides = "a", "b"
 
     def mirrored(self) -> Comparison:
-        """Return the same of b against a."""
+        """Return the comparison of b against a."""
         everyone = self.without_exclusions
         return replace(
             self,
@@ -169,7 +170,7 @@ def _swapped(share: Mapping[str, float]) -> dict[str, float]:
 
 @dataclass(frozen=True, kw_only=True)
 class MatchedCondition(Preference, ConditionKey):
-    """How far a condition is preferred with its own speech to itself with another's."""
+    """The preference for a condition's motion with its own speech over another's speech."""
 
     sides = "own", "other"
 
@@ -180,7 +181,7 @@ AnyPreference = TypeVar("AnyPreference", bound=Preference)
 def preferences(
     kind: type[AnyPreference], table: AnswerTable, excluded: Collection[str]
 ) -> list[AnyPreference]:
-    """Return the preference in everything that was shown in a main or repeated trial.
+    """Return the preferences in everything shown in a main or repeated trial.
 
     Parameters
     ----------
@@ -256,12 +257,12 @@ def _decision(answers: SidedAnswers, net: NetPreference, share: Estimate) -> Dec
 
 
 def win_share(answers: SidedAnswers) -> Estimate:
-    """Return the share of wins, ties counting one half, tested against one half."""
+    """Return the share of wins (ties count as one half), tested against one half."""
     return clustered_mean(answers.wins, answers.participants, answers.segments)
 
 
 def left_share(answers: pd.DataFrame) -> Estimate:
-    """Return the share of answers for the left side, ties counting one half."""
+    """Return the share of answers for the left side; ties count as one half."""
     left = (1 - np.sign(answers["value"].to_numpy() - 3)) / 2
     return clustered_mean(left, codes(answers, "participant"), codes(answers, "segment"))
 
@@ -287,7 +288,7 @@ def _counts(answers: SidedAnswers, sides: tuple[str, str]) -> dict[str, int]:
 
 
 def _shares(answers: SidedAnswers, sides: tuple[str, str]) -> dict[str, float]:
-    """Return percent of all answers; NaN without any."""
+    """Return percentages of all answers; NaN without answers."""
     total = len(answers.responses)
     counts = np.bincount(1 - np.sign(answers.signed), minlength=3).tolist()
     first, equal, second = (100 * count / total if total else math.nan for count in counts)

@@ -19,21 +19,21 @@ from analysis.stats.samples import bootstrap_counts, percentile_interval
 Floats = NDArray[np.float64]
 
 FEWEST: Final = 3
-"""Two conditions always agree entirely or not at all."""
+"""Fewest conditions: two always agree entirely or not at all."""
 
 FEWEST_FOR_INTERVAL: Final = 4
 
 _ROUNDING: Final = 1e-9
-"""Scores nearer to each other, relative to the largest of all, are equal."""
+"""Scores that differ by less, relative to the largest, are equal."""
 
 _LEAST_USABLE: Final = 0.5
-"""Share of resamples that must have a correlation."""
+"""Smallest share of resamples that must have a correlation."""
 
 METHOD: Final = (
-    "95% interval: the widest ends of the percentiles of resamples that draw conditions, "
-    "participants and segments again together, of these percentiles reflected about the estimate, "
-    "and of the correlations of which the estimate would be an ordinary sample with so many "
-    "conditions"
+    "95% interval: the widest ends of three ranges: the percentiles of resamples that redraw "
+    "conditions, participants and segments together; these percentiles reflected about the "
+    "estimate; and the true correlations that are compatible with the estimate at this number "
+    "of conditions"
 )
 
 Kind = Literal["kendall", "spearman"]
@@ -48,12 +48,12 @@ _GRID: Final = np.tanh(np.linspace(0, 3.8, 39))
 """Correlations of normal scores, from 0 to nearly 1."""
 
 _BLOCK: Final = 2_000_000
-"""Comparisons simulated at a time: bounds the memory."""
+"""Comparisons simulated at a time, which bounds the memory."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RankCorrelation(Interval):
-    """A rank correlation over conditions, above zero where the metric and people agree.
+    """A rank correlation over conditions, above zero if the metric and people agree.
 
     Attributes
     ----------
@@ -66,16 +66,16 @@ class RankCorrelation(Interval):
 
 @dataclass(frozen=True, kw_only=True)
 class SamplingRange:
-    """The correlations that studies without any other error find where the true one is `tau`.
+    """The correlations that studies without other errors find if the true one is `tau`.
 
     Attributes
     ----------
     tau : float
-        Kendall's tau among all conditions such as these.
+        Kendall's tau among all conditions like these.
     low, high : float
         Ends between which 95% of studies with `conditions` conditions find it.
     conditions : int
-        How many conditions a study has.
+        Number of conditions of a study.
     """
 
     tau: float
@@ -95,8 +95,8 @@ def order_signs(values: Floats) -> Floats:
     Returns
     -------
     ndarray, shape (B, k, k)
-        1 where the value of the row is larger than that of the column, -1 where it is smaller,
-        0 where they are equal but for rounding.
+        1 if the row's value is larger than the column's, -1 if it is smaller, 0 if they are equal
+        but for rounding.
     """
     gaps = values[:, :, None] - values[:, None, :]
     largest = np.abs(values).max(axis=1, initial=0)[:, None, None]
@@ -109,14 +109,14 @@ def kendall(first: Floats, second: Floats, weights: Floats) -> Floats:
     Parameters
     ----------
     first, second : ndarray, shape (B, k, k)
-        The order of k things in each, as `order_signs` gives it.
+        Signs of the order of k items, from `order_signs`.
     weights : ndarray, shape (B, k)
-        How often each was drawn; one that was drawn twice is tied with itself.
+        How often each item was drawn; an item drawn twice is tied with itself.
 
     Returns
     -------
     ndarray, shape (B,)
-        NaN where all that was drawn is tied in either.
+        NaN if all drawn items are tied in either.
     """
     products, first_squares, second_squares = (
         np.einsum("bi,bij,bij,bj->b", weights, x, y, weights, optimize=True)
@@ -126,7 +126,7 @@ def kendall(first: Floats, second: Floats, weights: Floats) -> Floats:
 
 
 def spearman(first: Floats, second: Floats, weights: Floats) -> Floats:
-    """Return Spearman's rho, ties having the mean of their ranks; see `kendall`."""
+    """Return Spearman's rho, with mean ranks for ties; see `kendall`."""
     total = weights.sum(axis=1, keepdims=True)
 
     def centred_ranks(signs: Floats) -> Floats:
@@ -157,19 +157,19 @@ def over_conditions(
 ) -> tuple[RankCorrelation, RankCorrelation]:
     """Return Kendall's tau-b and Spearman's rho.
 
-    Resampling alone gives too narrow an interval: with four conditions in one order every resample
-    agrees entirely, and noise in scores and answers moves resamples towards zero a second time.
-    So it is never narrower than the resamples reflected about the estimate, nor than what the
-    number of conditions allows (`compatible`).
+    Resampling alone gives too narrow an interval: if four conditions agree entirely, so does every
+    resample, and noise in scores and answers moves resamples towards zero a second time. So the
+    interval is never narrower than the resamples reflected about the estimate, nor than the number
+    of conditions allows (`compatible`).
 
     Parameters
     ----------
     preferences : ResampledPreferences
-        People's side.
+        People's preferences.
     metric : OrientedMetric
         The metric, of the same conditions and segments.
     too_few : str
-        Why there are no resamples of participants or segments; empty where there are.
+        Why there are no resamples of participants or segments; empty if there are.
     seed : int
         The same seed gives the same resamples.
     """
@@ -177,7 +177,9 @@ def over_conditions(
     whole_study = np.ones((1, preferences.segments.shape[1]))
     scores, liking = metric.resampled(whole_study), preferences.estimates[None, present]
     if len(present) < FEWEST:
-        return _neither(f"{len(present)} conditions have scores and answers; it takes {FEWEST}")
+        return _neither(
+            f"{len(present)} conditions have scores and answers; a correlation needs {FEWEST}"
+        )
     if np.isnan(liking).any():
         return _neither("the conditions fall into groups that were never compared with each other")
     resampled = metric.resampled(preferences.segments), preferences.draws[:, present]
@@ -224,14 +226,14 @@ def _neither(reason: str) -> tuple[RankCorrelation, RankCorrelation]:
 
 
 def sampling_range(conditions: int, tau: float = 0.5) -> SamplingRange:
-    """Return between which values Kendall's tau lies in 95% of studies where it is truly `tau`.
+    """Return the range of Kendall's tau in 95% of studies if its true value is `tau`.
 
     Parameters
     ----------
     conditions : int
         Number of the study's conditions; at least two.
     tau : float
-        Among all conditions, in [-1, 1].
+        Kendall's tau among all conditions, in [-1, 1].
     """
     chance = np.random.default_rng(_SEED)
     taus = _simulated(chance, conditions, float(np.sin(np.pi * tau / 2)), _STUDIES)["kendall"]
@@ -240,17 +242,17 @@ def sampling_range(conditions: int, tau: float = 0.5) -> SamplingRange:
 
 
 def compatible(estimate: float, conditions: int, kind: Kind) -> tuple[float, float]:
-    """Return the correlations of which `estimate` would be an ordinary sample.
+    """Return the range of true correlations with which `estimate` is compatible.
 
-    They are those whose 95% sampling range holds it (the interval that inverts a test), so that
-    few conditions give a wide interval even where they agree entirely.
+    Their 95% sampling ranges contain it (an interval by test inversion), so few conditions give a
+    wide interval even if they agree entirely.
 
     Parameters
     ----------
     estimate : float
         In [-1, 1].
     conditions : int
-        That it was found in.
+        Number of conditions behind the estimate.
     kind : {'kendall', 'spearman'}
         Which correlation.
     """
@@ -262,7 +264,7 @@ def compatible(estimate: float, conditions: int, kind: Kind) -> tuple[float, flo
     points = np.flatnonzero(fits)
     if not len(points):
         return estimate, estimate
-    # One step of the grid further on both sides, since the ends lie between its points.
+    # One grid step further on both sides, because the ends lie between its points.
     low = -1.0 if fits[0] else true[points[0] - 1]
     high = 1.0 if fits[-1] else true[points[-1] + 1]
     return float(low), float(high)
@@ -289,7 +291,7 @@ def _sampling_ranges(conditions: int) -> dict[Kind, tuple[Floats, Floats, Floats
 def _simulated(
     chance: np.random.Generator, conditions: int, rho: float, studies: int
 ) -> dict[Kind, Floats]:
-    """Return what `studies` studies find where normal scores have the correlation `rho`."""
+    """Return the correlations found by `studies` studies of normal scores correlated by `rho`."""
     i, j = np.triu_indices(conditions, 1)
     taus, rhos = [], []
     block = max(1, _BLOCK // len(i))

@@ -59,7 +59,7 @@ Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """What the results were computed from, and by what."""
+    """The file and the version from which the results were computed."""
 
     file: str
     sha256: str
@@ -68,7 +68,7 @@ class Source:
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """What the researcher decided; of a study, its rules of exclusion say about catch trials."""
+    """The researcher's choices; in a study, exclusion rules replace `max_catch_failures`."""
 
     max_catch_failures: int | None
     margin: float | None
@@ -77,7 +77,7 @@ class Settings:
 
 @dataclass(frozen=True, kw_only=True)
 class Participants:
-    """How many there are in the table, and how many every rule kept."""
+    """Number of participants in the table, and of those whom every rule kept."""
 
     recruited: int
     attentive: int
@@ -85,47 +85,47 @@ class Participants:
 
 @dataclass(frozen=True, kw_only=True)
 class TableReport:
-    """Everything that `results.json` holds.
+    """The content of `results.json`.
 
     Attributes
     ----------
     protocol : str
         Name of the protocol.
     source : Source
-        What it was computed from.
+        The source of the results.
     settings : Settings
-        What the researcher decided.
+        The researcher's choices.
     participants : Participants
-        How many.
+        Numbers of participants.
     rules : tuple of RuleOutcome
-        Rules of exclusion in the order in which they were applied, and whom they removed.
+        Outcomes of the exclusion rules, in the order in which they were applied.
     exclusions : dict of str to str
-        Each participant left out, and the reason.
+        The reason for each excluded participant.
     screened_out : mapping of str to int
-        How many were screened out before the trials, by stage: ``eligibility``, ``consent``,
+        Number of people screened out before the trials, by stage: ``eligibility``, ``consent``,
         ``comprehension``; empty for a table.
     flow : tuple of Flow
         By arm; a single one for a table.
     conditions_shown, questions, sets : tuple of str
-        In the order of appearance; no sets where the table has none.
+        In the order of appearance; () if the table has no sets.
     notes : tuple of str
-        What the table holds that is not analysed.
+        Sentences about rows that are not analysed, or that look like slips.
     remark : str
-        Why there is nothing to report; empty where there is something.
+        Why there is nothing to report; empty otherwise.
     quality : Quality
-        How answers were given.
+        Response times and straight-lining.
     sensitivity : tuple of Sensitivity
-        Headline numbers with and without exclusions; empty where nobody is excluded.
+        Headline numbers with and without exclusions; empty if nobody is excluded.
     looks : LooksBefore
         Looks at results before the answers that are reported.
     metrics_against_people : mapping of question to AgainstPeople
         Added by the report of a study with motion; see `metrics_against_people`.
     segments : int
-        How many the analysed answers are about; not in `results.json`.
+        Number of segments in the analysed answers; not in `results.json`.
     kinds : frozenset of str
         Kinds of all trials in the table; not in `results.json`.
     results : Results
-        What the protocol gives.
+        The protocol's results.
     """
 
     protocol: str
@@ -150,7 +150,7 @@ class TableReport:
     results: Results
 
     def keys(self) -> dict[str, object]:
-        """Return what `results.json` holds, the protocol's results beside everything else."""
+        """Return the content of `results.json`, with the protocol's results at the top level."""
         document: dict[str, object] = {**vars(self)}
         del document["results"], document["segments"], document["kinds"]
         return document | vars(self.results)
@@ -173,16 +173,16 @@ def analyse_table(
     path : Path
         CSV or Parquet; see ``docs/report-contract.md`` for its columns.
     protocol : {'pairwise', 'rating', 'ranking', 'mismatch'}
-        How the answers were asked for.
+        The protocol of the answers.
     max_catch_failures : int
         Failed catch trials that a participant may have.
     margin : float, optional
         Largest difference that does not matter, stated before the answers were seen: of a win
         share from one half, of two mean ratings in scores.
     family : str
-        Which tests decide; see `read_family`.
+        The tests that decide; see `read_family`.
     scale : (int, int), optional
-        For ratings, the lowest and the highest that could be given.
+        For ratings, the lowest and the highest possible rating.
     exclude : sequence of ExclusionRule
         Exploratory rules, applied after those of every table.
 
@@ -228,23 +228,23 @@ def analyse_answers(
     table : AnswerTable
         The answers.
     left_out : LeftOut
-        Who is left out.
+        The exclusions.
     source : Source
-        What the answers were read from.
+        The source of the answers.
     settings : Settings
-        What the researcher decided.
+        The researcher's choices.
     arms, arm_of
         The study's arms, and the arm of each participant; see `participant_flow`.
     screened_out : mapping of str to int, optional
-        How many were screened out of a study, by stage; see `TableReport`.
+        Number of people screened out, by stage; see `TableReport`.
     looks : LooksBefore, optional
         Earlier looks at a study's results; see `looks_before`.
 
     Raises
     ------
     InputError
-        If the protocol has no test of equivalence but a margin is given, or it means nothing, or
-        the family names what there is not.
+        If a margin is given although the protocol has no test of equivalence, if the margin is out
+        of range, or if the family names something unknown.
     """
     check_margin(table, settings.margin)
     family = (
@@ -252,7 +252,7 @@ def analyse_answers(
         if table.conditions
         else EVERYTHING
     )
-    # The models' matrices are small: more threads cost more than they bring.
+    # The models' matrices are small: more threads cost more than they save.
     with threadpool_limits(limits=1, user_api="blas"):
         results = _results(table, left_out, settings.margin, family)
     return TableReport(
@@ -279,7 +279,7 @@ def analyse_answers(
 
 
 def check_margin(table: AnswerTable, margin: float | None) -> None:
-    """Refuse a margin of equivalence that means nothing, or that every difference is within.
+    """Refuse a meaningless margin of equivalence, or one that contains every difference.
 
     Raises
     ------
@@ -292,7 +292,7 @@ def check_margin(table: AnswerTable, margin: float | None) -> None:
         raise InputError(
             f"a {table.protocol} study has no test of equivalence", remedy="Leave the margin out"
         )
-    # A win share is at most one half from one half, a rating at most a scale from another.
+    # A win share differs from one half by at most one half, ratings by at most the scale.
     widths = [high - low for low, high in table.scales.values()]
     require_margin(margin, 0.5 if table.protocol == "pairwise" else min(widths, default=math.inf))
 
@@ -322,10 +322,10 @@ def _remark(table: AnswerTable, left_out: LeftOut) -> str:
 
 
 def plain(value: object) -> Plain:
-    """Return frozen results, mappings, sequences and numbers as what JSON knows.
+    """Return frozen results, mappings, sequences and numbers as JSON values.
 
-    Fields of results keep their order. NaN and infinity become None; the result says beside it
-    why there is no number.
+    Fields of results keep their order. NaN and infinity become None; another field of the result
+    gives the reason.
     """
     if value is None or isinstance(value, bool | np.bool_):
         return None if value is None else bool(value)
@@ -343,11 +343,11 @@ def plain(value: object) -> Plain:
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
         return [plain(item) for item in value]
-    raise TypeError(f"{type(value).__name__} has no form in JSON")
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
 
 
 def rounded(value: float) -> float | None:
-    """Return a number with `DIGITS` significant digits, None for none."""
+    """Return a number with `DIGITS` significant digits, None for NaN and infinity."""
     if not math.isfinite(value):
         return None
     return float(f"{value:.{DIGITS}g}") + 0.0

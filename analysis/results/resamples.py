@@ -1,4 +1,4 @@
-"""People's preference of each condition and a metric's scores, in bootstrap resamples of a study.
+"""People's preferences and a metric's scores of conditions, in bootstrap resamples of a study.
 
 Scores are oriented: the higher, the better.
 """
@@ -32,25 +32,25 @@ PREFERENCE: Final = {
     "ranking": "minus the mean rank",
     "mismatch": "win share of the own speech, ties counting one half",
 }
-"""What stands for people's preference of a condition, by protocol."""
+"""The measure of people's preference for a condition, by protocol."""
 
 RESAMPLES: Final = 2_000
 
 _BLOCK: Final = 4_000_000
-"""Sums held at a time: bounds the memory."""
+"""Sums held at a time, which bounds the memory."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tallies:
-    """Answers to one question.
+    """Sums and counts of the answers to one question.
 
     Attributes
     ----------
     conditions, segments : tuple of str
-        Those that were shown.
+        The conditions and segments that were shown.
     groups : ndarray of int, shape (G, 1) or (G, 2)
-        What an answer is about: a condition, or of pairwise comparisons a pair of them, of which
-        the answer is a win of the first.
+        The subjects of answers: a condition or, for pairwise comparisons, a pair; the answer is
+        then a win of the first.
     sums, counts : sparse array, shape (participants, G * segments)
         Sum and number of answers; columns by group, then segment.
     """
@@ -63,7 +63,7 @@ class Tallies:
 
     @property
     def participants(self) -> int:
-        """How many answered."""
+        """Number of participants."""
         return int(self.counts.shape[0])
 
     @property
@@ -83,7 +83,7 @@ def tally(protocol: str, answers: pd.DataFrame) -> Tallies:
     Parameters
     ----------
     protocol : {'pairwise', 'rating', 'ranking', 'mismatch'}
-        How they were asked for.
+        The protocol of the answers.
     answers : DataFrame
         Analysed answers of `analysis.answers.table.AnswerTable`, at least one.
     """
@@ -106,7 +106,7 @@ def tally(protocol: str, answers: pd.DataFrame) -> Tallies:
 
 
 def _values(protocol: str, answers: pd.DataFrame) -> Floats:
-    """Return each answer as a number that is higher the more is preferred what it is about."""
+    """Return each answer as a number that rises with the preference for its subject."""
     if protocol in ("pairwise", "mismatch"):
         return sided(answers).wins
     if protocol == "ranking":
@@ -122,9 +122,9 @@ class ResampledPreferences:
     Attributes
     ----------
     estimates : ndarray, shape (conditions,)
-        In the study; NaN where conditions cannot be compared with each other.
+        Preferences in the study; NaN if conditions cannot be compared with each other.
     draws : ndarray, shape (B, conditions)
-        In each resample; NaN where a condition was not drawn.
+        Preferences in each resample; NaN if a condition was not drawn.
     segments : ndarray, shape (B, segments)
         How often each resample draws each segment.
     """
@@ -137,7 +137,7 @@ class ResampledPreferences:
 def resample_preferences(tallies: Tallies, *, resamples: int, seed: int) -> ResampledPreferences:
     """Resample participants and segments together, and score the conditions each time.
 
-    An answer counts as often as its participant and its segment were drawn together (the
+    An answer counts once for each time that its participant and its segment are drawn together (the
     pigeonhole bootstrap of Owen 2007).
 
     Parameters
@@ -145,7 +145,7 @@ def resample_preferences(tallies: Tallies, *, resamples: int, seed: int) -> Resa
     tallies : Tallies
         The answers.
     resamples : int
-        How many studies to draw.
+        Number of studies to draw.
     seed : int
         The same seed gives the same resamples.
     """
@@ -191,27 +191,27 @@ def _scores(tallies: Tallies, sums: Floats, counts: Floats) -> Floats:
     return fit_strengths_of_tables(wins)
 
 
-ITSELF = "it is what the metric measures nearness to"
+ITSELF = "the metric measures nearness to it"
 NOT_MEASURED = "the metric was not measured"
-NOTHING_RECORDED = "recorded motion, which nearness is measured to, has no score"
+NOTHING_RECORDED = "recorded motion, the reference of this metric, has no score"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OrientedMetric:
-    """One metric of the conditions that people judged, whose scores can be oriented.
+    """One metric of the judged conditions, whose scores can be oriented.
 
     Attributes
     ----------
     name, unit : str
-        What was measured.
+        The metric's name and unit.
     better : {'lower', 'higher', 'near the reference'}
         Which scores are better.
     clips : ndarray, shape (conditions, segments), or None
-        Score of each clip, NaN where there is none; None where only whole conditions have one.
+        Score of each clip, NaN if it has none; None if only whole conditions have scores.
     whole : ndarray, shape (conditions,)
-        Score of each condition; the mean over its clips where there are any.
+        Score of each condition; the mean over its clips if they have scores.
     recorded_clips, recorded : ndarray, shape (segments,), and float
-        Scores of recorded motion where nearness to it counts; NaN otherwise.
+        Scores of recorded motion if nearness to it counts; NaN otherwise.
     left_out : mapping of int to str
         Conditions without a usable score, and why.
     """
@@ -231,7 +231,7 @@ class OrientedMetric:
         return np.array([c for c in range(len(self.whole)) if c not in self.left_out], np.intp)
 
     def orient(self, scores: Floats, recorded: Floats | float) -> Floats:
-        """Return scores of which higher ones are better."""
+        """Return scores turned so that higher is better."""
         match self.better:
             case "higher":
                 return scores
@@ -246,12 +246,12 @@ class OrientedMetric:
         Parameters
         ----------
         segments : ndarray, shape (B, segments)
-            How often each was drawn.
+            How often each segment was drawn.
 
         Returns
         -------
         ndarray, shape (B, present conditions)
-            NaN where no clip with a score was drawn. Scores of whole conditions stay as they are.
+            NaN if no clip with a score was drawn. Scores of whole conditions do not change.
         """
         if self.clips is None:
             oriented = self.orient(self.whole[self.present], self.recorded)
@@ -274,9 +274,9 @@ def oriented_metrics(
     Parameters
     ----------
     metrics : StudyMetrics
-        What was measured.
+        The measured metrics.
     conditions, segments : sequence of str
-        What people judged.
+        The conditions and segments that people judged.
     recorded : str or None
         The condition that is recorded motion.
     """

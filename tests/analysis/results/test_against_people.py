@@ -26,7 +26,7 @@ def test_a_metric_that_orders_conditions_as_people_do_correlates_perfectly() -> 
 @pytest.mark.parametrize(
     ("settings", "has_estimate", "reason"),
     [
-        ({"conditions": 2}, False, "2 conditions have scores and answers; it takes 3"),
+        ({"conditions": 2}, False, "2 conditions have scores and answers; a correlation needs 3"),
         ({"conditions": 3}, True, "3 conditions are too few for an interval"),
         ({"participants": 1}, True, "one participant: it is unknown how people differ"),
     ],
