@@ -34,7 +34,7 @@ PENALISED: Final = (
 
 NEVER_LOST: Final = (
     "one of the two never lost to the other: the difference has no interval, and is decided by an "
-    "exact sign test, which takes participants as a sample and segments as fixed"
+    "exact sign test, which treats participants as a sample and segments as fixed"
 )
 
 NEVER_MET: Final = (
@@ -46,18 +46,18 @@ LEANS_ON_ONE: Final = "this difference rests on a single participant or a single
 
 @dataclass(frozen=True, kw_only=True)
 class ConditionStrength(Interval):
-    """The log strength of one condition, in logits; those of all conditions add up to zero.
+    """The log strength of one condition, in logits; the strengths of all conditions sum to zero.
 
     Attributes
     ----------
     condition : str
-        Its name.
+        The condition's name.
     standard_error, by_participant : float
-        Clustered by participant and segment, and by participant alone; NaN where a condition is
-        unbeaten.
+        Standard errors clustered by participant and segment, and by participant alone; NaN if a
+        condition never lost.
     best, worst : int or None
-        Ends of its rank interval, from 1, at 95% for all conditions together; None where there
-        are no errors.
+        Ends of the rank interval, from 1, at 95% for all conditions together; None if there are no
+        errors.
     """
 
     condition: str
@@ -80,11 +80,11 @@ class StrengthModel:
     log_likelihood : float
         At the estimates.
     n, participants, segments : int
-        What it rests on.
+        Numbers of answers (or rankings), participants and segments.
     method : str
-        Which errors the intervals and ranks rest on.
+        The errors behind the intervals and ranks.
     remark, reason : str
-        What limits the result; why there is none.
+        A caution about the result; why there is none.
     """
 
     conditions: tuple[ConditionStrength, ...]
@@ -105,7 +105,7 @@ class BradleyTerryStrengths(StrengthModel):
     Attributes
     ----------
     tie, tie_error : float
-        Davidson's log nu: how likely ties are among equals; NaN where nobody tied.
+        Davidson's log nu: how likely ties are between equals; NaN if there are no ties.
     left, left_error : float
         The left side's advantage in logits.
     """
@@ -138,7 +138,7 @@ class StrengthDifference(Estimate, PairKey):
     p_holm : float
         `p_value`, corrected over the report's family; NaN outside of it.
     by : {'wald', 'sign'}
-        The difference by its error, or the sign test of participants where one never lost.
+        The difference by its error, or the sign test of participants if one never lost.
     """
 
     p_holm: float = math.nan
@@ -148,7 +148,7 @@ class StrengthDifference(Estimate, PairKey):
 def fit_strengths(
     answers: pd.DataFrame, set_name: str | None, question: str
 ) -> tuple[BradleyTerryStrengths, tuple[StrengthDifference, ...]]:
-    """Fit strengths to pairwise answers to one question, and compare every two conditions."""
+    """Fit strengths to pairwise answers to one question, and compare all pairs of conditions."""
     left, right = codes(answers, "left"), codes(answers, "right")
     shown, number = np.unique(np.concatenate([left, right]), return_inverse=True)
     votes = Votes(
@@ -171,7 +171,7 @@ def fit_strengths(
 def fit_worths(
     answers: pd.DataFrame, set_name: str | None, question: str
 ) -> tuple[PlackettLuceWorths, tuple[StrengthDifference, ...]]:
-    """Fit worths to the rankings of one question, and compare every two conditions."""
+    """Fit worths to the rankings of one question, and compare all pairs of conditions."""
     names = shown_conditions(answers)
     rows = pd.DataFrame(
         {
@@ -190,11 +190,11 @@ def fit_worths(
 
 
 RANKING: Final = ["participant", "segment", "trial"]
-"""What tells one ranking from another."""
+"""Columns that identify a ranking."""
 
 
 def _votes_of_rankings(rows: pd.DataFrame, names: tuple[str, ...]) -> Votes:
-    """Return a vote for every two conditions of every ranking; the better placed one wins."""
+    """Return a vote for each pair of conditions in each ranking; the better placed one wins."""
     table = rows.pivot(index="ranking", columns="condition", values="rank")[list(names)]
     of_ranking = rows.groupby("ranking")[["participant", "segment"]].first().loc[table.index]
     ranks = table.to_numpy(np.float64)
@@ -219,7 +219,7 @@ def _results(
     segments: int,
     remark: str = "",
 ) -> tuple[dict[str, Any], tuple[StrengthDifference, ...]]:
-    """Return the fields of `StrengthModel`, and the difference of every two conditions."""
+    """Return the fields of `StrengthModel`, and the difference of each pair of conditions."""
     p_values = _p_values(fit, votes)
     fields = {
         "conditions": _condition_strengths(fit, p_values),
@@ -261,7 +261,7 @@ def _results(
 
 
 def _p_values(fit: FittedStrengths, votes: Votes) -> Floats:
-    """Return p of every two conditions; of the sign test where one never lost to the other."""
+    """Return p for each pair of conditions; from the sign test if one never lost to the other."""
     if fit.two_way is None:
         return np.full_like(fit.covariance, math.nan)
     p_values = difference_tests(fit.strengths, fit.two_way)
@@ -272,7 +272,7 @@ def _p_values(fit: FittedStrengths, votes: Votes) -> Floats:
 
 
 def _sign_p(votes: Votes, a: int, b: int) -> float:
-    """Return the sign test's p of participants preferring a to b; NaN without any."""
+    """Return the sign test's p for participants' preferences of a over b; NaN without any."""
     for_a = np.where(votes.left == a, votes.outcome, -votes.outcome).astype(np.float64)
     both = ((votes.left == a) & (votes.right == b)) | ((votes.left == b) & (votes.right == a))
     return sign_test(group_means(for_a[both], votes.participant[both])).p_value

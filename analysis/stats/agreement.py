@@ -1,8 +1,8 @@
-"""How far participants agree, with one another (alpha, Kendall's W) and with themselves (kappa).
+"""Agreement of participants, with one another (alpha, Kendall's W) and with themselves (kappa).
 
-Krippendorff's alpha is 1 where all participants agree, 0 where they agree as far as chance would
-make them. A real effect may come with an alpha near zero: that all prefer one condition slightly,
-each in other items, is agreement about the condition and not about the items.
+Krippendorff's alpha is 1 if all participants agree, and 0 if they agree as much as by chance. A
+real effect can occur with an alpha near zero: if all slightly prefer one condition, each in
+different items, they agree about the condition but not about the items.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 RESAMPLES: Final = 2000
 BLOCK: Final = 200
-"""Resamples drawn at a time, which divide `RESAMPLES`: bounds the memory."""
+"""Resamples drawn at a time, a divisor of `RESAMPLES`; bounds the memory."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,9 +35,9 @@ class Alpha(Interval):
     Attributes
     ----------
     n, items, participants : int
-        What it rests on: answers about items that at least two participants answered about.
+        Numbers of answers, items and participants; only items with at least two participants count.
     method : str
-        How the interval was found; empty where there is none.
+        How the interval was computed; empty if there is none.
     """
 
     n: int
@@ -56,7 +56,7 @@ def krippendorff_alpha(
     values : ndarray, shape (N,)
         Answers as numbers in their order.
     raters, items : ndarray, shape (N,)
-        Who answered about what; one answer of each about each.
+        The rater and the item of each answer; at most one answer for each pair.
     """
     table = pd.DataFrame({"value": finite(values), "rater": raters, "item": items})
     table = table[table.groupby("item")["rater"].transform("size") > 1]
@@ -90,7 +90,7 @@ def _coincidences(counts: Floats) -> Floats:
 def _alphas(coincidences: Floats) -> Floats:
     """Return alpha of each table of coincidences, (tables, values, values); NaN for one value.
 
-    Two ordinal values are as far apart as there are answers between them.
+    The distance of two ordinal values is the number of answers between them.
     """
     totals = coincidences.sum(axis=2)
     count = totals.sum(axis=1)
@@ -104,21 +104,21 @@ def _alphas(coincidences: Floats) -> Floats:
 
 @dataclass(frozen=True, kw_only=True)
 class Retest(Interval):
-    """How far participants agree with themselves.
+    """Agreement of participants with themselves.
 
-    The estimate is Cohen's weighted kappa, quadratic weights: 1 for the same answers, 0 for as much
-    agreement as chance gives; its interval draws participants again.
+    The estimate is Cohen's kappa with quadratic weights: 1 for identical answers, 0 for chance
+    agreement. Its interval resamples participants.
 
     Attributes
     ----------
     equal_share : float
         Share of the pairs with the same answer; NaN without any.
     spearman : float
-        Rank correlation; NaN where one side's answers are all alike.
+        Rank correlation; NaN if one side's answers are all alike.
     n, participants : int
-        Trials answered twice, and by how many.
+        Number of trials answered twice, and of their participants.
     method : str
-        How the interval was found; empty where there is none.
+        How the interval was computed; empty if there is none.
     """
 
     equal_share: float = math.nan
@@ -140,7 +140,7 @@ def retest_agreement(
     first, repeat : ndarray of int, shape (N,)
         Answers as equally spaced numbers.
     participants : ndarray, shape (N,)
-        Who gave them.
+        The participant of each pair of answers.
     """
     first_values, repeat_values = np.asarray(first, np.int64), np.asarray(repeat, np.int64)
     person = np.unique(participants, return_inverse=True)[1]
@@ -172,7 +172,7 @@ def retest_agreement(
 
 
 def _kappas(tables: Floats) -> Floats:
-    """Return weighted kappa of each table of first by second answers; NaN for one answer only."""
+    """Return weighted kappa of each table of first by second answers; NaN for a single answer."""
     score = np.arange(tables.shape[1])
     weights = ((score[:, None] - score) ** 2).astype(np.float64)
     count = tables.sum(axis=(1, 2))
@@ -190,7 +190,7 @@ def _spearman(first: NDArray[np.int64], repeat: NDArray[np.int64]) -> float:
 
 
 def _drawn_tables(tables: Floats) -> Iterator[Floats]:
-    """Give the summed tables of resampled items or participants, shape (resamples, k, k)."""
+    """Yield the summed tables of resampled items or participants, shape (resamples, k, k)."""
     chance = np.random.default_rng(0)
     count, size, _ = tables.shape
     flat = tables.reshape(count, -1)
@@ -206,15 +206,15 @@ class SegmentConcordance:
     Attributes
     ----------
     segment : str
-        Which one.
+        The segment's name.
     estimate : float
-        Kendall's W with ties, from 0 to 1; NaN where there is none.
+        Kendall's W with ties, from 0 to 1; NaN if there is none.
     p_value : float
-        p-value that W is no more than chance gives, by chi-square; rough for few rankings.
+        p-value of W being due to chance, by chi-square; approximate for few rankings.
     n, incomplete : int
-        Rankings it rests on, and those left out because they do not place every condition.
+        Number of rankings used, and of those left out because they do not place every condition.
     reason : str
-        Why there is no number; empty where there is one.
+        Why there is no W; empty if there is one.
     """
 
     segment: str
@@ -227,22 +227,22 @@ class SegmentConcordance:
 
 @dataclass(frozen=True, kw_only=True)
 class Concordance(Interval):
-    """How far participants agree about one question, by Kendall's W.
+    """Agreement of participants on one question, by Kendall's W.
 
-    The estimate is the mean over the segments that have one; its interval draws participants and
-    segments again.
+    The estimate is the mean over the segments that have a W; its interval resamples participants
+    and segments.
 
     Attributes
     ----------
     overall : float
-        Of the participants about the conditions, each ranked by the participant's mean ranks
-        over segments (see `Friedman`).
+        Kendall's W of the participants' own mean ranks over segments, ranked again (see
+        `Friedman`).
     n : int
-        Participants behind `overall`.
+        Number of participants behind `overall`.
     segments : tuple of SegmentConcordance
         Concordance of the participants about each segment.
     method : str
-        How the interval was found.
+        How the interval was computed.
     """
 
     overall: float
@@ -252,7 +252,7 @@ class Concordance(Interval):
 
 
 def kendall_w(rankings: Placements) -> Concordance:
-    """Measure how far participants agree (Kendall & Babington Smith 1939, corrected for ties).
+    """Measure participants' agreement (Kendall & Babington Smith 1939, corrected for ties).
 
     Parameters
     ----------
@@ -275,7 +275,7 @@ def kendall_w(rankings: Placements) -> Concordance:
         few = "one segment gives no interval" if known else "no segment was ranked by two"
         return replace(concordance, reason=overall.reason or few)
     drawn = resampled_concordance(rankings)
-    # What a few participants leave after the correction may lie below zero, where W cannot.
+    # With few participants the correction may lead below zero, where W cannot be.
     low, high = percentile_interval(np.clip(drawn, 0.0, 1.0))
     return replace(
         concordance,
@@ -303,18 +303,18 @@ def resampled_concordance(rankings: Placements) -> Floats:
     """Return the mean W over segments of resampled studies, shape (RESAMPLES,).
 
     A participant drawn twice agrees with themselves, which would raise W. So only pairs of
-    different participants count: with their mean correlation r, W of n rankings is
-    (1 + (n - 1) r) / n.
+    different participants count: if their mean correlation is r, W of n rankings is (1 + (n - 1) r)
+    / n.
 
     Parameters
     ----------
     rankings : Placements
-        Rankings of one question; rankings that leave conditions out do not count.
+        Rankings of one question; rankings that omit conditions do not count.
 
     Returns
     -------
     ndarray, shape (RESAMPLES,)
-        NaN where no segment drawn has two different participants who tell conditions apart.
+        NaN if no segment drawn has two different participants who distinguish conditions.
     """
     chance = np.random.default_rng(0)
     complete = rankings.complete

@@ -1,4 +1,4 @@
-"""Means and other estimates with intervals when answers share participants and segments."""
+"""Means and other estimates with intervals, for answers that share participants and segments."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ INDEPENDENT: Final = "answers as independent (no clustered variance is positive)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ClusteredVariance:
-    """Variances of estimates, and how well they are known.
+    """Variances of estimates, with their degrees of freedom.
 
     Attributes
     ----------
     variance : ndarray, shape (...)
-        Variance of each estimate; NaN where one group bears all of it.
+        Variance of each estimate; NaN if a single group has all of the weight.
     df : ndarray, shape (...)
-        Satterthwaite's degrees of freedom of the variances: of equal groups one less than there
-        are, and fewer where some groups weigh more than others.
+        Satterthwaite's degrees of freedom of the variances: for equal groups one less than their
+        number, and fewer if some groups have more weight than others.
     method : ndarray of str, shape (...)
-        Which variance each is.
+        The kind of each variance.
     """
 
     variance: Floats
@@ -46,22 +46,22 @@ def clustered_variance(
 ) -> ClusteredVariance:
     """Return the variances of estimates, clustered by participant and segment.
 
-    It is the two-way cluster-robust variance of Cameron, Gelbach & Miller (2011), each clustering
-    corrected for small samples by CR2 (Bell & McCaffrey 2002). That variance is a difference and
-    may come out too small, even negative; where a one-way variance is larger, the larger one
-    takes its place (compare MacKinnon, Nielsen & Webb 2024). Where there is one segment, it is
-    clustered by participant and says nothing about other segments.
+    This is the two-way cluster-robust variance of Cameron, Gelbach & Miller (2011), with each
+    clustering corrected for small samples by CR2 (Bell & McCaffrey 2002). It is a difference and
+    may come out too small, even negative; if a one-way variance is larger, the larger one replaces
+    it (compare MacKinnon, Nielsen & Webb 2024). With one segment, it is clustered by participant
+    alone and does not generalise to other segments.
 
     Parameters
     ----------
     influences : ndarray, shape (N,) or (N, estimates)
-        What each answer adds to the estimate's error, to first order; they add up to zero. Those
-        of a mean are (value - mean) / N.
+        Each answer's first-order contribution to the estimate's error; they sum to zero. For a mean
+        they are (value - mean) / N.
     participants, segments : ndarray of int, shape (N,)
-        Who gave the answer, and which segment it is about; from 0, at least two participants.
+        The participant and the segment of each answer, from 0; at least two participants.
     weights : ndarray, shape (N,), optional
-        The variance that each answer would add if answers were independent and alike, up to a
-        factor; the same for all unless given.
+        Each answer's contribution to the variance if answers were independent and identically
+        distributed, up to a factor; equal by default.
     """
     one_segment = not segments.any()
     cells = np.unique(participants * (int(segments.max()) + 1) + segments, return_inverse=True)[1]
@@ -84,7 +84,7 @@ def clustered_variance(
 def larger_variance(
     one_way_variances: Sequence[Floats], independent: Floats, answers: int
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the two-way variances, or the one-way ones that are larger, and which they are.
+    """Return the two-way variances, or larger one-way ones, and the kind of each.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def larger_variance(
     independent : ndarray, shape (...)
         Sums of the squared influences.
     answers : int
-        How many influences there are, at least two.
+        Number of influences, at least two.
     """
     by_participant, by_segment, by_cell = one_way_variances
     candidates = np.stack([by_participant + by_segment - by_cell, by_participant, by_segment])
@@ -105,7 +105,7 @@ def larger_variance(
 def or_independent(
     variance: Floats, method: NDArray[np.str_], independent: Floats, answers: int
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return variances and their methods; of independent answers where they are but rounding."""
+    """Return variances and their methods; those of independent answers replace rounding errors."""
     is_rounding = variance <= 1e-12 * answers * independent
     return (
         np.where(is_rounding, independent * answers / (answers - 1), variance),
@@ -116,21 +116,21 @@ def or_independent(
 def one_way(sums: Floats, shares: Floats) -> tuple[Floats, Floats]:
     """Return variances clustered one way, and their degrees of freedom.
 
-    CR2 of an intercept: a group's residuals are too small by the square root of one minus its
-    share. The degrees of freedom are those of Bell & McCaffrey (2002), for answers that are
-    independent under the working model.
+    CR2 for an intercept: a group's residuals are too small by the square root of one minus its
+    share. The degrees of freedom are those of Bell & McCaffrey (2002), with independent answers as
+    the working model.
 
     Parameters
     ----------
     sums : ndarray, shape (groups, ...)
         Each group's summed influences.
     shares : ndarray, shape (groups, ...)
-        Each group's share of the weights; they add up to one.
+        Each group's share of the weights; the shares sum to one.
 
     Returns
     -------
     tuple of ndarray
-        NaN where one group bears all.
+        NaN if one group has all of the weight.
     """
     others = np.where(shares > 1 - 1e-9, math.nan, 1 - shares)
     return np.asarray((sums**2 / others).sum(axis=0)), freedom_of(shares)
@@ -150,21 +150,21 @@ LEVEL: Final = 0.95
 UNTESTED: Final = "described, not tested"
 
 EVEN: Final = 0.5
-"""Share of the degrees of freedom of equally busy participants below which the report warns."""
+"""The report warns below this share of the degrees of freedom of equally active participants."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Interval:
-    """An estimate and its interval; NaN where there is none.
+    """An estimate and its interval; NaN if there is none.
 
     Attributes
     ----------
     estimate : float
-        What is estimated.
+        The estimate.
     low, high : float
-        Ends of the interval at `LEVEL`, cut to where values can lie.
+        Ends of the interval at `LEVEL`, cut to the range of possible values.
     reason : str
-        Why a number is missing; empty where none is.
+        Why a number is missing; empty if none is.
     """
 
     estimate: float = math.nan
@@ -178,7 +178,7 @@ class Interval:
         return not math.isnan(self.low)
 
     def covers(self, value: float) -> bool:
-        """Tell whether the interval holds `value`; False where there is none."""
+        """Return whether the interval contains `value`; False without an interval."""
         return self.low <= value <= self.high
 
     def mirrored(self, whole: float = 1.0) -> Self:
@@ -197,15 +197,15 @@ class Estimate(Interval):
     standard_error : float
         Clustered by participant and segment.
     p_value : float
-        Two-sided p of there being no effect.
+        Two-sided p for no effect.
     n, participants, segments : int
-        Answers, and who gave them about what.
+        Numbers of answers, participants and segments.
     df : float
         Degrees of freedom of the standard error.
     method : str
-        Which variance was used; empty where there is none.
+        The kind of variance; empty if there is none.
     remark : str
-        What limits the estimate, such as one participant who weighs much more than the others.
+        A caution about the estimate, such as one participant who gave far more answers than others.
     """
 
     standard_error: float = math.nan
@@ -220,14 +220,14 @@ class Estimate(Interval):
 
 @dataclass(frozen=True, eq=False)
 class Clusters:
-    """Who gave each answer, and which segment it is about, as numbers from 0."""
+    """The participant and the segment of each answer, as numbers from 0."""
 
     participants: NDArray[np.intp]
     segments: NDArray[np.intp]
 
     @classmethod
     def of(cls, participants: NDArray[np.generic], segments: NDArray[np.generic]) -> Clusters:
-        """Return names of participants and segments as numbers, shape (N,)."""
+        """Return the answers' participants and segments, given by name, as numbers."""
         return cls(
             np.unique(participants, return_inverse=True)[1],
             np.unique(segments, return_inverse=True)[1],
@@ -253,7 +253,7 @@ def clustered_mean(
 ) -> Estimate:
     """Return the mean of `values` with an interval clustered by participant and segment.
 
-    Variance and degrees of freedom are those of `clustered_variance`: of one segment, the
+    Variance and degrees of freedom are those of `clustered_variance`; with one segment, the
     interval is over participants alone.
 
     Parameters
@@ -261,17 +261,17 @@ def clustered_mean(
     values : ndarray, shape (N,)
         One value per answer.
     participants, segments : ndarray, shape (N,)
-        Who gave the answer, and which segment it is about.
+        The participant and the segment of each answer.
     null : float
-        Mean under the hypothesis that is tested; NaN for no test.
+        Mean under the null hypothesis; NaN for no test.
     limits : tuple of float
-        The least and the greatest value that an answer can have.
+        The smallest and the largest possible value of an answer.
 
     Returns
     -------
     Estimate
-        Without an interval, and with the reason, where there are no answers, one participant, or
-        all answers alike.
+        Without an interval, but with the reason, if there are no answers, one participant, or only
+        equal answers.
     """
     clusters = Clusters.of(participants, segments)
     unknown = clusters.unknown()
@@ -320,7 +320,7 @@ def with_interval(
 
 
 def _unequal(values: NDArray[np.float64], people: NDArray[np.intp]) -> str:
-    """Say that participants answered very unequally often, and how much depends on one of them."""
+    """Return a caution if participants answered very unequally often; '' otherwise."""
     counts = np.bincount(people)
     if float(freedom_of(counts / len(values))) >= (len(counts) - 1) * EVEN:
         return ""

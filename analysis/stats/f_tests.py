@@ -1,4 +1,4 @@
-"""F tests over participants and items: min F′, and whether groups of items or items differ."""
+"""F tests over participants and items: min F′, and differences between groups and items."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ WITHIN: Final = (
 )
 
 NOTHING: Final = 1e-12
-"""Share of a variance below which it is rounding."""
+"""Share of a variance below which it is a rounding error."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FTest:
-    """An F test; every number is NaN where there is none.
+    """An F test; every number is NaN without a test.
 
     Attributes
     ----------
@@ -40,9 +40,9 @@ class FTest:
     df, df_rest : float
         Degrees of freedom of the numerator and of the denominator.
     p_value : float
-        p-value of the hypothesis that there is no difference.
+        p-value for no difference.
     method, reason : str
-        Which test; why there is none.
+        The kind of test; why there is none.
     """
 
     statistic: float = math.nan
@@ -56,15 +56,15 @@ class FTest:
 def min_f(values: Floats, participants: NDArray[np.generic], items: NDArray[np.generic]) -> FTest:
     """Test whether the mean of `values` is zero (Clark 1973).
 
-    It is conservative: its false positives are rarer than its level. F1 and F2 are the squares of
-    the one-sample t over participants' and items' means.
+    It is conservative: its false positive rate is below its level. F1 and F2 are the squares of the
+    one-sample t over participants' and items' means.
 
     Parameters
     ----------
     values : ndarray, shape (N,)
         Net preference of each answer, 0 for none.
     participants, items : ndarray, shape (N,)
-        Who answered about what.
+        The participant and the item of each answer.
     """
     values = finite(values)
     means = group_means(values, participants), group_means(values, items)
@@ -94,13 +94,13 @@ def combine(
     Parameters
     ----------
     noise : sequence of float
-        1 / F1 and 1 / F2, of which one is above zero; infinite where there is no difference.
+        1 / F1 and 1 / F2, at least one of them above zero; infinite if there is no difference.
     df : int
         Degrees of freedom of the difference.
     dfs_rest : sequence of float
-        Those of each denominator.
+        Degrees of freedom of each denominator.
     df_of_zero : float
-        Those of min F′ where it is zero.
+        Degrees of freedom of min F′ if it is zero.
     """
     if math.isinf(sum(noise)):
         return FTest(statistic=0.0, df=df, df_rest=df_of_zero, p_value=1.0, method=method)
@@ -110,7 +110,7 @@ def combine(
 
 
 def _variance(means: Floats) -> float:
-    """Return the variance of the mean of `means`; 0 where they are alike but for rounding."""
+    """Return the variance of the mean of `means`; 0 if they are equal but for rounding."""
     if float(np.ptp(means)) <= ROUNDING * float(np.abs(means).max()):
         return 0.0
     return float(means.var(ddof=1)) / len(means)
@@ -133,16 +133,16 @@ def _df(variances: Sequence[float], dfs_rest: Sequence[float]) -> float:
 def between_groups(values: Floats, groups: Codes, participants: Codes, segments: Codes) -> FTest:
     """Test whether emotions or speakers differ; each holds several segments (Clark 1973).
 
-    One F compares the groups with their interaction with participants, over those who answered
-    about all groups; the other with the variance of segments within groups. min F′ takes both
-    participants and segments as samples, and is conservative.
+    One F compares the groups with their interaction with participants who answered about all
+    groups, the other with the variance of segments within groups. min F′ treats both participants
+    and segments as samples, and is conservative.
 
     Parameters
     ----------
     values : ndarray, shape (N,)
         Answers.
     groups, participants, segments : ndarray of int, shape (N,)
-        Which group each is about (at least two), who gave it, and which segment it is about.
+        The group (of at least two), the participant and the segment of each answer.
     """
     group = np.unique(groups, return_inverse=True)[1]
     count = int(group.max(initial=-1)) + 1
@@ -167,17 +167,17 @@ def between_groups(values: Floats, groups: Codes, participants: Codes, segments:
 
 
 def between_segments(values: Floats, participants: Codes, segments: Codes) -> FTest:
-    """Test whether segments differ beyond the differences of those who answered about them.
+    """Test whether segments differ beyond the differences between their participants.
 
-    The segments are those of the study; several answers of one participant about a segment count
-    as their mean. Not all participants need to have answered about all (Scheffé 1959, ch. 4).
+    The study's segments are fixed; several answers of one participant about a segment count as
+    their mean. Participants need not have answered about all segments (Scheffé 1959, ch. 4).
 
     Parameters
     ----------
     values : ndarray, shape (N,)
         Answers.
     participants, segments : ndarray of int, shape (N,)
-        Who gave each, about which segment.
+        The participant and the segment of each answer.
     """
     person = np.unique(participants, return_inverse=True)[1]
     segment = np.unique(segments, return_inverse=True)[1]
@@ -189,7 +189,7 @@ def between_segments(values: Floats, participants: Codes, segments: Codes) -> FT
     by_person = np.asarray(table.sum(axis=1)).ravel()
     person_means = np.bincount(person, weights=y) / by_person
     within = float(y @ y - by_person @ person_means**2)
-    # Segments with participants taken out: normal equations of the additive model.
+    # Segments adjusted for participants: normal equations of the additive model.
     shared = (table.T @ (table / by_person[:, None])).toarray()
     design = np.diag(np.bincount(segment).astype(np.float64)) - shared
     target = np.bincount(segment, weights=y) - table.T @ person_means
@@ -212,7 +212,7 @@ def between_segments(values: Floats, participants: Codes, segments: Codes) -> FT
 
 
 def _complete_means(values: Floats, group: Codes, participants: Codes, count: int) -> Floats:
-    """Return the means by participant and group, of those who answered about every group."""
+    """Return means by participant and group, for participants who answered about every group."""
     person = np.unique(participants, return_inverse=True)[1]
     cell = person * count + group
     size = (int(person.max(initial=-1)) + 1) * count
@@ -223,7 +223,7 @@ def _complete_means(values: Floats, group: Codes, participants: Codes, count: in
 
 
 def _within_people(means: Floats) -> float:
-    """Return F of the columns against their interaction with rows; NaN where all are alike."""
+    """Return F of the columns against their interaction with rows; NaN if all are equal."""
     people, count = means.shape
     centred = means - means.mean(axis=1, keepdims=True)
     columns = centred.mean(axis=0)
@@ -233,7 +233,7 @@ def _within_people(means: Floats) -> float:
 
 
 def _one_way(means: Floats, group: Codes, df_rest: int) -> float:
-    """Return F between groups of segments' means; NaN where all are alike."""
+    """Return F between groups of segments' means; NaN if all are equal."""
     sizes = np.bincount(group)
     centres = np.bincount(group, weights=means) / sizes
     spread = float(((means - means.mean()) ** 2).sum())

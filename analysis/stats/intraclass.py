@@ -1,7 +1,7 @@
-"""The intraclass correlation: how much of the answers' variance lies between the items.
+"""The intraclass correlation: the share of the answers' variance between items.
 
-Of two-way random effects, absolute agreement: participants who use the scale differently disagree.
-'Single' is about one participant's answers, 'average' about the mean over all who answered.
+Two-way random effects, absolute agreement: participants who use the scale differently disagree.
+'Single' refers to one participant's answers, 'average' to the mean over an item's participants.
 """
 
 from __future__ import annotations
@@ -34,23 +34,23 @@ UNKNOWN: Final = Interval()
 
 @dataclass(frozen=True, kw_only=True)
 class Intraclass:
-    """How far participants' numbers agree about the items.
+    """Agreement of participants' numbers about the items.
 
     Attributes
     ----------
     single, average : Interval
-        Of one participant's answers; of the mean over all participants of an item. In [-1, 1],
-        below 0 where items differ less than chance would make them.
+        Correlation of one participant's answers, and of the mean over an item's participants. In
+        [-1, 1]; below 0 if items differ less than by chance.
     item_variance, rater_variance, residual_variance : float
-        What the answers' variance is made of; an estimate may be negative.
+        Components of the answers' variance; an estimate may be negative.
     participants_per_item : float
-        Harmonic mean; that many make the average.
+        Harmonic mean number of participants per item, to which `average` refers.
     n, items, participants : int
-        What it rests on.
+        Numbers of answers, items and participants.
     method : str
-        Which correlation; whether answers are missing.
+        The kind of correlation, and whether answers are missing.
     reason : str
-        Why there is none; empty where there is one.
+        Why there is no correlation; empty if there is one.
     """
 
     single: Interval = UNKNOWN
@@ -71,17 +71,17 @@ def intraclass_correlation(
 ) -> Intraclass:
     """Estimate the intraclass correlations ICC(A,1) and ICC(A,k) of McGraw & Wong (1996).
 
-    Those of Shrout & Fleiss (1979) named ICC(2,1) and ICC(2,k). Where answers are missing the
-    variances are those of Henderson's (1953) first method, which are the same where none are;
-    the intervals then treat the table as a complete one with as many answers as there are on
-    (harmonic) average.
+    Shrout & Fleiss (1979) call them ICC(2,1) and ICC(2,k). If answers are missing, the variances
+    are those of Henderson's (1953) first method, which agree with the usual ones if none are
+    missing; the intervals then treat the table as complete, with the (harmonic) mean numbers of
+    answers.
 
     Parameters
     ----------
     values : ndarray, shape (N,)
         Answers as numbers.
     raters, items : ndarray, shape (N,)
-        Who answered about what; one answer of each about each.
+        The rater and the item of each answer; at most one answer for each pair.
     """
     y = finite(values)
     rater_codes, item_codes = pd.factorize(raters)[0], pd.factorize(items)[0]
@@ -140,9 +140,9 @@ def _why_not(y: Floats, items: int, raters: int) -> str:
 def _variances(
     y: Floats, raters: NDArray[np.intp], items: NDArray[np.intp]
 ) -> tuple[float, float, float]:
-    """Return the variances between items, between raters and of the rest (Henderson's method 1).
+    """Return item, rater and residual variances (Henderson's method 1).
 
-    Each of four sums of squares is, on average, a known mixture of them.
+    The expectation of each of three sums of squares is a known mixture of them.
     """
     count = len(y)
     by_item, by_rater = np.bincount(items), np.bincount(raters)
@@ -162,9 +162,9 @@ def _variances(
             [len(by_rater) - item_share, count - rater_share, len(by_rater) - 1],
         ]
     )
-    # It is singular only where one item, or one rater, has all answers.
+    # It is singular only if one item, or one rater, has all answers.
     components = np.linalg.solve(mixture, squares)
-    # What rounding leaves of a variance is none.
+    # Variances that are rounding errors are zero.
     components[np.abs(components) < 1e-12 * np.abs(components).max()] = 0.0
     item, rater, residual = components.tolist()
     return item, rater, residual
@@ -178,7 +178,7 @@ def _interval(
         return 1.0, 1.0
     k, n = components.participants_per_item, items_per_rater
     noise = components.residual_variance
-    # An effect of less than nothing leaves its mean square as large as the noise.
+    # A negative component may leave less than the noise, but no negative mean square.
     between = max(k * components.item_variance + noise, 0.0)
     raters = max(n * components.rater_variance + noise, 0.0)
     df_rest = components.n - components.items - components.participants + 1

@@ -1,4 +1,4 @@
-"""What many tests and many looks do to false positives, and Holm's correction."""
+"""Holm's correction for many tests, and the false positives of many looks."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ Floats = NDArray[np.float64]
 def holm(p_values: Sequence[float]) -> tuple[float, ...]:
     """Correct a declared family of p values by Holm's (1979) step-down method.
 
-    A test that could not be made (NaN) still counts as a member of the family, so that a missing
-    result never makes the others look more certain; its own corrected value is NaN.
+    A test that could not be made (NaN) still belongs to the family, so that a missing result never
+    makes the others look more certain; its own corrected value is NaN.
     """
     return tuple(holm_rows(np.asarray(p_values, float)[None])[0].tolist())
 
 
 def holm_rows(p_values: Floats) -> Floats:
-    """Correct many families of equal size, one a row, shape (families, tests); see `holm`."""
+    """Correct families of equal size, one in each row, shape (families, tests); see `holm`."""
     missing = np.isnan(p_values)
     tested = np.where(missing, 1.0, p_values)
     order = np.argsort(tested, axis=1, kind="stable")
@@ -41,22 +41,22 @@ LEVEL: Final = 0.05
 FEWEST_NODES: Final = 64
 NODES_PER_STEP: Final = 3
 MOST_NODES: Final = 13 * FEWEST_NODES
-"""Points of an integral: enough of them within what chance adds from one look to the next."""
+"""Points of an integral: enough within one random step from one look to the next."""
 
 
 def false_positive_rate(looks: Sequence[int]) -> float:
-    """Return how often something is found where nothing is, if the first p below `LEVEL` ends it.
+    """Return the false positive rate of stopping at the first look with p below `LEVEL`.
 
-    The sum of what participants answer is taken for normal, and each participant for as much
-    information as any other. Then the sums at the looks are a walk of independent normal steps,
-    and the chance that it stays within the limits is integrated from look to look (Armitage,
-    McPherson & Rowe 1969).
+    The sum of participants' answers is assumed to be normal, and each participant to contribute
+    equally. Then the sums at the looks are a random walk with normal steps, and the probability
+    that it stays within the limits is integrated from look to look (Armitage, McPherson & Rowe
+    1969).
 
     Parameters
     ----------
     looks : sequence of int
-        How many participants there were at each look, the last one included; above 0. Several
-        looks at as many participants are one.
+        Number of participants at each look, the final one included; above 0. Looks at equal numbers
+        count once.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def false_positive_rate(looks: Sequence[int]) -> float:
     """
     numbers = sorted(set(looks))
     limit = NormalDist().inv_cdf(1 - LEVEL / 2)
-    # Where the walk may stand after a look without having been found, and how likely that is.
+    # Positions of the walk after a look without a finding, and their probability masses.
     positions, masses = np.zeros(1), np.ones(1)
     previous = 0
     for number in numbers:
@@ -78,12 +78,12 @@ def false_positive_rate(looks: Sequence[int]) -> float:
 
 
 def equally_spaced(looks: int) -> float:
-    """Return the rate for so many looks, with as many new participants before each."""
+    """Return the rate for a number of looks, with equally many new participants before each."""
     return false_positive_rate(range(1, looks + 1))
 
 
 def _nodes(end: float, step: float) -> tuple[Floats, Floats]:
-    """Return points and weights of an integral from `-end` to `end` over what varies by `step`."""
+    """Return points and weights of an integral from `-end` to `end`, fine enough for `step`."""
     needed = NODES_PER_STEP * 2 * end / step
     count = FEWEST_NODES * math.ceil(needed / FEWEST_NODES)
     nodes, weights = _legendre(min(count, MOST_NODES))
@@ -92,14 +92,14 @@ def _nodes(end: float, step: float) -> tuple[Floats, Floats]:
 
 @cache
 def _legendre(count: int) -> tuple[Floats, Floats]:
-    """Return the points and weights of Gauss and Legendre; there are few counts of them."""
+    """Return the points and weights of Gauss and Legendre, cached by count."""
     nodes, weights = np.polynomial.legendre.leggauss(count)
     return nodes, weights
 
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """One look, or several in a row that are alike.
+    """One look, or several identical looks in a row.
 
     Attributes
     ----------
@@ -108,15 +108,15 @@ class Look:
     by : str
         ``researcher 1``, ``researcher 2`` …, or ``command line``.
     way : {'page', 'report', 'export'}
-        Where results were seen.
+        The way in which results were seen.
     reason : str
-        In their words; empty where none was given.
+        The reason in the researcher's words; empty if none was given.
     finished, planned : int
-        Participants who had finished, and who were wanted.
+        Numbers of participants who had finished, and who were planned.
     answers : int
-        Answers that had been given.
+        Number of answers given so far.
     times : int
-        How many looks in a row these are.
+        Number of looks in a row.
     """
 
     day: str
@@ -131,19 +131,19 @@ class Look:
 
 @dataclass(frozen=True, kw_only=True)
 class LooksBefore:
-    """All looks at fewer or other answers than those that are reported.
+    """All looks at other answers than those reported.
 
     Attributes
     ----------
     count : int
-        How many there were.
+        Number of looks.
     looks : tuple of Look
-        The first one first.
+        In order of time.
     finished : tuple of int
-        How many participants had finished at them, each number once, ascending.
+        Numbers of participants who had finished at the looks, distinct and ascending.
     false_positive_rate : float
-        How often something is found where nothing is, by who ends a study at the first of these
-        looks that finds something; the reported answers are the last one. NaN without looks.
+        False positive rate of stopping at the first of these looks that shows p below `level`, the
+        reported answers being the last look. NaN without looks.
     level : float
         Level of each test.
     reason : str
@@ -159,14 +159,14 @@ class LooksBefore:
 
 
 def looks_before(looks: Sequence[Look], *, finished: int, answers: int) -> LooksBefore:
-    """Leave out looks at the very answers that are reported, and judge the others.
+    """Leave out looks at the reported answers, and judge the others.
 
     Parameters
     ----------
     looks : sequence of Look
-        All that are logged, the first one first.
+        All logged looks, in order of time.
     finished, answers : int
-        How far the study is in what is reported.
+        Numbers of finished participants and of answers in the report.
     """
     before = [look for look in looks if (look.finished, look.answers) != (finished, answers)]
     numbers = {look.finished for look in before if look.finished > 0}
@@ -190,7 +190,7 @@ NOT_LOGGED: Final = LooksBefore(
     level=LEVEL,
     reason="looks at a table of answers are not logged",
 )
-"""Of a table, and of a rehearsal."""
+"""The looks of a table, and of a rehearsal."""
 
 
 def _why_no_rate(before: Sequence[Look], is_known: bool) -> str:
@@ -200,7 +200,7 @@ def _why_no_rate(before: Sequence[Look], is_known: bool) -> str:
 
 
 def _gathered(looks: Sequence[Look]) -> tuple[Look, ...]:
-    """Count looks in a row that differ in nothing."""
+    """Merge identical looks in a row."""
     gathered: list[Look] = []
     for look in looks:
         if gathered and replace(gathered[-1], times=look.times) == look:

@@ -20,21 +20,21 @@ Verdict = Literal["equivalent", "different", "equivalent and different", "undeci
 
 @dataclass(frozen=True, kw_only=True)
 class SignTest(Interval):
-    """The share of the values above zero among those that are not zero, with its exact interval.
+    """The share of positive values among nonzero ones, with its exact interval.
 
     The interval is that of Clopper & Pearson (1934).
 
     Attributes
     ----------
     p_value : float
-        Two-sided p of the share being one half; NaN without any.
+        Two-sided p for a share of one half; NaN without nonzero values.
     """
 
     p_value: float = math.nan
 
 
 def sign_test(values: Floats) -> SignTest:
-    """Test whether values lie above zero as often as below it.
+    """Test whether values are above zero as often as below.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def sign_test(values: Floats) -> SignTest:
 
 
 EXACT: Final = 300
-"""Up to so many values the distribution is exact; beyond, it is approximated as normal."""
+"""Most values for which the distribution is exact; for more, it is approximated as normal."""
 
 
 IGNORED: Final = (
@@ -66,19 +66,19 @@ IGNORED: Final = (
     "that several tests are made",
     "answers 'no difference'",
 )
-"""What tests of pooled answers leave out of account."""
+"""What tests of pooled answers ignore, in words that follow 'ignore'."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SignedRank:
-    """Whether values lie on one side of zero, by the ranks of their sizes.
+    """A test whether values lie on one side of zero, by the ranks of their sizes.
 
     Attributes
     ----------
     p_value : float
-        Two-sided; NaN where there is no test.
+        Two-sided; NaN if there is no test.
     reason : str
-        Why there is no test; empty where there is one.
+        Why there is no test; empty if there is one.
     """
 
     p_value: float = math.nan
@@ -88,8 +88,8 @@ class SignedRank:
 def signed_rank(values: Floats) -> SignedRank:
     """Test whether `values` are symmetric around zero (Wilcoxon 1945).
 
-    The null distribution is over all signs of the observed ranks; ties share the mean of theirs, so
-    that p is exact with ties too. Values of zero are left out before ranking.
+    The null distribution is over all signs of the observed ranks, with mean ranks for ties, so p is
+    exact with ties too. Zeros are dropped before ranking.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def signed_rank(values: Floats) -> SignedRank:
 
 
 def _by_counting(ranks: Floats, positive: NDArray[np.bool_]) -> float:
-    """Return p by the chances of each sum of doubled ranks, each of which counts or not."""
+    """Return p from the exact distribution of the sum of doubled ranks with random signs."""
     doubled = np.rint(2 * ranks).astype(np.int64)
     total, above = int(doubled.sum()), int(doubled[positive].sum())
     chances = np.zeros(total + 1)
@@ -127,18 +127,18 @@ def _by_counting(ranks: Floats, positive: NDArray[np.bool_]) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Pooled:
-    """What papers report: all answers taken as independent.
+    """The tests that papers report, which treat all answers as independent.
 
     Attributes
     ----------
     binomial_p : float
-        Wins against losses, whatever their strength, by the sign test.
+        Sign test of wins against losses, whatever their strength.
     wilcoxon_p : float
-        Signed ranks of all answers.
+        Signed-rank test of all answers.
     ignores : tuple of str
-        What these numbers leave out of account, as ends of a sentence.
+        What these tests ignore, as ends of a sentence.
     reason : str
-        Why there are none; empty where there are.
+        Why there are no tests; empty if there are.
     """
 
     binomial_p: float
@@ -148,17 +148,17 @@ class Pooled:
 
 
 def pooled_tests(towards_first: NDArray[np.number]) -> Pooled:
-    """Compute what papers would report of one comparison and question.
+    """Return the tests that papers would report for one comparison and question.
 
-    Every single answer is taken for an independent one. Where participants or segments differ,
-    that finds effects that are not there: with standard deviations of .6 and .45 logits, 22
-    participants and 24 segments three times in ten instead of once in twenty.
+    Every answer is treated as independent. If participants or segments differ, this finds effects
+    that do not exist: with standard deviations of .6 and .45 logits, 22 participants and 24
+    segments, three times in ten instead of once in twenty.
 
     Parameters
     ----------
     towards_first : ndarray, shape (N,)
-        Answers, turned so that they count from -2 (clearly the second condition) over 0 (no
-        difference) to 2 (clearly the first).
+        Answers from -2 (clearly the second condition) over 0 (no difference) to 2 (clearly the
+        first).
     """
     answers = finite(towards_first)
     signs = sign_test(answers)
@@ -176,26 +176,25 @@ LEVEL: Final = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class Equivalence(Interval):
-    """Whether a difference is surely smaller than a margin.
+    """A test whether a difference is smaller than a margin.
 
-    The interval is the 90% one; the conditions are equivalent where it lies within the margin.
+    The interval is the 90% one; the conditions are equivalent if it lies within the margin.
 
     Attributes
     ----------
     margin : float
-        A difference up to it does not matter: stated before the data were seen.
+        Largest difference that does not matter, stated before the data were seen.
     standard_error, df : float
         Standard error and degrees of freedom of the difference.
     p_value : float
-        Larger one of the two one-sided p values; NaN where there is no test.
+        The larger of the two one-sided p values; NaN without a test.
     verdict : {'equivalent', 'different', 'equivalent and different', 'undecided', 'unknown'}
-        At .05. 'equivalent and different': there is a difference, too small to matter.
-        'undecided' allows neither the word "comparable" nor "better"; 'unknown' where there is
-        no test.
+        At .05. 'equivalent and different': there is a difference, but too small to matter.
+        'undecided' justifies neither "comparable" nor "better"; 'unknown' if there is no test.
     n : int
-        Independent units that it rests on; 0 where not told.
+        Number of independent units; 0 if not given.
     method : str
-        Which tests.
+        The kind of tests.
     """
 
     margin: float
@@ -221,7 +220,7 @@ def equivalence(
     df : float
         Degrees of freedom of the error.
     n : int
-        Independent units that the estimate rests on, for the result.
+        Number of independent units behind the estimate, for the result.
 
     Raises
     ------
@@ -270,7 +269,7 @@ def require_margin(margin: float, below: float = math.inf) -> None:
 
 
 def equivalence_of(estimate: Estimate, margin: float, *, null: float = 0.0) -> Equivalence:
-    """Test whether an estimate with a clustered interval is as near to `null` as the margin."""
+    """Test whether an estimate with a clustered interval is within the margin of `null`."""
     test = equivalence(
         estimate.estimate - null, estimate.standard_error, margin, df=estimate.df, n=estimate.n
     )
@@ -287,7 +286,7 @@ def equivalence_of_means(differences: Floats, margin: float) -> Equivalence:
     Parameters
     ----------
     differences : ndarray, shape (N,)
-        One per participant: the mean of what they said of one condition minus that of the other.
+        One per participant: their mean for one condition minus that for the other.
     margin : float
         See `equivalence`.
     """

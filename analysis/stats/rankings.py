@@ -1,8 +1,8 @@
-"""Rankings: where each condition is placed, and whether conditions are placed differently.
+"""Rankings: the ranks of each condition, and tests whether conditions are ranked differently.
 
 Blocks of Friedman's test are participants, each with one number per condition: their mean over
 segments. Pairs of participant and segment cannot be blocks: single answers are not independent, and
-a test over them finds differences that are not there.
+a test over them finds differences that do not exist.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Placements:
-    """Who ranked which segment's conditions how.
+    """The rankings of one question.
 
     Attributes
     ----------
     conditions : tuple of str
         Names of the columns.
     given : ndarray, shape (rankings, conditions)
-        Numbers as they were given: the smaller, the better; equal ones are a tie; NaN where a
-        ranking leaves a condition out.
+        Numbers as given: the smaller, the better; equal numbers are a tie; NaN if a ranking omits a
+        condition.
     participants, segments : ndarray of int, shape (rankings,)
-        Whose ranking it is, and of which segment; from 0.
+        The participant and the segment of each ranking, from 0.
     participant_names, segment_names : tuple
         The names behind those numbers.
     """
@@ -52,17 +52,17 @@ class Placements:
 
     @cached_property
     def better(self) -> Floats:
-        """How many conditions stand before each one, in its ranking; NaN where left out."""
+        """Number of conditions ahead of each one in its ranking; NaN if omitted."""
         return self._compared(np.less)
 
     @cached_property
     def tied(self) -> Floats:
-        """How many conditions stand at its place, itself included; NaN where left out."""
+        """Number of conditions tied with each one, itself included; NaN if omitted."""
         return self._compared(np.equal)
 
     @cached_property
     def ranks(self) -> Floats:
-        """Ranks from 1; tied conditions share the mean of their places. NaN where left out."""
+        """Ranks from 1; tied conditions share their mean rank. NaN if omitted."""
         return self.better + (self.tied + 1) / 2
 
     @cached_property
@@ -71,7 +71,7 @@ class Placements:
         return np.asarray(~np.isnan(self.given).any(axis=1))
 
     def averaged(self) -> Placements:
-        """Return one ranking of each participant and segment, by the mean of their ranks."""
+        """Return one ranking for each participant and segment, by mean ranks."""
         cells, cell = np.unique(
             np.column_stack([self.participants, self.segments]), axis=0, return_inverse=True
         )
@@ -95,16 +95,16 @@ class Placements:
 
 
 def placements(answers: pd.DataFrame, conditions: Sequence[str]) -> Placements:
-    """Arrange the ranks that one question was answered with.
+    """Arrange the ranks given in answer to one question.
 
     Parameters
     ----------
     answers : DataFrame
         Columns `participant`, `segment`, `condition` and `rank` (1 is best, equal numbers are a
-        tie), one row per placed condition; `trial`, where somebody ranked a segment repeatedly.
-        No ranking places a condition twice.
+        tie), one row per placed condition; `trial`, if somebody ranked a segment repeatedly. No
+        ranking places a condition twice.
     conditions : sequence of str
-        All of them, in the order wanted.
+        All conditions, in the order of the columns.
     """
     columns = pd.Index(list(conditions)).get_indexer(
         pd.Index(answers["condition"].to_numpy(object))
@@ -131,24 +131,25 @@ def placements(answers: pd.DataFrame, conditions: Sequence[str]) -> Placements:
 
 @dataclass(frozen=True, kw_only=True)
 class RankSummary:
-    """Where one condition is placed.
+    """The ranks of one condition.
 
     Attributes
     ----------
     condition : str
-        Its name.
+        The condition's name.
     n : int
-        Rankings that place it.
+        Number of rankings that place it.
     mean_rank : Estimate
-        Mean rank, 1 is best, tied conditions sharing the mean of their places; tested against
-        the middle rank of the conditions that were ranked together.
+        Mean rank; 1 is best, and tied conditions share their mean rank. Tested against the middle
+        rank of the conditions that were ranked together.
     first_share : Estimate
-        Share of the rankings in which it is best, conditions tied for it sharing one ranking;
-        tested against what chance would give each.
+        Share of the rankings in which it is best; conditions tied for first share one ranking.
+        Tested against chance.
     rank_percent : mapping of int to float
-        Share of each place, in percent, ties spread evenly over their places; NaN without any.
+        Share of each place, in percent; ties are spread evenly over their places. NaN without
+        rankings.
     remark : str
-        What limits the numbers; empty where nothing does.
+        A caution about the numbers; empty if there is none.
     """
 
     condition: str
@@ -180,7 +181,7 @@ def _summary(rankings: Placements, column: int, condition: str) -> RankSummary:
     n = int(placed.sum())
     percent = (100 * shares.mean(axis=0)).tolist() if n else [math.nan] * count
     partial = int((placed & ~rankings.complete).sum())
-    # A ranking of fewer conditions has fewer places that chance can give.
+    # A ranking of fewer conditions has fewer places.
     ranked = (~np.isnan(rankings.given[placed])).sum(axis=1)
     return RankSummary(
         condition=condition,
@@ -212,9 +213,9 @@ class Blocks:
     conditions : tuple of str
         Names of the columns.
     means : ndarray, shape (participants, conditions)
-        The larger, the better; of those who have answered about every condition.
+        The larger, the better; only of participants who answered about every condition.
     incomplete : int
-        Participants left out because they have not.
+        Number of participants left out because they did not.
     """
 
     conditions: tuple[str, ...]
@@ -223,12 +224,12 @@ class Blocks:
 
     @cached_property
     def ranks(self) -> Floats:
-        """Ranks within each participant, from 1, the smallest; ties share the mean of theirs."""
+        """Ranks within each participant, 1 for the smallest mean; ties share their mean rank."""
         return tied_ranks(self.means)
 
 
 def blocks_of_rankings(rankings: Placements) -> Blocks:
-    """Return each participant's mean rank of each condition, turned so that more is better."""
+    """Return each participant's mean rank of each condition, reversed so that larger is better."""
     rows, columns = np.nonzero(~np.isnan(rankings.given))
     width, people = len(rankings.conditions), rankings.participants[rows]
     count = int(people.max(initial=-1)) + 1
@@ -246,7 +247,7 @@ def blocks_of_rankings(rankings: Placements) -> Blocks:
 
 @dataclass(frozen=True, kw_only=True)
 class Friedman:
-    """Whether the conditions differ.
+    """Friedman's test whether conditions differ.
 
     Attributes
     ----------
@@ -255,11 +256,11 @@ class Friedman:
     statistic, df, p_value : float
         Friedman's chi-square, corrected for ties.
     kendall_w : float
-        Concordance: 0 for none, 1 where all participants rank alike.
+        Concordance: 0 for none, 1 if all participants rank alike.
     n, incomplete : int
-        Participants it rests on, and those left out.
+        Number of participants, and of those left out.
     reason : str
-        Why there is no test; empty where there is one.
+        Why there is no test; empty if there is one.
     """
 
     mean_ranks: dict[str, float]
@@ -274,25 +275,25 @@ class Friedman:
 
 @dataclass(frozen=True, kw_only=True)
 class PairwiseRanks:
-    """How two conditions differ over participants.
+    """The difference of two conditions over participants.
 
     Attributes
     ----------
     a, b : str
         The conditions.
     difference : float
-        Mean place of a minus that of b over participants, ranked by their means: below zero
-        where a is the better one; NaN without a test.
+        Mean rank of a minus that of b over participants, each ranked by their means: below zero if
+        a is better; NaN without a test.
     nemenyi_p : float
-        p-value of the Studentised range; corrects for all pairs by itself.
+        p-value of the Studentised range, which corrects for all pairs.
     conover_p, conover_holm : float
         p-values of Conover & Iman's t, plain and after Holm's correction.
     wilcoxon_p, wilcoxon_holm : float
-        p-values of the participants' differences, exact, plain and after Holm's correction.
+        Signed-rank p-values of the participants' differences, plain and after Holm's correction.
     n : int
-        Participants.
+        Number of participants.
     reason : str
-        Why a number is missing; empty where none is.
+        Why a number is missing; empty if none is.
     """
 
     a: str
@@ -308,7 +309,7 @@ class PairwiseRanks:
 
 
 def friedman(blocks: Blocks) -> Friedman:
-    """Test whether any condition is placed differently from the others (Friedman 1937)."""
+    """Test whether any condition is ranked differently from the others (Friedman 1937)."""
     count, width = blocks.means.shape
     mean_ranks = blocks.ranks.mean(axis=0) if count else np.full(width, math.nan)
     unknown = Friedman(
@@ -340,7 +341,7 @@ def _why_not(participants: int, conditions: int, within: float) -> str:
 
 
 def compare_pairs(blocks: Blocks) -> tuple[PairwiseRanks, ...]:
-    """Compare every two conditions (Nemenyi 1963; Conover 1999; Wilcoxon 1945).
+    """Compare all pairs of conditions (Nemenyi 1963; Conover 1999; Wilcoxon 1945).
 
     Holm's corrections are over all pairs returned.
     """
@@ -370,7 +371,7 @@ def _pair(blocks: Blocks, a: int, b: int, reason: str) -> PairwiseRanks:
     means = blocks.ranks.mean(axis=0)
     difference = float(means[b] - means[a])
     studentized = abs(difference) / math.sqrt(width * (width + 1) / (12 * count))
-    # What is left of the ranks' variance within participants once conditions are taken out.
+    # The ranks' variance within participants that conditions do not explain.
     residual = float((blocks.ranks**2).sum()) - count * float((means**2).sum())
     freedom = (count - 1) * (width - 1)
     error = math.sqrt(2 * max(residual, 0.0) / (count * freedom))

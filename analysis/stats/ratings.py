@@ -1,8 +1,8 @@
 """Ratings of each condition, and how much better one is rated than another: the headline.
 
-A participant who rated both conditions in a segment gives one difference, and the mean of those
-has a two-way clustered interval. It holds its level where the mixed model's contrast does not:
-participants and segments may differ in which condition they favour, and segments may be few.
+A participant who rated both conditions in a segment contributes one difference, and the mean of
+these has a two-way clustered interval. It keeps its level where the mixed model's contrast does
+not: if participants and segments differ in the condition that they favour, or segments are few.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ PAIRED: Final = "paired ratings"
 UNPAIRED: Final = "all ratings, since few participants rated both conditions in one segment"
 
 LEAST_PAIRED: Final = 0.5
-"""Share of the ratings that must belong to pairs for the others to be left out."""
+"""Smallest share of ratings in pairs for which the other ratings are left out."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -37,11 +37,11 @@ class RatedCells:
     Attributes
     ----------
     means : ndarray, shape (cells, conditions)
-        NaN where a condition was not rated.
+        NaN if a condition was not rated.
     participants, segments : ndarray of int, shape (cells,)
-        Whose, and of which segment.
+        The participant and the segment of each cell.
     first : ndarray of int, shape (cells,)
-        The first of each cell's ratings, by its place among all.
+        Index of the first of each cell's ratings among all.
     """
 
     means: Floats
@@ -58,16 +58,16 @@ def rated_cells(
     *,
     count: int,
 ) -> RatedCells:
-    """Arrange ratings so that those of one participant and segment stand beside one another.
+    """Arrange ratings by participant and segment, with a column for each condition.
 
     Parameters
     ----------
     values : ndarray, shape (N,)
         Ratings as equally spaced numbers.
     conditions : ndarray of int, shape (N,)
-        What was rated, from 0 to `count` - 1.
+        The condition rated, from 0 to `count` - 1.
     participants, segments : ndarray, shape (N,)
-        Who rated it, in which segment.
+        The participant and the segment of each rating.
     count : int
         Number of conditions.
     """
@@ -92,14 +92,14 @@ def rated_cells(
 def mean_difference(cells: RatedCells, a: int, b: int) -> Estimate:
     """Return how much better condition `a` is rated than condition `b`, in scores.
 
-    Where at least half of the ratings belong to pairs, it is the mean of the paired differences;
+    If at least half of the ratings belong to pairs, it is the mean of the paired differences, and
     `n` counts the pairs. Otherwise it is the difference of the two means.
 
     Returns
     -------
     Estimate
-        Tested against zero, clustered as `clustered_mean`. `method` says which ratings and which
-        variance it rests on.
+        Tested against zero, clustered as in `clustered_mean`. `method` names the ratings and the
+        variance.
     """
     rated = ~np.isnan(cells.means[:, [a, b]])
     paired = rated.all(axis=1)
@@ -119,7 +119,7 @@ def mean_difference(cells: RatedCells, a: int, b: int) -> Estimate:
 
 
 def _of_all(cells: RatedCells, pair: Sequence[int], rated: NDArray[np.bool_]) -> Estimate:
-    """Return the difference of two means whose ratings do not belong together."""
+    """Return the difference of two means of unpaired ratings."""
     rows, column = np.nonzero(rated)
     values = cells.means[rows, np.array(pair)[column]]
     clusters = Clusters.of(cells.participants[rows], cells.segments[rows])
@@ -144,8 +144,8 @@ def cliffs_delta(
 ) -> Estimate:
     """Compare the ratings of two conditions (Cliff 1993).
 
-    The error is not Cliff's, who takes all ratings as independent: what each rating adds to
-    delta is clustered by participant and segment as for a win share; interval and test are made on
+    The error is not Cliff's, who treats all ratings as independent: each rating's contribution to
+    delta is clustered by participant and segment as for a win share, and interval and test are on
     the scale of Fisher's z.
 
     Parameters
@@ -153,9 +153,9 @@ def cliffs_delta(
     values : ndarray, shape (N,)
         Ratings of two conditions.
     of_first : ndarray of bool, shape (N,)
-        Which of them are of the first.
+        Which ratings are of the first condition.
     participants, segments : ndarray, shape (N,)
-        Who rated what.
+        The participant and the segment of each rating.
     """
     y = finite(values)
     clusters = Clusters.of(participants, segments)
@@ -193,18 +193,18 @@ def _above(values: Floats, others: Floats) -> Floats:
 
 @dataclass(frozen=True, kw_only=True)
 class RatingSummary(Estimate):
-    """The ratings of one condition: the estimate is their mean, tested against nothing.
+    """The ratings of one condition; the estimate is their mean, without a test.
 
     Attributes
     ----------
     condition : str
-        Its name.
+        The condition's name.
     sd : float
         Standard deviation of the single ratings; NaN for fewer than two.
     counts : mapping of int to int
         How often each score was given.
     at_least : mapping of int to float
-        Ratings of this score or a higher one, in percent.
+        Percentage of ratings at or above each score.
     """
 
     condition: str
@@ -226,11 +226,11 @@ def rating_table(
     answers : DataFrame
         Columns `participant`, `segment`, `condition` and `value`, one row per rating.
     conditions : sequence of str
-        In the order wanted; each has ratings.
+        In the order of the result; each has ratings.
     scores : sequence of int
-        All scores that can be given, ascending; every rating is one of them.
+        All possible scores, ascending; every rating is one of them.
     limits : (float, float)
-        Where intervals are cut: the ends of the scale, where it is known.
+        Limits of the intervals: the ends of the scale, if known.
     """
     summaries = []
     for condition in conditions:

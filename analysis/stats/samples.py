@@ -1,8 +1,8 @@
-"""Samples of answers: checked, grouped and ranked, and drawn again by the two-way bootstrap.
+"""Samples of answers: checked, grouped, ranked, and resampled by the two-way bootstrap.
 
-The bootstrap draws participants and items. Every answer of a drawn participant about a drawn item
-counts as often as both were drawn together (the pigeonhole bootstrap of Owen 2007). It needs no
-more than the sums of each participant-item cell, so that drawing costs two matrix products.
+The bootstrap draws participants and items. An answer's weight is the product of the draws of its
+participant and of its item (the pigeonhole bootstrap of Owen 2007). It needs only the sums of each
+participant-item cell, so drawing costs two matrix products.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from motion.errors import InputError
 Floats = NDArray[np.float64]
 
 ROUNDING: Final = 1e-9
-"""Numbers nearer to each other, relative to the largest, are equal."""
+"""Numbers that differ by less, relative to the largest, are equal."""
 
 
 def finite(values: NDArray[np.number]) -> NDArray[np.float64]:
@@ -27,7 +27,7 @@ def finite(values: NDArray[np.number]) -> NDArray[np.float64]:
     Raises
     ------
     InputError
-        If one of them is missing or infinite.
+        If any value is missing or infinite.
     """
     numbers = np.asarray(values, np.float64)
     if not np.isfinite(numbers).all():
@@ -47,7 +47,7 @@ def group_means(values: Floats, groups: NDArray[np.generic]) -> Floats:
     values : ndarray, shape (N,)
         One per answer.
     groups : ndarray, shape (N,)
-        Whose it is: the participant's, or the segment's.
+        The participant, or the segment, of each value.
     """
     codes = np.unique(groups, return_inverse=True)[1]
     counts = np.bincount(codes)
@@ -55,7 +55,7 @@ def group_means(values: Floats, groups: NDArray[np.generic]) -> Floats:
 
 
 def levels(values: Floats) -> NDArray[np.intp]:
-    """Return the place of each value among the distinct ones, from 0, the smallest.
+    """Return the index of each value among the sorted distinct ones, from 0.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def levels(values: Floats) -> NDArray[np.intp]:
 
 
 def tied_ranks(values: Floats) -> Floats:
-    """Return the ranks of `values` along the last axis, from 1; ties share the mean of theirs."""
+    """Return the ranks of `values` along the last axis, from 1; ties share their mean rank."""
     return np.asarray(stats.rankdata(levels(values), axis=-1), np.float64)
 
 
@@ -84,12 +84,12 @@ def percentile_interval(draws: Floats) -> tuple[float, float]:
 
 
 def bootstrap_counts(chance: np.random.Generator, size: int, count: int) -> Floats:
-    """Return how often each of `count` was drawn in each of `size` resamples.
+    """Return how often each of `count` items was drawn in each of `size` resamples.
 
     Returns
     -------
     ndarray, shape (size, count)
-        Every row adds up to `count`.
+        Every row sums to `count`.
     """
     drawn = chance.integers(count, size=(size, count))
     drawn += count * np.arange(size)[:, None]

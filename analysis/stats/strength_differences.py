@@ -31,19 +31,19 @@ MIXED: Final = f"{TWO_WAY}; by one of them alone where that variance is larger"
 class TwoWayErrors:
     """Errors of strengths and of their differences, clustered by participant and segment.
 
-    Each has the variance and the degrees of freedom of `clustered_variance`, taken one by one, so
-    that none is negative although the two-way matrix may not be positive definite.
+    Each has its own variance and degrees of freedom, as in `clustered_variance`, so none is
+    negative although the two-way matrix may not be positive definite.
 
     Attributes
     ----------
     errors, freedoms : ndarray, shape (K,)
         Standard error and degrees of freedom of each strength.
     differences, difference_freedoms : ndarray, shape (K, K)
-        The same for the difference of every two strengths; the diagonal is 0 and NaN.
+        The same for the difference of each pair of strengths; the diagonals are 0 and NaN.
     by_participant, by_segment, by_cell : ndarray, shape (K, K)
         One-way covariances with the factor G/(G-1) of each clustering.
     method : str
-        Which variances were used.
+        The kinds of variances used.
     """
 
     errors: Floats
@@ -64,16 +64,17 @@ class TwoWayErrors:
         participants: Codes,
         segments: Codes,
     ) -> TwoWayErrors | None:
-        """Return the errors, or None where there is one participant.
+        """Return the errors, or None for one participant.
 
         Parameters
         ----------
         influences : ndarray, shape (kinds, K)
-            What an answer of each kind adds to the strengths' error, to first order.
+            First-order contribution of an answer of each kind to the strengths' error.
         situation : ndarray of int, shape (kinds,)
-            What each kind is an answer to, from 0: answers to one thing weigh alike.
+            The situation of each kind of answer, from 0; answers in one situation have equal
+            weight.
         kind, participants, segments : ndarray of int, shape (N,)
-            Each answer's kind, who gave it, and which segment it is about; from 0.
+            The kind, the participant and the segment of each answer, from 0.
         """
         clusterings = [participants, participants * (int(segments.max()) + 1) + segments]
         if not np.ptp(participants):
@@ -114,16 +115,16 @@ class TwoWayErrors:
 def _variances(
     influences: Floats, squares: Floats, counts: Sequence[sparse.csr_array], answers: Codes
 ) -> ClusteredVariance:
-    """Return the variances of several estimates; 0 and NaN of an estimate without influences.
+    """Return the variances of several estimates; without influences, 0 with NaN degrees.
 
     Parameters
     ----------
     influences, squares : ndarray, shape (kinds, estimates)
         Influence of an answer of each kind, and its mean square in its situation.
     counts : sequence of sparse array, shape (groups, kinds)
-        How many answers of each kind each participant, segment and cell gave.
+        Number of answers of each kind by participant, by segment and by cell.
     answers : ndarray of int, shape (kinds,)
-        How many there are in all.
+        Number of answers of each kind.
     """
     independent = answers @ squares
     total = np.where(independent > 0, independent, math.nan)
@@ -139,8 +140,8 @@ def _variances(
 
 
 def count_kinds(kind: Codes, groups: Codes, kinds: int) -> sparse.csr_array:
-    """Return how many answers of each kind each group gave, shape (groups that occur, kinds)."""
-    # Tabulated first, so that a million answers are sorted once.
+    """Return the number of answers of each kind by group, shape (groups that occur, kinds)."""
+    # Counted first, so that a million answers are sorted only once.
     cells, counts = np.unique(groups * kinds + kind, return_counts=True)
     names, group = np.unique(cells // kinds, return_inverse=True)
     votes = counts.astype(np.float64)
@@ -153,12 +154,12 @@ def _matrix(influences: Floats, counts: sparse.csr_array) -> Floats:
 
 
 def standard_errors(covariance: Floats) -> Floats:
-    """Return standard errors from a covariance whose variances may be negative by rounding."""
+    """Return standard errors; variances that rounding made negative count as zero."""
     return np.asarray(np.sqrt(np.maximum(np.diagonal(covariance), 0.0)), np.float64)
 
 
 def difference_tests(strengths: Floats, errors: TwoWayErrors) -> Floats:
-    """Return the two-sided p of every two strengths being equal, shape (K, K)."""
+    """Return the two-sided p for each pair of strengths being equal, shape (K, K)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         t = np.abs(strengths[:, None] - strengths) / errors.differences
     return np.asarray(2 * stats.t(errors.difference_freedoms).sf(t), np.float64)
@@ -167,9 +168,9 @@ def difference_tests(strengths: Floats, errors: TwoWayErrors) -> Floats:
 def omnibus(strengths: Floats, errors: TwoWayErrors) -> FTest:
     """Test whether all strengths are equal, by a Wald test of their two-way covariance.
 
-    Hotelling's T² takes the place of chi-square (Pustejovsky & Tipton 2018): with few participants
-    or segments the covariance is not well known. Where the two-way matrix is smaller than a
-    one-way one in some direction, the one-way one takes its place there.
+    Hotelling's T² replaces chi-square (Pustejovsky & Tipton 2018), because few participants or
+    segments determine the covariance only imprecisely. In directions in which the two-way matrix is
+    smaller than a one-way one, the one-way one replaces it.
     """
     count = len(strengths)
     contrasts = np.eye(count)[1:] - np.eye(count)[0]
@@ -183,7 +184,7 @@ def omnibus(strengths: Floats, errors: TwoWayErrors) -> FTest:
     if not df_rest > 0:
         return FTest(
             reason=f"{freedom + 1:.3g} participants or segments, counted by their weight, are too "
-            f"few for one test of {count} conditions"
+            f"few for a joint test of {count} conditions"
         )
     statistic = min(
         _wald(differences, by_participant + _positive_part(by_segment - by_cell, by_cell)),
@@ -200,24 +201,23 @@ def omnibus(strengths: Floats, errors: TwoWayErrors) -> FTest:
 
 
 def rank_intervals(strengths: Floats, p_values: Floats) -> tuple[tuple[int, int], ...]:
-    """Return for each condition the best and the worst rank that it may have.
+    """Return the best and the worst rank that each condition may have.
 
-    Its best rank is one below the number of conditions that are significantly better. The tests of
-    every two conditions are corrected by Bonferroni's method, so that all intervals contain the
-    true ranks together with at least the probability `LEVEL` (Mogstad, Romano, Shaikh & Wilhelm
-    2024).
+    The best rank is one plus the number of conditions that are significantly better. The tests of
+    all pairs are corrected by Bonferroni's method, so that all intervals together contain the true
+    ranks with a probability of at least `LEVEL` (Mogstad, Romano, Shaikh & Wilhelm 2024).
 
     Parameters
     ----------
     strengths : ndarray, shape (K,)
         Estimates.
     p_values : ndarray, shape (K, K)
-        p-value of the difference of every two of them; see `difference_tests`.
+        p-value of the difference of each pair; see `difference_tests`.
 
     Returns
     -------
     tuple of (int, int)
-        Ranks from 1, the best; (1, K) where a strength is unknown.
+        Ranks from 1, the best; (1, K) for all if any strength is unknown.
     """
     count = len(strengths)
     if count < 2 or not np.isfinite(strengths).all():
@@ -237,7 +237,7 @@ def _wald(differences: Floats, covariance: Floats) -> float:
 
 
 def _positive_part(matrix: Floats, scale: Floats) -> Floats:
-    """Return `matrix` without the directions in which it is negative, measured by `scale`."""
+    """Return `matrix` without the directions in which it is negative, relative to `scale`."""
     root = np.linalg.cholesky(scale + 1e-12 * np.trace(scale) * np.eye(len(scale)))
     inverse = np.linalg.inv(root)
     values, axes = np.linalg.eigh(inverse @ matrix @ inverse.T)
@@ -245,7 +245,7 @@ def _positive_part(matrix: Floats, scale: Floats) -> Floats:
 
 
 def _inflation(errors: TwoWayErrors) -> float:
-    """Return by how much very unequal participants enlarge the variance of a difference at most."""
+    """Return the largest factor by which unequal participants enlarge a difference's variance."""
     two_way = errors.by_participant + errors.by_segment - errors.by_cell
     plain = np.maximum.reduce(
         [

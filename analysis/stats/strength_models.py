@@ -1,9 +1,9 @@
-"""Models of strengths: Bradley and Terry's of pairs, Plackett and Luce's of rankings.
+"""Models of strengths: Bradley and Terry's for pairs, Plackett and Luce's for rankings.
 
-In rankings, whole or partial, the best of the conditions still to be placed is chosen again and
-again, each with a probability proportional to its worth. A tie is the choice of a set, whose
-weight is the geometric mean of its members' worths times a parameter for ties of that size (Turner,
-van Etten, Firth & Kosmidis 2020).
+A ranking, complete or partial, repeatedly chooses the best of the remaining conditions, with
+probabilities proportional to their worths. A tie is the choice of a set, whose weight is the
+geometric mean of its members' worths times a parameter for ties of that size (Turner, van Etten,
+Firth & Kosmidis 2020).
 """
 
 from __future__ import annotations
@@ -44,13 +44,11 @@ class Votes:
     conditions : tuple of str
         Names of all conditions.
     left, right : ndarray of int, shape (N,)
-        Which conditions were shown on the left and on the right; never the same.
+        The conditions shown on the left and on the right, which differ.
     outcome : ndarray of int, shape (N,)
-        1 where the left one was preferred, 0 for a tie, -1 where the right one was.
-    participant : ndarray of int, shape (N,)
-        Who answered, from 0.
-    segment : ndarray of int, shape (N,)
-        Which segment it is about, from 0.
+        1 if the left one was preferred, 0 for a tie, -1 if the right one was.
+    participant, segment : ndarray of int, shape (N,)
+        The participant and the segment of each answer, from 0.
     """
 
     conditions: tuple[str, ...]
@@ -62,19 +60,19 @@ class Votes:
 
     @cached_property
     def pair(self) -> Codes:
-        """Which two conditions each answer is about: left * conditions + right."""
+        """The ordered pair of each answer, as left * conditions + right."""
         return self.left * len(self.conditions) + self.right
 
     @cached_property
     def table(self) -> Floats:
-        """How often left won, nobody did and right won, shape (left, right, 3)."""
+        """Numbers of wins of the left, ties, and wins of the right, shape (left, right, 3)."""
         count = len(self.conditions)
         counts = np.bincount(3 * self.pair + 1 - self.outcome, minlength=3 * count**2)
         return np.asarray(counts, np.float64).reshape(count, count, 3)
 
     @property
     def beats(self) -> Floats:
-        """How often each condition was preferred to each other one; ties count for both."""
+        """How often each condition was preferred to each other condition; ties count for both."""
         left, tie, right = np.moveaxis(self.table, 2, 0)
         return np.asarray(left + tie + (right + tie).T)
 
@@ -86,11 +84,11 @@ class BradleyTerry(FittedStrengths):
     Attributes
     ----------
     tie, tie_error : float
-        Davidson's log nu, which says how likely ties are among equals, and its clustered standard
-        error; NaN where nobody answered with a tie.
+        Davidson's log nu, which determines how likely ties are between equals, and its clustered
+        standard error; NaN if there are no ties.
     left, left_error : float
-        The left side's advantage in logits, and its clustered standard error; NaN where the model
-        has none.
+        The left side's advantage in logits, and its clustered standard error; NaN if the model has
+        none.
     """
 
     tie: float = math.nan
@@ -109,7 +107,7 @@ def bradley_terry(votes: Votes, *, left_effect: bool = True) -> BradleyTerry:
     Parameters
     ----------
     votes : Votes
-        Who preferred what to what.
+        The preferences.
     left_effect : bool
         Whether the left side may have an advantage.
     """
@@ -126,7 +124,7 @@ def bradley_terry(votes: Votes, *, left_effect: bool = True) -> BradleyTerry:
         return replace(unknown, reason=reason)
     if linked.unlinked:
         return replace(unknown, reason=linked.unlinked)
-    # Without any tie their frequency has no estimate; the model without it is the same.
+    # Without ties their frequency has no estimate, and the model omits it.
     has_ties = bool(votes.table[..., 1].any())
     alternatives = 2 + has_ties
     occurs = votes.table.any(axis=2).ravel()
@@ -180,7 +178,7 @@ def _alternatives(first: int, second: int, count: int, has_ties: bool, left_effe
 
 
 Stage = tuple[frozenset[int], frozenset[int]]
-"""The conditions still to be placed, and those placed next."""
+"""The remaining conditions, and those placed next."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -202,11 +200,10 @@ def plackett_luce(rankings: pd.DataFrame, conditions: Sequence[str]) -> Plackett
     Parameters
     ----------
     rankings : DataFrame
-        Columns `ranking` (names one ranking), `participant`, `segment`, `condition` and `rank`
-        (1 is best, equal numbers are a tie). A ranking may leave conditions out, and places none
-        twice.
+        Columns `ranking` (identifies a ranking), `participant`, `segment`, `condition` and `rank`
+        (1 is best, equal numbers are a tie). A ranking may omit conditions, and places none twice.
     conditions : sequence of str
-        All of them, in order.
+        All conditions, in order.
 
     """
     names = tuple(conditions)
@@ -252,7 +249,7 @@ def plackett_luce(rankings: pd.DataFrame, conditions: Sequence[str]) -> Plackett
 
 
 def _stages(rankings: pd.DataFrame, names: Sequence[str]) -> tuple[list[Stage], NDArray[np.intp]]:
-    """Return every choice of the next best, and a row of the ranking that it belongs to."""
+    """Return every choice of the next best, and a row of its ranking."""
     number = {name: place for place, name in enumerate(names)}
     levels_of: dict[object, dict[float, set[int]]] = {}
     row_of: dict[object, int] = {}
@@ -274,7 +271,7 @@ def _stages(rankings: pd.DataFrame, names: Sequence[str]) -> tuple[list[Stage], 
 
 
 def _wins(stages: Sequence[Stage], count: int) -> Floats:
-    """Return how often the row's condition was placed before or beside the column's."""
+    """Return how often the row's condition was placed ahead of or tied with the column's."""
     wins = np.zeros((count, count))
     for (remaining, level), times in Counter(stages).items():
         for better in level:
@@ -293,14 +290,14 @@ def _choosable(remaining: frozenset[int], sizes: Sequence[int]) -> list[frozense
 
 
 def _features(chosen: frozenset[int], count: int, sizes: Sequence[int]) -> Floats:
-    """Return the mean of the members' log worths, and which parameter of ties it has."""
+    """Return the weights of the members' log worths, and an indicator of the size of the tie."""
     members = np.eye(count)[sorted(chosen)].mean(axis=0)[1:]
     return np.concatenate([members, [float(len(chosen) == size) for size in sizes]])
 
 
 PSEUDO_VOTES: Final = 0.01
-"""Votes for each side that every compared pair is given, so that strengths stay finite where one
-side won always."""
+"""Votes added for each side of every compared pair, so that strengths stay finite if one side
+always won."""
 
 _STEPS: Final = 100
 
@@ -310,19 +307,17 @@ _CLOSE: Final = 1e-9
 
 
 def fit_strengths_of_tables(wins: Floats) -> Floats:
-    """Fit a Bradley-Terry model, ties counting one half, to each of many tables of wins.
+    """Fit a Bradley-Terry model, with ties as half wins, to each of many tables of wins.
 
     Parameters
     ----------
     wins : ndarray, shape (B, k, k)
-        How often the condition of the row was preferred to that of the column, with half of the
-        ties.
+        How often the row's condition was preferred to the column's, plus half of the ties.
 
     Returns
     -------
     ndarray, shape (B, k)
-        Log strengths that add up to zero; NaN where the compared pairs do not connect all
-        conditions, so that some cannot be compared with others.
+        Log strengths that sum to zero; NaN if the compared pairs do not connect all conditions.
     """
     count = wins.shape[-1]
     compared = (wins + wins.swapaxes(1, 2)) > 0
@@ -330,7 +325,7 @@ def fit_strengths_of_tables(wins: Floats) -> Floats:
     won = wins[usable] + PSEUDO_VOTES * compared[usable]
     votes = won + won.swapaxes(1, 2)
     strengths = np.zeros((len(won), count))
-    # Adding a constant to all strengths changes nothing: this fixes their mean.
+    # A constant added to all strengths changes nothing: this fixes their mean.
     fixed = np.full((count, count), 1 / count)
     for _ in range(_STEPS):
         chance = 1 / (1 + np.exp(strengths[:, None, :] - strengths[:, :, None]))
@@ -350,7 +345,7 @@ def fit_strengths_of_tables(wins: Floats) -> Floats:
 
 
 def _connected(compared: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which of the graphs, shape (B, k, k), are in one piece."""
+    """Return which of the graphs, shape (B, k, k), are connected."""
     count = compared.shape[-1]
     reached = compared | np.eye(count, dtype=bool)
     for _ in range(max(1, count - 1).bit_length()):

@@ -1,9 +1,8 @@
-"""Strengths of conditions from choices: a conditional logit model, and what comparisons identify.
+"""Strengths of conditions from choices: a conditional logit model, and its identification.
 
-In every situation there are a few alternatives; alternative a is chosen with a probability
-proportional to exp(features of a · parameters). Davidson's Bradley-Terry model and the
-Plackett-Luce model are of this kind. Answers are counted first, so that a million of them cost
-what their kinds cost.
+Every situation has a few alternatives; alternative a is chosen with a probability proportional to
+exp(features of a · parameters). Davidson's Bradley-Terry model and the Plackett-Luce model are of
+this kind. Answers are counted first, so the cost depends on their kinds, not on their number.
 """
 
 from __future__ import annotations
@@ -32,23 +31,23 @@ Codes = NDArray[np.intp]
 
 STEPS: Final = 100
 FLAT: Final = 1e-10
-"""Largest parameter change after which the maximum counts as found."""
+"""Largest parameter change after which the maximum counts as reached."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Choices:
-    """Who chose which alternative; those of all situations are numbered through.
+    """Choices between alternatives, which are numbered consecutively over all situations.
 
     Attributes
     ----------
     features : ndarray, shape (alternatives, parameters)
-        What makes each alternative likely.
+        Features of each alternative.
     sizes : sequence of int
         Number of alternatives of each situation.
     chosen : ndarray of int, shape (N,)
-        The alternative that was chosen.
+        The chosen alternatives.
     participant, segment : ndarray of int, shape (N,)
-        Who chose, and about which segment; from 0.
+        The participant and the segment of each choice, from 0.
     """
 
     features: Floats
@@ -64,7 +63,7 @@ class Choices:
 
     @cached_property
     def starts(self) -> Codes:
-        """Place of each situation's first alternative."""
+        """Index of each situation's first alternative."""
         return np.cumsum([0, *self.sizes[:-1]])
 
     @cached_property
@@ -83,7 +82,7 @@ class Choices:
         return np.asarray(worths - np.log(self.totals(np.exp(worths)))[self.situation_of])
 
     def mean_features(self, shares: Floats) -> Floats:
-        """Return each situation's mean of the features, weighted with `shares`."""
+        """Return each situation's mean of the features, weighted by `shares`."""
         return self.totals(shares[:, None] * self.features)
 
 
@@ -98,14 +97,13 @@ class ChoiceFit:
     by_model : ndarray, shape (parameters, parameters)
         Covariance if the model were true and all choices independent (inverse Hessian).
     clustered : ndarray
-        Covariance that lets the choices of one participant depend on one another (sandwich, CR0);
-        NaN where there is one participant.
+        Covariance clustered by participant (sandwich, CR0); NaN for one participant.
     influences : ndarray, shape (alternatives, parameters)
-        What a choice of each alternative adds to the estimates' error, to first order.
+        First-order contribution of a choice of each alternative to the estimates' error.
     log_likelihood : float
         At the estimates.
     converged : bool
-        Whether the maximum was found.
+        Whether the maximum was reached.
     """
 
     estimates: Floats
@@ -117,17 +115,16 @@ class ChoiceFit:
 
 
 def fit_choices(data: Choices, prior: Floats | None = None) -> ChoiceFit:
-    """Fit the model by Newton's method; the likelihood has no other maxima.
+    """Fit the model by Newton's method; the likelihood has a single maximum.
 
     Parameters
     ----------
     data : Choices
-        The parameters must be identified by the situations, or by the prior: where some are not,
-        `converged` is False.
+        The situations or the prior must identify all parameters; otherwise `converged` is False.
     prior : ndarray, shape (comparisons, parameters), optional
-        Features of pseudo-comparisons, each won half a time and lost half a time, as the
+        Features of pseudo-comparisons, each with half a win and half a loss, like the
         pseudo-rankings of Turner, van Etten, Firth & Kosmidis (2020), so that estimates are finite
-        where nobody ever lost. The log-likelihood leaves them out.
+        for conditions that never lost. The log-likelihood excludes them.
     """
     prior = np.empty((0, data.features.shape[1])) if prior is None else prior
     parameters = np.zeros(data.features.shape[1])
@@ -189,18 +186,18 @@ def _with_errors(data: Choices, parameters: Floats, hessian: Floats, converged: 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Links:
-    """How conditions are linked by comparisons.
+    """The links between conditions by comparisons.
 
     Attributes
     ----------
     tiers : ndarray of int, shape (conditions,)
-        Conditions of one tier are linked by wins both ways. Of two tiers, one never lost to the
-        other: their difference has no finite maximum-likelihood estimate (Ford 1957).
+        Wins in both directions link the conditions of one tier. Of two tiers, one never lost to the
+        other, so their difference has no finite maximum-likelihood estimate (Ford 1957).
     unlinked : str
-        Why there is no common scale, naming the groups that were never compared with one
-        another; empty where all are linked.
+        Why there is no common scale, with the groups that were never compared with one another;
+        empty if all are linked.
     swept : str
-        Which conditions never lost to which; empty where there is one tier.
+        Which conditions never lost to which; empty if there is one tier.
     """
 
     tiers: Codes
@@ -209,7 +206,7 @@ class Links:
 
 
 def links(beats: Floats, names: Sequence[str]) -> Links:
-    """Return how conditions are linked.
+    """Return the links between conditions.
 
     Parameters
     ----------
@@ -243,32 +240,31 @@ def _named(names: Sequence[str], chosen: NDArray[np.bool_]) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class FittedStrengths:
-    """Strengths, or worths, on the log scale; they add up to zero.
+    """Strengths, or worths, on the log scale; they sum to zero.
 
     Attributes
     ----------
     conditions : tuple of str
-        In the order of everything else.
+        The conditions, in the order of all arrays.
     strengths : ndarray, shape (conditions,)
-        Log strengths; NaN where they are not identified.
+        Log strengths; NaN if they are not identified.
     covariance : ndarray, shape (conditions, conditions)
         Covariance of the strengths, clustered by participant (CR0).
     errors, errors_by_model : ndarray, shape (conditions,)
         Standard errors: clustered by participant; of the model.
     two_way : TwoWayErrors or None
-        Errors clustered by participant and segment; None where there are no strengths, or there
-        is one participant.
+        Errors clustered by participant and segment; None without strengths, or for one participant.
     log_likelihood : float
         At the estimates.
     n, participants : int
-        Answers, or rankings, and who gave them.
+        Numbers of answers (or rankings) and of participants.
     tiers : ndarray of int, shape (conditions,)
-        See `Links`; of one tier unless `swept` says who never lost, where the fit is penalised.
+        See `Links`; all in one tier unless `swept` says who never lost; then the fit is penalised.
     swept : str
-        Which conditions never lost to which; empty where every one did.
+        Which conditions never lost to which; empty if each one lost.
     reason : str
-        Why there are no strengths, so that every number is NaN; empty where there are. `remark`
-        says why they have no errors.
+        Why there are no strengths, and every number is NaN; empty if there are. `remark` explains
+        missing errors.
     """
 
     conditions: tuple[str, ...]
@@ -286,12 +282,12 @@ class FittedStrengths:
 
     @property
     def remark(self) -> str:
-        """Why clustered errors are NaN although there are strengths; empty where they are not."""
+        """Why clustered errors are NaN although there are strengths; empty otherwise."""
         return "one participant" if self.participants < 2 and not self.reason else ""
 
 
 def centring(count: int) -> Floats:
-    """Return the matrix from strengths relative to the first to ones that add up to zero."""
+    """Return the matrix that maps strengths relative to the first to strengths that sum to zero."""
     return np.asarray(np.eye(count)[:, 1:] - 1 / count)
 
 
@@ -321,7 +317,7 @@ def strength_fields(linked: Links, data: Choices, fit: ChoiceFit) -> dict[str, A
 
 
 def unknown_strengths(count: int) -> dict[str, Any]:
-    """Return the fields of `FittedStrengths` of `count` conditions that have no strengths."""
+    """Return the fields of `FittedStrengths` for `count` conditions without strengths."""
     missing = np.full(count, math.nan)
     errors = dict.fromkeys(("strengths", "errors", "errors_by_model"), missing)
     return errors | {

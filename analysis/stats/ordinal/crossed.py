@@ -1,8 +1,7 @@
-"""The information matrix of crossed random effects, factorised without ever being written down.
+"""The information matrix of crossed random effects, factorised without being written out.
 
-Each random effect of one term belongs to one group, so that a term's block is diagonal. The
-largest term is eliminated; what remains (its Schur complement) is as wide as the other terms
-together.
+Each random effect of a term belongs to one group, so a term's block is diagonal. The largest term
+is eliminated; the remainder (its Schur complement) is as wide as the other terms together.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ Codes = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Layout:
-    """Which group of which term each answer belongs to; the largest term stands first.
+    """The group of each answer in each term, with the largest term first.
 
     Attributes
     ----------
@@ -37,7 +36,7 @@ class Layout:
 
     @cached_property
     def offsets(self) -> tuple[int, ...]:
-        """Where the effects of each later term begin in the remaining block."""
+        """Index of the first effect of each later term in the remaining block."""
         return tuple(int(sum(self.sizes[1:term])) for term in range(1, len(self.sizes)))
 
     @property
@@ -52,7 +51,7 @@ class Layout:
 
     @cached_property
     def across_cells(self) -> tuple[Codes, ...]:
-        """For each later term, every answer's place in the flat block across (see Information)."""
+        """For each later term, each answer's index in the flattened `Information.across`."""
         return tuple(
             self.groups[0] * self.width + start + codes
             for start, codes in zip(self.offsets, self.groups[1:], strict=True)
@@ -60,7 +59,7 @@ class Layout:
 
     @cached_property
     def rest_cells(self) -> dict[tuple[int, int], Codes]:
-        """For each two later terms, every answer's place in the flat remaining block."""
+        """For each pair of later terms, each answer's index in the flattened remaining block."""
         codes = [
             start + term_codes
             for start, term_codes in zip(self.offsets, self.groups[1:], strict=True)
@@ -80,7 +79,7 @@ class Layout:
         return per_answer
 
     def gather(self, per_answer: Sequence[Floats]) -> Floats:
-        """Return the sums over each group of each term; the transpose of `spread`."""
+        """Return the sums over each group of each term: the transpose of `spread`."""
         return np.concatenate(
             [
                 np.bincount(codes, weights=values, minlength=size)
@@ -96,13 +95,13 @@ class Information:
     Attributes
     ----------
     layout : Layout
-        Which answers belong together.
+        The groups of the answers.
     first : ndarray, shape (size of the first term,)
         The first term's diagonal block.
     across : ndarray, shape (size of the first term, width)
-        Between the first and the other terms.
+        The block between the first and the other terms.
     factor : tuple
-        Cholesky factor of the Schur complement, as scipy's `cho_factor` gives it.
+        Cholesky factor of the Schur complement, from scipy's `cho_factor`.
     """
 
     layout: Layout
@@ -117,7 +116,7 @@ class Information:
         Parameters
         ----------
         multipliers : sequence of ndarray, shape (N,)
-            For each term, what an answer's random effect is multiplied with.
+            For each term, the multiplier of each answer's random effect.
         weights : ndarray, shape (N,)
             Minus the second derivative of each answer's log-likelihood.
         """
@@ -151,10 +150,10 @@ class Information:
         return np.concatenate([(head - self.across @ tail_solution) / first, tail_solution])
 
     def directions(self, multipliers: Sequence[Floats]) -> list[Floats]:
-        """Return, for each term, the entry of C m that belongs to each answer's group.
+        """Return, for each term, the entry of C m for each answer's group.
 
-        C is the inverse and m an answer's row of the design, so that the sum over the terms of
-        multiplier times entry is that answer's variance m' C m.
+        C is the inverse and m an answer's row of the design, so the sum over terms of multiplier
+        times entry is that answer's variance m' C m.
         """
         inverse = _inverse(self.factor)
         scaled = self.across / self.first[:, None]
@@ -186,5 +185,5 @@ def _inverse(factor: tuple[Floats, bool]) -> Floats:
 
 
 def _sums(cells: Codes, values: Floats, count: int) -> Floats:
-    """Return the sums of `values` by place."""
+    """Return the sums of `values` by cell."""
     return np.asarray(np.bincount(cells, weights=values, minlength=count), np.float64)

@@ -3,11 +3,11 @@
 An answer falls into category k where a latent value eta + noise lies between thresholds k - 1 and
 k; eta is the sum of the fixed effects and of one random effect for each grouping. The random
 effects are integrated out around their mode (Tierney & Kadane 1986; the approximation of R's
-`ordinal::clmm`). The gradient is exact: it follows the mode by the implicit function theorem.
+`ordinal::clmm`). The gradient is exact: it tracks the mode by the implicit function theorem.
 
-An answer's interval lies between two ends; eta moves both down by as much as it grows. Where noise
-is logistic, the probability is F(upper) F(-lower) (1 - exp(lower - upper)): a product of three
-factors of which each depends on one thing, so that its derivatives are short.
+An answer's interval lies between two ends, from both of which eta is subtracted. With logistic
+noise, its probability is F(upper) F(-lower) (1 - exp(lower - upper)): a product of three factors,
+each with short derivatives.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ Floats = NDArray[np.float64]
 Changes = tuple[Floats, Floats, Floats]
 
 SMALLEST: Final = 1e-300
-"""Smaller probabilities are raised to it, so that their logarithm exists."""
+"""Smaller probabilities are raised to this, so that their logarithm exists."""
 
 NARROWEST: Final = 1e-100
-"""Smaller gaps between neighbouring thresholds are raised to it, so that their inverse exists."""
+"""Smaller gaps between neighbouring thresholds are raised to this, to have an inverse."""
 
 STEEPEST: Final = 690.0
-"""Larger ends are cut to it, so that their exponential is finite."""
+"""Larger ends are cut to this, so that their exponential is finite."""
 
 
 class Interval:
@@ -42,7 +42,7 @@ class Interval:
     Parameters
     ----------
     lower, upper : ndarray, shape (N,)
-        Ends; the lowest and the highest may be infinite, `lower` is below `upper`.
+        Ends of the intervals; they may be infinite, and `lower` is below `upper`.
     """
 
     def __init__(self, lower: Floats, upper: Floats) -> None:
@@ -57,7 +57,7 @@ class Interval:
 
     @cached_property
     def _not_below(self) -> Floats:
-        # Not 1 - F, which loses its digits in the tails.
+        # Not 1 - F, which loses precision in the tails.
         return self._odds_above * self._below
 
     @cached_property
@@ -84,7 +84,7 @@ class Interval:
 
     @cached_property
     def weights(self) -> Floats:
-        """Minus its second derivative; never negative, as the link is log-concave."""
+        """Minus the second derivative of log p by eta; never negative: the link is log-concave."""
         return self._upper_density + self._lower_density
 
     @cached_property
@@ -107,7 +107,7 @@ class Interval:
 
     @property
     def by_lower(self) -> Changes:
-        """The same by the lower end."""
+        """Derivatives of log p, of `slope` and of `weights` by the lower end."""
         return -self._not_above - self._nearness, self._lower_density, -self._lower_bend
 
     @cached_property
@@ -117,7 +117,7 @@ class Interval:
 
 
 def _odds(logit: Floats) -> tuple[Floats, Floats]:
-    """Return the odds of log odds `logit`, and one over one plus them."""
+    """Return the odds of log odds `logit`, and 1 / (1 + odds)."""
     odds = np.minimum(logit, STEEPEST)
     np.exp(odds, out=odds)
     share = odds + 1
@@ -126,10 +126,10 @@ def _odds(logit: Floats) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True)
 class Thresholds:
-    """How a vector of free parameters makes ordered thresholds.
+    """Ordered thresholds from a vector of free parameters.
 
-    The thresholds are a location and the gaps above it; gaps enter by their logarithm, so that
-    no parameter breaks the order.
+    The parameters are a location and the logarithms of the gaps above it, so no parameter breaks
+    the order.
 
     Attributes
     ----------
@@ -141,7 +141,7 @@ class Thresholds:
 
     @property
     def count(self) -> int:
-        """Number of free parameters, which is that of the thresholds."""
+        """Number of free parameters, which equals that of the thresholds."""
         return self.categories - 1
 
     def values(self, parameters: Floats) -> Floats:
@@ -154,7 +154,7 @@ class Thresholds:
         return np.asarray(np.tril(np.ones((self.count, self.count))) * by_location_and_gaps)
 
     def start(self, counts: NDArray[np.int64]) -> Floats:
-        """Return parameters that fit the answers' `counts` where nothing else has an effect."""
+        """Return parameters that fit the answers' `counts` if nothing else has an effect."""
         total = counts.sum()
         cumulated = (np.cumsum(counts)[:-1] + 0.5) / (total + 1)
         thresholds = logit(cumulated)
@@ -162,14 +162,14 @@ class Thresholds:
 
 
 STEPS: Final = 100
-"""Steps to the mode of the random effects; five are usual."""
+"""Most steps to the mode of the random effects; five are usual."""
 
 TOLERANCE: Final = 1e-8
-"""Error of a standardised random effect with which its mode counts as found: the length of the
-last step, times how much shorter it was than the one before."""
+"""Error of a standardised random effect at which its mode counts as reached: the length of the last
+step, times its ratio to the one before."""
 
 SLOW: Final = 0.1
-"""A step longer than this share of the last one calls for the second derivatives where it led."""
+"""After a step longer than this share of the last one, second derivatives are computed anew."""
 
 
 @dataclass(frozen=True)
@@ -181,13 +181,13 @@ class Answers:
     codes : ndarray of int, shape (N,)
         The answer's category, from 0.
     thresholds : Thresholds
-        How many categories there are, and how their thresholds are made.
+        The number of categories, and the parametrisation of their thresholds.
     fixed : ndarray, shape (N, k)
-        Covariates; without an intercept, for which the thresholds stand.
+        Covariates, without an intercept, which the thresholds replace.
     layout : Layout
         Groups of the random effects, the largest grouping first.
     multipliers : tuple of ndarray, shape (N,)
-        For each grouping, what an answer's random effect is multiplied with.
+        For each grouping, the multiplier of each answer's random effect.
     """
 
     codes: NDArray[np.intp]
@@ -203,7 +203,7 @@ class Answers:
 
     @property
     def count(self) -> int:
-        """Number of parameters: thresholds', fixed effects and standard deviations."""
+        """Number of parameters: of the thresholds, fixed effects and standard deviations."""
         return self.thresholds.count + int(self.fixed.shape[1]) + self.terms
 
     def split(self, parameters: Floats) -> tuple[Floats, Floats, Floats]:
@@ -225,7 +225,7 @@ class Likelihood:
     modes : ndarray, shape (random effects,)
         Standardised modes of the random effects.
     settled : bool
-        Whether the modes were found.
+        Whether the modes were reached.
     information : Information
         Information of the random effects at their modes.
     """
@@ -243,9 +243,9 @@ def likelihood(answers: Answers, parameters: Floats, start: Likelihood | None = 
     Parameters
     ----------
     answers : Answers
-        What was answered.
+        The answers.
     parameters : ndarray, shape (answers.count,)
-        See `Answers.split`; the sign of a standard deviation has no meaning.
+        See `Answers.split`; the sign of a standard deviation is irrelevant.
     start : Likelihood, optional
         The likelihood at nearby parameters, where the search for the modes begins.
     """
@@ -270,10 +270,10 @@ def _at(answers: Answers, parameters: Floats, random: Floats) -> Interval:
 def _mode(
     answers: Answers, parameters: Floats, scaled: Sequence[Floats], start: Likelihood | None
 ) -> tuple[Floats, Interval, bool]:
-    """Climb to the mode of the random effects by Newton's method; halve a step that leads down.
+    """Find the mode of the random effects by Newton's method; halve a step that leads down.
 
-    The second derivatives cost more than a step, and change little from one to the next: they
-    are computed anew only where a step shows that they do not lead straight to the mode.
+    The second derivatives cost more than a step and change little between steps, so they are
+    computed anew only if a step shows slow convergence.
     """
     layout = answers.layout
 
@@ -320,7 +320,7 @@ def _gradient(
         information.solve(layout.gather([m * leverage * point.weight_slope for m in scaled]))
     )
     pulled = _summed(scaled, pull)
-    # What a change of an answer's eta does, directly and through the modes.
+    # The effect of a change in an answer's eta, directly and through the modes.
     by_eta = point.slope - 0.5 * (leverage * point.weight_slope - point.weights * pulled)
     by_deviation = [
         np.sum(multiplier * (u * by_eta - point.weights * direction - 0.5 * v * point.slope))

@@ -17,22 +17,22 @@ Floats = NDArray[np.float64]
 
 ITERATIONS: Final = 500
 ROUGH: Final = 0.02
-"""How near the quasi-Newton climb comes to the maximum, in standard errors, roughly."""
+"""Approximate distance from the maximum, in standard errors, where the quasi-Newton climb ends."""
 
 FINE: Final = 0.005
-"""The same where no Newton steps follow."""
+"""The same if no Newton steps follow."""
 
 CLIMBS: Final = 4
-"""Climbs, at most: one that ends where the likelihood is not curved like a hill goes on."""
+"""Most climbs: another follows if the curvature shows that one did not reach a maximum."""
 
 FINER: Final = 30.0
-"""How many times nearer to the maximum each of them comes than the one before."""
+"""Factor by which each climb comes nearer to the maximum than the one before."""
 
 LAST_STEPS: Final = 5
-"""Newton steps after it, at most."""
+"""Most Newton steps after a climb."""
 
 FLAT: Final = 1e-4
-"""Largest Newton step, in standard errors, that is left at a maximum."""
+"""Largest Newton step, in standard errors, that remains at a maximum."""
 
 STEP: Final = 1e-4
 """Step of the central differences of a gradient, relative to parameters above 1."""
@@ -41,30 +41,30 @@ ROUNDING: Final = 1e-10
 """Relative error of a log-likelihood."""
 
 SHORT: Final = 0.05
-"""Way, in standard errors, over which neither curvature nor likelihood changes visibly."""
+"""Distance, in standard errors, over which neither curvature nor likelihood changes visibly."""
 
 BOUNDARY: Final = 0.01
 """A smaller standard deviation, in units of the noise's scale, counts as zero."""
 
 BESIDE: Final = (0.1, 0.3)
-"""Deviations that are tried where one is at its boundary."""
+"""Deviations that are tried if one is at its boundary."""
 
 LARGEST: Final = 12.0
-"""An effect or a deviation beyond it, in units of the noise's scale, has no finite estimate."""
+"""A larger effect or deviation, in units of the noise's scale, has no finite estimate."""
 
 
 def maximum(
     answers: Answers, *, curved: bool = True
 ) -> tuple[Floats, Likelihood, Floats | None, bool]:
-    """Return the best parameters, their likelihood, the curvature there and whether it is one.
+    """Return parameters, likelihood and curvature at the end, and whether it is a maximum.
 
     Parameters
     ----------
     answers : Answers
-        What was answered.
+        The answers.
     curved : bool
-        Whether the curvature is wanted. It takes longer than the climb; without it, the climb's
-        own idea of it tells whether the maximum was reached.
+        Whether to compute the curvature, which takes longer than the climb; without it, the climb's
+        approximation tells whether the maximum was reached.
     """
     counts = np.bincount(answers.codes, minlength=answers.thresholds.categories)
     thresholds = answers.thresholds.start(counts)
@@ -90,10 +90,10 @@ def maximum(
 
 
 def _off_the_boundary(climb: _Climb, at: Floats, current: Likelihood) -> Floats | None:
-    """Return parameters with a higher likelihood where a deviation wrongly fell to zero.
+    """Return parameters with a higher likelihood if a deviation wrongly fell to zero.
 
-    The gradient is zero there whatever the answers, so that a search may stop at zero although
-    the likelihood is higher nearby.
+    The gradient at zero is zero whatever the answers, so a search may stop there although the
+    likelihood is higher nearby.
     """
     bound = np.flatnonzero(~free_parameters(climb.answers, at))
     for place, size in product(bound, BESIDE):
@@ -105,7 +105,7 @@ def _off_the_boundary(climb: _Climb, at: Floats, current: Likelihood) -> Floats 
 
 
 def _climbed(climb: _Climb, start: Floats, precision: float) -> tuple[Floats, float]:
-    """Climb by a quasi-Newton method; also return its own idea of the way left, in errors."""
+    """Climb by a quasi-Newton method; also return its estimated distance left, in errors."""
     end = minimize(
         climb.descent,
         start,
@@ -118,7 +118,7 @@ def _climbed(climb: _Climb, start: Floats, precision: float) -> tuple[Floats, fl
 
 
 def _stepped(climb: _Climb, parameters: Floats) -> tuple[Floats, Likelihood, Floats, bool]:
-    """Take Newton's steps; the curvature is computed anew only after a long one."""
+    """Take Newton steps; the curvature is computed anew only after a long one."""
     for _ in range(LAST_STEPS):
         current, curvature = climb.at(parameters), climb.curvature(parameters)
         free = free_parameters(climb.answers, parameters)
@@ -141,17 +141,17 @@ def _stepped(climb: _Climb, parameters: Floats) -> tuple[Floats, Likelihood, Flo
 
 
 def _gradient_unit(answers: Answers) -> float:
-    """Return about the gradient per answer at one standard error from the maximum.
+    """Return the approximate gradient per answer at one standard error from the maximum.
 
-    An effect that differs between groups is known as well as its groups are many; others are
-    known better.
+    The precision of an effect that differs between groups depends on their number; other effects
+    are more precise.
     """
     count = len(answers.codes)
     return math.sqrt(min(answers.layout.sizes)) / count
 
 
 def free_parameters(answers: Answers, parameters: Floats) -> NDArray[np.bool_]:
-    """Tell which parameters are not at a boundary."""
+    """Return which parameters are not at a boundary."""
     _, _, deviations = answers.split(parameters)
     free = np.ones(len(parameters), bool)
     free[-answers.terms :] = np.abs(deviations) >= BOUNDARY
@@ -174,7 +174,7 @@ class _Climb:
         return current
 
     def descent(self, parameters: Floats) -> tuple[float, Floats]:
-        """Return what is minimised, per answer, and its gradient."""
+        """Return the minimised value per answer, and its gradient."""
         current = self.at(parameters)
         count = len(self.answers.codes)
         return -current.value / count, -current.gradient / count

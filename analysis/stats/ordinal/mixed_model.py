@@ -1,4 +1,4 @@
-"""The cumulative link mixed model: fitting it, and saying where it cannot be trusted."""
+"""The cumulative link mixed model: fitting it, and remarks on when not to trust it."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from motion.errors import InputError
 Floats = NDArray[np.float64]
 
 LARGE: Final = 6.0
-"""An effect beyond it that is smaller than its error, and an effect or a deviation beyond it where
-no maximum was found, has no finite estimate either."""
+"""A larger effect that is smaller than its error has no finite estimate either, nor has a larger
+effect or deviation if no maximum was reached."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,12 +35,12 @@ class RandomEffect:
     Attributes
     ----------
     name : str
-        Names it in the result.
+        Its name in the result.
     groups : ndarray, shape (N,)
         Label of each answer's group.
     multiplier : ndarray, shape (N,), or None
-        What the group's effect is multiplied with in each answer (a random slope); None for 1
-        (a random intercept).
+        Multiplier of the group's effect in each answer (a random slope); None for 1 (a random
+        intercept).
     """
 
     name: str
@@ -55,8 +55,8 @@ class OrdinalFit:
     Attributes
     ----------
     estimates, standard_errors : mapping of covariate to float
-        Fixed effects on the latent scale; the error is NaN where the model did not converge, or
-        no errors were asked for.
+        Fixed effects on the latent scale; the error is NaN if the model did not converge, or no
+        errors were requested.
     thresholds : tuple of float
         In order.
     deviations : mapping of random effect to float
@@ -64,11 +64,11 @@ class OrdinalFit:
     log_likelihood : float
         By Laplace's approximation.
     parameters : int
-        How many were estimated.
+        Number of estimated parameters.
     converged : bool
         Whether a maximum was reached.
     remark : str
-        Why the result must not be used, or what limits it; empty where nothing does.
+        Why the result must not be used, or a caution about it; empty if there is none.
     """
 
     estimates: Mapping[str, float]
@@ -81,7 +81,7 @@ class OrdinalFit:
     remark: str
 
     def wald_p(self, name: str) -> float:
-        """Return the two-sided p of the fixed effect `name` by its standard error."""
+        """Return the two-sided Wald p of the fixed effect `name`."""
         return float(2 * stats.norm.sf(abs(self.estimates[name]) / self.standard_errors[name]))
 
 
@@ -100,14 +100,14 @@ def fit(
     Parameters
     ----------
     answers : sequence of int, shape (N,)
-        Ordered categories; those that nobody chose do not count.
+        Ordered categories; unused ones are dropped.
     covariates : mapping of name to sequence, shape (N,)
-        Fixed effects, without an intercept; none follows from the others.
+        Fixed effects, without an intercept; linearly independent.
     random : sequence of RandomEffect
         Crossed random effects, at least one.
     errors : bool
-        Whether standard errors are wanted. A model that only another is compared with needs none,
-        and is fitted in half the time.
+        Whether to compute standard errors. A model used only for comparison with another needs
+        none, and is fitted in half the time.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def _data(
     covariates: Mapping[str, Sequence[float] | Floats],
     random: Sequence[RandomEffect],
 ) -> tuple[Answers, list[RandomEffect]]:
-    """Return what is fitted as numbers, and the random effects, the largest first."""
+    """Return the data as numbers, and the random effects, the largest first."""
     categories, codes = np.unique(np.asarray(answers), return_inverse=True)
     if len(categories) < 2:
         raise InputError(
@@ -194,7 +194,7 @@ def _result(
         converged=converged and not separated and not parted,
         remark=_remark(
             converged,
-            # Effects grow with the variance between groups where that is what diverges.
+            # Effects grow with the variance between groups if it is the variance that diverges.
             []
             if parted and np.abs(deviations).max() > np.abs(effects).max(initial=0.0)
             else separated,
@@ -214,8 +214,8 @@ def _remark(
         )
     if parted:
         return (
-            f"Hardly any answers differ within a {' or a '.join(parted)}, as those of small "
-            "tables may: the variance between them has no finite estimate, and the model none."
+            f"Hardly any answers differ within a {' or a '.join(parted)}, as may happen in small "
+            "tables: the variance between them, and so the model, has no finite estimate."
         )
     if not converged:
         return "The model did not converge: its estimates must not be used."

@@ -77,7 +77,7 @@ def test_clips_with_another_kind_of_face_than_the_first_are_left_out(tmp_path: P
         (
             request("emotion", "body"),
             sources(1)[:1],
-            "the usable clips (1) show one emotion, 'anger'",
+            r"the usable clips \(1\) show one emotion, 'anger'",
         ),
         (
             request("emotion", "body"),
