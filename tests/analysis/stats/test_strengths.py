@@ -237,7 +237,8 @@ def test_too_few_segments_give_no_omnibus_test() -> None:
     result = bradley_terry(few)
     assert result.two_way is not None
     assert (
-        "too few for one test of 4 conditions" in omnibus(result.strengths, result.two_way).reason
+        "too few for a joint test of 4 conditions"
+        in omnibus(result.strengths, result.two_way).reason
     )
 
 
