@@ -23,23 +23,23 @@ from tools.markdown import table
 
 HEAD: Final = f"""# What the report's numbers are worth
 
-`make bench-validity` simulates studies whose truth is known and counts how often each number of
-the report finds something where there is nothing (*false +*, nominally .05), how often its 95%
-interval contains the truth (*covered*), and how often it finds an effect of {EFFECT:g} logits
-(*power*). *None* is the share of studies in which there is no such number. ± is one Monte-Carlo
-standard error. Sizes are participants × segments; SDs are how much participants and segments
-differ in their preference, in logits.
+`make bench-validity` simulates studies with known truth. It counts how often each number of the
+report finds an effect where there is none (*false +*, nominally .05), how often its 95% interval
+contains the truth (*covered*), and how often it finds an effect of {EFFECT:g} logits (*power*).
+*None* is the share of studies without such a number. ± is one Monte-Carlo standard error. Sizes are
+participants × segments; SDs are standard deviations of the preference between participants and
+between segments, in logits.
 
-A number is a **headline** where false positives are at most {MOST_FALSE:g} and coverage is at least
-{LEAST_COVERED:g}; *within error* where it misses by less than two standard errors. Below
-{CONSERVATIVE:g} it is called conservative. Equivalence is simulated with conditions that differ by
-just the margin: there, finding them equivalent is the false positive. Of heterogeneity, the effect
-is that every second emotion is liked by so much more and every other by so much less. Ranks are
-right where those of all conditions are. *Verdicts, other processes* are what the report decides
-where answers come about otherwise than in a rehearsal: heavy-tailed tastes, a taste of each
+A number is a **headline** if false positives are at most {MOST_FALSE:g} and coverage is at least
+{LEAST_COVERED:g}; *within error* if it misses by less than two standard errors. With false
+positives below {CONSERVATIVE:g} it is called conservative. Equivalence is simulated with conditions
+that differ by exactly the margin, so finding them equivalent is the false positive. The effect of
+heterogeneity is that every second emotion is liked more by that amount, and every other one less.
+Ranks are right if those of all conditions are. *Verdicts, other processes* are the report's
+decisions if answers arise otherwise than in a rehearsal: heavy-tailed tastes, a taste of each
 participant for each item, tastes that drift, a third of all answers from one participant, or a
-leaderboard of three answers each; any difference that is found where there is none counts once. No
-study has a side bias, so that the power of the left side's share is a share of false positives too.
+leaderboard of three answers each; any difference found where there is none counts once. No study
+has a side bias, so the power of the left side's share is also a share of false positives.
 """
 
 _COLUMNS: Final = ("number", "people × segments, SDs", "false +", "covered", "power", "none")
