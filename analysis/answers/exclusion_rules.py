@@ -232,7 +232,7 @@ def failed_attention_checks(allowed: int) -> ExclusionRule:
         name="attention",
         description=f"failed {_more_than(allowed, 'attention check')}",
         judge=lambda facts: _too_many(facts.failed_attention, allowed, "attention check"),
-        missing="there are no attention checks that say what they ask for",
+        missing="no attention check states the answer that it asks for",
     )
 
 

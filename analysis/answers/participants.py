@@ -72,8 +72,8 @@ class LeftOut(Removed):
     @property
     def as_planned(self) -> pd.DataFrame:
         """Answers in main and repeated trials of those kept by the rules settled in advance."""
-        gone = self.everyone["participant"].isin(list(self.planned_exclusions))
-        return self.everyone[~gone].reset_index(drop=True)
+        excluded = self.everyone["participant"].isin(list(self.planned_exclusions))
+        return self.everyone[~excluded].reset_index(drop=True)
 
 
 def leave_out(

@@ -291,7 +291,7 @@ def _notes(
 
 
 def _oddity(answers: pd.DataFrame, analysed: Rows, layout: Layout, *, has_scale: bool) -> str:
-    """Return a note about odd values in a table; empty where there are none."""
+    """Return a note about odd values in a table; empty if there are none."""
     shown = answers[analysed]
     if layout.protocol == "rating" and not has_scale:
         scores, counts = np.unique(shown["value"].to_numpy(np.float64), return_counts=True)

@@ -270,7 +270,7 @@ def beat_alignment(
     if min(duration, speech_duration) < LEAST_OVERLAP * max(duration, speech_duration):
         reason = f"the clip lasts {duration:.2f} s and its speech {speech_duration:.2f} s"
     to_audio, sigma = settings.direction == "motion to audio", settings.sigma
-    other = "audio to motion" if to_audio else "motion to audio"
+    opposite_direction = "audio to motion" if to_audio else "motion to audio"
     pairs = [(beats, onsets) if to_audio else (onsets, beats) for beats in moving]
     score = back = chance = math.nan
     if not reason:
@@ -290,9 +290,9 @@ def beat_alignment(
         score=result("beat alignment", score),
         opposite=replace(
             result("beat alignment", back),
-            name=f"beat alignment ({settings.name}, {other})",
+            name=f"beat alignment ({settings.name}, {opposite_direction})",
             n=0 if reason else sum(len(end) for _, end in pairs),
-            settings=described | {"direction": other},
+            settings=described | {"direction": opposite_direction},
         ),
         chance=result("beat alignment by chance", chance, "unsaid"),
         motion_beats=Metric(f"motion beat rate ({settings.name})", "1/s").score(

@@ -42,13 +42,13 @@ def emotion_confusion(
     for truth, answer in zip(spoken, named, strict=True):
         if truth in index:
             counts[index[truth], index[answer]] += 1
-    there = [row for row in range(len(labels)) if counts[row].any()]
+    spoken_rows = [row for row in range(len(labels)) if counts[row].any()]
     return EmotionConfusion(
         condition=condition,
         network=network,
-        spoken=tuple(labels[number] for number in there),
+        spoken=tuple(labels[number] for number in spoken_rows),
         named=tuple(labels),
-        counts=tuple(tuple(int(count) for count in row) for row in counts[there]),
+        counts=tuple(tuple(int(count) for count in row) for row in counts[spoken_rows]),
     )
 
 

@@ -251,7 +251,7 @@ RULES: Final[dict[Rule, str]] = {
 """The rules in words."""
 
 FAILED: Final = 1e10
-"""The result of pytorch-fid's rule in place of a distance."""
+"""The value that pytorch-fid's rule gives instead of a distance if it fails."""
 
 _OFFSET: Final = 1e-6
 _IMAGINARY: Final = 1e-3

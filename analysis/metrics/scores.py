@@ -56,7 +56,7 @@ class MetricResult:
         if math.isnan(self.value) != bool(self.reason):
             raise ValueError(f"metric {self.name}: a reason belongs to NaN and to nothing else")
         if self.interval is not None and not self.interval[0] <= self.interval[1]:
-            raise ValueError(f"metric {self.name}: {self.interval} is no interval")
+            raise ValueError(f"metric {self.name}: {self.interval} is not an interval")
 
 
 @dataclass(frozen=True)
@@ -257,6 +257,6 @@ def counted(reasons: Sequence[str], clips: int) -> str:
         f"{reason} ({reasons.count(reason)} of {clips} clips)" for reason in different[:_REASONS]
     ]
     if len(different) > _REASONS:
-        rest = sum(reasons.count(reason) for reason in different[_REASONS:])
-        named.append(f"and others like that ({rest} of {clips} clips)")
+        remaining = sum(reasons.count(reason) for reason in different[_REASONS:])
+        named.append(f"and others like that ({remaining} of {clips} clips)")
     return "; ".join(named)

@@ -93,7 +93,7 @@ class Trials:
     def sides(self) -> tuple[Codes, Codes]:
         """The conditions shown on the left and on the right, for pairs."""
         if self.left is None or self.right is None:
-            raise ValueError("trials of pairs say which conditions they show")
+            raise ValueError("trials of pairs need the conditions that they show")
         return self.left, self.right
 
     def of_pair(self, a: int, b: int) -> NDArray[np.intp]:

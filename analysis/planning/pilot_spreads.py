@@ -65,7 +65,7 @@ def pilot_opinions(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Opinions
     """
     with threadpool_limits(limits=1, user_api="blas"):
         spreads = list(_spreads(table, analysed))
-    total = sum(each.answers for each in spreads)
+    total = sum(spread.answers for spread in spreads)
     if not total:
         raise InputError(
             "the pilot's answers do not show how much opinions differ",
@@ -74,10 +74,12 @@ def pilot_opinions(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Opinions
             "rehearsal.participants_differ and rehearsal.segments_differ in study.toml",
         )
     opinions = Opinions(
-        participant_sd=_pooled([(each.participant_sd, each.answers) for each in spreads]),
-        item_sd=_pooled([(each.item_sd, each.answers) for each in spreads]),
+        participant_sd=_pooled([(spread.participant_sd, spread.answers) for spread in spreads]),
+        item_sd=_pooled([(spread.item_sd, spread.answers) for spread in spreads]),
     )
-    graded = [(each.thresholds, each.answers) for each in spreads if each.thresholds is not None]
+    graded = [
+        (spread.thresholds, spread.answers) for spread in spreads if spread.thresholds is not None
+    ]
     if graded:
         thresholds, weights = zip(*graded, strict=True)
         slight, clear = np.average(thresholds, axis=0, weights=weights).tolist()

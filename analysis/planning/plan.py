@@ -41,7 +41,7 @@ class Request:
         Numbers to try; participants are counted per comparison if `per_comparison`.
     effects : tuple of float
         Differences to try, in logits.
-    own : (int, int) or None
+    current : (int, int) or None
         Participants and segments of the study as it stands; None if there is no study yet.
     per_comparison : bool
         Whether each comparison has separate participants.
@@ -69,7 +69,7 @@ class Request:
     participants: tuple[int, ...]
     items: tuple[int, ...]
     effects: tuple[float, ...]
-    own: tuple[int, int] | None
+    current: tuple[int, int] | None
     per_comparison: bool
     opinions: Opinions
     source: str
@@ -164,8 +164,8 @@ def plan(request: Request, runner: Runner) -> Plan:
     tasks = limit_effort(requested, request.minutes)
     cells = runner.cells(tasks)
     smallest: tuple[Smallest, ...] = ()
-    if request.own is not None:
-        own_size = request.own
+    if request.current is not None:
+        own_size = request.current
         size = sizes.get(own_size) or request.size(*own_size)
         # The search spends at most as much effort as any cell.
         effort = min((task.effort for task in tasks), key=lambda effort: effort.quick)

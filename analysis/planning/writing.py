@@ -52,8 +52,8 @@ def plan_document(plan: Plan) -> dict[str, Any]:
         "title": request.title,
         "protocol": request.protocol,
         "as_it_stands": None
-        if request.own is None
-        else {"participants": request.own[0], "segments": request.own[1]},
+        if request.current is None
+        else {"participants": request.current[0], "segments": request.current[1]},
         "per_comparison": request.per_comparison,
         "assumed": {
             **asdict(request.opinions),
@@ -109,7 +109,7 @@ def power_lines(plan: Plan) -> Iterator[str]:
                 powers = [plan.power(number, participants, items, effect) for effect in effects]
                 columns = ["-" if power.reason else with_error(power) for power in powers]
                 size = f"{participants} x {items}"
-                mark = " (as it stands)" if plan.request.own == (participants, items) else ""
+                mark = " (as it stands)" if plan.request.current == (participants, items) else ""
                 yield (size + mark).ljust(_WIDE) + "".join(f"{column:>14}" for column in columns)
 
 
@@ -128,12 +128,12 @@ def power_figure(plan: Plan) -> Figure:
         for number, part in enumerate(plan.parts)
         for effect in plan.request.effects
     }
-    each = " in each comparison" if plan.request.per_comparison else ""
+    per_comparison = " in each comparison" if plan.request.per_comparison else ""
 
     def draw(panel: Panel, title: str) -> Hints:
         (axes,) = panel.axes
         _panel(axes, plan, *panels[title])
-        axes.set_xlabel(f"participants{each}", fontsize=7.5)
+        axes.set_xlabel(f"participants{per_comparison}", fontsize=7.5)
         if panel.is_first:
             axes.set_ylabel("How often a true difference\nis found (± 2 errors)", fontsize=8)
         axes.tick_params(labelleft=panel.is_first, left=panel.is_first)
@@ -158,10 +158,10 @@ def power_figure(plan: Plan) -> Figure:
 
 def _own_size(plan: Plan) -> tuple[int, int] | None:
     """Return participants and segments of the study as it stands, if that size is drawn."""
-    request, own = plan.request, plan.request.own
-    if own is None or own[0] not in request.participants or own[1] not in request.items:
+    request, current = plan.request, plan.request.current
+    if current is None or current[0] not in request.participants or current[1] not in request.items:
         return None
-    return own
+    return current
 
 
 def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
@@ -263,8 +263,8 @@ def with_error(power: Power) -> str:
 
 def _of_part(plan: Plan, number: int, part: str) -> tuple[str, ...]:
     request, cells = plan.request, [(cell, cell.powers[number]) for cell in plan.cells]
-    as_it_stands = [(cell, power) for cell, power in cells if cell.size.numbers == request.own]
-    each = " per comparison" if request.per_comparison else ""
+    as_it_stands = [(cell, power) for cell, power in cells if cell.size.numbers == request.current]
+    per_comparison = " per comparison" if request.per_comparison else ""
     untested: dict[str, dict[str, None]] = {}
     for cell, power in cells:
         if power.reason:
@@ -274,7 +274,7 @@ def _of_part(plan: Plan, number: int, part: str) -> tuple[str, ...]:
     return paragraphs(
         "plan.part",
         request=request,
-        people=lambda number: f"{count(number, 'participant')}{each}",
+        people=lambda number: f"{count(number, 'participant')}{per_comparison}",
         with_error=with_error,
         wanted=f"{TARGET_POWER:g}".removeprefix("0"),
         own=as_it_stands[0][0] if as_it_stands else None,
@@ -350,7 +350,7 @@ def _cheapest(
 
 def _alone(plan: Plan, number: int) -> Power | None:
     """Return the power that differs most from that of a difference in one block of tests alone."""
-    size = plan.request.own or (plan.request.participants[0], plan.request.items[0])
+    size = plan.request.current or (plan.request.participants[0], plan.request.items[0])
     powers = [cell.powers[number] for cell in plan.cells if cell.size.numbers == size]
     differing = [power for power in powers if power.power - power.alone > APART]
     return max(differing, key=lambda power: power.power - power.alone, default=None)

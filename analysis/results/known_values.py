@@ -99,7 +99,7 @@ class KnownDifference:
         return (self.estimate.high - self.estimate.low) / 2
 
 
-def found_values(
+def match_values(
     reports: Sequence[TableReport], known: Sequence[KnownValue]
 ) -> tuple[tuple[KnownValue, Estimate], ...]:
     """Return each known value that was estimated, with its estimate."""
@@ -113,7 +113,7 @@ def found_values(
     return tuple(pairs)
 
 
-def found_differences(
+def match_differences(
     reports: Sequence[TableReport], known: Sequence[KnownValue]
 ) -> tuple[KnownDifference, ...]:
     """Return, for each pair compared, whether the better side is found."""

@@ -237,7 +237,7 @@ def _results(
                 (
                     fit.remark,
                     remark,
-                    fit.swept and f"{fit.swept}; {PENALISED}",
+                    fit.unbeaten and f"{fit.unbeaten}; {PENALISED}",
                     ONE_SEGMENT * (segments == 1),
                 ),
             )
@@ -283,7 +283,7 @@ def _condition_strengths(fit: FittedStrengths, p_values: Floats) -> tuple[Condit
     ranks: tuple[tuple[int | None, int | None], ...] = ((None, None),) * len(columns)
     if fit.two_way is not None:
         ranks = rank_intervals(fit.strengths, p_values)
-        if not fit.swept:
+        if not fit.unbeaten:
             margins = stats.t(fit.two_way.freedoms).ppf((1 + LEVEL) / 2) * fit.two_way.errors
             columns = np.stack([margins, fit.two_way.errors, fit.errors], axis=1)
     return tuple(
@@ -296,7 +296,7 @@ def _condition_strengths(fit: FittedStrengths, p_values: Floats) -> tuple[Condit
             by_participant=by_participant,
             best=best,
             worst=worst,
-            reason=fit.reason or fit.swept or fit.remark,
+            reason=fit.reason or fit.unbeaten or fit.remark,
         )
         for name, estimate, (margin, error, by_participant), (best, worst) in zip(
             fit.conditions, fit.strengths.tolist(), columns.tolist(), ranks, strict=True
@@ -305,8 +305,8 @@ def _condition_strengths(fit: FittedStrengths, p_values: Floats) -> tuple[Condit
 
 
 def _omnibus(fit: FittedStrengths) -> FTest:
-    if fit.two_way is None or fit.swept:
-        return FTest(reason=fit.reason or fit.remark or fit.swept)
+    if fit.two_way is None or fit.unbeaten:
+        return FTest(reason=fit.reason or fit.remark or fit.unbeaten)
     return omnibus(fit.strengths, fit.two_way)
 
 

@@ -319,12 +319,12 @@ def with_interval(
     )
 
 
-def _unequal(values: NDArray[np.float64], people: NDArray[np.intp]) -> str:
+def _unequal(values: NDArray[np.float64], participants: NDArray[np.intp]) -> str:
     """Return a caution if participants answered very unequally often; '' otherwise."""
-    counts = np.bincount(people)
+    counts = np.bincount(participants)
     if float(freedom_of(counts / len(values))) >= (len(counts) - 1) * EVEN:
         return ""
-    without = (values.sum() - np.bincount(people, weights=values)) / (len(values) - counts)
+    without = (values.sum() - np.bincount(participants, weights=values)) / (len(values) - counts)
     return (
         f"one participant gave {counts.max()} of {len(values)} answers; without any one "
         f"participant the estimate lies between {without.min():.3g} and {without.max():.3g}"

@@ -155,11 +155,11 @@ def between_groups(values: Floats, groups: Codes, participants: Codes, segments:
         return FTest(reason="fewer than two participants answered about every group")
     if df_rest < 1:
         return FTest(reason="one segment in every group")
-    people_f = _within_people(by_person)
+    participants_f = _within_participants(by_person)
     segments_f = _one_way(by_segment, of_segment, df_rest)
-    if math.isnan(people_f) or math.isnan(segments_f):
+    if math.isnan(participants_f) or math.isnan(segments_f):
         return FTest(reason="all answers alike")
-    noise = [1 / f if f else math.inf for f in (people_f, segments_f)]
+    noise = [1 / f if f else math.inf for f in (participants_f, segments_f)]
     if not sum(noise):
         return FTest(reason="all answers of a group alike")
     dfs_rest = (count - 1) * (len(by_person) - 1), df_rest
@@ -222,13 +222,13 @@ def _complete_means(values: Floats, group: Codes, participants: Codes, count: in
     return np.asarray(sums[complete] / counts[complete], np.float64)
 
 
-def _within_people(means: Floats) -> float:
+def _within_participants(means: Floats) -> float:
     """Return F of the columns against their interaction with rows; NaN if all are equal."""
-    people, count = means.shape
+    participants, count = means.shape
     centred = means - means.mean(axis=1, keepdims=True)
     columns = centred.mean(axis=0)
-    between = people * float(columns @ columns) / (count - 1)
-    residual = float(((centred - columns) ** 2).sum()) / ((count - 1) * (people - 1))
+    between = participants * float(columns @ columns) / (count - 1)
+    residual = float(((centred - columns) ** 2).sum()) / ((count - 1) * (participants - 1))
     return _ratio(between, residual, float((centred**2).sum()))
 
 

@@ -231,9 +231,9 @@ class Blocks:
 def blocks_of_rankings(rankings: Placements) -> Blocks:
     """Return each participant's mean rank of each condition, reversed so that larger is better."""
     rows, columns = np.nonzero(~np.isnan(rankings.given))
-    width, people = len(rankings.conditions), rankings.participants[rows]
-    count = int(people.max(initial=-1)) + 1
-    cells = people * width + columns
+    width, participants = len(rankings.conditions), rankings.participants[rows]
+    count = int(participants.max(initial=-1)) + 1
+    cells = participants * width + columns
     places = width + 1 - rankings.ranks[rows, columns]
     sums = np.bincount(cells, weights=places, minlength=count * width)
     counts = np.bincount(cells, minlength=count * width).reshape(count, width)

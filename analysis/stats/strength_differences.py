@@ -24,7 +24,7 @@ from analysis.stats.f_tests import FTest
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
 
-MIXED: Final = f"{TWO_WAY}; by one of them alone where that variance is larger"
+MIXED: Final = f"{TWO_WAY}; by one of them alone if that variance is larger"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -141,7 +141,7 @@ def bradley_terry(votes: Votes, *, left_effect: bool = True) -> BradleyTerry:
         participant=votes.participant,
         segment=votes.segment,
     )
-    fit = fit_choices(choices, _prior(count, has_ties, left_effect) if linked.swept else None)
+    fit = fit_choices(choices, _prior(count, has_ties, left_effect) if linked.unbeaten else None)
     if not fit.converged:
         return replace(unknown, reason="the strengths did not converge")
     errors = standard_errors(fit.clustered)
@@ -238,7 +238,7 @@ def plackett_luce(rankings: pd.DataFrame, conditions: Sequence[str]) -> Plackett
         segment=pd.factorize(rankings["segment"])[0][rows],
     )
     prior = np.hstack([centring(len(names)), np.zeros((len(names), len(sizes)))])
-    fit = fit_choices(choices, prior if linked.swept else None)
+    fit = fit_choices(choices, prior if linked.unbeaten else None)
     if not fit.converged:
         return replace(unknown, reason="the worths did not converge")
     return replace(

@@ -137,12 +137,12 @@ def fit_choices(data: Choices, prior: Floats | None = None) -> ChoiceFit:
             break
         size = 1.0
         while True:
-            tried = _derivatives(data, parameters + size * step, prior)
-            if tried[0] >= value - 1e-12 * abs(value) or size < 1e-8:
+            trial = _derivatives(data, parameters + size * step, prior)
+            if trial[0] >= value - 1e-12 * abs(value) or size < 1e-8:
                 break
             size /= 2
         parameters = parameters + size * step
-        value, score, hessian = tried
+        value, score, hessian = trial
         if np.abs(step).max(initial=0.0) < FLAT:
             converged = True
             break
@@ -196,13 +196,13 @@ class Links:
     unlinked : str
         Why there is no common scale, with the groups that were never compared with one another;
         empty if all are linked.
-    swept : str
+    unbeaten : str
         Which conditions never lost to which; empty if there is one tier.
     """
 
     tiers: Codes
     unlinked: str
-    swept: str
+    unbeaten: str
 
 
 def links(beats: Floats, names: Sequence[str]) -> Links:
@@ -226,12 +226,12 @@ def links(beats: Floats, names: Sequence[str]) -> Links:
             f"never compared with one another, not even through others: {' | '.join(parts)}; "
             "strengths have no common scale"
         )
-    swept = []
+    unbeaten = []
     for number in range(count if count > 1 and not unlinked else 0):
         inside = tiers == number
         if not beats[~inside][:, inside].any():
-            swept.append(f"{_named(names, inside)} never lost to any of the others")
-    return Links(tiers=np.asarray(tiers, np.intp), unlinked=unlinked, swept="; ".join(swept))
+            unbeaten.append(f"{_named(names, inside)} never lost to any of the others")
+    return Links(tiers=np.asarray(tiers, np.intp), unlinked=unlinked, unbeaten="; ".join(unbeaten))
 
 
 def _named(names: Sequence[str], chosen: NDArray[np.bool_]) -> str:
@@ -259,8 +259,9 @@ class FittedStrengths:
     n, participants : int
         Numbers of answers (or rankings) and of participants.
     tiers : ndarray of int, shape (conditions,)
-        See `Links`; all in one tier unless `swept` says who never lost; then the fit is penalised.
-    swept : str
+        See `Links`; all in one tier unless `unbeaten` names who never lost, in which case the fit
+        is penalised.
+    unbeaten : str
         Which conditions never lost to which; empty if each one lost.
     reason : str
         Why there are no strengths, and every number is NaN; empty if there are. `remark` explains
@@ -277,7 +278,7 @@ class FittedStrengths:
     n: int
     participants: int
     tiers: Codes
-    swept: str = ""
+    unbeaten: str = ""
     reason: str = ""
 
     @property
@@ -312,7 +313,7 @@ def strength_fields(linked: Links, data: Choices, fit: ChoiceFit) -> dict[str, A
         ),
         "log_likelihood": fit.log_likelihood,
         "tiers": linked.tiers,
-        "swept": linked.swept,
+        "unbeaten": linked.unbeaten,
     }
 
 

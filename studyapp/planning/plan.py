@@ -82,7 +82,7 @@ def plan_study(
         participants=tuple(sorted(set(participants))),
         items=tuple(sorted(set(items))),
         effects=tuple(sorted(set(effects))),
-        own=own_size if has_own_size else None,
+        current=own_size if has_own_size else None,
         per_comparison=len(study.arms) > 1,
         opinions=assumed.opinions,
         source=assumed.source,

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from analysis.results.known_values import (
     KnownDifference,
     KnownValue,
-    found_differences,
-    found_values,
+    match_differences,
+    match_values,
 )
 from analysis.stats.clustered_mean import Estimate
 from motion.errors import InputError
@@ -187,8 +187,8 @@ def recover(folder: StudyFolder) -> Recovery:
     return Recovery(
         title=study.title,
         labels=study.display_names,
-        values=found_values(reports, known),
-        differences=found_differences(reports, known),
+        values=match_values(reports, known),
+        differences=match_differences(reports, known),
         kinds=kinds_recovered(participants, _analysed(tasks), _removed_by(tasks)),
         checks=counted,
         rules=tuple(rule.description for rule in tasks[0].left_out.rules),

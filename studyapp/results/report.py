@@ -20,7 +20,7 @@ from analysis.report.page import TASKS, write_report
 from analysis.report.sections.metric_table import SCORES
 from analysis.results.against_people import metrics_against_people
 from analysis.results.heterogeneity import PreferredPair, preferred_pairs
-from analysis.results.known_values import found_values
+from analysis.results.known_values import match_values
 from analysis.results.report import Settings, Source, TableReport, analyse_answers
 from analysis.stats.multiple_testing import NOT_LOGGED, LooksBefore
 from motion.files import harmless_frame, replacing, write_frame
@@ -116,7 +116,7 @@ def report(
         )
         reports.append(replace(results, metrics_against_people=agreement))
     if known is not None:
-        subject = replace(subject, truth=found_values(reports, known.expected))
+        subject = replace(subject, truth=match_values(reports, known.expected))
     remark = record_look(folder, study, answers, way="report", reason=reason)
     if answers.origin != "participants" and not rehearsal and not folder.shared_answers.is_dir():
         remark = _without_participants(answers)

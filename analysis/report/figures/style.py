@@ -277,7 +277,7 @@ def make_picture(wide: Drawing, narrow: Drawing, text: FigureText, description: 
     text : FigureText
         The text around it.
     description : str
-        The figure and its numbers in words, for those who cannot see it.
+        The figure and its numbers in words, for readers who cannot see it.
     """
     svgs = (
         inline_svg(drawing, name=name, title=text.title, description=description, css_class=css)

@@ -259,7 +259,7 @@ def _ranking_section(results: RankingResults, set_name: str | None, suffix: str)
         no_figure=reason_for_no_figure(
             answers=sum(c.n for c in conditions),
             participants=max(c.mean_rank.participants for c in conditions),
-            tied="Every ranking ties all conditions: nobody put one before another"
+            tied="Every ranking ties all conditions: nobody ranked one above another"
             if _are_tied(conditions)
             else "",
         ),

@@ -183,7 +183,9 @@ def _result(
         for name, b, error in zip(names, effects, errors, strict=True)
         if abs(b) > most or error > abs(b) > LARGE
     ]
-    parted = [effect.name for effect, sd in zip(random, deviations, strict=True) if abs(sd) > most]
+    diverging = [
+        effect.name for effect, sd in zip(random, deviations, strict=True) if abs(sd) > most
+    ]
     return OrdinalFit(
         estimates=dict(zip(names, effects.tolist(), strict=True)),
         standard_errors=dict(zip(names, errors.tolist(), strict=True)),
@@ -191,31 +193,31 @@ def _result(
         deviations={e.name: abs(float(s)) for e, s in zip(random, deviations, strict=True)},
         log_likelihood=likelihood.value,
         parameters=answers.count,
-        converged=converged and not separated and not parted,
+        converged=converged and not separated and not diverging,
         remark=_remark(
             converged,
             # Effects grow with the variance between groups if it is the variance that diverges.
             []
-            if parted and np.abs(deviations).max() > np.abs(effects).max(initial=0.0)
+            if diverging and np.abs(deviations).max() > np.abs(effects).max(initial=0.0)
             else separated,
-            parted,
+            diverging,
             zero,
         ),
     )
 
 
 def _remark(
-    converged: bool, separated: Sequence[str], parted: Sequence[str], zero: Sequence[str]
+    converged: bool, separated: Sequence[str], diverging: Sequence[str], zero: Sequence[str]
 ) -> str:
     if separated:
         return (
             f"The answers are separated by {', '.join(separated)}: the effect has no finite "
             "estimate, and its standard error means nothing."
         )
-    if parted:
+    if diverging:
         return (
-            f"Hardly any answers differ within a {' or a '.join(parted)}, as may happen in small "
-            "tables: the variance between them, and so the model, has no finite estimate."
+            f"Hardly any answers differ within a {' or a '.join(diverging)}, as may happen in "
+            "small tables: the variance between them, and so the model, has no finite estimate."
         )
     if not converged:
         return "The model did not converge: its estimates must not be used."

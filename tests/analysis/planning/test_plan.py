@@ -22,7 +22,7 @@ REQUEST = Request(
     participants=(10, 20, 80),
     items=(6, 12),
     effects=(0.0, 0.5),
-    own=(10, 6),
+    current=(10, 6),
     per_comparison=True,
     opinions=Opinions(),
     source="Assumed",
@@ -99,7 +99,7 @@ def test_sentences_state_power_limits_and_costs(made: Plan) -> None:
     assert "30 participants in all cost 75.00." in text
     assert "The smallest difference that it finds with power .8 is" in text
     assert "Assumed: the difference of two conditions varies by 0.6 logits" in text
-    assert "Where there is no difference" in text
+    assert "If there is no difference" in text
     assert "nan" not in text
 
 
@@ -195,7 +195,7 @@ def test_two_plans_are_the_same_bytes(made: Plan, tmp_path: Path) -> None:
 
 
 def test_a_size_without_a_test_has_a_dash_and_a_reason(tmp_path: Path) -> None:
-    alone = replace(REQUEST, participants=(1, 10), items=(1,), own=(10, 1))
+    alone = replace(REQUEST, participants=(1, 10), items=(1,), current=(10, 1))
 
     result = plan(alone, Runner(folder=tmp_path))
     text = "\n".join(plan_sentences(result))

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from analysis.results.conditions import RankingResults
-from analysis.results.known_values import KnownDifference, KnownValue, found_differences
+from analysis.results.known_values import KnownDifference, KnownValue, match_differences
 from analysis.stats.clustered_mean import Estimate
 from tests.analysis.results.made_tables import ranking_table, report_of
 
@@ -56,7 +56,7 @@ def test_ranks_are_told_apart_by_the_deciding_test_and_differ_in_the_unit_of_the
         for each in report.results.conditions
     ]
 
-    differences = found_differences([report], known)
+    differences = match_differences([report], known)
 
     assert len(differences) == len(report.results.contrasts) > 0
     for difference, contrast in zip(differences, report.results.contrasts, strict=True):

@@ -129,7 +129,7 @@ def test_only_the_order_of_ranks_counts() -> None:
 
 def test_an_unbeaten_condition_has_a_finite_worth_and_is_named() -> None:
     result = plackett_luce(as_rankings(votes_of(["a"], ["b"], [1], ["P"])), "ab")
-    assert result.swept == "a never lost to any of the others"
+    assert result.unbeaten == "a never lost to any of the others"
     assert np.isfinite(result.strengths).all()
 
 

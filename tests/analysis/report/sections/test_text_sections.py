@@ -20,7 +20,7 @@ from analysis.report.sections.participants import (
     stills_section,
     truth_section,
 )
-from analysis.results.known_values import KnownValue, found_values
+from analysis.results.known_values import KnownValue, match_values
 from analysis.results.pairwise import PairwiseResults
 from analysis.stats.multiple_testing import Look, looks_before
 from tests.analysis.report.subjects import subject_of
@@ -104,7 +104,7 @@ def test_a_rehearsals_truth_is_compared_with_estimates_in_either_direction(tmp_p
         for about, value in (("ours-other", share.estimate), ("other-ours", share.estimate - 0.9))
     )
 
-    pairs = found_values([report], truth)
+    pairs = match_values([report], truth)
     section = truth_section(subject_of(report, origin="rehearsal", truth=pairs))
 
     assert section is not None
