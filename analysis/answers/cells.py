@@ -38,7 +38,7 @@ class Cells:
     path : Path
         The file.
     rows : DataFrame
-        The cells as text, '' where empty; empty rows are dropped.
+        The cells as text, '' if empty; empty rows are dropped.
     numbers : Index
         Each row's number for a reader: its line in CSV, where the header is line 1; in Parquet
         counted from 1.
@@ -58,7 +58,7 @@ class Cells:
         )
 
     def place(self, row: int, column: str) -> str:
-        """Say where a cell is; `row` counts from 0."""
+        """Return a cell's location; `row` counts from 0."""
         return f"{self.path.name}, row {self.numbers[row]}, column {column}"
 
 
@@ -192,7 +192,7 @@ class Checking:
         )
 
     def numbers(self, column: Column) -> NDArray[np.float64]:
-        """Return a column of numbers, NaN where a cell is empty."""
+        """Return a column of numbers, with NaN for empty cells."""
         codes, values = self._distinct(column)
         return np.append(np.asarray(values, np.float64), np.nan)[codes]
 

@@ -143,7 +143,7 @@ class ExclusionRule:
     name : str
         Names the rule in study files and tables.
     description : str
-        What removed participants are or did, in words that follow their count.
+        A description of removed participants, in words that follow their count.
     judge : callable
         Returns why the rule removes a participant with these facts; `KEPT` if it does not, None if
         it lacks the facts to decide.

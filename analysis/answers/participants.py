@@ -204,7 +204,7 @@ _SHOWN: Final = (
     *("participant", "set", "trial", "segment", "kind", "left", "right", "condition"),
     *("left_speech", "right_speech", "correct_side"),
 )
-"""Columns that identify a presentation, where a protocol has them."""
+"""Columns that identify a presentation, if the protocol has them."""
 
 
 def facts_of(table: AnswerTable, known: Mapping[str, KnownFacts]) -> tuple[ParticipantFacts, ...]:

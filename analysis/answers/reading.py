@@ -211,8 +211,8 @@ def _refuse_repetitions(layout: Layout, checking: Checking, answers: pd.DataFram
 def _ambiguous_trials(answers: pd.DataFrame, layout: Layout) -> pd.Series[str]:
     """Return the trial of each answer that only its trial tells from another; else empty.
 
-    A table may give every row its own trial number. Trials distinguish answers only where one
-    question about a segment's condition was answered in several of them.
+    A table may give every row its own trial number. Trials distinguish answers only if one question
+    about a segment's condition was answered in several of them.
     """
     shared = ["participant", "set", "segment", "question"]
     about = [*shared, *(column.name for column in layout.conditions)]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Needed = Literal["always", "analysed", "no"]
 
 MISSING: Final = frozenset({"", "NA", "N/A", "NaN", "nan", "None", "null", "<NA>"})
-"""What programs write for a cell without a value."""
+"""Texts that programs write for a cell without a value."""
 
 KINDS: Final = ("practice", "main", "repeat", "catch", "attention")
 
@@ -41,7 +41,7 @@ class Column:
     cells : TypeAdapter
         Validates a list of nonempty cells.
     meaning : str
-        What a cell holds, in words that follow 'is not'.
+        The content of a cell, in words that follow 'is not'.
     needed : {'always', 'analysed', 'no'}
         Which rows need a cell: all, those of main and repeated trials, or none.
     missing : frozenset of str

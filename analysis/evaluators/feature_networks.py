@@ -164,7 +164,7 @@ def open_network(source: Source) -> Evaluator | PublishedEvaluator:
     Raises
     ------
     InputError
-        If the file holds no such network.
+        If the file holds no feature network.
     """
     # Imported here: torch takes seconds to load, and most metrics do without.
     import torch
@@ -186,7 +186,7 @@ def networks(sources: Iterable[Source]) -> tuple[Network, ...]:
     Raises
     ------
     InputError
-        If a file is not such a network.
+        If a file holds no feature network.
     """
     opened: dict[str, tuple[Source, Evaluator | PublishedEvaluator]] = {}
     for source in sources:

@@ -172,7 +172,7 @@ def _sample(clips: Clips) -> Embeddings:
 
 
 def _shared_count(counts: Sequence[int]) -> int:
-    """Return how many windows of each condition enter a Fréchet distance."""
+    """Return the number of windows of each condition in a Fréchet distance."""
     most = max(counts, default=0)
     return min((count for count in counts if count >= ENOUGH * most), default=0)
 

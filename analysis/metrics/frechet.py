@@ -76,7 +76,7 @@ def frechet(
     name: str = "Fréchet distance",
     settings: Mapping[str, str] | None = None,
 ) -> MetricResult:
-    """Return how far the embeddings of generated motion lie from those of recorded motion.
+    """Return the distance of the embeddings of generated motion from those of recorded motion.
 
     Parameters
     ----------

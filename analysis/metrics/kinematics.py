@@ -267,7 +267,7 @@ _RESAMPLES: Final = 200
 
 
 def speed_counts(positions: FloatArray, frame_rate: float) -> Counts:
-    """Return how many frames of a clip have each speed.
+    """Return the number of a clip's frames at each speed.
 
     Parameters
     ----------

@@ -114,7 +114,7 @@ class Plan:
     cells : tuple of Cell
         By segments, participants and effect, in the order of the request.
     meanings : mapping of (str, float) to str
-        What an effect means in answers, by part and effect.
+        Each effect in terms of answers, by part and effect.
     tests : mapping of str to int
         Number of tests that are corrected together, by part.
     smallest : tuple of Smallest

@@ -74,7 +74,7 @@ class ConditionKey:
     Attributes
     ----------
     set : str or None
-        None where the table has no sets.
+        None if the table has no sets.
     condition, question : str
         Their names.
     """
@@ -96,7 +96,7 @@ class PairKey:
     Attributes
     ----------
     set : str or None
-        None where the table has no sets.
+        None if the table has no sets.
     a, b, question : str
         Their names.
     """

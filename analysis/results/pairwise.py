@@ -107,11 +107,11 @@ def pairwise_results(
     table : AnswerTable
         Answers in the pairwise layout.
     left_out : LeftOut
-        Who is left out.
+        The exclusions.
     margin : float, optional
         Difference of a win share from one half that does not matter.
     family : Family
-        Which tests decide.
+        The tests that decide.
     """
     analysed = left_out.analysed
 
@@ -202,9 +202,9 @@ def mismatch_results(
     table : AnswerTable
         Answers in the mismatch layout.
     left_out : LeftOut
-        Who is left out.
+        The exclusions.
     family : Family
-        Which tests decide.
+        The tests that decide.
     """
     analysed = left_out.analysed
     conditions = preferences(MatchedCondition, table, left_out.exclusions)

@@ -67,7 +67,7 @@ class Placements:
 
     @cached_property
     def complete(self) -> NDArray[np.bool_]:
-        """Which rankings place every condition."""
+        """Mask of the rankings that place every condition."""
         return np.asarray(~np.isnan(self.given).any(axis=1))
 
     def averaged(self) -> Placements:

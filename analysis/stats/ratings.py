@@ -1,4 +1,4 @@
-"""Ratings of each condition, and how much better one is rated than another: the headline.
+"""Ratings of each condition, and the difference between two conditions: the headline.
 
 A participant who rated both conditions in a segment contributes one difference, and the mean of
 these has a two-way clustered interval. It keeps its level where the mixed model's contrast does
@@ -153,7 +153,7 @@ def cliffs_delta(
     values : ndarray, shape (N,)
         Ratings of two conditions.
     of_first : ndarray of bool, shape (N,)
-        Which ratings are of the first condition.
+        Mask of the ratings of the first condition.
     participants, segments : ndarray, shape (N,)
         The participant and the segment of each rating.
     """

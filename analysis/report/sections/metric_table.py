@@ -218,7 +218,7 @@ def _text(score: ConditionScore | None, decimals: int) -> str:
 
 
 def _decimals(scores: Sequence[ConditionScore]) -> int:
-    """Return as many decimals as show the differences between conditions, and no more."""
+    """Return the number of decimals that shows the differences between conditions."""
     spreads = [score.spread for score in scores if score.spread > 0]
     if spreads:
         return min(4, wording.decimals([statistics.median(spreads)], digits=2))

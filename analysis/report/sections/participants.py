@@ -78,7 +78,7 @@ def _total(flows: tuple[Flow, ...]) -> Flow:
 
 
 def places_words(report: TableReport, subject: Subject) -> str:
-    """Return how many places are filled; '' if none is open."""
+    """Return the number of filled places in words; '' if none is open."""
     arms = [flow for flow in report.flow if flow.places is not None]
     is_open = any((flow.completed or 0) < (flow.places or 0) for flow in arms)
     if subject.origin != "participants" or not is_open:

@@ -77,7 +77,7 @@ def test_every_protocol_has_its_method_its_diagnostics_and_its_limits(
 
     assert "nan" not in " ".join(texts).split()
     assert (
-        "Kendall's W (1 where all rank alike" if protocol == "ranking" else "Krippendorff's α"
+        "Kendall's W (1 if all rank alike" if protocol == "ranking" else "Krippendorff's α"
     ) in texts[1]
     assert ("Side bias" in texts[1]) == (protocol in ("pairwise", "mismatch"))
     assert "One speaker says nothing about other speakers." in texts[2]
