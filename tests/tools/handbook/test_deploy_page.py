@@ -1,13 +1,15 @@
-"""docs/deploy.md shows what `motionjury deploy` writes, and leaves nothing out."""
+"""docs/deploy.md shows what `motionjury deploy` writes, and a server can do what it asks for."""
 
 from __future__ import annotations
 
 import re
 import shlex
+from importlib.metadata import distributions
 from typing import Any
 
 import click
 import pytest
+from packaging.specifiers import SpecifierSet
 
 from studyapp.cli.serve_command import deploy_command
 from studyapp.custody.deployment import deployed_files
@@ -48,3 +50,11 @@ def test_options_on_the_page_exist(arguments: list[str], monkeypatch: pytest.Mon
     assert parsed.get("prefix", "") == shown.prefix
     assert parsed.get("database", "sqlite") == shown.database
     assert parsed.get("proxy", "caddy") == shown.proxy
+
+
+def test_every_package_can_be_installed_with_debian_12s_python() -> None:
+    assert [
+        package.name
+        for package in distributions()
+        if "3.11.2" not in SpecifierSet(str(package.metadata.json.get("requires_python", "")))
+    ] == []
