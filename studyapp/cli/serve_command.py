@@ -12,7 +12,13 @@ from urllib.parse import urlsplit
 import click
 
 from motion.errors import InputError
-from studyapp.cli.arguments import FOLDER, public_address, study_folder, together
+from studyapp.cli.arguments import (
+    FOLDER,
+    public_address,
+    refuse_options,
+    study_folder,
+    together,
+)
 from studyapp.clock import Clock
 from studyapp.custody.deployment import (
     DATABASES,
@@ -207,7 +213,9 @@ def _print_owners_link(database: Database, url: str, whose: str) -> bool:
 
 
 @click.command("deploy")
-@study_folder
+@click.argument(
+    "folder", default=".", type=click.Path(path_type=Path, file_okay=False, exists=True)
+)
 @click.option("--host", required=True, help="The server's name, such as study.example.org.")
 @click.option("--out", type=FOLDER, required=True, help="A new folder for the files.")
 @click.option(
@@ -239,26 +247,37 @@ def _print_owners_link(database: Database, url: str, whose: str) -> bool:
     "--port",
     type=click.IntRange(1024, 65535),
     default=PORT,
-    help="Where the study's server listens for the proxy; choose another one for each study.",
+    help="Where the server listens for the proxy; choose another one for each study.",
 )
 @click.option(
     "--folder-there",
     metavar="PATH",
-    help="The study folder's path on the server, if this machine is not the server.",
+    help="The folder's path on the server, if this machine is not the server.",
 )
 def deploy_command(
-    folder: StudyFolder, out: Path, folder_there: str | None, **options: Any
+    folder: Path, out: Path, prefix: str, database: str, folder_there: str | None, **options: Any
 ) -> None:
-    """Write the files that a public server needs to serve the study FOLDER.
+    """Write the files that a public server needs to serve FOLDER, a study or a desk.
 
+    A folder without study.toml is a desk: a folder of studies, as of 'motionjury desk'.
     docs/deploy.md explains step by step what to do with them.
     """
+    place = PurePosixPath(folder_there or folder.resolve())
+    study = StudyFolder(folder)
+    if study.definition.exists():
+        kind, title = "study", study.study().title
+    else:
+        kind, title = "desk", place.name
+        # A desk has a host of its own, and keeps answers in the studies' own folders.
+        refuse_options(
+            {"--prefix": prefix or None, "--database": database != DATABASES[0]}, "a desk"
+        )
     deployment = Deployment(
-        title=folder.study().title,
-        folder=PurePosixPath(folder_there) if folder_there else folder.root.resolve(),
-        **options,
+        kind=kind, title=title, folder=place, prefix=prefix, database=database, **options
     )
     for file in write_deployment(deployment, out):
         target = f"{file.place} (mode {file.mode:03o})" if file.place else "stays in this folder"
         click.echo(f"{out / file.name}: {target}")
-    click.echo(f"On the server, as root: sh {out / 'install'}. See docs/deploy.md for the rest.")
+    click.echo(
+        f"On the {kind}'s server, as root: sh {out / 'install'}. See docs/deploy.md for the rest."
+    )

@@ -1,4 +1,4 @@
-"""The files that a public server needs to serve a study."""
+"""The files that a public server needs to serve a study or a desk."""
 
 from __future__ import annotations
 
@@ -97,14 +97,16 @@ def _check_mail(text: str) -> str:
 
 
 class Deployment(BaseModel):
-    """One study on one server; `InputError` if a value does not fit into the server's files.
+    """One study or desk on one server; `InputError` if a value does not fit into its files.
 
     Attributes
     ----------
+    kind : str
+        ``study``, or ``desk`` for a folder of studies, whose files say `study` of the desk.
     title : str
-        The study's title, made one line.
+        The study's title, made one line; a desk's is its folder's name.
     folder : PurePosixPath
-        The study folder on the server, which names the study's service, files and database.
+        The folder on the server, which names the service, files and database.
     host : str
         The server's name on the internet.
     prefix : str
@@ -121,6 +123,7 @@ class Deployment(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    kind: Literal["study", "desk"] = "study"
     title: Annotated[str, AfterValidator(_one_line)]
     folder: Annotated[PurePosixPath, AfterValidator(_check_folder)]
     host: Annotated[str, AfterValidator(_check_host)]
@@ -135,6 +138,11 @@ class Deployment(BaseModel):
     def name(self) -> str:
         """Names the study's service, files and database on the server."""
         return _service_name(self.folder)
+
+    @property
+    def command(self) -> str:
+        """The command that serves it."""
+        return "serve" if self.kind == "study" else "desk"
 
     @property
     def address(self) -> str:

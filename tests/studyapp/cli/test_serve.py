@@ -12,7 +12,7 @@ from studyapp.cli import serve_command
 from studyapp.clock import Clock
 from studyapp.researchers.account import list_accounts
 from studyapp.researchers.links import first_owner_link, join
-from tests.support.command_line import run
+from tests.support.command_line import refused, run
 from tests.support.researcher_accounts import PASSWORD
 from tests.support.studies.stored import opened
 
@@ -70,3 +70,18 @@ def test_files_of_a_server_are_written_and_listed(tiny_study: Path, tmp_path: Pa
     assert {path.name for path in out.iterdir()} >= {"install", "host.nginx", "Containerfile"}
     unit = (out / "serve.service").read_text("utf-8")
     assert 'serve "/srv/motionjury/gestures" --port 8000' in unit
+
+
+def test_a_folder_of_studies_gets_the_files_of_a_desk(tiny_study: Path, tmp_path: Path) -> None:
+    lab, host = tiny_study.parent, ("--host", "lab.example.org")
+    there = ("--folder-there", "/srv/motionjury/lab")
+
+    run("deploy", lab, *host, *there, "--out", tmp_path / "server")
+
+    unit = (tmp_path / "server" / "serve.service").read_text("utf-8")
+    assert 'motionjury desk "/srv/motionjury/lab" --port 8000' in unit
+    # Rendering compiles shaders while it runs.
+    assert "MemoryDenyWriteExecute" not in unit
+    for option in (("--prefix", "/one"), ("--database", "postgresql")):
+        message = refused("deploy", lab, *host, *there, *option, "--out", tmp_path / "none")
+        assert f"{option[0]} cannot be given with a desk" in message

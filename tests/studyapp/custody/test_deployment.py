@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
+import sqlite3
 import subprocess
 from collections.abc import Sequence
+from contextlib import closing
+from datetime import datetime
 from itertools import product
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -48,6 +52,7 @@ ALL = [
     deployment(proxy, database, prefix)
     for proxy, database, prefix in product(PROXIES, DATABASES, ("", "/studies/one"))
 ]
+DESKS = [deployment(proxy, "sqlite", "").model_copy(update={"kind": "desk"}) for proxy in PROXIES]
 
 
 PLAIN: dict[str, Any] = {
@@ -112,7 +117,9 @@ def needs(program: str) -> pytest.MarkDecorator:
     return pytest.mark.skipif(shutil.which(program) is None, reason=f"{program} is not installed")
 
 
-@pytest.mark.parametrize("study", ALL, ids=lambda d: f"{d.proxy}-{d.database}-{d.prefix}")
+@pytest.mark.parametrize(
+    "study", [*ALL, *DESKS], ids=lambda d: f"{d.kind}-{d.proxy}-{d.database}-{d.prefix}"
+)
 def test_every_file_is_complete_and_no_proxy_forbids_frames_or_logs_addresses(
     study: Deployment,
 ) -> None:
@@ -131,12 +138,13 @@ def test_every_file_is_complete_and_no_proxy_forbids_frames_or_logs_addresses(
 
 
 @needs("systemd-analyze")
-def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path) -> None:
+@pytest.mark.parametrize("study", (ALL[-1], DESKS[0]), ids=lambda d: d.kind)
+def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path, study: Deployment) -> None:
     program = tmp_path / "bin" / "motionjury"
     program.parent.mkdir()
     program.write_text("#!/bin/sh\n", "utf-8")
     program.chmod(0o755)
-    study = deployment().model_copy(update={"installed": tmp_path})
+    study = study.model_copy(update={"installed": tmp_path})
     units = [file for file in deployed_files(study) if "systemd/system" in file.place]
     names = [tmp_path / Path(file.place).name for file in units]
     for file, name in zip(units, names, strict=True):
@@ -161,7 +169,37 @@ def test_the_server_may_start_processes_of_lower_priority() -> None:
         assert "setpriority" not in output_of("systemd-analyze", "syscall-filter", group)
 
 
-@pytest.mark.parametrize("study", (ALL[0], ALL[-1]), ids=lambda d: d.proxy)
+@needs("sqlite3")
+def test_a_desk_that_cannot_back_up_one_study_backs_up_all_others_and_says_so(
+    tmp_path: Path,
+) -> None:
+    desk = DESKS[0].model_copy(update={"installed": tmp_path / "installed"})
+    program = tmp_path / "installed" / "bin" / "motionjury"
+    program.parent.mkdir(parents=True)
+    program.write_text('#!/bin/sh\ntouch "$3/$2"\n[ "$2" != broken ]\n', "utf-8")
+    program.chmod(0o755)
+    backups, folder = tmp_path / "motionjury-backups" / desk.name, tmp_path / "desk"
+    for name in ("broken", "gestures", "new"):
+        (folder / name).mkdir(parents=True)
+    for name in ("broken", "gestures"):
+        (folder / name / "responses.db").touch()
+    with closing(sqlite3.connect(folder / "desk.db")) as accounts:
+        accounts.execute("CREATE TABLE account (name)")
+    backups.mkdir(parents=True)
+    unit = text_of(desk, "backup.service").replace("\\\n", " ")
+    (line,) = re.findall(r"^ExecStart=(.+)$", unit, re.MULTILINE)
+    command = line.replace("%S", str(tmp_path)).replace("%%", "%").replace("$$", "$")
+
+    done = subprocess.run(shlex.split(command), cwd=folder, check=False)
+
+    assert done.returncode == 1
+    accounts_copy = f"desk-{datetime.now().astimezone():%u}.db"
+    assert {path.name for path in backups.iterdir()} == {"broken", "gestures", accounts_copy}
+    with closing(sqlite3.connect(backups / accounts_copy)) as copy:
+        assert copy.execute("SELECT name FROM account").fetchall() == []
+
+
+@pytest.mark.parametrize("study", (ALL[0], ALL[-1], *DESKS), ids=lambda d: f"{d.kind}-{d.proxy}")
 def test_scripts_pass_shellcheck(tmp_path: Path, study: Deployment) -> None:
     write_deployment(study, tmp_path / "out")
     scripts: Sequence[Path] = [tmp_path / "out" / name for name in ("install", "command")]
