@@ -28,6 +28,8 @@ from studyapp.custody.deployment import (
     deployed_files,
     write_deployment,
 )
+from studyapp.desk.inbox import LARGEST_PIECE
+from studyapp.web.app import LARGEST_REQUEST
 from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 
 HOSTILE = PurePosixPath("/srv/50%  {x};# of it/%n/my-study")
@@ -120,7 +122,7 @@ def needs(program: str) -> pytest.MarkDecorator:
 @pytest.mark.parametrize(
     "study", [*ALL, *DESKS], ids=lambda d: f"{d.kind}-{d.proxy}-{d.database}-{d.prefix}"
 )
-def test_every_file_is_complete_and_no_proxy_forbids_frames_or_logs_addresses(
+def test_every_file_is_complete_and_no_proxy_forbids_frames_or_uploads_or_logs_addresses(
     study: Deployment,
 ) -> None:
     files = deployed_files(study)
@@ -135,6 +137,10 @@ def test_every_file_is_complete_and_no_proxy_forbids_frames_or_logs_addresses(
         assert texts["host.nginx"].count("access_log off;") == texts["host.nginx"].count("server {")
     else:
         assert "exclude http.log.error" in texts["Caddyfile"]
+    (megabytes,) = re.findall(
+        r"(?:client_max_body_size|max_size) (\d+)", texts.get("Caddyfile") or texts["host.nginx"]
+    )
+    assert int(megabytes) * 1_000_000 >= LARGEST_PIECE + LARGEST_REQUEST
 
 
 @needs("systemd-analyze")
