@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, Final, get_args
 from urllib.parse import urlsplit
 
 import click
+from click.core import ParameterSource
 
 from generators.registry import Device
 from motion.errors import InputError
@@ -48,12 +49,22 @@ def current_study() -> StudyFolder | None:
     return folder if folder.definition.exists() else None
 
 
-def refuse_options(options: Mapping[str, object], context: str) -> None:
+def given_options() -> list[str]:
+    """Return the options that were typed for the running command, as its help names them."""
+    context = click.get_current_context()
+    return [
+        param.opts[0]
+        for param in context.command.get_params(context)
+        if isinstance(param, click.Option)
+        and context.get_parameter_source(str(param.name)) is ParameterSource.COMMANDLINE
+    ]
+
+
+def refuse_options(options: Collection[str], context: str) -> None:
     """Raise `InputError` if any of the options is given together with `context`."""
-    given = [name for name, value in options.items() if value not in (None, False)]
-    if given:
+    if refused := [name for name in given_options() if name in options]:
         raise InputError(
-            f"{', '.join(given)} cannot be given with {context}", remedy="Omit one or the other"
+            f"{', '.join(refused)} cannot be given with {context}", remedy="Omit one or the other"
         )
 
 

@@ -76,14 +76,7 @@ def command(
         )
     checked_reason = "" if reason is None else read_reason(reason)
     if shared_folder is not None:
-        refuse_options(
-            {
-                "--out": out,
-                "--withdrawn": withdrawn,
-                "--with-recruiter-ids": with_recruiter_ids,
-            },
-            "--folder",
-        )
+        refuse_options(("--out", "--withdrawn", "--with-recruiter-ids"), "--folder")
         shared = share(
             folder,
             shared_folder,
@@ -96,11 +89,7 @@ def command(
             shared, shared_folder, "simulated participant" if rehearsal else "participant"
         )
         return
-    if with_videos or with_free_text:
-        raise InputError(
-            "--with-videos and --with-free-text are for a folder for another lab",
-            remedy="Add --folder OUT, or omit them",
-        )
+    refuse_options(("--with-videos", "--with-free-text"), "tables, only with --folder")
     prefix = ("rehearsal_" if rehearsal else "") + ("withdrawn_" if withdrawn else "")
     exported = export(
         folder,

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any, Final, Literal, get_args, get_origin
 
 import click
-from click.core import ParameterSource
 
 from generators.registry import generator_names, settings_type
 from generators.settings import File, Folder, Setting, settings_of
@@ -21,6 +20,7 @@ from studyapp.cli.arguments import (
     Number,
     current_study,
     device_option,
+    given_options,
     optional_study_folder,
     processes_option,
 )
@@ -115,13 +115,7 @@ def command(
     if folder is None and generator is None:
         folder = current_study()
     if folder is not None:
-        context = click.get_current_context()
-        given = {
-            name
-            for name in context.params
-            if context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        }
-        if given - {"folder", "device"}:
+        if set(given_options()) - {"--device"}:
             raise InputError(
                 "the generators of a study are set in its study.toml, and so is the seed",
                 where=folder.definition,

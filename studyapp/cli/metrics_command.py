@@ -21,6 +21,7 @@ from studyapp.cli.arguments import (
     current_study,
     optional_study_folder,
     processes_option,
+    refuse_options,
 )
 from studyapp.cli.output import echo_note, echo_skipped, echo_table, progress
 from studyapp.results.metrics import measure_folders, measure_study
@@ -88,10 +89,9 @@ def command(
             "give either a study or --generated",
             remedy="Give a study folder, or --generated with a folder of motion files",
         )
-    if folder is not None and (reference or speech or semantics or fps):
-        raise InputError(
-            "--reference, --speech, --semantics and --fps are for folders without a study",
-            remedy="Omit them, or give --generated instead of the study folder",
+    if folder is not None:
+        refuse_options(
+            ("--reference", "--speech", "--semantics", "--fps"), "a study, only with --generated"
         )
     target = out if folder is None else out or folder.metrics
     if target is not None:

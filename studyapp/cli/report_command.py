@@ -16,6 +16,7 @@ from studyapp.cli.arguments import (
     FOLDER,
     Number,
     current_study,
+    given_options,
     optional_study_folder,
     refuse_options,
 )
@@ -24,6 +25,12 @@ from studyapp.researchers.audit import read_reason
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.exclusions import EXCLUSION_SECTIONS, Exclusion, ExclusionSection
 from studyapp.study.settings.sections import explain_errors
+
+_TABLE_OPTIONS: Final = (
+    *("--responses", "--protocol", "--out", "--max-catch-failures"),
+    *("--margin", "--family", "--scale", "--exclude"),
+)
+"""Options of a table; it needs the first three."""
 
 
 @click.command("report")
@@ -106,24 +113,14 @@ def command(
 
     Or report a table of answers: --responses FILE --protocol NAME --out DIR.
     """
-    table_options = {
-        "--responses": responses,
-        "--protocol": protocol,
-        "--out": out,
-        "--max-catch-failures": max_catch_failures,
-        "--margin": margin,
-        "--family": family,
-        "--scale": scale,
-        "--exclude": rules or None,
-    }
-    if folder is None and all(value is None for value in table_options.values()):
+    if folder is None and not set(given_options()) & {*_TABLE_OPTIONS}:
         folder = current_study()
     # Imported below: statistics take seconds to load, which --help should not wait for, and the
     # report of a table needs nothing of a study.
     if folder is not None:
         from studyapp.results.report import report
 
-        refuse_options(table_options, "a study folder, whose study.toml states all that")
+        refuse_options(_TABLE_OPTIONS, "a study folder, whose study.toml states all that")
         remarks: list[str] = []
         with sign_of_life("report") as show:
             page = report(
@@ -138,15 +135,14 @@ def command(
             click.echo(remark)
     else:
         refuse_options(
-            {"--rehearsal": rehearsal, "--reason": reason, "--with-motion": with_motion},
+            ("--rehearsal", "--reason", "--with-motion"),
             "a table, which has no rehearsal, no log of looks and no motion",
         )
         if responses is None or protocol is None or out is None:
-            required = ("--responses", "--protocol", "--out")
-            missing = [name for name in required if table_options[name] is None]
+            missing = [name for name in _TABLE_OPTIONS[:3] if name not in given_options()]
             raise InputError(
                 "there is nothing to report"
-                if len(missing) == len(required)
+                if len(missing) == 3
                 else f"{', '.join(missing)} is missing for the report of a table",
                 remedy="Give a study folder, or a table with --responses FILE --protocol NAME "
                 "--out DIR",

@@ -105,7 +105,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "study --out new.xlsx": "neither in .csv nor in .parquet",
         "study --folder new --with-recruiter-ids": "cannot be given with --folder",
         "study --folder new --out x.csv": "cannot be given with --folder",
-        "study --with-videos": "for a folder for another lab",
+        "study --with-videos": "cannot be given with tables, only with --folder",
     },
     "exclude": {
         "study 1": "Missing option '--reason'",
