@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from studyapp.cli.arguments import Number, processes_option, study_folder
-from studyapp.cli.output import echo_note, progress
+from studyapp.cli.output import echo_note, echo_table, progress
 from studyapp.rehearsal import SPEED
 from studyapp.study.folder import StudyFolder
 
@@ -115,7 +115,7 @@ def rehearse_command(
     # Imported here: the analysis takes a second to load, which --help should not wait for.
     from studyapp.rehearsal.recovered import recover
     from studyapp.rehearsal.recovery_page import write_recovery
-    from studyapp.rehearsal.recovery_words import recovery_lines
+    from studyapp.rehearsal.recovery_words import recovery_lines, values_in_words
     from studyapp.rehearsal.run import rehearse
 
     with progress("rehearse", "participant") as show:
@@ -130,6 +130,8 @@ def rehearse_command(
         echo_note(result.note)
     recovery = recover(folder)
     page = write_recovery(folder, recovery)
+    if recovery.values:
+        echo_table(*values_in_words(recovery))
     for line in recovery_lines(recovery):
         click.echo(line)
     dropouts = f"; {result.left} dropped out" if result.left else ""

@@ -9,6 +9,7 @@ from typing import Final
 
 from scipy.stats import binom
 
+from analysis.report.texts import table
 from analysis.report.wording import (
     condition,
     count,
@@ -18,8 +19,8 @@ from analysis.report.wording import (
     number_style,
     question_name,
 )
-from analysis.results.known_values import NO_RANK_INTERVAL, KnownDifference, KnownValue, Sign
-from analysis.stats.clustered_mean import LEVEL, Estimate
+from analysis.results.known_values import NO_RANK_INTERVAL, KnownDifference, Sign
+from analysis.stats.clustered_mean import LEVEL
 from motion.errors import listed
 from studyapp.rehearsal.recovered import KindRecovered, Recovery
 
@@ -151,51 +152,23 @@ def _has(number: int) -> str:
     return "has" if number == 1 else "have"
 
 
-HEADINGS: Final = ("question", "of", "number", "true value", "found", "interval", "")
-FIRST_NUMBER: Final = 3
+def values_in_words(recovery: Recovery) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+    """Return heading and rows of the page's table of true values, without its last column."""
+    with labelled(recovery.labels):
+        values = table("truth", recovery.values)
+    return values.header[:-1], [[cell.text for cell in row[:-1]] for row in values.rows]
 
 
 def recovery_lines(recovery: Recovery) -> list[str]:
-    """Return a table of true values and estimates, and sentences about the rest."""
+    """Return sentences about everything but the single values."""
     with labelled(recovery.labels):
-        rows = [_row(known, found) for known, found in recovery.values]
-        table = _in_columns([HEADINGS, *rows]) if rows else ()
         return [
-            *table,
             intervals_in_words(recovery),
             signs_in_words(recovery),
             *(f"  {line}" for line in unanswered_in_words(recovery)),
             *exclusions_in_words(recovery.kinds),
             counts_in_words(recovery),
         ]
-
-
-def _row(known: KnownValue, found: Estimate) -> tuple[str, ...]:
-    written = number_style(known.measure)
-    return (
-        question_name(known.part, known.question),
-        condition(known.about),
-        name(known.measure),
-        written(known.value),
-        written(found.estimate),
-        f"{written(found.low)} to {written(found.high)}" if found.has_interval else "–",
-        _where(found, known.value),
-    )
-
-
-def _where(found: Estimate, value: float) -> str:
-    if not found.has_interval:
-        return found.reason
-    return "" if found.covers(value) else "outside"
-
-
-def _in_columns(rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        yield "  ".join(
-            text.rjust(width) if FIRST_NUMBER <= place < len(row) - 1 else text.ljust(width)
-            for place, (text, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
 
 
 HARDLY_CHANCE: Final = 0.01
