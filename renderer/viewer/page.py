@@ -217,7 +217,6 @@ def write_motion_page(
     scenes: Sequence[Scene],
     look: Look,
     *,
-    notes: Sequence[str] = (),
     shares: bool = False,
 ) -> None:
     """Write a page that shows scenes, one below the other, and needs no server.
@@ -232,8 +231,6 @@ def write_motion_page(
         The first one is open.
     look : Look
         The same as for `MotionFigures`.
-    notes : sequence of str
-        Sentences below.
     shares : bool
         Whether it uses the files that `write_shared_files` writes to its folder.
     """
@@ -248,7 +245,6 @@ def write_motion_page(
         environment.get_template("page.html").render(
             title=title,
             figures=elements,
-            notes=notes,
             sources=figures.sources(),
             beside=(AVATAR_SCRIPT, *SCRIPTS) if shares else (),
             scripts={policy_hash(script): Markup(script) for script in inline_scripts},  # noqa: S704
