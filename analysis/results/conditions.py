@@ -289,38 +289,28 @@ def ranking_results(
     table: AnswerTable, left_out: LeftOut, family: Family = EVERYTHING
 ) -> RankingResults:
     """Analyse rankings; `family` determines which tests decide."""
-    fits: dict[tuple[str | None, str], PlackettLuceWorths] = {}
-    agreements: dict[tuple[str | None, str], Concordance] = {}
-    tests: dict[tuple[str | None, str], Friedman] = {}
-    conditions: list[RankedCondition] = []
-    contrasts: list[StrengthDifference] = []
-    posthoc: list[RankContrast] = []
-    effects: list[ConditionHeterogeneity] = []
-    for set_name, question, answers in split_by_question(table, left_out.analysed):
-        key = set_name, question
-        rankings = placements_of(answers)
-        blocks = blocks_of_rankings(rankings)
-        fits[key], differences = fit_worths(answers, set_name, question)
-        contrasts += differences
-        agreements[key] = concordance(rankings)
-        tests[key] = friedman(blocks)
-        conditions += [
-            RankedCondition(set=set_name, question=question, **vars(summary))
-            for summary in rank_summaries(rankings)
-        ]
-        posthoc += [
-            RankContrast(set=set_name, question=question, **vars(pair))
-            for pair in compare_pairs(blocks)
-        ]
-        effects += _rank_heterogeneity(table, answers)
+    parts = {(name, q): part for name, q, part in split_by_question(table, left_out.analysed)}
+    rankings = {key: placements_of(answers) for key, answers in parts.items()}
+    blocks = {key: blocks_of_rankings(ranked) for key, ranked in rankings.items()}
+    worths = {key: fit_worths(answers, *key) for key, answers in parts.items()}
     return RankingResults(
-        conditions=tuple(conditions),
-        plackett_luce=as_by_question(table, fits),
-        kendall_w=as_by_question(table, agreements),
-        friedman=as_by_question(table, tests),
-        contrasts=family.decide(contrasts),
-        posthoc=tuple(posthoc),
-        heterogeneity=correct_tests(effects),
+        conditions=tuple(
+            RankedCondition(set=set_name, question=question, **vars(summary))
+            for (set_name, question), ranked in rankings.items()
+            for summary in rank_summaries(ranked)
+        ),
+        plackett_luce=as_by_question(table, {key: fit for key, (fit, _) in worths.items()}),
+        kendall_w=as_by_question(table, {key: concordance(r) for key, r in rankings.items()}),
+        friedman=as_by_question(table, {key: friedman(block) for key, block in blocks.items()}),
+        contrasts=family.decide([pair for _, pairs in worths.values() for pair in pairs]),
+        posthoc=tuple(
+            RankContrast(set=set_name, question=question, **vars(pair))
+            for (set_name, question), block in blocks.items()
+            for pair in compare_pairs(block)
+        ),
+        heterogeneity=correct_tests(
+            [effect for part in parts.values() for effect in _rank_heterogeneity(table, part)]
+        ),
     )
 
 
