@@ -75,7 +75,7 @@ class ScoredCondition:
     score : float
         The metric's score, as in the table of metrics, over the segments shown.
     preference, low, high : float
-        People's preference of the condition, and the ends between which 95% of resamples lie.
+        People's preference for the condition, and the ends between which 95% of resamples lie.
     """
 
     condition: str
