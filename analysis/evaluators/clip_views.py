@@ -95,7 +95,7 @@ class ClipView:
             parts.append(self.landmarks.shifts(clip))
         return np.concatenate([part.reshape(len(clip), -1) for part in parts], axis=1)
 
-    def described(self) -> str:
+    def description(self) -> str:
         """Return the channels in words."""
         parts = []
         if self.joints:

@@ -145,7 +145,7 @@ class Design(Facts):
             return EmotionNetwork(self.network, channels, len(self.labels))
         return AutoencoderNetwork(self.network, channels)
 
-    def named(self) -> str:
+    def description(self) -> str:
         """Return the network in words."""
         if isinstance(self.network, EmotionConfig):
             return f"emotion classifier (AMUSE's M), {self.network.width} features"

@@ -209,10 +209,10 @@ class Evaluator:
         facts = self.facts
         data = facts.data
         seconds = self.window / self.frame_rate
-        described = {
-            "feature network": facts.named(),
+        description = {
+            "feature network": facts.description(),
             "network sha256": self.sha256[:SHOWN_OF_HASH],
-            "representation": f"{self._view.described()}, in deviations of the training frames",
+            "representation": f"{self._view.description()}, in deviations of the training frames",
             "frame rate": f"{self.frame_rate:g} fps, resampled",
             "window": f"{self.window} frames ({seconds:.4g} s), not overlapping; a clip that is "
             f"up to {TOLERANCE:g} s too short holds its last frame",
@@ -221,8 +221,8 @@ class Evaluator:
             "held out": f"{data.held_out}: {self._held_out()}",
         }
         if facts.frozen:
-            described["held still"] = ", ".join(facts.frozen)
-        return described
+            description["held still"] = ", ".join(facts.frozen)
+        return description
 
     def _held_out(self) -> str:
         facts = self.facts

@@ -232,7 +232,7 @@ class ClipFeatures:
     reason: str = ""
 
     @property
-    def named(self) -> int | None:
+    def named_emotion(self) -> int | None:
         """Index of the emotion with the highest mean probability; None without emotions."""
         return int(self.emotions.mean(axis=0).argmax()) if self.emotions.size else None
 

@@ -254,7 +254,7 @@ def _emotions(
     metric = Metric(f"spoken emotion named ({network.name})", better="higher")
     spoken, named, scores = [], [], []
     for segment in sorted(clips):
-        index, emotion = clips[segment].named, emotions.get(segment, "")
+        index, emotion = clips[segment].named_emotion, emotions.get(segment, "")
         if index is None or emotion not in network.labels:
             continue
         answer = network.labels[index]

@@ -331,8 +331,8 @@ def _landmark_errors(
     reason = reason or ("no recording has a face that moves" if math.isnan(scale) else "")
     for settings in setup.preset.landmark_errors:
         if reason or generated is None or reference is None:
-            described = settings.described(setup.face_rate, scale)
-            result = settings.metric.missing(reason, described)
+            description = settings.description(setup.face_rate, scale)
+            result = settings.metric.missing(reason, description)
         else:
             result = point_error(
                 generated, reference, frame_rate=setup.face_rate, settings=settings, scale=scale

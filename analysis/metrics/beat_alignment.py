@@ -67,7 +67,7 @@ class BeatSettings:
     source: str
     bones: tuple[tuple[str, str], ...] = ()
 
-    def described(self, frame_rate: float, detector: str) -> dict[str, str]:
+    def description(self, frame_rate: float, detector: str) -> dict[str, str]:
         """Return the settings in words, for a footnote."""
         return {
             "direction": self.direction,
@@ -264,7 +264,7 @@ def beat_alignment(
     shallowest = SHALLOWEST_TURN if settings.bones else SHALLOWEST
     series = [motion_beats(speed, frame_rate, settings.window, shallowest) for speed in speeds]
     moving = [beats for beats in series if len(beats)]
-    described = settings.described(frame_rate, detector)
+    description = settings.description(frame_rate, detector)
     reason = "" if moving else "the motion has no beat"
     reason = reason if len(onsets) else "the speech has no onset"
     if min(duration, speech_duration) < LEAST_OVERLAP * max(duration, speech_duration):
@@ -282,7 +282,9 @@ def beat_alignment(
 
     def result(name: str, value: float, better: Better = "higher") -> MetricResult:
         metric = Metric(f"{name} ({settings.name})", better=better)
-        return metric.missing(reason, described) if reason else metric.score(value, n, described)
+        return (
+            metric.missing(reason, description) if reason else metric.score(value, n, description)
+        )
 
     rate = sum(len(beats) for beats in series) / len(series) / duration
     return BeatAlignment(
@@ -292,11 +294,11 @@ def beat_alignment(
             result("beat alignment", back),
             name=f"beat alignment ({settings.name}, {opposite_direction})",
             n=0 if reason else sum(len(end) for _, end in pairs),
-            settings=described | {"direction": opposite_direction},
+            settings=description | {"direction": opposite_direction},
         ),
         chance=result("beat alignment by chance", chance, "unsaid"),
         motion_beats=Metric(f"motion beat rate ({settings.name})", "1/s").score(
-            rate, len(series), described
+            rate, len(series), description
         ),
     )
 

@@ -58,7 +58,7 @@ class CorrectSettings:
     unit: str
     source: str
 
-    def described(self) -> dict[str, str]:
+    def description(self) -> dict[str, str]:
         """Return the settings in words, for a footnote."""
         return {
             "representation": _WORDS[self.representation],
@@ -169,18 +169,18 @@ def _correct_share(
     settings: CorrectSettings,
 ) -> MetricResult:
     metric = Metric(f"{name} ({settings.name})", better="higher")
-    described = settings.described()
+    description = settings.description()
     generated, recorded, reason = paired(generated, recorded)
     frames, joints = generated.shape[:2]
     used = np.ones(frames) if weights is None else weights[:frames]
     if weights is not None:
-        described["weights"] = "semantic scores, divided by their sum"
+        description["weights"] = "semantic scores, divided by their sum"
     if not reason and not joints:
         reason = "no joint moves in the recordings"
     if not reason and not used.sum() > 0:
         reason = "no frame has a semantic score above 0"
     if reason:
-        return metric.missing(reason, described)
+        return metric.missing(reason, description)
     wrong = 1 - correct_joints(generated, recorded, settings).mean(axis=1)
     value = max(0.0, 1 - float(wrong @ used / used.sum()))  # rounding never leaves [0, 1]
-    return metric.score(value, int(np.count_nonzero(used)) * joints, described)
+    return metric.score(value, int(np.count_nonzero(used)) * joints, description)

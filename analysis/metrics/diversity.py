@@ -98,10 +98,10 @@ def feature_variance(
         fewer than two clips.
     """
     metric = Metric(name, better="near the reference")
-    described = dict(settings or {}) | {"mean over": f"{features.shape[1]} dimensions"}
+    description = dict(settings or {}) | {"mean over": f"{features.shape[1]} dimensions"}
     if len(features) < 2:
-        return metric.missing("a variance needs two clips", described)
-    return metric.score(float(features.var(axis=0, ddof=1).mean()), len(features), described)
+        return metric.missing("a variance needs two clips", description)
+    return metric.score(float(features.var(axis=0, ddof=1).mean()), len(features), description)
 
 
 def motion_features(clips: Sequence[FloatArray]) -> FloatArray:

@@ -77,7 +77,7 @@ def emotion_accuracy(
     counts = np.array(confusion.counts, float).reshape(len(confusion.spoken), len(confusion.named))
     clips = counts.sum(axis=1)
     metric = Metric(name, better="higher")
-    described = dict(settings or {}) | {
+    description = dict(settings or {}) | {
         "mean over": ", ".join(
             f"{emotion} ({int(count)})"
             for emotion, count in zip(confusion.spoken, clips, strict=True)
@@ -86,7 +86,7 @@ def emotion_accuracy(
     }
     if not len(clips):
         reason = "no clip has speech of an emotion that the network knows"
-        return metric.missing(reason, described)
+        return metric.missing(reason, description)
     right = counts[np.arange(len(clips)), [confusion.named.index(e) for e in confusion.spoken]]
     shares = right / clips
     value = float(shares.mean())
@@ -97,6 +97,6 @@ def emotion_accuracy(
         ]
     )
     margins = np.linalg.norm(shares[:, None] - limits, axis=0) / len(clips)
-    described["interval"] = "Wilson's of each emotion, combined (MOVER), clips independent"
+    description["interval"] = "Wilson's of each emotion, combined (MOVER), clips independent"
     interval = (max(0.0, value - float(margins[0])), min(1.0, value + float(margins[1])))
-    return metric.score(value, int(clips.sum()), described, interval=interval)
+    return metric.score(value, int(clips.sum()), description, interval=interval)

@@ -98,20 +98,20 @@ def frechet(
     x, y = of_equal_size(generated, reference)
     count, dimensions = x.values.shape
     metric = Metric(name, better="lower")
-    described = _described(generated, reference, settings) | {
+    description = _description(generated, reference, settings) | {
         "covariance": "unbiased, not regularised"
     }
     if count < 2:
-        return metric.missing("a covariance needs two samples", described)
+        return metric.missing("a covariance needs two samples", description)
     value = frechet_of_samples(x.values, y.values)
     interval = None
     if min(len(np.unique(sample.clips)) for sample in (x, y)) >= FEWEST_CLIPS:
         resamples = RESAMPLES if count <= MANY else RESAMPLES_OF_MANY
-        described["interval"] = f"± 1.96 SD over {resamples} bootstrap samples of clips"
+        description["interval"] = f"± 1.96 SD over {resamples} bootstrap samples of clips"
         margin_of_error = 1.96 * _bootstrap_error(x, y, resamples)
         interval = (max(0.0, value - margin_of_error), value + margin_of_error)
     return metric.score(
-        value, count, described, interval=interval, remark=_remark(count, dimensions)
+        value, count, description, interval=interval, remark=_remark(count, dimensions)
     )
 
 
@@ -147,14 +147,14 @@ def frechet_extrapolated(
     x, y = of_equal_size(generated, reference)
     count, dimensions = x.values.shape
     metric = Metric(name, better="lower")
-    described = _described(generated, reference, settings) | {
+    description = _description(generated, reference, settings) | {
         "extrapolation": f"straight line over 1/n through {SIZES} sizes from n/2 to n, "
         f"{DRAWS} draws each",
     }
     if count < 2 * FEWEST_PER_DIMENSION * dimensions:
         reason = f"{count} samples are fewer than 4 x {dimensions} dimensions: no line to extend"
-        return metric.missing(reason, described)
-    return metric.score(_extrapolated(x, y), count, described)
+        return metric.missing(reason, description)
+    return metric.score(_extrapolated(x, y), count, description)
 
 
 def _extrapolated(x: Embeddings, y: Embeddings) -> float:
@@ -175,7 +175,7 @@ def _extrapolated(x: Embeddings, y: Embeddings) -> float:
     return float(line(0.0))
 
 
-def _described(
+def _description(
     generated: Embeddings, reference: Embeddings, settings: Mapping[str, str] | None
 ) -> dict[str, str]:
     count = min(len(generated), len(reference))

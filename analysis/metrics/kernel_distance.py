@@ -50,14 +50,14 @@ def kernel_distance(
     """
     check_dimensions(generated, reference)
     metric = Metric(name, better="lower")
-    described = dict(settings or {}) | {
+    description = dict(settings or {}) | {
         "samples": f"{len(generated)} generated, {len(reference)} recorded",
         "dimensions": f"{generated.values.shape[1]}",
         "kernel": "(x·y / d + 1)³, unbiased",
     }
     if min(len(generated), len(reference)) < 2:
         reason = "an unbiased kernel distance needs two samples on either side"
-        return metric.missing(reason, described)
+        return metric.missing(reason, description)
     rows, columns = _kernel_sums(generated.values, reference.values)
     sides = _Side.of(generated, rows), _Side.of(reference, columns)
     pairs = len(generated) * len(reference)
@@ -65,9 +65,9 @@ def kernel_distance(
     interval = None
     if all(len(side.rows) >= FEWEST_CLIPS and (side.left >= 2).all() for side in sides):
         error = math.sqrt(sides[0].variance(sides[1]) + sides[1].variance(sides[0]))
-        described["interval"] = "± 1.96 standard errors, jackknife over clips"
+        description["interval"] = "± 1.96 standard errors, jackknife over clips"
         interval = (value - 1.96 * error, value + 1.96 * error)
-    return metric.score(value, len(generated) + len(reference), described, interval=interval)
+    return metric.score(value, len(generated) + len(reference), description, interval=interval)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -199,7 +199,7 @@ def mean_derivative(
     """
     metric = Metric(settings.name, settings.unit, "near the reference")
     cutoff, order = settings.cutoff, settings.order
-    described = {
+    description = {
         "joints": ", ".join(settings.joints),
         "frame rate": f"{frame_rate:g} fps",
         "filter": "none"
@@ -208,15 +208,15 @@ def mean_derivative(
         "positions": "relative to the pelvis, default body, metres",
     }
     if len(positions) < settings.fewest:
-        return metric.missing(f"the clip has fewer than {settings.fewest} frames", described)
+        return metric.missing(f"the clip has fewer than {settings.fewest} frames", description)
     if cutoff is not None:
         if cutoff >= frame_rate / 2:
             reason = f"{frame_rate:g} fps is too slow for a {cutoff:g} Hz filter"
-            return metric.missing(reason, described)
+            return metric.missing(reason, description)
         sections = butter(_FILTER_ORDER, cutoff, fs=frame_rate, output="sos")
         positions = sosfiltfilt(sections, positions, axis=0)
     sizes = np.linalg.norm(np.diff(positions, n=order, axis=0), axis=2) * frame_rate**order
-    return metric.score(float(sizes.mean()), sizes.size, described)
+    return metric.score(float(sizes.mean()), sizes.size, description)
 
 
 def foot_sliding(positions: FloatArray, *, frame_rate: float) -> MetricResult:
@@ -236,7 +236,7 @@ def foot_sliding(positions: FloatArray, *, frame_rate: float) -> MetricResult:
         h above the clip's own ground, over frame pairs with h below H = `CONTACT_HEIGHT`. NaN for
         one frame, or if no foot stays on the ground from one frame to the next.
     """
-    described = {
+    description = {
         "joints": ", ".join(FEET),
         "frame rate": f"{frame_rate:g} fps",
         "ground": f"percentile {100 * _GROUND:g} of the heights of the clip's feet",
@@ -245,16 +245,16 @@ def foot_sliding(positions: FloatArray, *, frame_rate: float) -> MetricResult:
     }
     metric = Metric("foot sliding", "m/s", "lower")
     if len(positions) < 2:
-        return metric.missing("a speed needs two frames", described)
+        return metric.missing("a speed needs two frames", description)
     heights = positions[..., 1] - np.quantile(positions[..., 1], _GROUND)
     height = np.maximum(0, np.maximum(heights[1:], heights[:-1]))
     speed = np.linalg.norm(np.diff(positions[..., [0, 2]], axis=0), axis=2) * frame_rate
     standing = height < CONTACT_HEIGHT
     if not standing.any():
         reason = "no foot stays on the ground from one frame to the next"
-        return metric.missing(reason, described)
+        return metric.missing(reason, description)
     weight = 2 - 2 ** (height[standing] / CONTACT_HEIGHT)
-    return metric.score(float((speed[standing] * weight).mean()), int(standing.sum()), described)
+    return metric.score(float((speed[standing] * weight).mean()), int(standing.sum()), description)
 
 
 Counts = NDArray[np.int64]
@@ -304,7 +304,7 @@ def speed_distance(generated: Counts, recorded: Counts, *, frame_rate: float) ->
         In [0, 1], mean over joints. The interval is the score ± 1.96 bootstrap standard errors over
         clips. NaN if either side has no clip of two frames.
     """
-    described = {
+    description = {
         "joints": ", ".join(UPPER_BODY_JOINTS),
         "frame rate": f"{frame_rate:g} fps",
         "distance": "Hellinger, mean over joints",
@@ -314,14 +314,14 @@ def speed_distance(generated: Counts, recorded: Counts, *, frame_rate: float) ->
     metric = Metric("distance of speed histograms (genea)", better="lower")
     if not (generated.any() and recorded.any()):
         reason = "a speed needs two frames of generated and of recorded motion"
-        return metric.missing(reason, described)
+        return metric.missing(reason, description)
     value = float(_hellinger(generated.sum(axis=0), recorded.sum(axis=0)))
     interval = None
     if min(len(generated), len(recorded)) >= FEWEST_CLIPS:
-        described["interval"] = f"± 1.96 SD over {_RESAMPLES} bootstrap samples of clips"
+        description["interval"] = f"± 1.96 SD over {_RESAMPLES} bootstrap samples of clips"
         margin_of_error = 1.96 * _spread(generated, recorded)
         interval = (max(0.0, value - margin_of_error), min(1.0, value + margin_of_error))
-    return metric.score(value, int(generated[:, 0].sum()), described, interval=interval)
+    return metric.score(value, int(generated[:, 0].sum()), description, interval=interval)
 
 
 def _hellinger(x: FloatArray | Counts, y: FloatArray | Counts) -> FloatArray:

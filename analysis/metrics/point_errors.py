@@ -53,7 +53,7 @@ class PointSettings:
     order: int = 0
     too_short: str = "the clip has no frame after those that seed the generator"
 
-    def described(self, frame_rate: float, scale: float) -> dict[str, str]:
+    def description(self, frame_rate: float, scale: float) -> dict[str, str]:
         """Return the settings in words, for a footnote."""
         known = math.isfinite(scale)
         return {
@@ -160,13 +160,13 @@ def point_error(
         In mm, or in mm/s² (second differences times the frame rate squared); 0 for the recording
         itself. NaN if the clips cannot be paired or too few frames are left.
     """
-    described = settings.described(frame_rate, scale)
+    description = settings.description(frame_rate, scale)
     generated, recorded, reason = paired(generated, recorded)
     difference = np.diff((generated - recorded)[SEED_FRAMES:], n=settings.order, axis=0)
     if reason or not difference.size:
-        return settings.metric.missing(reason or settings.too_short, described)
+        return settings.metric.missing(reason or settings.too_short, description)
     value = 1000 * scale * frame_rate**settings.order * float(np.abs(difference).mean())
-    return settings.metric.score(value, difference.shape[0] * difference.shape[1], described)
+    return settings.metric.score(value, difference.shape[0] * difference.shape[1], description)
 
 
 def velocity_error(
@@ -198,13 +198,13 @@ def velocity_error(
     """
     metric = Metric(f"velocity error ({norm})", "m/s", "lower")
     averaged = "components" if norm == "L1" else "vectors"
-    described = dict(settings or {}) | {
+    description = dict(settings or {}) | {
         "frame rate": f"{frame_rate:g} fps",
         "mean over": f"frames, joints and {averaged}",
     }
     generated, recorded, reason = paired(generated, recorded)
     if reason or len(generated) < 2:
-        return metric.missing(reason or "a velocity needs two frames", described)
+        return metric.missing(reason or "a velocity needs two frames", description)
     difference = np.diff(generated - recorded, axis=0) * frame_rate
     size = np.abs(difference) if norm == "L1" else np.linalg.norm(difference, axis=2)
-    return metric.score(float(size.mean()), difference.shape[0] * difference.shape[1], described)
+    return metric.score(float(size.mean()), difference.shape[0] * difference.shape[1], description)
