@@ -114,8 +114,8 @@ def lock_waiter(_path: str, _process: int) -> LockWaiter:
     return LockWaiter()
 
 
-BUSY_SECONDS: Final = 30
-"""SQLite's own timeout for its lock."""
+BUSY_SECONDS: Final = 10
+"""SQLite's own timeout for its lock, which only other programs hold longer than a moment."""
 
 OWNER_ONLY: Final = 0o600
 

@@ -142,7 +142,7 @@ def read_motion_shown(
         raise InputError(
             "this study has only finished videos and no motion to draw",
             where=folder.definition,
-            remedy="Use a study whose conditions have motion",
+            remedy="Take frames from the videos with any video tool",
         )
     missing = [(c, s) for c, s in keys if not folder.clip(c, s.name).exists()]
     if missing:

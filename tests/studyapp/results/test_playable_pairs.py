@@ -114,5 +114,8 @@ def test_a_pair_plays_in_a_self_contained_report(
         pair.get_by_role("button").first.click()
         expect(pair.get_by_role("slider", name="Time")).to_be_visible()
         expect(pair.locator("canvas")).to_be_visible()
+        # On paper nothing can be played.
+        page.emulate_media(media="print")
+        expect(page.locator("#motion")).to_be_hidden()
     assert asked == [path.as_uri()]
     assert complaints == []
