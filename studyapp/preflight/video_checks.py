@@ -42,6 +42,7 @@ _DIFFERS: Final[Mapping[str, str]] = MappingProxyType(
         "sound": "sound-format-differs",
     }
 )
+"""Must be the same in all videos shown side by side; the findings if it is not."""
 
 LEAST_PIXELS: Final = 360
 """Of the shorter side: below, the hands of an upper body are about ten pixels wide."""
@@ -116,17 +117,17 @@ def _format_findings(material: Material, formats: Mapping[Path, VideoFormat]) ->
                     "video-unplayable", f"{name} {reason}", where=name, remedy=remedy
                 )
         compared = finished | ({"a rendered video": rendered} if some_rendered else {})
-        for attribute, words in VideoFormat.WORDS.items():
+        for attribute, finding in _DIFFERS.items():
             values: dict[object, str] = {}
             for name, video_format in compared.items():
                 values.setdefault(getattr(video_format, attribute), name)
             if len(values) > 1:
                 differences = ", ".join(f"{value} in {name}" for value, name in values.items())
                 yield make_finding(
-                    _DIFFERS[attribute],
-                    f"{words} differs, which tells videos apart: {differences}",
+                    finding,
                     where=next(iter(finished)),
                     remedy=remedy,
+                    differences=differences,
                 )
 
 

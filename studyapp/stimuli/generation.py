@@ -14,7 +14,7 @@ from generators.registry import load_generator, needs_model, needs_source
 from generators.settings import Settings
 from motion.audio import Audio, read_audio
 from motion.clip import MotionClip
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from motion.files import digest
 from motion.formats import read_clip, write_clip
 from motion.placement import place
@@ -172,11 +172,8 @@ def _is_up_to_date(path: Path, inputs: str, *, foreign: InputError) -> bool:
 
 def _excerpt(speech: Path, segment: Segment) -> Audio:
     recording = read_audio(speech)
-    try:
+    with found_at(f"{speech}, segment {segment.name}"):
         return recording.cut(segment.start, segment.end)
-    except InputError as error:
-        where = f"{speech}, segment {segment.name}"
-        raise InputError(error.what, where=where, remedy=error.remedy) from error
 
 
 def _remarks(clips: Mapping[str, Sequence[Path]]) -> tuple[str, ...]:

@@ -91,16 +91,6 @@ class VideoFormat:
         Codec, sample rate and channels; empty without sound.
     """
 
-    WORDS: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {
-            "size": "the size of the picture",
-            "frame_rate": "the number of frames per second",
-            "picture": "how the picture is encoded",
-            "sound": "how the sound is encoded",
-        }
-    )
-    """Must be the same in all videos shown side by side."""
-
     width: int
     height: int
     frame_rate: float
