@@ -76,11 +76,18 @@ def heterogeneity_section(report: TableReport, subject: Subject) -> Section | No
     by_kind = {
         by: chosen for by in KINDS if (chosen := [e for e in all_effects if e.result.by == by])
     }
-    drawn = [
+    # Where each emotion has one segment, the figure by segment shows the same numbers.
+    repeated = [
         by
         for by, chosen in by_kind.items()
-        if len(chosen) <= MOST_PANELS and len(_levels(chosen)) <= MOST_ROWS
+        if by != "segment" and all(level.segments == 1 for e in chosen for level in e.result.levels)
     ]
+    missing = [
+        by
+        for by, chosen in by_kind.items()
+        if by not in repeated and (len(chosen) > MOST_PANELS or len(_levels(chosen)) > MOST_ROWS)
+    ]
+    drawn = [by for by in by_kind if by not in repeated + missing]
     return Section(
         anchor="heterogeneity",
         heading="Where the difference comes from",
@@ -88,7 +95,8 @@ def heterogeneity_section(report: TableReport, subject: Subject) -> Section | No
             "effects.section",
             descriptive=any(level.descriptive for e in all_effects for level in e.result.levels),
             few=FEW,
-            missing=[by for by in by_kind if by not in drawn],
+            repeated=repeated,
+            missing=missing,
         ),
         pictures=tuple(picture for by in drawn for picture in _forest(by_kind[by], by)),
         tables=(_tests(all_effects),),
