@@ -47,6 +47,9 @@ _PREFERENCE_AXIS: Final = {
 _MOST_ROWS: Final = 24
 """Most metrics on one sheet of the forest plot."""
 
+_PANELS: Final = {"Over conditions: Kendall's τ-b": "kendall", "Within conditions: r": "within"}
+"""The correlations of the forest plot; one without any estimate is not drawn."""
+
 _CORRELATION: Final = Scale(
     limits=(-1.05, 1.05),
     ticks={-1: "−1", -0.5: "−.5", 0: "0", 0.5: ".5", 1: "1"},
@@ -81,7 +84,7 @@ def against_people_section(report: TableReport, subject: Subject) -> Section | N
     ranges = {
         question.agreement.conditions: question.agreement.sampling_range
         for question in measured
-        if question.agreement.sampling_range
+        if question.agreement.sampling_range and any(m.conditions > 2 for m in question.metrics)
     }
     return Section(
         anchor="against-people",
@@ -258,6 +261,11 @@ def _forests(questions: Sequence[_Question]) -> Iterator[Picture]:
         }
         if not any(m.kendall.has_interval or m.within.has_interval for m in metrics.values()):
             continue
+        panels = {
+            title: correlation
+            for title, correlation in _PANELS.items()
+            if any(not math.isnan(getattr(m, correlation).estimate) for m in metrics.values())
+        }
         series = list(dict.fromkeys(question for question, _ in metrics))
         names = list(dict.fromkeys(name for _, name in metrics))
         sheets = -(-len(names) // _MOST_ROWS)
@@ -266,12 +274,8 @@ def _forests(questions: Sequence[_Question]) -> Iterator[Picture]:
             rows = [[metrics.get((q, name)) for q in series] for name in names[start:end]]
             yield from dot_pictures(
                 {
-                    "Over conditions: Kendall's τ-b": [
-                        [_dot(metric.kendall if metric else None) for metric in row] for row in rows
-                    ],
-                    "Within conditions: r": [
-                        [_dot(metric.within if metric else None) for metric in row] for row in rows
-                    ],
+                    title: [[_dot(getattr(m, correlation, None)) for m in row] for row in rows]
+                    for title, correlation in panels.items()
                 },
                 [Row(name) for name in names[start:end]],
                 _CORRELATION,

@@ -83,6 +83,11 @@ def test_a_condition_without_a_score_is_named_under_the_table(tmp_path: Path) ->
     notes = " ".join(shown.tables[0].notes)
     assert "Left out of liveliness: z (the metric was not measured)." in notes
     assert shown.tables[0].header[-1] == "pairs of clips"
+    # Two conditions have scores, which is too few for a correlation over conditions.
+    assert shown.paragraphs[0].startswith("Two conditions agree")
+    (forest,) = shown.pictures
+    assert "Within conditions" in forest.svg
+    assert "Over conditions" not in forest.svg
 
 
 def test_without_scores_a_sentence_says_so_and_without_metrics_there_is_no_section(
