@@ -236,7 +236,8 @@ class SpeechClock {
   get rate() { return this.audio.playbackRate; }
   set rate(speed) { this.audio.playbackRate = speed; }
   get paused() { return this.audio.paused || this.audio.ended; }
-  play() { this.audio.play(); }
+  /* A browser that wants another press for sound stays paused. */
+  play() { this.audio.play().catch(() => {}); }
   pause() { this.audio.pause(); }
 }
 
@@ -389,7 +390,7 @@ function showsGraphics() {
 }
 
 /* Only one figure plays at a time: browsers keep few drawing surfaces. */
-async function start(figure) {
+async function start(figure, { plays = false } = {}) {
   if (!showsGraphics()) {
     tell(figure, "This browser cannot draw in three dimensions (WebGL 2 is off or missing), so the motion cannot be shown here. Another browser, or another computer, can show it.");
     return;
@@ -407,6 +408,7 @@ async function start(figure) {
     const player = new Player(figure, scene, avatar, clips, speech);
     running = { player, end: () => { player.stop(); figure.replaceWith(before); prepare(before); } };
     player.button.focus();
+    if (plays) player.clock.play();
   } catch (error) {
     tell(figure, `The motion cannot be shown: ${error.message}. Load the page again to try once more.`);
     throw error;
@@ -418,7 +420,7 @@ function tell(figure, words) {
 }
 
 function prepare(figure) {
-  figure.querySelector(".start").addEventListener("click", () => start(figure));
+  figure.querySelector(".start").addEventListener("click", () => start(figure, { plays: true }));
 }
 
 const figures = [...document.querySelectorAll("figure.motion-viewer")];
