@@ -98,7 +98,9 @@ def test_effects_are_split_by_emotion_and_few_segments_are_descriptive(
     once = heterogeneity_section(repeated, subject_of(repeated))
     assert once is not None
     assert [picture.name for picture in once.pictures] == ["by-segment"]
-    assert "Each emotion has one segment, so its estimate is that of the segment." in once.paragraphs
+    assert (
+        "Each emotion has one segment, so its estimate is that of the segment." in once.paragraphs
+    )
     alone = analyse("pairwise", table[table["participant"] == "p00"])
     assert heterogeneity_section(alone, subject_of(alone)) is None
     alike = analyse("pairwise", all_alike(table, "pairwise"))
