@@ -53,8 +53,6 @@ CONDITIONS: Final = MappingProxyType(
     }
 )
 
-_SPEAKER: Final = "espeak-ng"
-
 
 def prepare_demo(folder: StudyFolder) -> bool:
     """Create the demo study and synthesise its speech, unless they exist.
@@ -84,7 +82,7 @@ def prepare_demo(folder: StudyFolder) -> bool:
                 wav=path.name,
                 start=0.0,
                 end=round(read_audio(path, sample_rate=None).duration, 6),
-                speaker=_SPEAKER,
+                speaker="espeak-ng",
                 emotion=emotion,
                 transcript=sentence,
             )

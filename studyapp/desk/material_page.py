@@ -127,10 +127,9 @@ class Material:
                 self._shown_in[pair.segment, condition].append(pair.file)
         for copy in stimuli.copies:
             self._shown_in[copy.segment, copy.condition].append(copy.file)
-        record = folder.root / RECORD
-        self.checked_at = _modified_at(record)
         self._findings: defaultdict[str, list[_CheckFinding]] = defaultdict(list)
-        for finding in _read_findings(record):
+        self.checked_at, findings = _read_findings(folder.root / RECORD)
+        for finding in findings:
             self._findings[finding.where].append(finding)
 
     def cell(self, segment: str, condition: str) -> Cell:
@@ -158,10 +157,13 @@ class Material:
 
     def _current_findings(self, file: str) -> list[_CheckFinding]:
         """Return the findings of a file, unless it was changed or removed since the check."""
-        path, findings = self.folder.root / file, self._findings[file]
-        if not path.exists():
+        findings = self._findings[file]
+        try:
+            # An upload keeps the time at which it was written elsewhere.
+            changed_at = (self.folder.root / file).stat().st_ctime
+        except OSError:
             return [finding for finding in findings if finding.name == "video-missing"]
-        return findings if _modified_at(path) <= self.checked_at else []
+        return findings if changed_at <= self.checked_at else []
 
     def rows(self) -> list[tuple[Segment, list[Cell]]]:
         """Return each segment with its cell in every condition."""
@@ -171,20 +173,13 @@ class Material:
         ]
 
 
-def _read_findings(record: Path) -> tuple[_CheckFinding, ...]:
-    """Return the findings of the last check; none if its record cannot be read."""
+def _read_findings(record: Path) -> tuple[float, tuple[_CheckFinding, ...]]:
+    """Return when the study was last checked, and the findings; 0 and none if nobody can tell."""
     try:
-        return _CheckRecord.model_validate_json(record.read_bytes()).findings
+        checked = _CheckRecord.model_validate_json(record.read_bytes())
+        return record.stat().st_mtime, checked.findings
     except (OSError, ValidationError):
-        return ()
-
-
-def _modified_at(path: Path) -> float:
-    """Return when a file was last modified, in seconds since 1970; 0 if there is none."""
-    try:
-        return path.stat().st_mtime
-    except OSError:
-        return 0.0
+        return 0.0, ()
 
 
 def material(study: OpenedStudy) -> ResponseReturnValue:

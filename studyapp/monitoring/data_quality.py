@@ -168,9 +168,7 @@ class VideoShowings:
     stalled_seconds : float
         For how long in all.
     dropped_share : float or None
-        Share of the frames that browsers dropped, in [0, 1].
-    reason : str
-        Why there is no such share; empty if there is one.
+        Share of the frames that browsers dropped, in [0, 1]; None if no browser counts them.
     unplayable : int
         How often somebody said that it does not play.
     """
@@ -180,7 +178,6 @@ class VideoShowings:
     stalled: int
     stalled_seconds: float
     dropped_share: float | None
-    reason: str
     unplayable: int
 
     @property
@@ -209,7 +206,6 @@ def played_videos(session: Session, names: Mapping[str, str]) -> tuple[VideoShow
                 stalled=stalled,
                 stalled_seconds=float(seconds),
                 dropped_share=int(dropped or 0) / int(frames) if frames else None,
-                reason="" if frames else "no browser counts them",
                 unplayable=unplayable,
             )
         )

@@ -7,13 +7,6 @@ from unittest.mock import Mock
 import pytest
 
 from motion.segment import EMOTIONS
-from studyapp.cli import (
-    check_command,
-    generate_command,
-    plan_command,
-    render_command,
-    report_command,
-)
 from studyapp.cli.demo_command import prepare_demo
 from studyapp.study.folder import StudyFolder
 from tests.support.command_line import run
@@ -43,12 +36,11 @@ def test_the_demo_has_a_sentence_per_emotion_and_resumes(
 def test_the_demo_reports_people_who_took_part_in_its_folder(
     tiny_study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for module in (check_command, generate_command, render_command):
-        monkeypatch.setattr(module.command, "callback", Mock())
-    monkeypatch.setattr(plan_command.rehearse_command, "callback", Mock())
-    report = Mock()
-    monkeypatch.setattr(report_command.command, "callback", report)
+    ran = {name: Mock() for name in ("generate", "render", "check", "report")}
+    for name, callback in ran.items():
+        monkeypatch.setattr(f"studyapp.cli.{name}_command.command.callback", callback)
+    monkeypatch.setattr("studyapp.cli.plan_command.rehearse_command.callback", Mock())
     run("demo", tiny_study)
     StudyFolder(tiny_study).responses.touch()
     run("demo", tiny_study)
-    assert [call.kwargs["rehearsal"] for call in report.call_args_list] == [True, False]
+    assert [call.kwargs["rehearsal"] for call in ran["report"].call_args_list] == [True, False]

@@ -148,6 +148,10 @@ def test_a_file_is_deleted_after_confirmation(
     assert ada.post(f"{MATERIAL}/mismatched/take-1/remove", sure="on").status_code == 303
     assert not path.exists()
     assert "damaged" not in ada.get(f"{MATERIAL}/mismatched/take-1").text
+    # Nor is the file that takes its place bad, though it was written before the check.
+    write_motion(path, 2.0)
+    os.utime(path, (1, 1))
+    assert "damaged" not in ada.get(f"{MATERIAL}/mismatched/take-1").text
     newest = latest_changes(tiny.database)[0]
     assert (newest.event, newest.detail) == (
         "file removed",

@@ -155,7 +155,6 @@ def video(**changes: Any) -> VideoShowings:
         "stalled": 0,
         "stalled_seconds": 0.0,
         "dropped_share": 0.01,
-        "reason": "",
         "unplayable": 0,
     }
     return VideoShowings(**(values | changes))
@@ -223,7 +222,7 @@ def test_findings_come_with_their_numbers_and_a_remedy(
         {"videos": (video(unplayable=1),)},
         {"videos": (video(stalled=3),)},
         {"videos": (video(shown=9, stalled=9, dropped_share=0.5),)},
-        {"videos": (video(dropped_share=None, reason="no browser counts them"),)},
+        {"videos": (video(dropped_share=None),)},
         {"items": (item(10, 2), item(4, 4))},
         {"dropouts": left(2, 4)},
         {"dropouts": left(3, 31)},
