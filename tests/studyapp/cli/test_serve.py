@@ -80,8 +80,6 @@ def test_a_folder_of_studies_gets_the_files_of_a_desk(tiny_study: Path, tmp_path
 
     unit = (tmp_path / "server" / "serve.service").read_text("utf-8")
     assert 'motionjury desk "/srv/motionjury/lab" --port 8000' in unit
-    # Rendering compiles shaders while it runs.
-    assert "MemoryDenyWriteExecute" not in unit
     for option in (("--prefix", "/one"), ("--database", "postgresql")):
         message = refused("deploy", lab, *host, *there, *option, "--out", tmp_path / "none")
         assert f"{option[0]} cannot be given with a desk" in message
