@@ -14,6 +14,7 @@ import pytest
 from argon2 import PasswordHasher
 from flask import Flask
 
+from renderer.jobs import making
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -24,6 +25,7 @@ from studyapp.web.app import create_app
 from studyapp.web.site import attach, site_of
 from tests.support.fast_applications import fast_applications
 from tests.support.in_process_figures import InProcessFigures
+from tests.support.in_process_rendering import InProcessWorker
 from tests.support.servers.s3_stand_in import Store, s3_stand_in, use_keys
 from tests.support.servers.throwaway_postgresql import (
     ThrowawayPostgresql,
@@ -96,6 +98,9 @@ def _fast_applications() -> Iterator[None]:
     with fast_applications(), pytest.MonkeyPatch.context() as patch:
         # The answers of these studies are beside them, or where a test says.
         patch.delenv("DATABASE_URL", raising=False)
+        patch.setattr(making, "LocalWorkers", InProcessWorker)
+        for name, number in making.ONE_THREAD.items():
+            patch.setenv(name, number)
         yield
 
 
