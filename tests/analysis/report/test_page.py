@@ -1,16 +1,12 @@
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from bs4 import BeautifulSoup
 
-from analysis.report.figures import style
-from analysis.report.page import report_table, write_report
+from analysis.report.page import write_report
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table, report_of
 
@@ -124,36 +120,6 @@ def test_hostile_names_are_escaped(tmp_path: Path) -> None:
     (said,), (script,) = page.select(".answer"), page.find_all("script")
     assert HOSTILE.replace("_", " ") in said.get_text()
     assert "alert" not in script.get_text()
-
-
-@pytest.mark.slow
-def test_reports_do_not_depend_on_the_hash_seed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(style.STYLE, "pdf.fonttype", 42)
-    code = (
-        "import sys; from pathlib import Path;"
-        "from analysis.report.page import report_table;"
-        "from analysis.results.report import analyse_table;"
-        "results = analyse_table(Path(sys.argv[1]), 'pairwise', margin=0.1);"
-        "report_table(results, Path(sys.argv[2]))"
-    )
-    here, there = tmp_path / "here", tmp_path / "there"
-    table = TABLES["pairwise"](participants=4, segments=4)
-    report_table(report_of(table, "pairwise", tmp_path, margin=0.1), here)
-    another = "2" if os.environ.get("PYTHONHASHSEED") == "1" else "1"
-    subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path / "answers.csv"), str(there)],
-        check=True,
-        env={**os.environ, "PYTHONHASHSEED": another},
-    )
-
-    assert bytes_in(here) == bytes_in(there)
-
-
-def bytes_in(folder: Path) -> dict[str, bytes]:
-    files = sorted(path for path in folder.rglob("*") if path.is_file())
-    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
 def test_sentences_for_the_paper_match_the_page(page: BeautifulSoup, folder: Path) -> None:

@@ -13,7 +13,8 @@ import pytest
 from motion.errors import InputError
 from studyapp.cli import main as front
 from studyapp.cli.main import main
-from tests.analysis.results.made_tables import ranking_table
+from tests.analysis.results.made_tables import pairwise_table
+from tests.support.command_line import run
 from tests.support.studies.takes import write_motion
 
 Refused = Callable[..., tuple[int, str]]
@@ -97,7 +98,7 @@ def test_a_full_or_failing_disk_is_reported_without_a_traceback_and_with_the_fil
 def test_a_closed_pipe_ends_a_command_without_a_word() -> None:
     reading, writing = os.pipe()
     os.close(reading)
-    command = [sys.executable, "-m", "studyapp.cli.main", "check", "--help"]
+    command = [sys.executable, "-m", "studyapp.cli.main", "--help"]
     with os.fdopen(writing, "w") as closed:
         done = subprocess.run(command, stdout=closed, stderr=subprocess.PIPE, check=False)
     assert done.stderr == b""
@@ -141,20 +142,36 @@ main()
 """
 
 
-def run_without_motion(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", WITHOUT_MOTION, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+def run_without_motion(*arguments: object, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", WITHOUT_MOTION, *map(str, arguments)],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
 
 
-def test_a_report_needs_neither_networks_nor_graphics(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_a_report_needs_neither_networks_nor_graphics_nor_a_certain_hash_seed(
+    tmp_path: Path,
+) -> None:
     table = tmp_path / "answers.csv"
-    ranking_table(participants=4, segments=3).to_csv(table, index=False)
+    pairwise_table(participants=4, segments=4).to_csv(table, index=False)
+    options = ("report", "--responses", table, "--protocol", "pairwise", "--margin", "0.1", "--out")
+    run(*options, tmp_path / "here")
+    another = "2" if os.environ.get("PYTHONHASHSEED") == "1" else "1"
 
-    options = ("--responses", table, "--protocol", "ranking", "--out", tmp_path / "out")
-    done = run_without_motion("report", *options)
+    done = run_without_motion(*options, tmp_path / "there", PYTHONHASHSEED=another)
 
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "out" / "report.html").exists()
+    assert "report.html" in bytes_in(tmp_path / "here")
+    assert bytes_in(tmp_path / "here") == bytes_in(tmp_path / "there")
+
+
+def bytes_in(folder: Path) -> dict[str, bytes]:
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
 def test_a_command_that_draws_motion_says_how_to_install_graphics(tmp_path: Path) -> None:
