@@ -38,6 +38,18 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def corpus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return sixteen takes by two speakers."""
+    if shutil.which("espeak-ng") is None:
+        pytest.skip("espeak-ng is not installed")
+    folder = tmp_path_factory.mktemp("corpus") / "corpus"
+    size = ("--speakers", 2, "--sentences", 8, "--takes", 1, "--held-out-speakers", 0)
+    made = run("corpus", folder, *size, "--fps", 15, "--processes", 1)
+    assert "Made 16 takes" in made
+    return folder
+
+
 def test_a_network_is_trained_and_damaged_files_are_counted(recorded: Path, tmp_path: Path) -> None:
     out = tmp_path / "new" / "m.safetensors"
     given = ("emotion", "--data", recorded, "--config", "tiny", "--steps", 12, "--out", out)
@@ -85,7 +97,8 @@ def test_a_network_trained_on_a_corpus_moves_like_its_speakers(
     shutil.copytree(corpus, recordings)
     damaged = sorted(recordings.glob("1/*.bvh"))[0]
     damaged.write_bytes(damaged.read_bytes()[:2000])
-    given = ("train", "diffsheg", "--data", recordings, "--batch-size", 8, "--out", out)
+    options = ("--data", recordings, "--config", "tiny", "--batch-size", 8, "--out", out)
+    given = ("train", "diffsheg", *options)
 
     trained = run(*given, "--steps", 3)
     assert f"skipped: {damaged}" in trained

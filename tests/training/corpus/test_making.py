@@ -81,7 +81,9 @@ def test_the_truth_can_be_computed_from_the_files_alone(corpus: Path) -> None:
     assert np.linalg.norm(body, axis=1).max() < 20
 
 
-def test_a_resumed_corpus_ends_in_the_same_bytes(corpus: Path, tmp_path: Path) -> None:
+def test_a_corpus_resumed_by_two_processes_ends_in_the_same_bytes(
+    corpus: Path, tmp_path: Path
+) -> None:
     again = tmp_path / "again"
 
     def stop(done: int, total: int) -> None:
@@ -94,7 +96,7 @@ def test_a_resumed_corpus_ends_in_the_same_bytes(corpus: Path, tmp_path: Path) -
     assert there.complete
     assert not (again / "splits.csv").exists()
     there.face.unlink()
-    done = make_corpus(again, REQUEST)
+    done = make_corpus(again, REQUEST, processes=2)
     assert done.new_takes == len(done.takes) - 1
     assert digest(again) == digest(corpus)
 
