@@ -43,7 +43,8 @@ def test_a_note_is_printed_once_with_the_number_of_files(tmp_path: Path) -> None
         poses = np.zeros((40, 165), np.float32)
         file = tmp_path / "ours" / f"{name}.npz"
         np.savez(file, poses=poses, trans=trans, mocap_framerate=30, betas=np.zeros(10))
-    shown = run("metrics", "--generated", tmp_path / "ours", "--preset", "genea")
+    given = ("--generated", tmp_path / "ours", "--processes", 1)
+    shown = run("metrics", *given, "--preset", "genea")
     assert shown.count("note: ") == 1
     assert "the body moves at" in shown
     assert "(and 2 other files)" in shown
@@ -53,7 +54,8 @@ def test_a_missing_score_is_a_dash_and_no_scores_at_all_a_failure(
     generated: Path,
 ) -> None:
     (generated / "a.json").write_text("{")
-    shown = run("metrics", "--generated", generated, "--preset", "diffsheg", status=1)
+    given = ("--generated", generated, "--processes", 1)
+    shown = run("metrics", *given, "--preset", "diffsheg", status=1)
     row = next(line for line in shown.splitlines() if line.startswith("mean distance"))
     assert "–" in row
     assert "a distance needs two clips" in shown
