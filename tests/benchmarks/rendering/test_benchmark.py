@@ -30,7 +30,7 @@ def test_the_benchmark_prints_its_values_one_per_line(tmp_path: Path) -> None:
     (tmp_path / "brief.py").write_text(_BRIEFLY)
     done = subprocess.run(
         [sys.executable, str(tmp_path / "brief.py")],
-        env={"PYTHONPATH": str(ROOT), **os.environ},
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
         cwd=ROOT, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
