@@ -11,6 +11,12 @@ function giveWay() {
   if (!dialog.open) dialog.showModal();
 }
 
+// A page that comes back as it was left may be an old one.
+addEventListener("pageshow", (event) => {
+  if (event.persisted) location.replace(dialog.dataset.address);
+});
+
+// Firefox has no channels where it forbids cookies: the server alone then keeps two windows apart.
 if ("BroadcastChannel" in window && dialog.showModal) {
   const channel = new BroadcastChannel(`study session ${dialog.dataset.window}`);
   channel.addEventListener("message", giveWay);
@@ -21,10 +27,6 @@ if ("BroadcastChannel" in window && dialog.showModal) {
     else document.addEventListener("visibilitychange", arrive, { once: true });
   };
   arrive();
-  // A page that comes back as it was left may be an old one.
-  addEventListener("pageshow", (event) => {
-    if (event.persisted) location.replace(dialog.dataset.address);
-  });
 }
 
 dialog.querySelector("button").addEventListener("click", () => {
