@@ -25,7 +25,7 @@ SPEECH_RATE: Final = 16000
 """Samples per second that speech is analysed at."""
 
 LONGEST: Final = 3 * 3600
-"""Seconds that a recording may last; a small file may unpack to more than memory holds."""
+"""Longest recording accepted, in seconds; a small file can unpack to more than memory holds."""
 
 WHOLE_FORMATS: Final = MappingProxyType(
     {
@@ -66,7 +66,7 @@ class Audio:
     sample_rate : int
         Samples per second.
     notes : tuple of str
-        Notes for people about how the samples were read.
+        Remarks on how the samples were read.
 
     Raises
     ------
@@ -101,7 +101,7 @@ class Audio:
         return len(self.samples) / self.sample_rate
 
     def samples_at(self, sample_rate: int) -> NDArray[np.float64]:
-        """Return the samples at another rate, low-pass filtered where it is lower."""
+        """Return the samples at another rate, low-pass filtered if it is lower."""
         # Imported here: it takes a moment to load, and most audio is read at the rate it needs.
         from scipy.signal import resample_poly
 
@@ -117,8 +117,8 @@ class Audio:
         Parameters
         ----------
         start, end : float
-            Seconds, ``0 <= start < end``. Where `end` lies past the audio by no more than
-            `motion.segment.CUT_TOLERANCE`, silence fills the excerpt, so that it always has
+            Seconds, ``0 <= start < end``. If `end` is past the audio by no more than
+            `motion.segment.CUT_TOLERANCE`, the excerpt is padded with silence: it always has
             ``round((end - start) * sample_rate)`` samples.
 
         Raises
@@ -134,7 +134,7 @@ class Audio:
 
 
 def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
-    """Read the first audio stream of any file that FFmpeg knows, by content, not by ending.
+    """Read the first audio stream of any file that FFmpeg can read, whatever its ending.
 
     Parameters
     ----------
@@ -152,8 +152,8 @@ def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
     Raises
     ------
     InputError
-        If the file is missing, holds no readable audio, ends before its header says, or lasts
-        longer than `LONGEST`.
+        If the file is missing, has no readable audio, is shorter than its header declares, or
+        lasts longer than `LONGEST`.
     """
     path = Path(path)
     if not path.is_file():
@@ -191,7 +191,7 @@ def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
 
 
 def _check_whole_wav(path: Path) -> None:
-    """Raise where a WAV is shorter than its header says, which FFmpeg would read silently."""
+    """Raise if a WAV is shorter than its header declares; FFmpeg would read it silently."""
     with path.open("rb") as file:
         header = file.read(8)
     if len(header) < 8 or header[:4] != b"RIFF":
@@ -237,7 +237,7 @@ def _mono(frame: AudioFrame) -> NDArray[np.float32]:
 
 
 def _ending_notes(path: Path, format_names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return a note where the file's ending contradicts what it is."""
+    """Return a note if the file's ending contradicts its content."""
     expected = _FORMAT_OF_ENDING.get(path.suffix.lower())
     if expected is None or expected in format_names:
         return ()
@@ -246,7 +246,7 @@ def _ending_notes(path: Path, format_names: tuple[str, ...]) -> tuple[str, ...]:
 
 def write_wav(path: Path, audio: Audio) -> None:
     """Write `audio` to `path` as 16-bit PCM WAV, whole or not at all."""
-    # Not straight into the file: soundfile does not say that a disk is full.
+    # Not straight into the file: soundfile does not report a full disk.
     content = io.BytesIO()
     soundfile.write(content, audio.samples, audio.sample_rate, format="WAV", subtype="PCM_16")
     with replacing(path) as draft:

@@ -1,4 +1,4 @@
-"""librosa, which several processes may load at the same time, and the onsets that it finds.
+"""Loading librosa safely in several processes at once, and detecting onsets with it.
 
 Onsets are the audio beats that beat alignment compares a motion with. They come from spectral flux
 and share nothing with the accents of `motion.prosody`, to which a rule-based generator ties its
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from motion.audio import SPEECH_RATE, Audio
 
 DETECTOR: Final = "librosa 0.11 spectral-flux onsets, 16 kHz, 10 ms hop"
-"""The detector of `speech_onsets`, for a footnote."""
+"""Name of the detector in `speech_onsets`, for footnotes."""
 
 _HOP: Final = 160
 _SILENCE: Final = 1e-4
@@ -32,14 +32,14 @@ _SILENCE: Final = 1e-4
 
 @cache
 def load_librosa() -> ModuleType:
-    """Return librosa, which is imported here and not before: it takes seconds, and few need it.
+    """Import librosa on first use: it takes seconds, and few callers need it.
 
-    It compiles functions when they are first used, and numba keeps them beside its source, in files
-    that it reads, changes and writes without a lock. Two processes that do so at the same time
-    leave an index that names the wrong function, or the two halves of a vectorised function from
-    two compilers (numba issue 10128), and every later use ends in a segmentation fault (seen with
-    librosa 0.11 and numba 0.68). So each look into these files, each change of them, and the making
-    of a vectorised function are one process' at a time; what librosa computes is not.
+    librosa compiles functions on first use. numba caches them next to librosa's source, in files
+    that it reads and writes without a lock. Two processes that do so at once can leave an index
+    that names the wrong function, or a vectorised function whose halves come from two compilers
+    (numba issue 10128); every later use ends in a segmentation fault (seen with librosa 0.11 and
+    numba 0.68). A lock therefore lets one process at a time read or write these files or build a
+    vectorised function. librosa's computations are not locked.
     """
     from numba.core.caching import IndexDataCacheFile
     from numba.np.ufunc.ufuncbuilder import UFuncDispatcher
@@ -56,13 +56,13 @@ def load_librosa() -> ModuleType:
 
 
 def _one_call_at_a_time(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return `function` under a lock that all processes of this user share."""
+    """Guard `function` with a lock that all processes of this user share."""
     from numba.core.compiler_lock import global_compiler_lock
 
     @wraps(function)
     def run(*args: Any, **kwargs: Any) -> Any:
-        # The compiler's lock first, as where numba looks into the files while it compiles: two
-        # threads that took the two in different orders would wait for each other.
+        # The compiler's lock first, as when numba reads the files while it compiles: two threads
+        # that took the locks in different orders would deadlock.
         with global_compiler_lock, _lock():
             return function(*args, **kwargs)
 
@@ -90,7 +90,7 @@ def _lock() -> Iterator[None]:
 
 
 def speech_onsets(audio: Audio) -> NDArray[np.float64]:
-    """Return when sounds begin in `audio`.
+    """Return the times at which sounds begin in `audio`.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""A motion clip: what one body and face do over time, in SMPL-X's own terms.
+"""A motion clip: the motion of one body and face over time, as SMPL-X parameters.
 
-A study holds some channels of all clips still, so that what a condition lacks does not give it
-away.
+A study can freeze channels of all its clips, so that a channel that a condition lacks does not
+give the condition away.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ GENDERS: Final = ("neutral", "female", "male")
 MIN_FRAME_RATE: Final = 1.0
 MAX_FRAME_RATE: Final = 1000.0
 LARGEST_VALUE: Final = 1e6
-"""Far beyond any metre or coefficient of a body; larger numbers are damage."""
+"""Far beyond any position in metres or any coefficient; larger numbers are damage."""
 
 LARGEST_ROTATION: Final = 10 * np.pi
-"""Radians beyond any joint's rotation; in degrees, arms that hang down exceed it."""
+"""Far beyond any joint's rotation in radians; arms that hang down exceed it in degrees."""
 
 
 def arkit_index(name: str) -> int:
@@ -60,7 +60,7 @@ def arkit_index(name: str) -> int:
 
 
 def check_frame_rate(frame_rate: float) -> None:
-    """Raise `InputError` where `frame_rate` is not from 1 to 1000 frames per second."""
+    """Raise `InputError` unless `frame_rate` is from 1 to 1000 frames per second."""
     if not MIN_FRAME_RATE <= frame_rate <= MAX_FRAME_RATE:
         raise InputError(
             f"frame rate {frame_rate:g} is not usable",
@@ -70,7 +70,7 @@ def check_frame_rate(frame_rate: float) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class MotionClip:
-    """One motion clip; it checks its own shapes, finiteness and frame rate when it is made.
+    """One motion clip; its shapes, values and frame rate are checked when it is made.
 
     Attributes
     ----------
@@ -133,19 +133,19 @@ class MotionClip:
 
     def _adopt(self, name: str, shape: tuple[int, ...]) -> None:
         """Keep field `name` as a read-only, finite float32 array of `shape`."""
-        given = np.asarray(getattr(self, name))
-        if given.shape != shape:
+        values = np.asarray(getattr(self, name))
+        if values.shape != shape:
             raise InputError(
-                f"{name} has shape {given.shape}, expected {shape}",
-                remedy="Give all arrays of the clip one row per frame, of that width",
+                f"{name} has shape {values.shape}, expected {shape}",
+                remedy="Give every array of the clip one row per frame and the expected width",
             )
         largest = LARGEST_ROTATION if name == "poses" else LARGEST_VALUE
-        usable = np.abs(given) <= np.float64(largest)
+        usable = np.abs(values) <= np.float64(largest)
         if not usable.all():
             index = tuple(map(int, np.argwhere(~usable)[0]))
-            if np.isfinite(given[index]):
+            if np.isfinite(values[index]):
                 raise InputError(
-                    f"{name} holds {given[index]:.3g} at index {index}",
+                    f"{name} holds {values[index]:.3g} at index {index}",
                     remedy="Give radians (not degrees), metres and coefficients; repair damaged "
                     "frames",
                 )
@@ -153,7 +153,7 @@ class MotionClip:
                 f"{name} holds a value that is not a number at index {index}",
                 remedy="Repair or cut the frames that hold NaN or infinity",
             )
-        array = np.array(given, dtype=np.float32)
+        array = np.array(values, dtype=np.float32)
         array.setflags(write=False)
         object.__setattr__(self, name, array)
 
@@ -192,13 +192,13 @@ _JOINTS_OF_CHANNEL: Final = MappingProxyType(
 )
 CHANNELS: Final = tuple(_JOINTS_OF_CHANNEL)
 
-_TURNS: Final = 0.02
+_VISIBLE_TURN: Final = 0.02
 """Smallest visible turn of a joint, in radians."""
 
-_SHIFTS: Final = 0.005
+_VISIBLE_SHIFT: Final = 0.005
 """Smallest visible movement of the root, in metres."""
 
-_FACIAL: Final = 0.05
+_VISIBLE_EXPRESSION: Final = 0.05
 """Smallest visible change of a facial action's weight or an expression's coefficient."""
 
 
@@ -243,11 +243,11 @@ def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
 
 def moving_channels(clip: MotionClip) -> frozenset[str]:
     """Return the channels of `clip` that move visibly."""
-    changes = {
-        name: [np.ptp(clip.poses[:, [joint_index(joint) for joint in joints]], axis=0) > _TURNS]
-        for name, joints in _JOINTS_OF_CHANNEL.items()
-    }
-    changes["root"].append(np.ptp(clip.trans, axis=0) > _SHIFTS)
-    facial = (value for value in (clip.expressions, clip.arkit) if value is not None)
-    changes["face"].extend(np.ptp(value, axis=0) > _FACIAL for value in facial)
+    changes = {}
+    for name, joints in _JOINTS_OF_CHANNEL.items():
+        turns = np.ptp(clip.poses[:, [joint_index(joint) for joint in joints]], axis=0)
+        changes[name] = [turns > _VISIBLE_TURN]
+    changes["root"].append(np.ptp(clip.trans, axis=0) > _VISIBLE_SHIFT)
+    faces = (face for face in (clip.expressions, clip.arkit) if face is not None)
+    changes["face"].extend(np.ptp(face, axis=0) > _VISIBLE_EXPRESSION for face in faces)
     return frozenset(name for name, parts in changes.items() if any(part.any() for part in parts))

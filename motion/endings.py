@@ -10,6 +10,6 @@ MOTION_ENDINGS: Final = (".bvh", ".npz", ".npy", ".csv")
 SPEECH_ENDINGS: Final = (
     ".wav", ".flac", ".mp3", ".m4a", ".ogg", ".oga", ".opus", ".aif", ".aiff",
 )  # fmt: skip
-"""In the order in which they are preferred."""
+"""In order of preference."""
 
 VIDEO_ENDING: Final = ".mp4"

@@ -1,4 +1,4 @@
-"""Messages: the one family of errors that a person is meant to read, and lists in sentences."""
+"""Errors that people are meant to read, and the wording of lists and counts."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ class InputError(Exception):
     Parameters
     ----------
     what : str
-        What is wrong, as a clause; a full stop at its end is left out, as the message sets its own.
+        What is wrong, as a clause; a final full stop is dropped, since the message adds its own.
     where : object, optional
-        The file, and within it the line, row, frame or key, where it was found.
+        The file, and the line, row, frame or key in it, where the error is.
     remedy : str, optional
-        What to do, as a sentence; a full stop at its end is left out too.
+        What to do, as a sentence; a final full stop is dropped too.
     """
 
     def __init__(self, what: str, *, where: object = "", remedy: str = "") -> None:
@@ -45,7 +45,7 @@ def _without_full_stop(words: str) -> str:
 
 
 def listed(words: Sequence[str]) -> str:
-    """Return ``a, b and c``; empty where there are no words."""
+    """Return ``a, b and c``; empty for no words."""
     return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))
 
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _FORMULA_STARTS: Final = ("=", "+", "-", "@", "\t", "\r", "\n", "'")
-"""First characters of spreadsheet formulas, and the apostrophe, so that cells of `harmless_cell`
-differ from original ones."""
+"""First characters of spreadsheet formulas, and the apostrophe, so that `cell_as_given` can undo
+`harmless_cell`."""
 
 _NUMBER: Final = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 
@@ -25,7 +25,7 @@ APOSTROPHE: Final = "'"
 
 @contextmanager
 def replacing(path: Path, *, private: bool = False) -> Iterator[Path]:
-    """Give a temporary path in the same folder that replaces `path` when the block succeeds.
+    """Yield a temporary path in the same folder that replaces `path` when the block succeeds.
 
     An interruption leaves the old file or the new one, never half of one.
 
@@ -39,7 +39,7 @@ def replacing(path: Path, *, private: bool = False) -> Iterator[Path]:
     Yields
     ------
     Path
-        Where to write; it keeps the ending of `path`. Removed when the block fails.
+        The path to write to, with the ending of `path`; removed if the block fails.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -56,7 +56,7 @@ def replacing(path: Path, *, private: bool = False) -> Iterator[Path]:
         finally:
             temporary.unlink(missing_ok=True)
     except OSError as error:
-        # A full disk's error names no file, others the temporary one.
+        # The error of a full disk names no file; other errors name the temporary one.
         is_named = error.filename and not Path(error.filename).name.startswith(".")
         if is_named or error.errno is None:
             raise
@@ -76,10 +76,10 @@ def sha256_of(path: Path) -> str:
 
 
 def harmless_cell(text: str) -> str:
-    """Return `text` with an apostrophe before it where a spreadsheet might run it as a formula.
+    """Put an apostrophe before `text` if a spreadsheet might run it as a formula.
 
     Spreadsheets read the apostrophe as 'this is text' and do not show it. Plain numbers such as
-    ``-2`` are no formulas and stay as they are.
+    ``-2`` are not formulas and stay unchanged.
     """
     # Spaces before a formula do not keep every spreadsheet from running it.
     if not text.lstrip(" ").startswith(_FORMULA_STARTS) or _NUMBER.fullmatch(text):
@@ -94,7 +94,7 @@ def cell_as_given(text: str) -> str:
 
 
 def harmless_frame(frame: pd.DataFrame) -> pd.DataFrame:
-    """Return `frame` with `harmless_cell` of all its text, headings included."""
+    """Apply `harmless_cell` to all text of `frame`, headings included."""
     # Imported here: only callers with a frame need pandas, which is slow to import.
     import pandas as pd
 
@@ -110,7 +110,7 @@ def harmless_frame(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def write_frame(path: Path, frame: pd.DataFrame) -> None:
-    """Write a table as CSV in one step, as `harmless_frame` makes it."""
+    """Write a table as CSV in one step, after `harmless_frame`."""
     with replacing(path) as draft:
         harmless_frame(frame).to_csv(draft, index=False, lineterminator="\n")
 

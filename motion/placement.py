@@ -1,10 +1,10 @@
 """Putting a motion into the study's world: y up, facing +z, feet on the floor at the origin.
 
 Data sets disagree about which axis is up, which way a person faces and where they stand. None
-of it is gesture, but all of it would show in a video and give a condition away. Many hold no
-translation, or drop it: the legs then move while the pelvis hangs in the air, and feet hover or
-sink. A hand that rests beside a slim person's leg, or on the hip, may lie inside the leg or the hip
-of another body: the arm is turned about the shoulder until the hand is outside.
+of it is gesture, but all of it would show in a video and give a condition away. Many have no
+translation: the pelvis stays in place while the legs move, and the feet hover or sink. A hand that
+rests next to a slim person's leg, or on the hip, may be inside the leg or hip of another body: the
+arm is turned about the shoulder until the hand is outside.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from motion.skeleton import PARENTS, REST_JOINTS, forward_kinematics, joint_inde
 FloatArray = NDArray[np.float64]
 
 _STILL: Final = 1e-4
-"""Range in metres of a height that never changes; less than any recording's noise."""
+"""Range in metres of a height that counts as constant; less than any recording's noise."""
 
 SINKS_AT_MOST: Final = 0.004
-"""Metres that a sole may be below the ground."""
+"""Largest depth of a sole below the ground, in metres."""
 
 _SMOOTHED_OVER: Final = 0.1
-"""Seconds before and after a frame that its height may depend on."""
+"""Seconds before and after a frame over which its height is smoothed."""
 
 _BEHIND_ANKLE: Final = 0.7
 _BEFORE_TOES: Final = 1.0
 """Positions of heel and toes beyond ankle and foot joint, as shares of their distance."""
 
 _SMALLEST_NOTED_TURN: Final = 1.0
-"""Degrees of the smallest turn that a note mentions."""
+"""Smallest turn that a note mentions, in degrees."""
 
 _SIDES: Final = ("left", "right")
 
@@ -55,9 +55,9 @@ def stand_on_ground(clip: MotionClip, rest_joints: NDArray[np.floating]) -> Moti
     -------
     MotionClip
         Only `trans` differs, and only in height. No sole is further below the ground than
-        `SINKS_AT_MOST`; the height changes smoothly, so that soles may be a little above it while
-        the legs move fast. Sliding of the feet along the ground is left: without translation the
-        body's path is unknown.
+        `SINKS_AT_MOST`. The height changes smoothly: soles may be a little above the ground while
+        the legs move fast. Feet may still slide, since without translation the body's path is
+        unknown.
     """
     if np.ptp(clip.trans[:, 1]) > _STILL:
         return clip
@@ -68,9 +68,9 @@ def stand_on_ground(clip: MotionClip, rest_joints: NDArray[np.floating]) -> Moti
 
 
 def ground_height(rest_joints: NDArray[np.floating]) -> float:
-    """Return the height of the soles' joints of the unposed body, in metres.
+    """Return the height of the lower foot joint of the unposed body, in metres.
 
-    The soles are lower by the distance between the joints and the floor.
+    The soles are below it by the joint's distance from the floor.
     """
     return float(min(rest_joints[joint_index(f"{side}_foot"), 1] for side in _SIDES))
 
@@ -78,7 +78,7 @@ def ground_height(rest_joints: NDArray[np.floating]) -> float:
 def sole_heights(clip: MotionClip, rest_joints: NDArray[np.floating]) -> FloatArray:
     """Return the height of the lowest heel or toe in each frame, shape (T,), in metres.
 
-    They are the ends of a flat plate at the height of the foot's joint, which turns with the foot.
+    They are the ends of a flat plate at the height of the foot joint, which turns with the foot.
     """
     positions, rotations = forward_kinematics(clip.poses, clip.trans, rest_joints)
     heights = []
@@ -99,7 +99,7 @@ def _hann_average(values: FloatArray, radius: int) -> FloatArray:
 
 
 def _smooth(lift: FloatArray, radius: int) -> FloatArray:
-    """Return `lift` averaged over `radius` frames on each side, and hardly anywhere below it."""
+    """Return `lift` averaged over `radius` frames on each side, at most `SINKS_AT_MOST` below."""
     smooth = _hann_average(lift, radius)
     return np.maximum(smooth, lift - SINKS_AT_MOST)
 
@@ -107,10 +107,10 @@ def _smooth(lift: FloatArray, radius: int) -> FloatArray:
 def place(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
     """Return `clip` placed in the study's world, and notes about its rotation.
 
-    The axis nearest to the pelvis' mean direction up becomes +y, the mean direction the pelvis
-    faces becomes +z, the mean position comes to lie over the origin, and the lower foot, for half
-    of the time, on the floor of the unposed body: a single frame in which a recording sinks does
-    not lift all others. The motion itself is not changed.
+    The axis nearest to the pelvis' mean up direction becomes +y, its mean facing direction becomes
+    +z, and the mean position moves over the origin. The median height of the lower sole becomes the
+    height of the floor, so that a single sunken frame does not lift all others. The motion itself
+    does not change.
     """
     notes: list[str] = []
     axis = _up_axis(clip)
@@ -131,7 +131,7 @@ def _pelvis(clip: MotionClip) -> Rotation:
 
 
 def _up_axis(clip: MotionClip) -> tuple[int, ...]:
-    """Return the world axis nearest to where the top of the pelvis points on average."""
+    """Return the world axis nearest to the pelvis' mean up direction."""
     up = _pelvis(clip).apply([0, 1, 0]).mean(axis=0)
     nearest = int(np.argmax(np.abs(up)))
     return tuple(int(np.sign(up[k])) if k == nearest else 0 for k in range(3))
@@ -159,13 +159,14 @@ def _stand_at_origin(clip: MotionClip) -> MotionClip:
 _THIGH: Final = 0.085
 _TRUNK: Final = 0.105
 _TRUNK_ASIDE: Final = 0.065
-"""Metres: radii of thighs and of the two columns, so far aside, that make up the trunk."""
+"""Metres: the radius of a thigh, the radius of each of the trunk's two columns, and the distance of
+the columns from the trunk's axis."""
 
 _HAND: Final = {"wrist": 0.03, "middle1": 0.025, "middle3": 0.015, "index3": 0.01, "pinky3": 0.01}
 """Distance of the skin from each joint of the hand, in metres."""
 
 _OUTWARD: Final = 0.05
-"""Metres added to a hand's lateral position, so that it leaves a leg on its own side."""
+"""Metres added to a hand's lateral position, so that it leaves a leg on the outside."""
 
 _ROUNDS: Final = 3
 _TURNS_SMOOTHED_OVER: Final = 0.15
@@ -236,7 +237,7 @@ def _outward_turns(clip: MotionClip, side: str, sign: float) -> FloatArray:
 def _columns(
     positions: FloatArray, rotations: FloatArray
 ) -> list[tuple[FloatArray, FloatArray, float]]:
-    """Return start and end, shape (T, 3), and radius of what hands must stay out of."""
+    """Return start and end, shape (T, 3), and radius of each column that hands must stay out of."""
     pelvis, chest = positions[:, joint_index("pelvis")], positions[:, joint_index("spine3")]
     aside = _TRUNK_ASIDE * rotations[:, 0, :, 0]
     hips = [
@@ -257,10 +258,10 @@ def _nearest_point(point: FloatArray, start: FloatArray, end: FloatArray) -> Flo
 
 
 def _smooth_turns(turns: FloatArray, radius: int) -> FloatArray:
-    """Return smooth turns that, unless directions cancel, are at least as large as the given ones.
+    """Return smoothed turns, at least as large as `turns` unless directions cancel.
 
-    The largest size within reach, averaged within reach, is at least the size itself. Directions
-    are averaged over twice the reach, which is as far as that spreads.
+    The maximum size within `radius`, averaged over `radius`, is at least the size itself. It
+    spreads over twice `radius`, so directions are averaged over that.
     """
     size = np.linalg.norm(turns, axis=1)
     largest = maximum_filter1d(size, 2 * radius + 1, mode="nearest")

@@ -1,4 +1,4 @@
-"""Processes that compute side by side."""
+"""A pool of processes for parallel computation."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _Result = TypeVar("_Result")
 class ProcessPool(ProcessPoolExecutor):
     """New processes, each with one thread for matrix products; leaving it cancels waiting tasks.
 
-    Ctrl-C reaches all processes of a terminal. It interrupts the tasks that run; processes that
-    still load modules, or wait, leave it to their parent and print nothing.
+    Ctrl-C reaches all processes of a terminal. It interrupts running tasks. Processes that wait or
+    are still loading modules leave it to their parent and print nothing.
     """
 
     def __init__(self, count: int) -> None:
@@ -34,7 +34,7 @@ class ProcessPool(ProcessPoolExecutor):
         *args: _Arguments.args,
         **kwargs: _Arguments.kwargs,
     ) -> Future[_Result]:
-        """Start a task, and with the first one the processes, which inherit the mask."""
+        """Submit a task; the first one starts the processes, which inherit the signal mask."""
         with _interruptions(signal.SIG_BLOCK):
             return super().submit(_run, partial(fn, *args, **kwargs))
 
@@ -47,16 +47,16 @@ def _run(task: Callable[[], _Result]) -> _Result:
         with _interruptions(signal.SIG_UNBLOCK):
             return task()
     except KeyboardInterrupt:
-        # It stays pending, and ends the tasks that the process has fetched already.
+        # It stays pending, and ends the tasks that the process has already fetched.
         signal.raise_signal(signal.SIGINT)
         raise
 
 
 @contextmanager
 def _interruptions(how: signal.Sigmasks) -> Iterator[None]:
-    # A signal that waits is raised while the mask is set.
     previous = signal.pthread_sigmask(signal.SIG_BLOCK, ())
     try:
+        # A pending signal is raised here.
         signal.pthread_sigmask(how, {signal.SIGINT})
         yield
     finally:

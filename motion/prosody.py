@@ -14,10 +14,10 @@ syllable
 accent
     A syllable that stands out by loudness and by pitch together. Loudness prominence is how far
     the envelope rises above the average of the speech around it (Gaussian, 0.75 s), pitch
-    prominence how high the pitch within 80 ms lies above the median of 1.5 s to either side, in
-    semitones, both in units of their spread over the segment's syllables. Loudness weighs twice
-    as much: it is the better single cue (Kochanski et al. 2005, "Loudness predicts prominence").
-    The stronger half of the syllables is accented.
+    prominence how far the pitch within 80 ms is above the median of 1.5 s to either side, in
+    semitones; both are divided by their spread over the segment's syllables. Loudness counts twice:
+    it is the better single cue (Kochanski et al. 2005, "Loudness predicts prominence"). The
+    stronger half of the syllables is accented.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def prosody(audio: Audio, frame_rate: float) -> Prosody:
     Returns
     -------
     Prosody
-        Silent audio has energy 0 and no accent.
+        Silent audio has energy 0 and no accents.
     """
     frames = round(audio.duration * frame_rate)
     samples = audio.samples_at(SPEECH_RATE)
@@ -145,7 +145,7 @@ def _pitch(samples: FloatArray, energy: FloatArray) -> FloatArray:
 
 
 def _nuclei(energy: FloatArray) -> NDArray[np.intp]:
-    """Return the steps at which syllables are loudest."""
+    """Return the analysis steps of the syllable nuclei."""
     nuclei, _ = find_peaks(
         energy,
         height=_PAUSE_ENERGY,
@@ -184,9 +184,9 @@ def _rise_of_energy(energy: FloatArray) -> FloatArray:
 
 
 def _height_of_pitch(pitch: FloatArray, nuclei: NDArray[np.intp]) -> FloatArray:
-    """Return the pitch at each nucleus above the pitch around it, in semitones.
+    """Return the pitch at each nucleus relative to the pitch around it, in semitones.
 
-    Against the pitch around, because it falls over an utterance (declination).
+    The pitch around it, because pitch falls over an utterance (declination).
     """
     near, far = (
         round(_NUCLEUS_RADIUS * _STEPS_PER_SECOND),
@@ -203,8 +203,8 @@ def _height_of_pitch(pitch: FloatArray, nuclei: NDArray[np.intp]) -> FloatArray:
 
 
 def _standardised(values: FloatArray, least_spread: float) -> FloatArray:
-    """Return `values` around their mean in units of their spread, but at least `least_spread`.
+    """Return `values` minus their mean, divided by their spread or `least_spread` if larger.
 
-    Inaudible differences must not count as much as audible ones.
+    Otherwise inaudible differences would count as much as audible ones.
     """
     return np.asarray((values - values.mean()) / max(float(values.std()), least_spread))

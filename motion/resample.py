@@ -19,9 +19,9 @@ def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
     """Return `clip` at another frame rate, over the same time.
 
     Rotations are interpolated on the sphere (slerp), everything else linearly. New frame k lies
-    at ``k / frame_rate`` seconds; frames past the last given one repeat it. Nothing is filtered:
-    what a recorded wrist does above 15 Hz, half of the videos' rate, moves it by less than 0.4 mm
-    (root mean square), a fraction of a pixel.
+    at ``k / frame_rate`` seconds; frames past the clip's last one repeat it. Nothing is filtered:
+    a recorded wrist moves by less than 0.4 mm (root mean square) at frequencies above 15 Hz, half
+    the videos' rate; that is a fraction of a pixel.
 
     Parameters
     ----------
@@ -64,20 +64,20 @@ def frame_positions(
     Parameters
     ----------
     frames : int
-        Given frames, at least one.
+        Number of source frames, at least 1.
     given_rate, frame_rate : float
-        Their frames per second, and those of the result.
+        Frames per second of the source and of the result.
 
     Returns
     -------
     before, after : ndarray of int, shape (n,)
-        The given frames on either side; ``n = round(frames / given_rate * frame_rate)``, at least
-        one.
+        The source frames on either side; ``n = round(frames / given_rate * frame_rate)``, at least
+        1.
     share : ndarray, shape (n,)
         How far from `before` to `after` each new frame lies, in [0, 1).
     """
     count = max(1, round(frames / given_rate * frame_rate))
-    # Rounding keeps frames that fall on a given one exactly there.
+    # Rounding keeps frames that fall on a source frame exactly there.
     position = np.round(np.arange(count) * given_rate / frame_rate, 9)
     previous = position.astype(int)
     following = np.minimum(previous + 1, frames - 1)
@@ -122,7 +122,7 @@ def cut(clip: MotionClip, start: float, end: float) -> MotionClip:
     clip : MotionClip
         The motion.
     start, end : float
-        Seconds, ``0 <= start < end``; where `end` lies past the clip by no more than
+        Seconds, ``0 <= start < end``. If `end` is past the clip by no more than
         `motion.segment.CUT_TOLERANCE`, the last frame is held.
 
     Returns

@@ -1,4 +1,4 @@
-"""Speech segments, excerpts that every condition of a study moves to, and the table of them."""
+"""Speech segments, the excerpts that all conditions of a study have in common, and their table."""
 
 from __future__ import annotations
 
@@ -93,11 +93,11 @@ class Segment:
 
 
 CUT_TOLERANCE: Final = 0.1
-"""Seconds by which an excerpt may reach past the end of what it is cut from."""
+"""Seconds by which an excerpt may extend past the end of its recording or clip."""
 
 
 def excerpt_bounds(start: float, end: float, *, rate: float, length: int) -> tuple[int, int]:
-    """Return the first item of an excerpt and how many it has.
+    """Return the first item of an excerpt and its number of items.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def excerpt_bounds(start: float, end: float, *, rate: float, length: int) -> tup
     rate : float
         Items (samples, frames) per second.
     length : int
-        Number of items. An excerpt may ask for up to `CUT_TOLERANCE` seconds more.
+        Number of items. An excerpt may extend past them by up to `CUT_TOLERANCE` seconds.
 
     Returns
     -------
@@ -118,7 +118,7 @@ def excerpt_bounds(start: float, end: float, *, rate: float, length: int) -> tup
     Raises
     ------
     InputError
-        If the excerpt is empty or lies outside.
+        If the excerpt is empty or outside the items.
     """
     duration = length / rate
     if 0 <= start < end <= duration + CUT_TOLERANCE:
@@ -126,7 +126,7 @@ def excerpt_bounds(start: float, end: float, *, rate: float, length: int) -> tup
         if first < length and count >= 1:
             return first, count
     raise InputError(
-        f"an excerpt from {start:g} s to {end:g} s was asked of {duration:.2f} s",
+        f"there is no excerpt from {start:g} s to {end:g} s in {duration:.2f} s",
         remedy="Give 0 <= start < end within the recording",
     )
 
@@ -165,7 +165,7 @@ def read_segments(speech_folder: Path) -> tuple[Segment, ...]:
             raise InputError(
                 f"segment {segment.name!r} is already on line {line_of[segment.name]}",
                 where=where,
-                remedy="Give every segment a name of its own",
+                remedy="Give every segment its own name",
             )
         if not (table.parent / segment.wav).is_file():
             raise InputError(

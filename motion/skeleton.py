@@ -1,4 +1,4 @@
-"""SMPL-X's 55 joints: names, tree, forward kinematics, and how they rest.
+"""SMPL-X's 55 joints: names, tree, forward kinematics, and rest positions.
 
 Source: Pavlakos et al. 2019, "Expressive Body Capture" (SMPL-X); order as in its model files.
 """
@@ -69,7 +69,7 @@ def forward_kinematics(
     rotations : ndarray, shape (T, 55, 3, 3)
         World rotation matrices.
     """
-    # Names of joints are needed where nothing is turned, and scipy is slow to load.
+    # Imported here: many callers only need the joints' names, and scipy is slow to load.
     from scipy.spatial.transform import Rotation
 
     frames = len(poses)
@@ -147,10 +147,10 @@ REST_JOINTS: Final[NDArray[np.float64]] = np.array(
         (-0.7826, 0.0073, 0.1075),  # right_thumb3
     ]
 )
-"""Where the default body's joints are when nothing is posed, shape (55, 3), metres: T-pose, palms
-down, y up, facing +z, left at +x.
+"""Joints of the default body in T-pose, shape (55, 3), metres: palms down, y up, facing +z, left at
++x.
 
-Taken from the body that `renderer.look` names (a test holds the two together), so that importing or
+Taken from the body that `renderer.look` names (a test compares the two), so that importing or
 generating motion needs no mesh.
 """
 
@@ -165,13 +165,13 @@ _FLEXION: Final = {
     "pinky": (0.42, 0.52, 0.30),
     "ring": (0.38, 0.54, 0.30),
 }
-"""Radians by which the three joints of each finger of a relaxed hand bend."""
+"""Flexion of the three joints of each finger of a relaxed hand, in radians."""
 
 _SPREAD: Final = {"index": 0.09, "middle": -0.05, "pinky": -0.17, "ring": -0.12}
-"""Radians by which each left finger turns about y towards the others; at rest they are spread."""
+"""Radians by which each left finger turns about y towards the others; in T-pose they are spread."""
 
 _THUMB_ROTATIONS: Final = ((-0.02, 0.26, 0.29), (0.05, 0.10, -0.05), (0.05, 0.10, -0.05))
-"""Rotations of the left thumb's joints, axis-angle in radians: beside the index finger."""
+"""Rotations of the left thumb's joints, axis-angle in radians: next to the index finger."""
 
 
 def _relaxed_hands() -> NDArray[np.float32]:

@@ -1,7 +1,6 @@
-"""Speech without a recording: sentences spoken by espeak-ng, with a prosody for each emotion.
+"""Synthetic speech: sentences spoken by espeak-ng, with a prosody for each emotion.
 
-It stands in for recordings where there are none, as in a demonstration: it is audibly synthetic,
-and not acted emotion.
+It replaces recordings in demonstrations. It sounds synthetic, and its emotions are not acted.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ class SpokenProsody:
     pitch : int
         Height of the voice, 0 to 99; 50 is the voice's own.
     pitch_range : int
-        How far the pitch moves, in percent of the voice's own.
+        Range of the pitch, in percent of the voice's own.
     amplitude : int
         Loudness, 0 to 200; 100 is the voice's own.
     """
@@ -58,9 +57,9 @@ PROSODY_OF_EMOTION: Final[Mapping[str, SpokenProsody]] = MappingProxyType(
         "disgust": SpokenProsody(speed=130, pitch=40, pitch_range=115, amplitude=100),
     }
 )
-"""Anger, fear, happiness and sadness go in the directions that Juslin & Laukka 2003 found across
-studies (anger, fear and happiness fast, sadness slow and soft; anger and happiness with a wide
-pitch range, fear and sadness with a narrow one); the other four were chosen to sound distinct."""
+"""Anger, fear, happiness and sadness follow what Juslin & Laukka 2003 found across studies (anger,
+fear and happiness fast, sadness slow and soft; anger and happiness with a wide pitch range, fear
+and sadness with a narrow one); the other four were chosen to sound distinct."""
 
 
 def speak(text: str, emotion: str, out_path: Path) -> Audio:
@@ -77,24 +76,24 @@ def speak(text: str, emotion: str, out_path: Path) -> Audio:
 
 
 def speak_as(text: str, prosody: SpokenProsody, out_path: Path, speaker: str = "en") -> Audio:
-    """Speak `text` into a WAV file with a prosody of one's own.
+    """Speak `text` into a WAV file.
 
     Parameters
     ----------
     text : str
-        The text; plain, without markup.
+        Plain text without markup.
     prosody : SpokenProsody
-        Its prosody.
+        Speed, pitch and loudness of the speech.
     out_path : Path
-        The WAV file to write, in one step.
+        The WAV file, written in one step.
     speaker : str
         espeak-ng's voice, such as ``en``, ``en-us`` or ``en+f3``.
 
     Returns
     -------
     Audio
-        What was written, as `motion.audio.read_audio` reads it. The same arguments give the
-        same samples.
+        The speech, as `motion.audio.read_audio` reads it. The same arguments give the same
+        samples.
 
     Raises
     ------
@@ -114,7 +113,7 @@ def speak_as(text: str, prosody: SpokenProsody, out_path: Path, speaker: str = "
 
 
 def synthesiser_version() -> str:
-    """Return name and version of what speaks: another one gives other samples.
+    """Return the name and version of the synthesiser, on which the samples depend.
 
     Raises
     ------
@@ -124,12 +123,11 @@ def synthesiser_version() -> str:
     process = subprocess.run(  # noqa: S603
         [_program(), "--version"], capture_output=True, check=True, timeout=_TIME_LIMIT, text=True
     )
-    # The path of its data on this machine follows.
+    # The rest is the path of its data on this machine.
     return process.stdout.split("Data at")[0].strip()
 
 
 def _program() -> str:
-    """Return the path of espeak-ng."""
     program = shutil.which(_PROGRAM)
     if program is None:
         raise InputError(
@@ -140,7 +138,6 @@ def _program() -> str:
 
 
 def _run(program: str, text: str, prosody: SpokenProsody, speaker: str, wav: Path) -> None:
-    """Let espeak-ng write `wav`."""
     markup = f'<speak><prosody range="{prosody.pitch_range}%">{escape(text)}</prosody></speak>'
     command = [
         program,

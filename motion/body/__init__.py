@@ -1,1 +1,1 @@
-"""A body in SMPL-X's file format: its file, its skin, its face, and what it cannot show."""
+"""A body in SMPL-X's file format: its file, skin and face, and the features it cannot show."""

@@ -35,11 +35,11 @@ class BodyAbilities:
     Attributes
     ----------
     has_face : bool
-        Whether any facial expression moves it.
+        Whether it has facial expressions.
     has_arkit_slots : bool
         Whether it shows ARKit's facial actions, rather than SMPL-X's expression components.
     has_matrix : bool
-        Whether it also shows the other ones, through a matrix.
+        Whether it also shows the other kind, converted by a matrix.
     shapes : int
         The number of its betas.
     """
@@ -51,7 +51,7 @@ class BodyAbilities:
 
 
 def unsupported(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
-    """Return a sentence for each thing in `clip` that a body with these abilities cannot show."""
+    """Return a sentence for each feature of `clip` that a body with these abilities cannot show."""
     return tuple(chain(_expression_notes(clip, body), _shape_notes(clip, body)))
 
 
@@ -110,7 +110,7 @@ def read_expression_matrix(path: Path) -> FloatArray:
     Raises
     ------
     InputError
-        If the file is missing, cannot be read, or is no such matrix of finite numbers.
+        If the file is missing, cannot be read, or is not such a matrix of finite numbers.
     """
     if not path.is_file():
         raise InputError(

@@ -30,8 +30,8 @@ def body_archive(path: Path) -> Iterator[NpzFile]:
     Raises
     ------
     InputError
-        If the file is missing or no such archive, or an array asked for in the block is damaged
-        or would run code.
+        If the file is missing or not an archive, or an array read in the block is damaged or would
+        run code.
     """
     if not path.is_file():
         raise InputError(
@@ -70,13 +70,13 @@ def read_mean_hands(body: Path) -> FloatArray | None:
 
 
 def add_mean_hands(clip: MotionClip, mean_hands: FloatArray) -> MotionClip:
-    """Return `clip`, whose fingers are relative to mean hands, with absolute fingers.
+    """Convert finger rotations relative to mean hands into absolute ones.
 
     Parameters
     ----------
     clip : MotionClip
-        Its finger rotations are zero where the hands are the mean ones, as in a model that was
-        created with ``flat_hand_mean=False``.
+        Zero finger rotations are the mean hands, as in a model created with
+        ``flat_hand_mean=False``.
     mean_hands : ndarray, shape (30, 3)
         Axis-angle in radians; added to the clip's as SMPL-X adds them.
     """

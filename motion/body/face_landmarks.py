@@ -26,10 +26,10 @@ from motion.skeleton import JOINT_COUNT, joint_index
 FloatArray = NDArray[np.float32]
 
 _COMPONENTS: Final = 52
-"""Facial actions, or leading expression components, that get a landmark each."""
+"""Number of facial actions, or leading expression components, that may have a landmark."""
 
 _MIN_DISTANCE: Final = 0.006
-"""Metres between two landmarks of the neutral face."""
+"""Smallest distance between two landmarks of the neutral face, in metres."""
 
 _MIN_SHIFT: Final = 1e-3
 """Smallest movement of a landmark by its component, in metres."""
@@ -41,8 +41,8 @@ _SKIN: Final = ("skin", "lips")
 """Materials that may have landmarks, if the body names the materials of its vertices."""
 
 _EXACT: Final = 3e-4
-"""Metres of misfit that count as much as a weight of 1, of landmarks without noise: only what no
-landmark shows stays 0."""
+"""Metres of misfit that count as much as a weight of 1, for landmarks without noise: only actions
+that no landmark shows stay 0."""
 
 _MAX_SWEEPS: Final = 200
 _TOLERANCE: Final = 1e-4
@@ -56,7 +56,7 @@ class FaceLandmarks:
     Attributes
     ----------
     body : BodyModel
-        A body of the landmarks and of the joints alone: its first vertices are the landmarks.
+        A body of landmarks and joints only; its first vertices are the landmarks.
     count : int
         The number of landmarks.
     """
@@ -68,8 +68,8 @@ class FaceLandmarks:
     def of(cls, body: BodyModel) -> FaceLandmarks:
         """Choose landmarks on the face of `body`.
 
-        For each component in turn, takes the vertex it moves most among those at least 6 mm from
-        all chosen before, if it moves one by 1 mm or more.
+        For each component in turn, takes the vertex that it moves most among those at least 6 mm
+        from all earlier landmarks, if it moves that vertex by 1 mm or more.
 
         Raises
         ------
@@ -88,8 +88,8 @@ class FaceLandmarks:
     def of_default_body(cls) -> FaceLandmarks:
         """Return the landmarks of the default body.
 
-        Frozen from the body that `renderer.look` freezes (a test holds the two together), so
-        that networks need no mesh.
+        Taken from the body that `renderer.look` names (a test compares the two), so that networks
+        need no mesh.
         """
         with np.load(Path(__file__).with_name("default_face.npz")) as file:
             return cls.from_arrays(dict(file))
@@ -114,14 +114,14 @@ class FaceLandmarks:
             )
 
     def facial_actions(self, shifts: FloatArray, *, misfit: float = _EXACT) -> FloatArray:
-        """Return the weights of ARKit's facial actions that shift the landmarks nearest to these.
+        """Return the weights of ARKit's facial actions that best explain the landmarks' shifts.
 
         Least squares with all weights in [0, 1], by coordinate descent in all frames at once.
 
         Parameters
         ----------
         shifts : ndarray, shape (T, L, 3)
-            The shifts that `shifts` returns.
+            Shifts in metres, as the method `shifts` returns them.
         misfit : float
             Metres of misfit, over all landmarks, that count as much as a weight of 1. Noisy
             landmarks need more, so that no action explains their noise.
@@ -157,7 +157,7 @@ class FaceLandmarks:
         Parameters
         ----------
         clip : MotionClip
-            Its face and jaw count; the position of the head does not.
+            The motion; only its face and jaw count.
 
         Returns
         -------
@@ -191,7 +191,7 @@ class FaceLandmarks:
         faces = replace(
             clip, poses=poses, trans=np.zeros_like(clip.trans), betas=np.zeros(0, np.float32)
         )
-        # All frames at once: the body's own batches are made for many more vertices.
+        # All frames at once: the body's own batches are sized for many more vertices.
         unposed = self.body.unposed(faces)[:, : self.count]
         moved_by = np.tensordot(self.body.skinning_matrices(faces), self._weights, axes=(1, 1))
         rotated = np.einsum("nabv,nvb->nva", moved_by[:, :, :3], unposed)
@@ -214,12 +214,12 @@ class FaceLandmarks:
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> FaceLandmarks:
-        """Return the landmarks whose `arrays` these are.
+        """Return the landmarks from what their `arrays` returned.
 
         Raises
         ------
         InputError
-            If an array is missing, or they do not fit together.
+            If an array is missing, or their shapes do not fit together.
         """
         try:
             template = arrays["template"]
@@ -276,7 +276,7 @@ def landmark_vertices(body: BodyModel) -> NDArray[np.int64]:
 
 
 def _choose_landmarks(body: BodyModel) -> list[tuple[int, int]]:
-    """Return components, each with the vertex that is its landmark."""
+    """Return each component that has a landmark, with the landmark's vertex."""
     displacements = np.linalg.norm(body.expression_directions, axis=1)
     allowed = _skin_mask(body)
     chosen: list[tuple[int, int]] = []
@@ -292,7 +292,7 @@ def _choose_landmarks(body: BodyModel) -> list[tuple[int, int]]:
 
 
 def _skin_mask(body: BodyModel) -> NDArray[np.bool_]:
-    """Return for each vertex whether it may be a landmark."""
+    """Return whether each vertex may be a landmark."""
     if "material" not in body.surface:
         return np.ones(len(body.template), bool)
     names = [str(name) for name in body.surface["material_names"]]
@@ -303,18 +303,18 @@ def _skin_mask(body: BodyModel) -> NDArray[np.bool_]:
 def _arrays_of(body: BodyModel, vertices: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
     """Return the arrays of a body whose vertices are `vertices` of `body`, then its joints.
 
-    Joints are sums of vertices, and move with expressions as these sums do.
+    Joints are weighted sums of vertices, and move with expressions as these sums do.
     """
     regressor = body.joint_regressor
 
-    def kept(values: FloatArray) -> FloatArray:
+    def reduced(values: FloatArray) -> FloatArray:
         flat = (regressor @ values.reshape(len(values), -1)).reshape(JOINT_COUNT, *values.shape[1:])
         return np.concatenate([values[vertices], flat.astype(np.float32)])
 
     weights = body.weights[vertices].toarray()[:, :JOINT_COUNT]
     arrays: dict[str, NDArray[Any]] = {
-        "template": kept(body.template),
-        "expression_directions": kept(body.expression_directions),
+        "template": reduced(body.template),
+        "expression_directions": reduced(body.expression_directions),
         "weights": np.concatenate([weights, np.eye(JOINT_COUNT, dtype=np.float32)]),
         "arkit_slots": np.array([body.has_arkit_slots]),
     }
@@ -330,7 +330,7 @@ def _arrays_of(body: BodyModel, vertices: NDArray[np.int64]) -> dict[str, NDArra
 def _bounded_weights(
     effects: NDArray[np.float64], targets: NDArray[np.float64], misfit: float
 ) -> NDArray[np.float64]:
-    """Return the weights (K, T) in [0, 1] by which `effects` (P, K) come nearest to `targets`."""
+    """Return the weights (K, T) in [0, 1] with which `effects` (P, K) best fit `targets`."""
     normal = effects.T @ effects + misfit**2 * np.eye(effects.shape[1])
     projections = effects.T @ targets.T
     weights = np.clip(np.linalg.solve(normal, projections), 0, 1)

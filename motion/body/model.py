@@ -47,7 +47,7 @@ _JAW_FULLY_OPEN: Final = 0.28
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BodyModel:
-    """A body that a motion clip can be put on.
+    """A body that a motion clip can animate.
 
     Attributes
     ----------
@@ -66,13 +66,13 @@ class BodyModel:
     weights : sparse matrix, shape (V, 55 + K)
         Skin weights of the skeleton's joints, then of the K twist joints.
     twist_joints : TwistJoints or None
-        Extra joints that keep the skin from being wrung; a licensed body has none.
+        Extra joints that keep the skin from wringing; a licensed body has none.
     has_arkit_slots : bool
         Whether the expression directions are ARKit's facial actions, in the order of
         `motion.clip.ARKIT_NAMES`, rather than SMPL-X's expression components.
     expression_matrix : ndarray, shape (100, 52), or None
-        Turns a clip's face into this body's terms where the clip has it only in the other ones:
-        SMPL-X's expression coefficients (rows) into ARKit weights (columns), or these into those.
+        Converts a clip's face if the clip has only the other kind of face than this body: SMPL-X's
+        expression coefficients (rows) to ARKit weights (columns), or the reverse.
     credits : str
         Authors of the body; empty if the file does not name them.
     surface : mapping of str to ndarray
@@ -103,9 +103,9 @@ class BodyModel:
         )
 
     def face(self, clip: MotionClip) -> FloatArray | None:
-        """Return the clip's face in this body's terms, shape (n, 52) or (n, 100); None without.
+        """Return the clip's face as this body's parameters, shape (n, 52) or (n, 100), or None.
 
-        The clip's face in the body's own parameters takes precedence over a converted one.
+        A face that the clip has in these parameters takes precedence over a converted one.
         """
         native, foreign = (clip.arkit, clip.expressions)[:: 1 if self.has_arkit_slots else -1]
         matrix = self.expression_matrix
@@ -116,7 +116,7 @@ class BodyModel:
     def expression_weights(self, clip: MotionClip) -> FloatArray | None:
         """Return the weight of each expression direction, shape (n, E); None where all are 0.
 
-        The weight of jawOpen is reduced by what the jaw joint already opens.
+        The weight of jawOpen is reduced by the opening of the jaw joint.
         """
         values = self.face(clip)
         if values is None or not np.any(values):
@@ -141,9 +141,9 @@ class BodyModel:
         Parameters
         ----------
         clip : MotionClip
-            The motion. Its betas are applied as far as the model has shape directions, its face as
-            by `face`; `motion.body.abilities` lists what is left out. If both the jaw joint and
-            ARKit's jawOpen open the mouth, the wider opening counts.
+            The motion. Betas without a shape direction are ignored, and `face` converts the face;
+            `motion.body.abilities` reports what is lost. If both the jaw joint and ARKit's jawOpen
+            open the mouth, the wider opening counts.
         frames : slice
             Which frames; all by default.
 
@@ -168,7 +168,7 @@ class BodyModel:
         return self._unposed(clip, self.shaped(clip.betas))
 
     def skinning_matrices(self, clip: MotionClip) -> FloatArray:
-        """Return the transforms of the unposed skin by each joint, shape (n, 55 + K, 3, 4).
+        """Return each joint's transform of the unposed skin, shape (n, 55 + K, 3, 4).
 
         The vertices of a frame are the unposed ones, each moved by the sum of these matrices
         weighted with its row of `weights`.
@@ -220,7 +220,7 @@ class BodyModel:
 
     @cached_property
     def _expression_parts(self) -> tuple[NDArray[np.int_], FloatArray, FloatArray]:
-        """The vertices that expressions move, how they do, and how the joints move with them."""
+        """The vertices that expressions move, their directions, and those of the joints."""
         directions = self.expression_directions
         moved_vertices = np.flatnonzero(np.abs(directions).max(axis=(1, 2)) > _STILL)
         flat = self.joint_regressor @ directions.reshape(len(directions), -1)
@@ -236,12 +236,12 @@ def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel
     path : Path
         The default body, or a licensed ``SMPLX_*.npz``. Nothing in it is unpickled.
     expression_matrix : Path or None
-        A file that `motion.body.abilities` reads.
+        A file for `motion.body.abilities.read_expression_matrix`.
 
     Raises
     ------
     InputError
-        If the file is missing, is no such archive, or lacks an array or has one of a wrong shape.
+        If the file is missing or not an archive, or an array is missing or has a wrong shape.
     """
     with body_archive(path) as archive:
         missing = [name for name in _REQUIRED if name not in archive]
@@ -311,14 +311,14 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
             "twist_weights": (count, JOINT_COUNT + extra),
         }
     for name, shape in expected.items():
-        found_shape = arrays[name].shape
-        fits = len(found_shape) == len(shape) and all(
-            want in (None, have) for want, have in zip(shape, found_shape, strict=True)
+        actual_shape = arrays[name].shape
+        fits = len(actual_shape) == len(shape) and all(
+            size in (None, actual) for size, actual in zip(shape, actual_shape, strict=True)
         )
         if not fits:
             expected_shape = ", ".join("any" if size is None else str(size) for size in shape)
             raise InputError(
-                f"{name} of the body model has shape {found_shape}, expected ({expected_shape})",
+                f"{name} of the body model has shape {actual_shape}, expected ({expected_shape})",
                 where=path,
                 remedy=f"Give an SMPL-X model with {JOINT_COUNT} joints in .npz format",
             )
@@ -338,9 +338,9 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
 
 
 def _without_spare_vertices(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Return the arrays without the vertices at the end that are there only for smplx.
+    """Return the arrays without the spare vertices at the end.
 
-    It looks up landmarks at fixed indices that the default bodies do not have.
+    They exist for smplx, which looks up landmarks at fixed indices that a smaller body lacks.
     """
     count = len(arrays["v_template"]) - int(arrays.get("spare_vertices", 0))
     shortened = {name: arrays[name][:count] for name in _PER_VERTEX if name in arrays}

@@ -6,7 +6,7 @@ like a candy wrapper. Extra joints along the bone, turned by a growing share of 
 only small differences to average. Decomposition into swing and twist: Dobrowolski 2015,
 "Swing-twist decomposition in Clifford algebra", section 3.
 
-A forearm whose skeleton had all its twist in elbow or wrist shares it out between the two.
+If a skeleton has all of a forearm's twist in the elbow or in the wrist, the two share it.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def skinning_matrices(
     Returns
     -------
     ndarray, shape (n, 55 + K, 3, 4), float32
-        Applied to a point of the unposed skin with a 1 appended, gives where it is, in metres.
+        Maps a point of the unposed skin, with a 1 appended, to its posed position in metres.
     """
     count = len(poses)
     turns = Rotation.from_rotvec(np.asarray(poses, float).reshape(-1, 3))
@@ -99,7 +99,7 @@ def skinning_matrices(
 
 
 def four_strongest(weights: sparse.csr_array) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Return the four joints that each vertex follows most, and how much, for graphics cards.
+    """Return each vertex's four joints with the largest weights, for graphics cards.
 
     Parameters
     ----------
@@ -123,14 +123,14 @@ def four_strongest(weights: sparse.csr_array) -> tuple[NDArray[np.int64], NDArra
 def twist_angles(
     quaternions: NDArray[np.floating], axes: NDArray[np.floating]
 ) -> NDArray[np.float64]:
-    """Return by how much rotations twist about unit `axes`, in radians from -pi to pi.
+    """Return the twist of rotations about unit `axes`, in radians from -pi to pi.
 
     Parameters
     ----------
     quaternions : ndarray, shape (..., 4)
         Unit quaternions, scalar last.
     axes : ndarray, shape (..., 3)
-        Unit vectors. A rotation by half a turn about an axis across has no twist: 0 is returned.
+        Unit vectors. Half a turn about a perpendicular axis has no defined twist: 0 is returned.
     """
     projections = np.einsum("...a,...a->...", quaternions[..., :3], axes)
     scalar = quaternions[..., 3]
@@ -189,7 +189,7 @@ def _rotate_points(matrices: FloatArray, points: NDArray[np.floating]) -> FloatA
 
 @dataclass(frozen=True)
 class ForearmTwists:
-    """The twists of forearms at the end of a piece of motion, from which the next continues.
+    """The twists of forearms in the last frame of a chunk of motion; the next chunk continues them.
 
     Attributes
     ----------
@@ -208,7 +208,7 @@ NO_TWISTS: Final = ForearmTwists(np.zeros((2, 2)), np.zeros((2, 2)))
 
 
 def share_forearm_twist(local: FloatArray, previous: ForearmTwists | None) -> ForearmTwists:
-    """Let wrist and elbow take half each of how far the forearm is twisted; return the last twists.
+    """Split each forearm's twist evenly between elbow and wrist; return the last frame's twists.
 
     Other skeletons often turn the palm at the elbow alone, which wrings the skin there. The
     directions of bones and hands do not change.
@@ -235,7 +235,7 @@ def share_forearm_twist(local: FloatArray, previous: ForearmTwists | None) -> Fo
         turns = _turns(
             angles, None if previous is None else (previous.angles[index], previous.turns[index])
         )
-        # Past half a turn an angle wraps around; half of it would jump.
+        # An angle wraps past half a turn, where half of it would jump.
         twists = angles + 2 * np.pi * turns
         transferred = (twists[:, 0] - twists[:, 1]) / 2
         turn = Rotation.from_rotvec(transferred[:, None] * axis).as_matrix()

@@ -21,8 +21,8 @@ _DEFAULT_GLOSS: Final = 0.035
 class VertexNormals:
     """Unit normals of one mesh in many poses.
 
-    Vertices that share a place in the template share their normal, so that a border between two
-    colours is no crease.
+    Vertices at the same place in the template share a normal, so that a border between two colours
+    shows no crease.
     """
 
     def __init__(self, body: BodyModel) -> None:
@@ -48,9 +48,9 @@ class VertexNormals:
 
 
 def surface_colours(body: BodyModel) -> FloatArray:
-    """Return each vertex's sRGB colour in [0, 1] and how much it gleams, shape (V, 4).
+    """Return each vertex's sRGB colour in [0, 1] and its gloss, shape (V, 4).
 
-    A body that does not bring its colours, as a licensed one, has one plain colour.
+    A body without colours, such as a licensed one, has one plain colour.
     """
     if "colours" in body.surface:
         return np.asarray(body.surface["colours"] / 255, np.float32)

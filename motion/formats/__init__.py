@@ -33,17 +33,16 @@ from motion.skeleton import FINGERS, RELAXED_HANDS
 __all__ = ["is_motion_file", "read_clip", "read_motion", "read_recorded", "write_clip"]
 
 _UNMOVED: Final = 1e-6
-"""Largest angle, in radians, of fingers that a file does not hold."""
-
+"""Largest angle of fingers that a file does not hold, in radians."""
 
 _FAST: Final = 3.0
-"""Mean speed of the pelvis, in m/s, of a runner; beyond gestures."""
+"""Mean speed of a runner's pelvis in m/s; gestures are slower."""
 
 _RADIANS: Final = np.pi
-"""A BVH probably holds radians if 95 of 100 of its rotations that are not zero stay below this."""
+"""A BVH probably holds radians if 95% of its rotations other than zero are below this."""
 
 _STILL: Final = 0.05
-"""In the same way, a BVH whose rotations stay below this is as still in radians as in degrees."""
+"""If 95% are below this, the motion is still, whether they are radians or degrees."""
 
 
 def read_motion(
@@ -54,7 +53,7 @@ def read_motion(
     mean_hands: NDArray[np.float32] | None = None,
     as_recorded: bool = False,
 ) -> MotionClip:
-    """Read a motion of any known format, by content, into the study's world.
+    """Read a motion file of any known format, whatever its ending, into the study's world.
 
     Parameters
     ----------
@@ -66,9 +65,8 @@ def read_motion(
     joint_map : mapping of str to str, optional
         For a BVH or joint positions of an unknown skeleton: SMPL-X joint names to the file's.
     mean_hands : ndarray, shape (30, 3), optional
-        SMPL-X's own mean hands, as `motion.body.archive.read_mean_hands` gives them, for BEAT2,
-        TalkSHOW and Motion-X, whose fingers are relative to them. Without, relaxed hands take
-        their place.
+        SMPL-X's mean hands, as `motion.body.archive.read_mean_hands` returns them. Fingers of
+        BEAT2, TalkSHOW and Motion-X are relative to them. Relaxed hands by default.
     as_recorded : bool
         Whether hands of a BVH or of joint positions may stay inside the body, instead of being
         moved out by `motion.placement.clear_of_body`.
@@ -76,13 +74,13 @@ def read_motion(
     Returns
     -------
     MotionClip
-        Standing on the floor at the origin, y up, facing +z; own files come as they are. Its
-        provenance holds ``source`` (the file's name), ``format``, and ``notes`` for people, if any.
+        Standing on the floor at the origin, y up, facing +z; a file of `write_clip` is returned
+        unchanged. The provenance has ``source`` (the file's name), ``format`` and any ``notes``.
 
     Raises
     ------
     InputError
-        If the file is missing, of no known format or not usable; the message names it.
+        If the file is missing, unusable or of an unknown format; the message names it.
     """
     path = Path(path)
     try:
@@ -95,8 +93,8 @@ def read_motion(
     if holds_joints(path, start):
         clip = read_joints(path, frame_rate=frame_rate, joint_map=joint_map)
         clip, notes = (clip, ()) if as_recorded else clear_of_body(clip)
-        told = "rotations were found from joint positions; bones have our body's lengths"
-        return _placed(clip, path, "joint positions", (told, *notes))
+        note = "rotations were computed from joint positions; bones have our body's lengths"
+        return _placed(clip, path, "joint positions", (note, *notes))
     if start.startswith(b"PK"):
         clip = read_clip(path, frame_rate=frame_rate)
         if has_provenance(path):
@@ -120,23 +118,23 @@ def read_motion(
 
 
 def is_motion_file(path: Path) -> bool:
-    """Tell by its ending whether a file is motion; a ``.csv`` file must be a table of joints."""
+    """Return whether a file's ending is of motion; a ``.csv`` file must be a table of joints."""
     ending = path.suffix.lower()
     return ending in MOTION_ENDINGS and (ending != ".csv" or is_joint_table(path))
 
 
 def read_recorded(path: Path, **options: Any) -> tuple[MotionClip, list[str]]:
-    """Return a motion with the face in its companion file, and notes for people on both.
+    """Return a motion with the face of its companion file, and notes on both.
 
     BEAT, and generators that use its format, store a take's face in a JSON file of the same name.
-    A clip that has a face keeps it; after that file's last frame, the face stays still.
+    A clip with its own face keeps it. After the last frame of the file, the face stays still.
 
     Parameters
     ----------
     path : Path
         The motion.
     **options
-        The same as for `read_motion`, which also lists what is raised.
+        Keyword arguments of `read_motion`, which also lists the errors.
     """
     clip = read_motion(path, **options)
     note = clip.provenance.get("notes", "")
@@ -147,7 +145,7 @@ def read_recorded(path: Path, **options: Any) -> tuple[MotionClip, list[str]]:
     try:
         face = read_arkit_json(companion, clip.frame_rate)
     except InputError as error:
-        return clip, [*notes, f"{companion.name}, beside {path.name}, is left out: {error.what}"]
+        return clip, [*notes, f"{companion.name}, next to {path.name}, is left out: {error.what}"]
     frames = face[np.minimum(np.arange(len(clip)), len(face) - 1)]
     note = f"{path.name}: the face is from {companion.name}"
     missing = (len(clip) - len(face)) / clip.frame_rate
@@ -174,12 +172,12 @@ def _read_bvh_clip(
 def _with_absolute_fingers(
     clip: MotionClip, mean_hands: NDArray[np.float32] | None
 ) -> tuple[MotionClip, str]:
-    """Return a clip whose fingers no longer depend on the mean hands, and a note about them."""
+    """Return a clip whose fingers do not depend on the mean hands, and a note about them."""
     if mean_hands is not None:
-        note = "fingers were relative to SMPL-X's mean hands, which the licensed model gave"
+        note = "fingers were relative to SMPL-X's mean hands, taken from the licensed model"
         return add_mean_hands(clip, mean_hands), note
     note = (
-        "fingers are relative to SMPL-X's mean hands, which only a licensed model holds; relaxed "
+        "fingers are relative to SMPL-X's mean hands, which only a licensed model has; relaxed "
         "hands took their place (name the model as video.body and import again)"
     )
     return add_mean_hands(clip, RELAXED_HANDS), note
@@ -199,11 +197,11 @@ def _with_relaxed_fingers(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]
 
 
 def _notes_on_angles(motion: BvhMotion) -> tuple[str, ...]:
-    """Return a note where rotations are so small that they are probably radians."""
+    """Return a note if rotations are so small that they are probably radians."""
     channels = [channel for joint in motion.joints for channel in joint.channels]
     is_rotation = [channel.endswith("rotation") for channel in channels]
     angles = np.abs(motion.values[:, is_rotation])
-    # A joint that was turned about itself again and again may have far larger angles.
+    # A joint that has turned several times about itself may have far larger angles.
     usual = np.quantile(angles[angles > 0], 0.95) if angles.any() else np.inf
     if not _STILL < usual <= _RADIANS:
         return ()
@@ -214,7 +212,7 @@ def _notes_on_angles(motion: BvhMotion) -> tuple[str, ...]:
 
 
 def _notes_on_speed(clip: MotionClip) -> tuple[str, ...]:
-    """Return a note where the body moves as if a unit or the frame rate were wrong."""
+    """Return a note if the body is so fast that a unit or the frame rate is probably wrong."""
     path_length = np.linalg.norm(np.diff(clip.trans, axis=0), axis=1).sum()
     speed = path_length / clip.duration
     if speed < _FAST:
@@ -228,7 +226,7 @@ def _notes_on_speed(clip: MotionClip) -> tuple[str, ...]:
 def _placed(
     clip: MotionClip, path: Path, format_name: str, notes: tuple[str, ...] = ()
 ) -> MotionClip:
-    """Return the clip in the study's world, with what happened on the way in its provenance."""
+    """Return the clip in the study's world, with its origin and `notes` in the provenance."""
     clip, fingers = _with_relaxed_fingers(clip)
     notes = (*notes, *_notes_on_speed(clip), *fingers)
     clip, turns = place(clip)

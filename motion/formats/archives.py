@@ -1,6 +1,6 @@
-"""Plain arrays of NumPy's files, without unpickling and with a limit on their unpacked size.
+"""Plain arrays of NumPy's files, read without unpickling.
 
-A small archive may unpack to very much.
+A small archive can unpack to more than memory holds, so the unpacked size is limited.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from motion.errors import InputError
 
 _DAMAGE: Final = (EOFError, OSError, ValueError, OverflowError, MemoryError, TokenError)
-"""What NumPy raises on damaged files."""
+"""Exceptions that NumPy raises on damaged files."""
 
 LARGEST: Final = 2**30
-"""Bytes of all arrays unpacked, about an hour of motion at 120 fps."""
+"""Largest unpacked size of all arrays, in bytes: about an hour of motion at 120 fps."""
 
 
 def load_array(path: Path) -> NDArray[Any]:
@@ -30,7 +30,7 @@ def load_array(path: Path) -> NDArray[Any]:
     Raises
     ------
     InputError
-        If it is no such file, or holds Python objects.
+        If it is not such a file, or holds Python objects.
     """
     try:
         return np.asarray(np.load(path, allow_pickle=False))
@@ -46,8 +46,8 @@ def load_arrays(path: Path, keys: Collection[str]) -> dict[str, NDArray[Any]]:
     Raises
     ------
     InputError
-        If there is no such file, it is damaged, would unpack to more than a motion can be, or one
-        of these arrays holds Python objects.
+        If the file is missing, damaged, or unpacks to more than `LARGEST`, or if one of these
+        arrays holds Python objects.
     """
     if not path.is_file():
         raise InputError("there is no such motion file", remedy="Check the path")

@@ -23,10 +23,10 @@ from motion.errors import InputError
 from motion.files import write_text
 
 _OVERSHOOT: Final = 0.05
-"""Distance of weights from [0, 1] up to which they are clipped; trackers exceed it sometimes."""
+"""Largest distance of a weight from [0, 1] that is clipped; trackers sometimes exceed the range."""
 
 _LONGEST_FRAME: Final = 1.0
-"""Mean seconds between frames above which the times are in another unit."""
+"""Largest plausible mean time between frames, in seconds; longer times are in another unit."""
 
 _FEWEST_COLUMNS: Final = 5
 
@@ -42,7 +42,7 @@ class _FaceFile(BaseModel):
 
 
 def face_beside(motion: Path) -> Path:
-    """Return where BEAT, and generators that use its format, store the face of a `motion` file."""
+    """Return the path at which BEAT, and its users, store the face of a `motion` file."""
     return motion.with_suffix(".json")
 
 
@@ -60,8 +60,8 @@ def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
     -------
     ndarray, shape (T, 52), float32
         Weights in [0, 1], in the order of `motion.clip.ARKIT_NAMES`, from time 0 on,
-        interpolated linearly; zero for actions that the file leaves out. The last frame of the
-        file lasts as long as its frames do on average.
+        interpolated linearly; zero for actions that the file lacks. The last frame of the file
+        lasts as long as its frames do on average.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
         raise InputError(
             f"the time of frame {index} is not later than the one before",
             where=path,
-            remedy="Sort the frames by time and remove doubles",
+            remedy="Sort the frames by time and remove duplicates",
         )
     if np.diff(times).mean() > _LONGEST_FRAME:
         raise InputError(
@@ -108,7 +108,7 @@ def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
 
 
 def write_arkit_json(path: Path, weights: NDArray[np.floating], frame_rate: float) -> None:
-    """Write facial weights as BEAT has them, in one step.
+    """Write facial weights in BEAT's format, in one step.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def read_semantic_scores(path: Path) -> tuple[SemanticSpan, ...]:
     Parameters
     ----------
     path : Path
-        A text file as BEAT has it; columns after the score are ignored.
+        A text file in BEAT's format; columns after the score are ignored.
 
     Raises
     ------
@@ -204,7 +204,7 @@ def read_semantic_scores(path: Path) -> tuple[SemanticSpan, ...]:
 
 
 def write_semantic_scores(path: Path, spans: Iterable[SemanticSpan]) -> None:
-    """Write annotated gestures as BEAT has them, under the name of a beat."""
+    """Write annotated gestures in BEAT's format, each with the name ``beat``."""
     write_text(
         path,
         "".join(
@@ -251,9 +251,9 @@ def _no_annotation(where: str) -> InputError:
 def semantic_weights(
     spans: tuple[SemanticSpan, ...], frames: int, frame_rate: float
 ) -> NDArray[np.float64]:
-    """Return the score of each frame, shape (frames,); 0 where no gesture is annotated.
+    """Return the score of each frame, shape (frames,); 0 without an annotated gesture.
 
-    Frame k lies at ``k / frame_rate`` seconds; where gestures overlap, the greater score counts.
+    Frame k is at ``k / frame_rate`` seconds; if gestures overlap, the greater score counts.
     """
     time = np.arange(frames) / frame_rate
     weights = np.zeros(frames)

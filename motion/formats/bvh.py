@@ -21,29 +21,29 @@ _CHANNELS: Final = frozenset(f"{axis}{kind}" for axis in "XYZ" for kind in ("pos
 _END_SITE: Final = -1
 
 MOST_JOINTS: Final = 2000
-"""More than any body has with fingers, face and clothes; each costs time at every frame."""
+"""More joints than any body has with fingers, face and clothes; each costs time in every frame."""
 
 _ROUNDING: Final = 0.015
-"""Share by which the rounding of a frame time may change the frame rate."""
+"""Largest relative change of the frame rate by the rounding of a frame time."""
 _USUAL_RATES: Final = (24, 25, 30, 48, 50, 60, 90, 100, 120, 144, 200, 240)
-"""Frame rates from which a frame time of few digits was probably rounded."""
+"""Frame rates to which a frame time of few digits probably belongs."""
 _LOST_ROWS: Final = 2
-"""Rows that thinning out a file may lose at its ends."""
+"""Rows that downsampling a file may lose at its ends."""
 
 _SHORTEST_FRAME, _LONGEST_FRAME = Decimal("1e-6"), Decimal("1e6")
 """Smallest and largest plausible frame time in seconds."""
 
 
 class BvhFrameCountError(InputError):
-    """The header of a BVH file promises another number of frames than the file has.
+    """The header of a BVH file declares another number of frames than the file has.
 
     Attributes
     ----------
     rows : int
         Frames that the file has.
     frame_rates : tuple of float
-        Possible true frame rates: the header's, and, if the rows are every second, third, … of the
-        promised frames, the rate that fits them into its duration.
+        Possible true frame rates: the header's; and, if the rows are every second, third, … of the
+        declared frames, the rate that gives them the declared duration.
     """
 
     def __init__(
@@ -62,14 +62,14 @@ def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
     path : Path
         The file.
     frame_rate : float, optional
-        Frames per second; overrides the file's frame time, and accepts a file whose number of
-        frames is not what its header says.
+        Frames per second; overrides the file's frame time, and lets the header's number of frames
+        differ from the file's.
 
     Raises
     ------
     InputError
-        If the file is not a BVH, a row has the wrong number of columns or holds no finite
-        numbers, or the header contradicts the rows and no `frame_rate` is given
+        If the file is not a BVH, a row has the wrong number of columns or a value that is not a
+        finite number, or the header contradicts the rows and no `frame_rate` is given
         (`BvhFrameCountError`). The message names file and line.
     """
     path = Path(path)
@@ -123,10 +123,10 @@ def _header_value(
 
 
 def _rate_of(frame_time: str, where: str) -> float:
-    """Return the frame rate of a frame time that is rounded to its digits.
+    """Return the frame rate of a rounded frame time.
 
-    It is a whole number if the digits distinguish that number from its neighbours, as 0.033
-    distinguishes 30 from 29 and 31, or if it is a common rate. Otherwise the frame time is taken
+    It is a whole number if that number is a common rate, or if the digits distinguish it from its
+    neighbours, as 0.033 distinguishes 30 from 29 and 31. Otherwise the frame time is taken
     literally: 0.03 is 33.33.
     """
     try:
@@ -146,7 +146,7 @@ def _rate_of(frame_time: str, where: str) -> float:
 
 
 def _contradiction(declared: int, rate: float, rows: int) -> str:
-    """Return what header and rows say, and the frame rate if the header's duration is right."""
+    """Say how header and rows differ, and the frame rate if the header's duration is right."""
     seconds = declared / rate
     implied = f", which over that time would be {rows / seconds:.4g} per second" if declared else ""
     return (
@@ -162,7 +162,6 @@ def _possible_rates(declared: int, rate: float, rows: int) -> tuple[float, ...]:
 
 
 def _parse_rows(rows: list[tuple[int, str]], width: int, path: Path) -> FloatArray:
-    """Return all rows as numbers."""
     if not rows:
         raise InputError("the motion has no frame", where=path, remedy="Export it again")
     values = np.empty((len(rows), width))
@@ -205,10 +204,10 @@ def parse_hierarchy(lines: list[tuple[int, str]], path: Path) -> tuple[BvhJoint,
     Raises
     ------
     InputError
-        At the first line that does not fit, or where the skeleton ends early.
+        At the first line that does not fit, or if the skeleton ends early.
     """
     drafts: list[BvhJoint] = []
-    # Blocks that are open, and the one that the next brace opens: a joint's index, or _END_SITE.
+    # The open blocks, and the block that the next brace opens: a joint's index, or _END_SITE.
     blocks: list[int] = []
     announced: int | None = None
     for number, line in _statements(lines):
@@ -265,7 +264,7 @@ def parse_hierarchy(lines: list[tuple[int, str]], path: Path) -> tuple[BvhJoint,
 
 
 def _statements(lines: list[tuple[int, str]]) -> Iterator[tuple[int, str]]:
-    """Yield statements with their line numbers, braces on their own."""
+    """Yield statements with their line numbers; each brace is a statement."""
     for number, line in lines:
         for part in re.split(r"([{}])", line):
             if part.strip():

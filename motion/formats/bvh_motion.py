@@ -1,6 +1,6 @@
 """The motion of a BVH file: its skeleton, its joint positions, and writing it.
 
-A motion clip is written with its joints and where they go, without face and skin.
+A motion clip is written as joints and their motion, without face and skin.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from motion.skeleton import JOINT_COUNT, JOINT_NAMES, PARENTS
 FloatArray = NDArray[np.float64]
 
 _STILL: Final = 1e-3
-"""Change of a channel, in degrees or length units, below which it does not move."""
+"""Change of a channel, in degrees or length units, below which it counts as still."""
 
 _JUMP: Final = 180.0
 """Smallest distance of a calibration pose from the motion, in degrees summed over all joints."""
 
-_JUMPS_AS_LARGE: Final = 3.0
-"""Ratio to the later changes from row to row that makes a first change a jump."""
+_JUMP_RATIO: Final = 3.0
+"""Ratio of the first change from row to row to the later ones that makes it a jump."""
 
 _NEARLY_ALL: Final = 0.95
-"""Share of the later changes that counts: a glitch somewhere is not a reason to show a T-pose."""
+"""Quantile of the later changes that counts: a glitch somewhere is no reason to show a T-pose."""
 
 _DECIMALS: Final = 4
 
@@ -71,7 +71,7 @@ class BvhMotion:
     joints : tuple of BvhJoint
         Parents before children; the first is the only root.
     values : ndarray, shape (T, C)
-        One column a channel, in joint order: degrees and length units.
+        One column per channel, in joint order: degrees and length units.
     frame_rate : float
         Frames per second.
     calibration : ndarray, shape (C,), or None
@@ -93,7 +93,7 @@ class BvhMotion:
 
     @property
     def rest_positions(self) -> FloatArray:
-        """Joint positions (J, 3) when nothing is turned, in the file's length unit."""
+        """Joint positions (J, 3) with all rotations zero, in the file's length unit."""
         positions = np.zeros((len(self.joints), 3))
         for index, joint in enumerate(self.joints):
             if joint.parent >= 0:
@@ -154,9 +154,9 @@ def settle_first_frame(motion: BvhMotion) -> BvhMotion:
     """Return `motion` without a pose left over in its first row.
 
     Motion capture software writes the T-pose in which it calibrated the skeleton as the first row;
-    it is kept apart as `BvhMotion.calibration`. Files cut down to some joints (BEAT's as prepared
-    for its baselines) still hold all joints in row 0 while the others stay at one value from row 1
-    on. Both would make the body jump once; what was left over takes its values of row 1 there.
+    it becomes `BvhMotion.calibration`. Files reduced to some joints (BEAT's as prepared for its
+    baselines) keep the other joints' pose in row 0, and one constant value from row 1 on. Both
+    would make the body jump once, so leftover values are replaced by those of row 1.
     """
     return _without_leftover_joints(_without_calibration(motion))
 
@@ -165,20 +165,20 @@ def _without_calibration(motion: BvhMotion) -> BvhMotion:
     """Remove a first row that differs from all others."""
     if len(motion.values) < 3 or np.abs(motion.values[0] - motion.values[1]).max() <= _STILL:
         return motion
-    # The first step alone nearly always decides, and a recording has thousands.
+    # The first change alone nearly always decides, and a recording has thousands.
     if _changes(replace(motion, values=motion.values[:2]))[0] < _JUMP:
         return motion
     changes = _changes(motion)
-    if changes[0] < max(_JUMP, _JUMPS_AS_LARGE * np.quantile(changes[1:], _NEARLY_ALL)):
+    if changes[0] < max(_JUMP, _JUMP_RATIO * np.quantile(changes[1:], _NEARLY_ALL)):
         return motion
     values = motion.values.copy()
     values[0] = values[1]
-    note = "the first frame is a pose apart from the motion; the second is shown in its place"
+    note = "the first frame is not part of the motion; the second is shown in its place"
     return replace(motion, values=values, calibration=motion.values[0], notes=(*motion.notes, note))
 
 
 def _changes(motion: BvhMotion) -> NDArray[np.float64]:
-    """Return by how many degrees all joints turn from each row to the next, shape (T - 1,)."""
+    """Return the turn from each row to the next, in degrees summed over all joints, (T - 1,)."""
     turns = motion.local_rotations()
     steps = np.swapaxes(turns[:-1], 2, 3) @ turns[1:]
     angles = Rotation.from_matrix(steps.reshape(-1, 3, 3)).magnitude()
@@ -186,7 +186,7 @@ def _changes(motion: BvhMotion) -> NDArray[np.float64]:
 
 
 def _without_leftover_joints(motion: BvhMotion) -> BvhMotion:
-    """In row 0, give joints that never move later their later values."""
+    """Give joints that never move after row 0 their later values in row 0."""
     values = motion.values.copy()
     settled = 0
     for index in range(len(motion.joints)):
@@ -218,7 +218,7 @@ def write_bvh(path: Path, motion: BvhMotion) -> None:
     path : Path
         The file; missing folders are made.
     motion : BvhMotion
-        With at least one frame, all finite.
+        The motion; at least one frame, finite values.
     """
     order = list(_depth_first(motion.joints, 0))
     columns = np.concatenate([np.r_[motion.columns(index)] for index in order]).astype(int)
@@ -243,12 +243,12 @@ def write_clip_bvh(path: Path, clip: MotionClip, rest_joints: NDArray[np.floatin
     clip : MotionClip
         The motion.
     rest_joints : ndarray, shape (55, 3)
-        Joints of the unposed body in metres, as `motion.body.model.BodyModel.joints` gives them.
+        Joints of the unposed body in metres, as `motion.body.model.BodyModel.joints` returns them.
     """
     offsets = np.array(rest_joints, float) * _CENTIMETRES
     root = offsets[0] + clip.trans * _CENTIMETRES
     offsets[1:] -= offsets[list(PARENTS[1:])]
-    offsets[0] = 0  # programs differ in whether the root's positions are added to its offset
+    offsets[0] = 0  # programs disagree on whether the root's positions are added to its offset
     joints = tuple(
         BvhJoint(
             name=name,
@@ -260,7 +260,7 @@ def write_clip_bvh(path: Path, clip: MotionClip, rest_joints: NDArray[np.floatin
     )
     turns = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float))
     angles = turns.as_euler(_ORDER, degrees=True, suppress_warnings=True)
-    # Programs that draw between frames must not see an angle jump from 180 to -180 degrees.
+    # Programs that interpolate between frames must not see a jump from 180 to -180 degrees.
     angles = np.unwrap(angles.reshape(len(clip), JOINT_COUNT * 3), axis=0, period=360)
     values = np.concatenate([root, angles], axis=1)
     write_bvh(path, BvhMotion(joints=joints, values=values, frame_rate=clip.frame_rate))
@@ -277,7 +277,7 @@ def _depth_first(joints: Sequence[BvhJoint], index: int) -> Iterator[int]:
 
 
 def _hierarchy_lines(joints: Sequence[BvhJoint], index: int, depth: int) -> Iterator[str]:
-    """Yield the lines of a joint and all below it."""
+    """Yield the lines of a joint and its descendants."""
     joint, outer_indent, inner_indent = joints[index], "\t" * depth, "\t" * (depth + 1)
     yield f"{outer_indent}{'ROOT' if depth == 0 else 'JOINT'} {joint.name}"
     yield f"{outer_indent}{{"

@@ -1,8 +1,8 @@
 """Motion clips as ``.npz``: the study's own files, and the variants of other projects.
 
-Only the arrays that a clip is made of are read: AMASS and MoSh++ keep Python objects beside them.
-Own files hold ``poses`` (T, 165), ``trans``, ``betas``, ``gender``, ``mocap_frame_rate``,
-``provenance`` (a JSON object), and where the clip has them ``expressions`` and ``arkit``.
+Only the arrays of a clip are read, since AMASS and MoSh++ add Python objects. The study's own files
+hold ``poses`` (T, 165), ``trans``, ``betas``, ``gender``, ``mocap_frame_rate``, ``provenance`` (a
+JSON object), and ``expressions`` and ``arkit`` if the clip has them.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ _BEAT2_MODEL: Final = "smplx2020"
 _SMPLH_JOINT_COUNT: Final = 52
 """SMPL+H has SMPL-X's joints except the three of the face."""
 _SMPL_JOINT_COUNT: Final = 24
-"""SMPL has SMPL-X's body joints, then a joint for each whole hand, which is left out."""
+"""SMPL has SMPL-X's body joints, then a joint for each whole hand, which is ignored."""
 
 
 def write_clip(path: Path, clip: MotionClip) -> None:
-    """Write `clip` to `path` in one step; equal clips make equal bytes."""
+    """Write `clip` to `path` in one step; equal clips give equal bytes."""
     arrays: dict[str, NDArray[Any]] = {
         "poses": clip.poses.reshape(len(clip), -1),
         "trans": clip.trans,
@@ -72,9 +72,9 @@ def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
     Parameters
     ----------
     path : Path
-        An own file, or one of AMASS, MoSh++, BEAT2, AMUSE (SMPL-X, poses (T, 165) or (T, 55, 3), or
-        in parts from ``root_orient`` on), SMPL+H ((T, 156) or (T, 52, 3)), SMPL ((T, 72) or (T, 24,
-        3)) or Motion-X ((T, 322)). Joints that are not in it stay at rest.
+        A file of `write_clip`, or of AMASS, MoSh++, BEAT2, AMUSE (SMPL-X, poses (T, 165) or (T, 55,
+        3), or in parts such as ``root_orient``), SMPL+H ((T, 156) or (T, 52, 3)), SMPL ((T, 72) or
+        (T, 24, 3)) or Motion-X ((T, 322)). Joints that it lacks stay at rest.
     frame_rate : float, optional
         Frames per second; overrides the file's own.
 
@@ -86,16 +86,16 @@ def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
     Raises
     ------
     InputError
-        If the file is missing, no ``.npz``, needs unpickling, lacks poses or a frame rate, or
-        its arrays make no clip. Pickled content is never loaded.
+        If the file is missing, is not an ``.npz``, needs unpickling, lacks poses or a frame rate,
+        or its arrays are not a clip. Pickled content is never loaded.
     """
     path = Path(path)
     with found_at(path):
         arrays = load_arrays(path, _KNOWN_KEYS)
-        given = arrays.get("poses", np.zeros(0))
-        if given.ndim == 2 and given.shape[1] == MOTION_X_WIDTH:
+        rows = arrays.get("poses", np.zeros(0))
+        if rows.ndim == 2 and rows.shape[1] == MOTION_X_WIDTH:
             rate = _frame_rate(arrays) if frame_rate is None else frame_rate
-            return motion_x_clip(_numbers(given, "poses"), rate)
+            return motion_x_clip(_numbers(rows, "poses"), rate)
         poses = _poses(arrays)
         return MotionClip(
             poses=poses,
@@ -133,8 +133,8 @@ def has_provenance(path: Path) -> bool:
 def has_fingers_relative_to_mean_hands(path: Path) -> bool:
     """Return whether the ``.npz`` file at `path` is BEAT2's or of a model trained on it.
 
-    Their finger rotations are zero where the hands are SMPL-X's mean ones (Liu et al. 2024,
-    EMAGE: models are created with ``flat_hand_mean=False``); AMASS's where the hands are flat.
+    Zero finger rotations are SMPL-X's mean hands there (Liu et al. 2024, EMAGE: models are created
+    with ``flat_hand_mean=False``), and flat hands in AMASS.
     """
     return str(load_arrays(path, ("model",)).get("model")) == _BEAT2_MODEL
 
@@ -144,7 +144,7 @@ def _first(arrays: Arrays, keys: tuple[str, ...], default: NDArray[Any]) -> NDAr
 
 
 def _poses(arrays: Arrays) -> NDArray[Any]:
-    """Return the poses as (T, 55, 3), whichever of the known layouts the file has."""
+    """Return the poses of any known layout as (T, 55, 3)."""
     if "poses" not in arrays:
         return _poses_of_parts(arrays)
     poses = _numbers(arrays["poses"], "poses")
@@ -168,7 +168,7 @@ def _poses(arrays: Arrays) -> NDArray[Any]:
 
 
 def _poses_of_parts(arrays: Arrays) -> NDArray[Any]:
-    """Return poses (T, 55, 3) that a file holds in parts; a missing part is at rest."""
+    """Return poses (T, 55, 3) from their parts; a missing part is at rest."""
     if "root_orient" not in arrays or "pose_body" not in arrays:
         raise InputError(
             f"the file has no 'poses', only {', '.join(sorted(arrays)) or 'unknown arrays'}",
@@ -206,7 +206,7 @@ def _frame_rate(arrays: Arrays) -> float:
 
 
 def _betas(arrays: Arrays) -> NDArray[Any]:
-    """Return one set of betas; a file that repeats it in every frame is fine."""
+    """Return one set of betas, which a file may repeat in every frame."""
     betas = _numbers(arrays.get("betas", np.zeros(0, np.float32)), "betas")
     if betas.ndim == 2 and len(betas):
         if np.abs(betas - betas[0]).max(initial=0) > 1e-6:
@@ -218,7 +218,7 @@ def _betas(arrays: Arrays) -> NDArray[Any]:
 
 
 def _expressions(arrays: Arrays) -> NDArray[Any] | None:
-    """Return the expressions with the coefficients that the file leaves out set to zero."""
+    """Return the expressions, with zeros for the coefficients that the file lacks."""
     expressions = _first(arrays, _EXPRESSION_KEYS, np.zeros(0, np.float32))
     if not expressions.size:
         return None

@@ -1,8 +1,8 @@
 """A motion clip on a body as GLB, glTF 2.0 in one file, for Blender, Unity and web pages.
 
 The mesh is skinned to SMPL-X's 55 joints and the body's twist joints, and each facial action that
-the clip uses is a morph target. glTF has no sound: the speech is a separate file, named in this
-one. Source: Khronos Group 2021, "glTF 2.0 Specification".
+the clip uses is a morph target. glTF has no sound: the speech is a separate file, which this one
+names. Source: Khronos Group 2021, "glTF 2.0 Specification".
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ _GAMMA: Final = 2.2
 def write_glb(path: Path, clip: MotionClip, body: BodyModel, *, speech: str = "") -> None:
     """Write `clip` on `body` to `path`, in one step.
 
-    A licensed body's pose correctives are left out: glTF cannot express them.
+    A licensed body's pose correctives are omitted: glTF cannot express them.
 
     Parameters
     ----------
     path : Path
         The file; missing folders are made.
     clip : MotionClip
-        The motion. Joints stand as in its first frame until it is played.
+        The motion. Until it is played, joints are as in its first frame.
     body : BodyModel
         The body. Each vertex follows its four strongest joints.
     speech : str
@@ -98,7 +98,7 @@ class _Binary:
         self.accessors: list[Node] = []
 
     def add(self, values: NDArray[Any], *, bounds: bool = False) -> int:
-        """Add one element per row and return its accessor; some need their `bounds`."""
+        """Add one element per row and return its accessor, with `bounds` if glTF demands them."""
         accessor = {"bufferView": self._view(values), **self._described(values)}
         return self._accessor(accessor, values if bounds else None)
 
@@ -137,8 +137,8 @@ class _Binary:
 def _joint_quaternions(clip: MotionClip, body: BodyModel) -> FloatArray:
     """Return quaternions of all joints, the body's twist joints last, shape (T, 55 + K, 4).
 
-    A quaternion and its negative are the same rotation: each has the sign nearer to the one before
-    it.
+    A quaternion and its negative are the same rotation; each gets the sign that is nearer to its
+    predecessor.
     """
     count = len(clip)
     turns = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_quat()
@@ -154,7 +154,7 @@ def _joint_quaternions(clip: MotionClip, body: BodyModel) -> FloatArray:
 
 
 def _joint_nodes(clip: MotionClip, body: BodyModel, turns: FloatArray) -> list[Node]:
-    """Return a node for each joint, turned by one row of `turns`, the twist joints last."""
+    """Return a node for each joint, rotated by its row of `turns`; the twist joints come last."""
     rest = body.joints(clip.betas)
     parents = _twist_carriers(body)
     parents[: len(PARENTS)] = PARENTS
@@ -209,12 +209,12 @@ def _mesh(binary: _Binary, clip: MotionClip, body: BodyModel, slots: NDArray[np.
 def _skin(binary: _Binary, clip: MotionClip, body: BodyModel) -> Node:
     places = body.joints(clip.betas)[_twist_carriers(body)]
     inverses = np.tile(np.eye(4, dtype="<f4"), (len(places), 1, 1))
-    inverses[:, 3, :3] = -places  # column after column, so that the last row is the shift
+    inverses[:, 3, :3] = -places  # glTF stores columns, so the last row is the translation
     return {"inverseBindMatrices": binary.add(inverses), "joints": list(range(len(places)))}
 
 
 def _twist_carriers(body: BodyModel) -> list[int]:
-    """Return, for each joint of the skin, the one of the 55 at its position."""
+    """Return, for each joint of the skin, the skeleton's joint at its position."""
     twists = [] if body.twist_joints is None else body.twist_joints.bones[:, 0].tolist()
     return [*range(len(JOINT_NAMES)), *twists]
 

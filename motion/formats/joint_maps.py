@@ -1,7 +1,7 @@
 """Maps from SMPL-X joints to those of other skeletons.
 
 A joint map gives, for each SMPL-X joint name, the name of the source joint whose world rotation it
-follows. SMPL-X joints that a map leaves out stay as their parent is.
+follows. SMPL-X joints that a map leaves out follow their parent.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ _FINGER_JOINTS: Final = tuple(
 
 
 def _joint_map(trunk: str, limbs: str, pattern: str, *, finger: str = "") -> JointMap:
-    """Return a map of the names of trunk and limbs, in the order of `_TRUNK` and `_LIMBS`.
+    """Return the map for the given names of trunk and limbs, in the order of `_TRUNK` and `_LIMBS`.
 
-    `pattern` joins a side, as `side` or as its first letter `s`, and a part into a name; `finger`
-    makes a part of a finger's joint, as our `joint` or with a capital as `Joint`.
+    `pattern` makes a name of a part and a side, which is `side` or its first letter `s`. `finger`
+    makes a part of a finger's joint, which is our `joint` or, with a capital, `Joint`.
     """
     parts = dict(zip(_LIMBS, limbs.split(), strict=False))
     if finger:
@@ -92,7 +92,7 @@ def choose_joint_map(joint_names: Collection[str]) -> tuple[str, JointMap]:
     Parameters
     ----------
     joint_names : collection of str
-        The skeleton's joints; a namespace before them, as in ``mixamorig:Hips``, is no matter.
+        The skeleton's joints; a namespace, as in ``mixamorig:Hips``, is ignored.
 
     Returns
     -------
@@ -106,9 +106,11 @@ def choose_joint_map(joint_names: Collection[str]) -> tuple[str, JointMap]:
     InputError
         If no known map covers the skeleton.
     """
-    named = {_without_namespace(name): name for name in joint_names}
+    full_names = {_without_namespace(name): name for name in joint_names}
     candidates = {
-        key: {joint: named[source] for joint, source in joint_map.items() if source in named}
+        key: {
+            joint: full_names[source] for joint, source in joint_map.items() if source in full_names
+        }
         for key, joint_map in JOINT_MAPS.items()
     }
     best = max(candidates, key=lambda key: (not _missing(candidates[key]), len(candidates[key])))
@@ -117,7 +119,7 @@ def choose_joint_map(joint_names: Collection[str]) -> tuple[str, JointMap]:
     unmapped = sorted(set(joint_names) - set(candidates[best].values()))
     raise InputError(
         f"the skeleton is unknown; the nearest known one, {best!r}, leaves "
-        f"{', '.join(unmapped)} unmapped and finds nothing for "
+        f"{', '.join(unmapped)} unmapped and has no joint for "
         f"{', '.join(_missing(candidates[best]))}",
         remedy="Import it on the command line with --joints FILE, which has a line such as "
         """pelvis = "Hips" for each joint: SMPL-X's name, then the one in the motion file""",
@@ -130,7 +132,7 @@ def read_joint_map(path: Path) -> JointMap:
     Raises
     ------
     InputError
-        If the file has anything but such lines.
+        If the file has any other content.
     """
     try:
         return _OWN_MAP.validate_python(tomllib.loads(path.read_text("utf-8-sig")))

@@ -36,7 +36,7 @@ _TED: Final = (
     "right_shoulder", "right_elbow", "right_wrist",
 )  # fmt: skip
 _TED_LENGTHS: Final = (0.26, 0.18, 0.14, 0.22, 0.36, 0.33, 0.22, 0.36, 0.33)
-"""Of TED Gesture's bones, in units of its own (Yoon et al. 2020)."""
+"""Lengths of TED Gesture's bones, in its units (Yoon et al. 2020)."""
 
 _SMPL: Final = (*BODY_JOINTS, "left_hand", "right_hand")
 _KNOWN_ORDERS: Final[Mapping[int, tuple[str, ...]]] = {
@@ -47,8 +47,8 @@ _KNOWN_ORDERS: Final[Mapping[int, tuple[str, ...]]] = {
     len(BODY_JOINTS) + 30: (*BODY_JOINTS, *LEFT_HAND_JOINTS, *RIGHT_HAND_JOINTS),
     len(JOINT_NAMES): JOINT_NAMES,
 }
-"""Skeletons by their number of joints: TED Gesture, SMPL without and with hands' ends, MediaPipe,
-SMPL+H, SMPL-X."""
+"""Skeletons by their number of joints: TED Gesture, SMPL without and with its hand joints,
+MediaPipe, SMPL+H, SMPL-X."""
 
 _OTHER_NAMES: Final = {
     "hips": "pelvis", "mid_hip": "pelvis", "midhip": "pelvis", "root": "pelvis",
@@ -94,14 +94,14 @@ def is_joint_table(path: Path) -> bool:
 def read_joints(
     path: Path, *, frame_rate: float | None = None, joint_map: JointMap | None = None
 ) -> MotionClip:
-    """Read a motion of joint positions; its bones keep their directions and get our body's lengths.
+    """Read joint positions as a motion; bones keep their directions and get our body's lengths.
 
     Parameters
     ----------
     path : Path
         ``.npz`` with `joints` (T, J, 3) and `names` (J), or a clip of TED Gesture; ``.npy`` of
         (T, J, 3) in the order of SMPL, SMPL+H, SMPL-X, MediaPipe or TED Gesture; ``.csv`` with
-        columns ``NAME_x``, ``NAME_y``, ``NAME_z``, and perhaps ``time`` in seconds.
+        columns ``NAME_x``, ``NAME_y``, ``NAME_z``, and optionally ``time`` in seconds.
     frame_rate : float, optional
         Frames per second; overrides the file's own.
     joint_map : mapping of str to str, optional
@@ -123,7 +123,7 @@ def read_joints(
 
 
 def _named_points(recording: _Recording, joint_map: JointMap | None) -> dict[str, FloatArray]:
-    """Return the positions of joints, by SMPL-X name if there is one."""
+    """Return the positions of joints, by SMPL-X name if the joint has one."""
     finite = np.isfinite(recording.points).all(axis=2)
     if not finite.all():
         frame, joint = map(int, np.argwhere(~finite)[0])

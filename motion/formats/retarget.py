@@ -1,8 +1,8 @@
 """Retargeting the motion of another skeleton, with any rest pose, to the SMPL-X body.
 
-Each SMPL-X joint turns in the world as the source joint it follows, corrected by one constant
-turn that accounts for the difference of the two rest poses. Spine chains of any length merge
-by themselves, because turns in the world already hold what the joints below contribute.
+Each SMPL-X joint has the world rotation of the source joint that it follows, corrected by a
+constant rotation for the difference of the two rest poses. Spines of any length need no special
+case, because world rotations include those of the joints below.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ _UPRIGHT: Final = 60.0
 """Largest angle between trunk and legs of a standing rest pose, in degrees."""
 
 _BUILD: Final = 15.0
-"""Largest angle between trunk and axes, in degrees, that is attributed to the construction of the
-skeleton."""
+"""Largest angle between trunk and axes, in degrees, that is attributed to how the skeleton was
+built."""
 
 
 def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
@@ -68,16 +68,16 @@ def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
 def retarget_piece(
     motion: BvhMotion, joint_map: JointMap, previous: ForearmTwists | None
 ) -> tuple[MotionClip, ForearmTwists]:
-    """Return a piece of a motion as `retarget` does, and the state for the next piece.
+    """Retarget one chunk of a motion; return it and the state for the next chunk.
 
-    The pieces of a motion one after the other are the motion as a whole, bit by bit.
+    The chunks in order equal the whole motion, bit by bit.
 
     Parameters
     ----------
     motion, joint_map
         See `retarget`.
     previous : ForearmTwists or None
-        The twists of the previous piece; None for the first.
+        The twists returned for the previous chunk; None for the first.
     """
     names = motion.joint_names
     rest = motion.rest_positions
@@ -109,7 +109,7 @@ def retarget_piece(
 
 
 def rest_corrections(source: JointPositions, target: JointPositions) -> Mapping[str, Rotation]:
-    """Return the turn that takes each SMPL-X joint's rest pose to the source's.
+    """Return the rotation from each SMPL-X joint's rest pose to the source's.
 
     Parameters
     ----------
@@ -119,18 +119,18 @@ def rest_corrections(source: JointPositions, target: JointPositions) -> Mapping[
     Returns
     -------
     mapping of str to Rotation
-        For every mapped joint. Trunk, head, collars and feet: the turn of the whole figure. Limbs:
-        further, by the smallest turn along the chain, so that the bones have the source's
-        directions. Hands: so that the palms face the same way, if there are fingers.
+        For every mapped joint. Trunk, head, collars and feet: the rotation of the whole figure.
+        Limbs: in addition, the smallest rotations along the chain that give the bones the source's
+        directions. Hands: a rotation to the source's palms, if there are fingers.
     """
     figure = _figure_rotation(source, target)
     corrections = dict.fromkeys(source, figure)
     for side in _SIDES:
         for limb in _LIMBS:
             chain = [f"{side}_{part}" for part in limb]
-            before = _follow(chain, figure, source, target, corrections)
+            last = _follow(chain, figure, source, target, corrections)
             if limb[-1] == "wrist":
-                corrections[chain[-1]] = before
+                corrections[chain[-1]] = last
         wrist = f"{side}_wrist"
         hand = _hand_rotation(side, source, target) or corrections[wrist]
         corrections[wrist] = hand
@@ -145,10 +145,10 @@ def rest_corrections(source: JointPositions, target: JointPositions) -> Mapping[
 def _trunk_corrections(
     motion: BvhMotion, joint_map: JointMap, corrections: Mapping[str, Rotation]
 ) -> Mapping[str, Rotation]:
-    """Return the corrections with which trunk and head stand straight in the calibration pose.
+    """Return the corrections that make trunk and head straight in the calibration pose.
 
-    Skeletons are built with straight necks that the joints' values then bend; a person in a T-pose
-    shows which values mean looking ahead.
+    Skeletons are built with straight necks, which the joints' values then bend. A person in a
+    T-pose shows which values mean looking ahead.
     """
     if motion.calibration is None:
         return {}
@@ -180,7 +180,7 @@ def _follow(
     target: JointPositions,
     corrections: dict[str, Rotation],
 ) -> Rotation:
-    """Set the corrections along a chain of bones, each from the one before; return the last."""
+    """Set the corrections along a chain of bones, starting from `turn`; return the last."""
     mapped = [joint for joint in chain if joint in source]
     for joint, child in pairwise(mapped):
         target_direction = source[child] - source[joint]
@@ -192,10 +192,10 @@ def _follow(
 
 
 def _figure_rotation(source: JointPositions, target: JointPositions) -> Rotation:
-    """Return the turn of the whole figure between the rest poses.
+    """Return the rotation of the whole figure between the rest poses.
 
-    A figure whose axes nearly are the world's is taken to be so exactly: how far a skeleton's
-    spine leans says how it was built, not how the person stood.
+    A figure whose axes are nearly the world's is treated as if they were: the lean of a skeleton's
+    spine shows how the skeleton was built, not how the person stood.
     """
     up, left = _axes(source)
     if "left_ankle" in source:
@@ -228,7 +228,7 @@ def _axes(places: JointPositions) -> tuple[FloatArray, FloatArray]:
 
 
 def _hand_rotation(side: str, source: JointPositions, target: JointPositions) -> Rotation | None:
-    """Return the turn of a hand, from where middle finger and palm point; None without them."""
+    """Return the rotation of a hand, from its middle finger and palm; None without them."""
     wrist, middle, index, ring = (
         f"{side}_{part}" for part in ("wrist", "middle1", "index1", "ring1")
     )

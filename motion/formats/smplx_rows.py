@@ -49,15 +49,15 @@ def read_show_npz(path: Path) -> MotionClip:
     Parameters
     ----------
     path : Path
-        With the arrays ``jaw_pose``, ``leye_pose``, ``reye_pose``, ``global_orient``,
-        ``body_pose_axis``, ``left_hand_pose``, ``right_hand_pose`` and ``expression``, a row a
-        frame; axis-angle in radians. Others are ignored.
+        A file with the arrays ``jaw_pose``, ``leye_pose``, ``reye_pose``, ``global_orient``,
+        ``body_pose_axis``, ``left_hand_pose``, ``right_hand_pose`` and ``expression``, one row per
+        frame; axis-angle in radians. Other arrays are ignored.
 
     Raises
     ------
     InputError
-        If an array is missing or of another size: hands that SHOW gives by 12 principal components
-        must be given as 45 angles. Pickled content is never loaded.
+        If an array is missing or of another size. Hands as SHOW's 12 principal components are
+        refused: they must be 45 angles. Pickled content is never loaded.
     """
     with found_at(path):
         arrays = load_arrays(path, [name for name, _ in _PARTS])
@@ -83,7 +83,7 @@ def _part(array: NDArray[Any] | None, name: str, width: int) -> NDArray[Any]:
 
 
 def read_rows(path: Path, *, frame_rate: float | None = None) -> MotionClip:
-    """Read TalkSHOW's or Motion-X's rows unchanged; fingers are relative to the mean hands.
+    """Read TalkSHOW's or Motion-X's rows unchanged, with fingers relative to the mean hands.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def read_rows(path: Path, *, frame_rate: float | None = None) -> MotionClip:
         A ``.npy`` file, axis-angle in radians. TalkSHOW's rows hold jaw, eyes, pelvis, body, left
         hand, right hand, then 100 expression coefficients; for Motion-X's see `motion_x_clip`.
     frame_rate : float, optional
-        Frames per second where it is not 30.
+        Frames per second; 30 by default.
 
     Returns
     -------
@@ -101,7 +101,7 @@ def read_rows(path: Path, *, frame_rate: float | None = None) -> MotionClip:
     Raises
     ------
     InputError
-        If the file is no such array. Pickled content is never loaded.
+        If the file is not such an array. Pickled content is never loaded.
     """
     rate = FRAME_RATE if frame_rate is None else frame_rate
     with found_at(path):
@@ -121,9 +121,9 @@ def read_rows(path: Path, *, frame_rate: float | None = None) -> MotionClip:
 def motion_x_clip(rows: NDArray[Any], frame_rate: float) -> MotionClip:
     """Return Motion-X's rows, shape (T, 322), as a clip.
 
-    They hold pelvis, 21 body joints, left and right hand, jaw, 50 expression coefficients, 100 of
-    the face's shape, translation and 10 betas. Eyes stay at rest, and nothing is done with the
-    shape of the face.
+    They hold pelvis, 21 body joints, left and right hand, jaw, 50 expression coefficients, 100
+    coefficients of the face's shape, translation and 10 betas. Eyes stay at rest, and the shape of
+    the face is ignored.
     """
     body_and_hands, jaw, expression, _, trans, betas = np.split(
         rows, [156, 159, 209, 309, 312], axis=1

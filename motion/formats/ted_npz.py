@@ -1,13 +1,13 @@
 """Motion of TED Gesture (Yoon et al. 2020) as plain arrays: ten joints of the upper body.
 
-An ``.npz`` file a clip, with one of the arrays
+One ``.npz`` file per clip, with one of the arrays
 
 ``joints``
     (T, 10, 3), positions in any unit.
 ``directions``
     (T, 9, 3) or (T, 27), unit vectors along the bones of `BONES`; nothing subtracted.
 
-and, where it is not 15, ``frame_rate``.
+and ``frame_rate`` if it is not 15.
 """
 
 from __future__ import annotations
@@ -38,18 +38,18 @@ JOINT_NAMES: Final = (
     "right_elbow",
     "right_wrist",
 )
-"""The ten joints by our body's names; the jaw represents the nose."""
+"""The ten joints by our body's names; the jaw stands for the nose."""
 
 BONES: Final = ((0, 1), (1, 2), (2, 3), (1, 4), (4, 5), (5, 6), (1, 7), (7, 8), (8, 9))
 """Parent and child: spine to neck, nose, top of the head; then shoulder, elbow and wrist of the
 left and of the right."""
 
 AXES: Final = np.array([-1.0, -1.0, 1.0])
-"""TED Gesture's axes by ours: x to the person's right, y down, z forward."""
+"""Signs of TED Gesture's axes in ours: its x points to the person's right, y down, z forward."""
 
 ARRAYS: Final = ("directions", "joints")
 _UNIT: Final = 0.05
-"""By how much the length of a direction may differ from 1."""
+"""Largest difference of a direction's length from 1."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,7 +69,7 @@ class TedMotion:
 
 
 def chain_bones(bones: NDArray[Any]) -> NDArray[np.float64]:
-    """Return the ten joints (T, 10, 3) that `BONES`, (T, 9, 3), lead to from the first one."""
+    """Return the ten joints (T, 10, 3) at the ends of `BONES` vectors (T, 9, 3), the first at 0."""
     joints = np.zeros((len(bones), JOINTS, 3))
     for bone, (parent, child) in enumerate(BONES):
         joints[:, child] = joints[:, parent] + bones[:, bone]
@@ -82,9 +82,9 @@ def read_ted_npz(path: Path) -> TedMotion:
     Raises
     ------
     InputError
-        If the file is damaged, holds neither array, has no frame, holds a value that is not
-        finite, a bone without length, or directions that are no unit vectors. Pickled content is
-        never loaded.
+        If the file is damaged, has neither array or no frames, or holds a value that is not finite,
+        a bone without length or directions that are not unit vectors. Pickled content is never
+        loaded.
     """
     with found_at(path):
         return _motion(load_arrays(path, (*ARRAYS, "frame_rate")))

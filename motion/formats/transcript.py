@@ -18,20 +18,20 @@ from motion.audio import Audio
 from motion.errors import InputError
 
 TRANSCRIPT_ENDINGS: Final = (".textgrid", ".csv", ".lab")
-"""In the order in which they are preferred. Montreal Forced Aligner calls plain text ``.lab``."""
+"""In order of preference. Montreal Forced Aligner calls plain text ``.lab``."""
 
 FASTEST: Final = 8.0
 """Words per second of the fastest intelligible speech."""
 
 _ENDINGS_SEARCHED: Final = (".TextGrid", ".textgrid", ".csv", ".lab", ".txt")
 _MIN_SHARED_WORDS: Final = 0.5
-"""Share of the known words that a transcript of them holds at least."""
+"""Smallest share of the known words that their transcript has."""
 _TABLE: Final = ("word", "start", "end")
 _WORD_TIERS: Final = ("words", "word")
 _OVERSHOOT: Final = 0.5
-"""Seconds that a word may end behind the speech."""
+"""Seconds by which a word may end after the speech."""
 _SPEECH_LOUDNESS: Final = 0.05
-"""Share of the loudest 10 ms's level below which there is no speech."""
+"""Level below which there is no speech, as a share of the loudest 10 ms."""
 _STEP: Final = 0.01
 _LETTERS: Final = re.compile(r"\w[\w'’-]*")
 
@@ -52,15 +52,15 @@ def read_transcript(path: Path, audio: Audio) -> tuple[Word, ...]:
     ----------
     path : Path
         A TextGrid with a tier of words (named ``words``, or the first one of intervals); a CSV
-        table with the columns word, start and end; or else plain text, see `spread_words`.
+        table with the columns word, start and end; or plain text for `spread_words`.
     audio : Audio
         The speech.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or belongs to other speech: its words end after it, or are more
-        than anybody can say in that time.
+        If the file cannot be read, or belongs to other speech: words end after the audio, or there
+        are more than anyone can say in that time.
     """
     try:
         words = _read(path, audio)
@@ -71,24 +71,23 @@ def read_transcript(path: Path, audio: Audio) -> tuple[Word, ...]:
 
 
 def find_transcript(folder: Path | None, name: str, known: str, audio: Audio) -> tuple[Word, ...]:
-    """Return the words of `audio` by the transcript `name` in `folder`.
+    """Return the words of `audio` from the transcript `name` in `folder`.
 
     Parameters
     ----------
     folder : Path or None
-        Transcripts as `read_transcript` takes them; None spreads what is known over the speech.
+        Folder of files for `read_transcript`; None spreads the known text over the speech.
     name : str
-        The file's, without its ending.
+        The file's name without its ending.
     known : str
-        The known text, or nothing.
+        The known text; may be empty.
     audio : Audio
         The speech.
 
     Raises
     ------
     InputError
-        If there is no such transcript, it cannot be read, or it has less than half of the words
-        that are known.
+        If the transcript is missing, cannot be read, or has less than half of the known words.
     """
     if folder is None:
         return spread_words(known, audio)
@@ -104,7 +103,7 @@ def find_transcript(folder: Path | None, name: str, known: str, audio: Audio) ->
     expected, transcribed = set(words_of(known)), {word.text for word in words}
     if expected and len(expected & transcribed) < _MIN_SHARED_WORDS * len(expected):
         raise InputError(
-            f"the transcript is of other words than segment {name} has in its table",
+            f"the transcript has other words than segment {name} in segments.csv",
             where=path,
             remedy="Give the transcript of this speech, or correct segments.csv",
         )
@@ -112,12 +111,12 @@ def find_transcript(folder: Path | None, name: str, known: str, audio: Audio) ->
 
 
 def spread_words(text: str, audio: Audio) -> tuple[Word, ...]:
-    """Return words of plain text, spread over the time of speech by their numbers of letters.
+    """Return the words of a text, spread over the speech in proportion to their letters.
 
     Raises
     ------
     InputError
-        If there are more words than can be said in that time.
+        If there are more words than anyone can say in that time.
     """
     texts = words_of(text)
     if not texts:
@@ -140,19 +139,19 @@ def words_of(text: str) -> tuple[str, ...]:
 
 
 def preferred_transcript(find: Callable[[str], Path | None]) -> Path | None:
-    """Return the transcript that `find` has under the first of the endings, all in small letters.
+    """Return the first transcript that `find` returns for `TRANSCRIPT_ENDINGS`, in lower case.
 
     CSV files without words do not count.
     """
     for ending in TRANSCRIPT_ENDINGS:
-        found = find(ending)
-        if found is not None and (ending != ".csv" or is_word_table(found)):
-            return found
+        path = find(ending)
+        if path is not None and (ending != ".csv" or is_word_table(path)):
+            return path
     return None
 
 
 def is_word_table(path: Path) -> bool:
-    """Tell whether a CSV file is a table of words, and not another one of the same name."""
+    """Return whether a CSV file is a table of words."""
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             return set(_TABLE) <= set(next(csv.reader(file), ()))
@@ -215,7 +214,7 @@ def _words(intervals: Sequence[tuple[str, float, float]]) -> tuple[Word, ...]:
     for label, start, end in intervals:
         if not 0 <= start <= end < math.inf:
             raise InputError(
-                f"the word {label!r} is said from {start:g} to {end:g} s",
+                f"the word {label!r} starts at {start:g} s and ends at {end:g} s",
                 remedy="Give 0 <= start <= end",
             )
         words += [Word(text, start, end) for text in words_of(label)]
@@ -227,8 +226,8 @@ def _check(words: Sequence[Word], audio: Audio) -> None:
     end = max((word.end for word in words), default=0.0)
     if end > seconds + _OVERSHOOT or len(words) > max(3.0, FASTEST * seconds):
         raise InputError(
-            f"the transcript is of other speech: {len(words)} words until {end:.1f} s, and the "
-            f"speech lasts {seconds:.1f} s",
+            f"the transcript belongs to other speech: it has {len(words)} words until {end:.1f} s, "
+            f"and the speech lasts {seconds:.1f} s",
             remedy="Give the transcript of this speech, or none",
         )
 

@@ -1,7 +1,4 @@
-"""One person in a video, as found by MediaPipe, and the usable stretches.
-
-MediaPipe's package holds its networks.
-"""
+"""Detecting one person in a video with MediaPipe, and the stretches that are usable."""
 
 from __future__ import annotations
 
@@ -25,7 +22,7 @@ _LONGEST_GAP: Final = 0.25
 """Longest gap in seconds that is filled by linear interpolation."""
 
 SHORTEST: Final = 2.0
-"""Seconds below which a stretch is too short to learn from."""
+"""Shortest stretch that is used for training, in seconds."""
 
 _CUT_SHIFT: Final = 1.0
 """Movement of a face from one frame to the next, in face widths, that means a cut."""
@@ -34,12 +31,12 @@ _CHEEKS: Final = (234, 454)
 """Landmarks of MediaPipe's face mesh on either side of a face."""
 
 FASTEST: Final = 30.0
-"""Highest number of frames per second that are analysed."""
+"""Highest frame rate at which a video is analysed."""
 
 _POSE: Final = 33
 _FACE: Final = 478
-_REPETITION_SHARE: Final = 0.5
-"""Seconds for which a frame is repeated if the next comes late."""
+_LONGEST_REPETITION: Final = 0.5
+"""Seconds for which a frame is repeated if the next one is late."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,7 +50,7 @@ class Detection:
     pose : ndarray, shape (T, 33, 3)
         MediaPipe's world landmarks of the pose, metres, y down.
     visibility : ndarray, shape (T, 33)
-        From 0 to 1, how likely each is seen.
+        Probability that each landmark is visible, in [0, 1].
     face : ndarray, shape (T, 478, 3)
         MediaPipe's face mesh with irises, pixels, y down.
     """
@@ -68,7 +65,7 @@ class Detection:
         return len(self.pose)
 
     def stretch(self, start: int, end: int) -> Detection:
-        """Return the frames from `start` to before `end`, with gaps interpolated linearly."""
+        """Return frames `start` to `end` (exclusive), with gaps interpolated linearly."""
         return Detection(
             frame_rate=self.frame_rate,
             pose=_filled(self.pose[start:end]),
@@ -79,7 +76,7 @@ class Detection:
 
 @dataclass(frozen=True, kw_only=True)
 class Stretch:
-    """Frames of a video, and the reason for leaving them out; empty if they are usable."""
+    """Frames of a video, and the reason why they are unusable; empty if they are usable."""
 
     start: int
     end: int
@@ -87,7 +84,7 @@ class Stretch:
 
 
 def stretches(detection: Detection) -> tuple[Stretch, ...]:
-    """Divide a video into usable stretches of one person and stretches that are left out.
+    """Divide a video into usable and unusable stretches.
 
     Gaps of up to a quarter of a second do not end a stretch. A cut ends a stretch.
     """
@@ -97,16 +94,14 @@ def stretches(detection: Detection) -> tuple[Stretch, ...]:
     _bridge(reasons, round(_LONGEST_GAP * detection.frame_rate))
     changes = np.flatnonzero(reasons[1:] != reasons[:-1]) + 1
     bounds = sorted({0, len(detection), *changes.tolist(), *_cuts(detection)})
-    divided = [
-        Stretch(start=start, end=end, reason=str(reasons[start])) for start, end in pairwise(bounds)
-    ]
-    least = SHORTEST * detection.frame_rate
-    return tuple(
-        Stretch(start=one.start, end=one.end, reason=f"shorter than {SHORTEST:g} s")
-        if not one.reason and one.end - one.start < least
-        else one
-        for one in divided
-    )
+    fewest = SHORTEST * detection.frame_rate
+    result = []
+    for start, end in pairwise(bounds):
+        reason = str(reasons[start])
+        if not reason and end - start < fewest:
+            reason = f"shorter than {SHORTEST:g} s"
+        result.append(Stretch(start=start, end=end, reason=reason))
+    return tuple(result)
 
 
 def _bridge(reasons: NDArray[np.str_], longest: int) -> None:
@@ -118,7 +113,7 @@ def _bridge(reasons: NDArray[np.str_], longest: int) -> None:
 
 
 def _cuts(detection: Detection) -> list[int]:
-    """Return the frames in which a face jumps."""
+    """Return the frames at which a face jumps."""
     frames_with_face = np.flatnonzero(np.isfinite(detection.face[:, 0, 0]))
     if len(frames_with_face) < 2:
         return []
@@ -130,7 +125,7 @@ def _cuts(detection: Detection) -> list[int]:
 
 
 def _filled(values: FloatArray) -> FloatArray:
-    """Return `values`, shape (T, …), with lost frames filled in from those around them."""
+    """Return `values`, shape (T, …), with missing frames interpolated."""
     flat = values.reshape(len(values), -1)
     is_known = np.isfinite(flat).all(axis=1)
     if is_known.all():
@@ -141,37 +136,37 @@ def _filled(values: FloatArray) -> FloatArray:
 
 
 def detect(video: Path, on_frame: Callable[[int, int], None]) -> Detection:
-    """Return the positions of a person's body and face in each frame of a video.
+    """Detect a person's body and face in each frame of a video.
 
-    Where several people are seen, the detector follows one of them.
+    If several people are visible, the detector follows one of them.
 
     Parameters
     ----------
     video : Path
         Any file that FFmpeg reads.
     on_frame : callable
-        Told after each frame how many are done, of how many.
+        Called after each frame with the number of frames done and their total.
 
     Raises
     ------
     InputError
-        If MediaPipe is not installed, or the file is missing, damaged or no video.
+        If MediaPipe is not installed, or the file is missing, damaged or not a video.
     """
-    finder = _finder()
+    detector = _detector()
     poses: list[NDArray[np.float64]] = []
     visibilities: list[NDArray[np.float64]] = []
     faces: list[NDArray[np.float64]] = []
     rate = FASTEST
     missing = (np.full((_POSE, 3), np.nan), np.full(_POSE, np.nan), np.full((_FACE, 3), np.nan))
-    with finder, warnings.catch_warnings():
+    with detector, warnings.catch_warnings():
         # MediaPipe uses a deprecated function of protobuf, whose version is pinned.
         warnings.filterwarnings("ignore", message="SymbolDatabase.GetPrototype")
         for rate, place, total, picture in _frames(video):
-            pose, visible, face = _detect_picture(finder, picture, missing)
+            pose, visible, face = _detect_picture(detector, picture, missing)
             gap = place - len(poses)
             latest = (poses[-1], visibilities[-1], faces[-1]) if poses else missing
             for number in range(gap):
-                earlier = latest if number < _REPETITION_SHARE * rate else missing
+                earlier = latest if number < _LONGEST_REPETITION * rate else missing
                 for results, value in zip((poses, visibilities, faces), earlier, strict=True):
                     results.append(value)
             poses.append(pose)
@@ -190,12 +185,12 @@ def detect(video: Path, on_frame: Callable[[int, int], None]) -> Detection:
     )
 
 
-def _finder() -> Any:
+def _detector() -> Any:
     try:
         from mediapipe.python.solutions.holistic import Holistic
     except ImportError as error:
         raise InputError(
-            "finding people in videos needs MediaPipe",
+            "detecting people in videos needs MediaPipe",
             remedy="Install it: pip install 'motionjury[video]'",
         ) from error
     # The larger pose model would be downloaded; this one is in the package.
@@ -203,11 +198,11 @@ def _finder() -> Any:
 
 
 def _detect_picture(
-    finder: Any, picture: NDArray[np.uint8], missing: tuple[NDArray[np.float64], ...]
+    detector: Any, picture: NDArray[np.uint8], missing: tuple[NDArray[np.float64], ...]
 ) -> tuple[NDArray[np.float64], ...]:
     """Return pose, visibility and face of one picture."""
     height, width = picture.shape[:2]
-    result = finder.process(picture)
+    result = detector.process(picture)
     pose, visible, face = missing
     if result.pose_world_landmarks is not None:
         marks = result.pose_world_landmarks.landmark
@@ -220,7 +215,7 @@ def _detect_picture(
 
 
 def _frames(video: Path) -> Iterator[tuple[float, int, int, NDArray[np.uint8]]]:
-    """Yield frames a second, number of the frame, how many there will be, and picture (H, W, 3)."""
+    """Yield frame rate, index of the frame, number of frames, and picture (H, W, 3)."""
     if not video.is_file():
         raise InputError("there is no such video", where=video, remedy="Check the path")
     start, last = None, -1

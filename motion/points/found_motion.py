@@ -24,27 +24,27 @@ from motion.skeleton import REST_JOINTS, joint_index
 FloatArray = NDArray[np.float64]
 
 _RIGID_LANDMARKS: Final = (10, 151, 9, 168, 6, 197, 33, 133, 362, 263, 127, 356, 234, 454)
-"""Points of forehead, bridge of the nose, corners of the eyes and temples: no expression moves
-them much."""
+"""Points of forehead, bridge of the nose, corners of the eyes and temples, which expressions hardly
+move."""
 
 _LIDS: Final = {
     "left": ((386, 374), (263, 362)),
     "right": ((159, 145), (33, 133)),
 }
-"""Middle of the upper and lower lid, and the corners, of each of the person's eyes."""
+"""Middles of the upper and lower lid, and corners, of each of the person's eyes."""
 
 _LIPS: Final = (13, 14)
 _NOSE_TIP: Final = 1
 _MOUTH: Final = {"left": 291, "right": 61}
 
 _FRONT_OF_EYE: Final = 0.012
-"""Metres from the middle of an eye to its front."""
+"""Distance from the middle of an eye to its front, in metres."""
 
 _NEUTRAL_PERCENTILE: Final = 25
-"""Percent of the frames, those with the mouth most nearly shut, that may show the neutral face."""
+"""Percentage of the frames, those with the most closed mouth, that may show the neutral face."""
 
 _SMOOTHING: Final = 0.03
-"""Seconds, a standard deviation, over which a detected face is averaged."""
+"""Standard deviation of the smoothing of a detected face, in seconds."""
 
 
 def _landmark_shifts(
@@ -102,9 +102,9 @@ def _anchors(body: BodyModel) -> FloatArray:
     return np.stack([*eyes, nose, *corners]).astype(float)
 
 
-_ANCHOR_WEIGHT: Final = 5.0
-"""A second: detections are averaged around this many points in time, with smooth motion between
-them, which removes jitter (Bhattacharya et al. 2024, section 4)."""
+_KNOTS_PER_SECOND: Final = 5.0
+"""Points in time around which detections are averaged, with smooth motion between them, to remove
+jitter (Bhattacharya et al. 2024, section 4)."""
 
 _MISFIT: Final = 6e-3
 """Error of a detected face in metres, see `FaceLandmarks.facial_actions`."""
@@ -117,16 +117,16 @@ _HANDS: Final = ("elbow", "wrist", "pinky", "index", "thumb")
 
 
 def clip_from_detection(detection: Detection, body: BodyModel) -> MotionClip:
-    """Return the motion of a person in a stretch of video, with the face in facial actions.
+    """Return the motion of a person in a stretch of video, with the face as facial actions.
 
-    Arms or legs that are not in the picture for most of the time are at rest.
+    Arms or legs that are out of the picture most of the time are at rest.
 
     Parameters
     ----------
     detection : Detection
-        Without gaps.
+        The detected points, without gaps.
     body : BodyModel
-        The avatar whose facial actions they are.
+        The avatar with the facial actions.
     """
     rate = detection.frame_rate
     visibility = dict(zip(MEDIAPIPE, detection.visibility.mean(axis=0), strict=True))
@@ -161,7 +161,7 @@ def _is_of(name: str, parts: tuple[str, ...]) -> bool:
 
 def _smoothed(points: FloatArray, frame_rate: float) -> FloatArray:
     """Return (T, 3) points without jitter."""
-    width = round(frame_rate / _ANCHOR_WEIGHT)
+    width = round(frame_rate / _KNOTS_PER_SECOND)
     bounds = np.arange(0, len(points), max(width, 1))
     if width < 2 or len(bounds) < 3:
         return points

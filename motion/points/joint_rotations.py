@@ -1,9 +1,9 @@
 """Joint rotations of a body from the joint positions of a person.
 
-Every given bone gets its given direction and the body's own length. What positions do not determine
-is chosen anatomically: upper arms and thighs are twisted so that elbows and knees bend the way they
-can, a turn of the head is shared by the neck, one of the shoulders by the spine, and missing legs
-stand.
+Every given bone gets its given direction and the body's own length. Rotations that positions do not
+determine are chosen anatomically: upper arms and thighs are twisted so that elbows and knees bend
+the way they can, the neck shares a turn of the head, the spine shares a turn of the shoulders, and
+missing legs stand.
 """
 
 from __future__ import annotations
@@ -41,20 +41,19 @@ _SPINE: Final = ("pelvis", "spine1", "spine2", "spine3", "neck")
 _UNIT_AXES: Final = (np.array([1.0, 0, 0]), np.array([0, 1.0, 0]), np.array([0, 0, 1.0]))
 
 _PELVIS_STAYS: Final = np.radians(45)
-"""Turn of the shoulders from which hips follow if they are not given."""
+"""Turn of the shoulders beyond which missing hips follow."""
 
 _STRAIGHT: Final = np.sin(np.radians(12))
 """Sine of an elbow's or knee's bend below which its plane hardly determines the twist."""
 
 _PLANE_SMOOTHING: Final = 0.08
-"""Seconds, a standard deviation, over which the plane of a bend is averaged."""
+"""Standard deviation of the smoothing of a bend's plane, in seconds."""
 
 _UPRIGHT: Final = 0.5
-"""Share by which a head of unknown roll is straightened from its neck's lean towards the
-chest's."""
+"""Share by which a head of unknown roll is straightened, from the neck's lean to the chest's."""
 
 _MIN_LENGTH: Final = 1e-6
-"""Metres below which a bone has no direction."""
+"""Smallest length of a bone that has a direction, in metres."""
 
 _HANGING: Final = 78.0
 """Angle of missing arms below the rest pose, in degrees."""
@@ -66,36 +65,36 @@ class _Figure:
     def __init__(
         self, points: Mapping[str, FloatArray], rest: FloatArray, frame_rate: float
     ) -> None:
-        self.given = points
+        self.points = points
         self.rest = rest
         self.frame_rate = frame_rate
         self.frames = len(points["pelvis"])
         self.world: dict[str, Rotation] = {}
 
     def has(self, *names: str) -> bool:
-        return all(name in self.given for name in names)
+        return all(name in self.points for name in names)
 
-    def told(self, start: str, end: str) -> FloatArray:
+    def vector(self, start: str, end: str) -> FloatArray:
         """Return the vector from one joint to another in each frame, shape (T, 3)."""
-        return self.given[end] - self.given[start]
+        return self.points[end] - self.points[start]
 
-    def resting(self, start: str, end: str) -> FloatArray:
+    def rest_vector(self, start: str, end: str) -> FloatArray:
         """Return the vector from one joint to another at rest, shape (3,)."""
         return np.asarray(self.rest[joint_index(end)] - self.rest[joint_index(start)])
 
-    def reached(self, start: str, end: str) -> FloatArray:
+    def posed_vector(self, start: str, end: str) -> FloatArray:
         """Return the vector from a joint to its child in the current pose, shape (T, 3)."""
-        return np.asarray(self.world[start].apply(self.resting(start, end)))
+        return np.asarray(self.world[start].apply(self.rest_vector(start, end)))
 
     def swing(self, joint: str, end: str, start: Rotation) -> None:
-        """Turn `joint` from `start` on by the smallest turn that makes it point at `end`."""
+        """Turn `joint` from rotation `start` by the smallest turn that makes it point at `end`."""
         self.world[joint] = start
         if self.has(joint, end):
-            turn = smallest_rotations(self.reached(joint, end), self.told(joint, end))
+            turn = smallest_rotations(self.posed_vector(joint, end), self.vector(joint, end))
             self.world[joint] = turn * self.world[joint]
 
     def locals(self) -> FloatArray:
-        """Return rotation matrices against the parents, shape (T, 55, 3, 3)."""
+        """Return rotation matrices relative to the parents, shape (T, 55, 3, 3)."""
         local = np.broadcast_to(np.eye(3), (self.frames, JOINT_COUNT, 3, 3)).copy()
         relaxed = Rotation.from_rotvec(RELAXED_HANDS.astype(float)).as_matrix()
         local[:, FINGERS] = relaxed
@@ -119,8 +118,7 @@ def clip_from_joints(
     ----------
     points : mapping of str to ndarray, shape (T, 3)
         Positions of SMPL-X joints in metres, y up; at least pelvis, neck and both shoulders. A
-        joint counts only if its parent is given too, or, on a spine of which joints are missing,
-        the next one below.
+        joint counts only if its parent is given too; on an incomplete spine, the next joint below.
     rest : ndarray, shape (55, 3)
         The joints of the body at rest, metres.
     frame_rate : float
@@ -151,7 +149,7 @@ def clip_from_joints(
 
 
 def _check_directions(points: Mapping[str, FloatArray]) -> None:
-    """Raise `InputError` where a bone has no direction."""
+    """Raise `InputError` if a bone has no direction."""
     for start, end in _given_bones(points):
         lengths = np.linalg.norm(points[end] - points[start], axis=1)
         if lengths.min() < _MIN_LENGTH:
@@ -173,8 +171,8 @@ def _given_bones(points: Mapping[str, FloatArray]) -> list[tuple[str, str]]:
 def _heading(figure: _Figure) -> Rotation:
     """Return the rotation of the hips about the vertical."""
     if figure.has("left_hip", "right_hip"):
-        return _about_y(_yaw(figure.told("right_hip", "left_hip")))
-    yaw = _yaw(figure.told("right_shoulder", "left_shoulder"))
+        return _about_y(_yaw(figure.vector("right_hip", "left_hip")))
+    yaw = _yaw(figure.vector("right_shoulder", "left_shoulder"))
     deviations = yaw - yaw.mean()
     return _about_y(yaw.mean() + deviations - np.clip(deviations, -_PELVIS_STAYS, _PELVIS_STAYS))
 
@@ -191,30 +189,30 @@ def _turn_trunk(figure: _Figure, heading: Rotation) -> None:
     """Turn pelvis and spine along the given bones and between the turns of hips and shoulders."""
     knots = [joint for joint in _SPINE if figure.has(joint)]
     if figure.has("left_hip", "right_hip"):
-        hips = figure.told("right_hip", "left_hip"), figure.resting("right_hip", "left_hip")
+        hips = figure.vector("right_hip", "left_hip"), figure.rest_vector("right_hip", "left_hip")
     else:
         hips = heading.apply(_UNIT_AXES[0]), _UNIT_AXES[0]
     wide = "collar" if figure.has("left_collar", "right_collar") else "shoulder"
     right, left = f"right_{wide}", f"left_{wide}"
     low, high = knots[:2], knots[-2:]
-    pelvis = frame_rotations((figure.resting(*low), hips[1]), (figure.told(*low), hips[0]))
+    pelvis = frame_rotations((figure.rest_vector(*low), hips[1]), (figure.vector(*low), hips[0]))
     chest = frame_rotations(
-        (figure.resting(*high), figure.resting(right, left)),
-        (figure.told(*high), figure.told(right, left)),
+        (figure.rest_vector(*high), figure.rest_vector(right, left)),
+        (figure.vector(*high), figure.vector(right, left)),
     )
     bend = (pelvis.inv() * chest).as_rotvec()
     for number, joint in enumerate(_SPINE[:-1]):
         figure.world[joint] = pelvis * Rotation.from_rotvec(bend * number / 3)
     for start, end in pairwise(knots):
         joints = _SPINE[_SPINE.index(start) : _SPINE.index(end) + 1]
-        spine_vector = sum(figure.reached(*bone) for bone in pairwise(joints))
-        turn = smallest_rotations(np.asarray(spine_vector), figure.told(start, end))
+        spine_vector = sum(figure.posed_vector(*bone) for bone in pairwise(joints))
+        turn = smallest_rotations(np.asarray(spine_vector), figure.vector(start, end))
         for joint in joints[:-1]:
             figure.world[joint] = turn * figure.world[joint]
 
 
 def _turn_head(figure: _Figure) -> None:
-    """Turn neck and head; both take half of how far the head is turned about the neck."""
+    """Turn neck and head; each takes half of the head's turn about the neck."""
     top = "head" if figure.has("head") else "jaw"
     figure.swing("neck", top, figure.world["spine3"])
     neck = figure.world["neck"]
@@ -225,14 +223,14 @@ def _turn_head(figure: _Figure) -> None:
         eyes = ("right_eye", "left_eye")
         ahead = "jaw" if figure.has("jaw") else "left_eye"
         figure.world["head"] = frame_rotations(
-            (figure.resting(*eyes), figure.resting("head", ahead)),
-            (figure.told(*eyes), figure.told("head", ahead)),
+            (figure.rest_vector(*eyes), figure.rest_vector("head", ahead)),
+            (figure.vector(*eyes), figure.vector("head", ahead)),
         )
     else:
-        # A head that leans sideways is more upright than its neck: half way back to the chest.
+        # A head that leans sideways is more upright than its neck: halfway back to the chest.
         lean = (neck.inv() * figure.world["spine3"]).as_rotvec()
         figure.swing("head", "jaw", neck * Rotation.from_rotvec(_UPRIGHT * lean))
-    axis = figure.resting("neck", "head")
+    axis = figure.rest_vector("neck", "head")
     axis = axis / np.linalg.norm(axis)
     angles = twist_angles((neck.inv() * figure.world["head"]).as_quat(), axis)
     figure.world["neck"] = neck * Rotation.from_rotvec(angles[:, None] / 2 * axis)
@@ -254,38 +252,38 @@ def _turn_arm(figure: _Figure, side: str, sign: float) -> None:
 
 
 def _turn_collar(figure: _Figure, collar: str, shoulder: str) -> None:
-    """Turn a collar that is not given so that the shoulder has its given direction from the neck.
+    """Turn a missing collar so that the shoulder has its given direction from the neck.
 
-    The collar's end can only be on a sphere around its start: it is put where the line from the
-    neck leaves that sphere, or comes nearest to it.
+    The end of the collar is on a sphere around its start. It is placed where the line from the neck
+    leaves that sphere or comes nearest to it.
     """
     chest = figure.world["spine3"]
-    start = chest.apply(figure.resting("neck", collar))
-    length = np.linalg.norm(figure.resting(collar, shoulder))
-    line = figure.told("neck", shoulder)
+    start = chest.apply(figure.rest_vector("neck", collar))
+    length = np.linalg.norm(figure.rest_vector(collar, shoulder))
+    line = figure.vector("neck", shoulder)
     line = line / np.linalg.norm(line, axis=1, keepdims=True)
     projections = (start * line).sum(axis=1)
     squared_distances = (start**2).sum(axis=1) - projections**2
     line_lengths = projections + np.sqrt(np.maximum(length**2 - squared_distances, 0))
     target = line_lengths[:, None] * line - start
     figure.world[collar] = (
-        smallest_rotations(chest.apply(figure.resting(collar, shoulder)), target) * chest
+        smallest_rotations(chest.apply(figure.rest_vector(collar, shoulder)), target) * chest
     )
 
 
 def _turn_limb(figure: _Figure, limb: tuple[str, str, str], parent: str, bends: FloatArray) -> None:
-    """Turn the two long bones of an arm or leg, twisted so that the joint between bends as it can.
+    """Turn the two long bones of a limb, twisted so that the joint between them bends as it can.
 
-    A nearly straight limb does not determine its twist, which then is that of the smallest turn.
+    A nearly straight limb does not determine its twist; it keeps that of the smallest turn.
     """
     start, middle, end = limb
     figure.swing(start, middle, figure.world[parent])
     figure.world[middle] = figure.world[start]
     if not figure.has(start, middle, end):
         return
-    axis = figure.told(start, middle)
+    axis = figure.vector(start, middle)
     axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
-    lower = figure.told(middle, end)
+    lower = figure.vector(middle, end)
     lower = lower / np.linalg.norm(lower, axis=1, keepdims=True)
     forwards = figure.world[start].apply(bends)
     forwards -= (forwards * axis).sum(axis=1, keepdims=True) * axis
@@ -309,8 +307,8 @@ def _turn_hand(figure: _Figure, side: str) -> None:
     figure.swing(wrist, middle, figure.world[f"{side}_elbow"])
     if outer is not None and figure.has(wrist, middle, index):
         figure.world[wrist] = frame_rotations(
-            (figure.resting(wrist, middle), figure.resting(outer, index)),
-            (figure.told(wrist, middle), figure.told(outer, index)),
+            (figure.rest_vector(wrist, middle), figure.rest_vector(outer, index)),
+            (figure.vector(wrist, middle), figure.vector(outer, index)),
         )
     for finger in FINGER_NAMES:
         chain = [f"{side}_{finger}{number}" for number in (1, 2, 3)]
@@ -331,6 +329,8 @@ def _turn_leg(figure: _Figure, side: str, heading: Rotation) -> None:
 
 def _translation(figure: _Figure, heading: Rotation) -> FloatArray:
     if figure.has("left_hip", "right_hip", *LEGS):
-        return np.asarray(figure.given["pelvis"] - figure.rest[0])
-    hips = (figure.resting("pelvis", "left_hip") + figure.resting("pelvis", "right_hip")) / 2
+        return np.asarray(figure.points["pelvis"] - figure.rest[0])
+    hips = (
+        figure.rest_vector("pelvis", "left_hip") + figure.rest_vector("pelvis", "right_hip")
+    ) / 2
     return np.asarray(heading.apply(hips) - figure.world["pelvis"].apply(hips))

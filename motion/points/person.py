@@ -1,8 +1,8 @@
-"""Joints of another skeleton, or detected points, as joints of our body.
+"""Converting joints of another skeleton, or detected points, to joints of our body.
 
-Skeletons differ in build: where a neck sits between the shoulders, how far forward a head is. Their
-average is identified with our body's rest pose, so that nobody shrugs or looks down for a whole
-recording.
+Skeletons differ in build, such as the height of the neck between the shoulders and the position of
+the head. Their average pose is equated with our body's rest pose, so that nobody shrugs or looks
+down for a whole recording.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ _HIPS: Final = ("left_hip", "right_hip")
 _HEAD: Final = ("head", "jaw", "left_eye", "right_eye")
 _NO_ARM: Final = ("hip", "knee", "ankle", "foot", "ear", "eye")
 _COMPUTED: Final = tuple(joint for joint in JOINT_NAMES if "spine" in joint or "collar" in joint)
-"""Joints whose position differs between skeletons; without them trunk and shoulders follow the
-rest."""
+"""Joints whose positions differ between skeletons; they are ignored, and trunk and shoulders follow
+the other joints."""
 
 _EARS_TO_HEAD: Final = np.array([0, -0.2, 1.0])
 _TO_CROWN: Final = np.array([0, 0.278, 0.02])
@@ -53,21 +53,21 @@ _MIN_LENGTH: Final = 1e-6
 
 
 def body_joints(points: Points, frame_rate: float) -> dict[str, FloatArray]:
-    """Return positions of SMPL-X joints in metres, y up, facing +z on average if from a camera.
+    """Return positions of SMPL-X joints in metres, y up; from a camera, facing +z on average.
 
     Parameters
     ----------
     points : mapping of str to ndarray, shape (T, 3)
-        In any unit and with any axis up, by SMPL-X name; besides, `nose`, `left_ear`,
-        `right_ear`, `crown`, and `left_index`, `left_pinky`, `right_index`, `right_pinky` for
-        knuckles. At least both shoulders, and the pelvis or both hips.
+        Positions by SMPL-X name, in any unit and with any axis up. Also `nose`, `left_ear`,
+        `right_ear`, `crown`, and the knuckles `left_index`, `left_pinky`, `right_index` and
+        `right_pinky`. At least both shoulders, and the pelvis or both hips.
     frame_rate : float
         Frames per second.
 
     Raises
     ------
     InputError
-        If the trunk is not given, or has no extent.
+        If the trunk is missing, or has no extent.
     """
     joints = {name: values for name, values in points.items() if name not in _COMPUTED}
     _check_trunk(joints)
@@ -108,7 +108,7 @@ def _check_trunk(points: Points) -> None:
 def _upright(
     points: dict[str, FloatArray], frame_rate: float, *, seen_by_camera: bool
 ) -> dict[str, FloatArray]:
-    """Return the points in metres of the body, y up, and from the front if a camera saw them."""
+    """Return the points scaled to our body, y up, and from the front if a camera saw them."""
     trunk = [points[name] for name in ("pelvis", *_SHOULDERS)]
     up = np.median((trunk[1] + trunk[2]) / 2 - trunk[0], axis=0)
     size = float(np.linalg.norm(_rest_top() - _at_rest("pelvis")))
@@ -141,7 +141,7 @@ def _chest(points: Points) -> Rotation:
 def _turn_to(points: dict[str, FloatArray], chest: Rotation, end: str, others: list[str]) -> None:
     """Turn the bone from the neck to `end` so that on average it points as at rest.
 
-    The points that are `others` with its end keep where they are from it.
+    The points `others` move with its end.
     """
     bone = points[end] - points["neck"]
     mean_bone = np.median(chest.inv().apply(bone), axis=0)
@@ -158,7 +158,7 @@ def _part(name: str) -> str:
 
 
 def _place_head(points: dict[str, FloatArray], chest: Rotation) -> None:
-    """Place head, jaw and eyes as on our body, using what is known of the head's rotation."""
+    """Place head, jaw and eyes as on our body, by the known part of the head's rotation."""
     neck = points["neck"]
     if "nose" in points and all(ear in points for ear in _EARS):
         ears = points[_EARS[0]] - points[_EARS[1]]
@@ -186,7 +186,7 @@ def _place_head(points: dict[str, FloatArray], chest: Rotation) -> None:
 
 
 def _place_knuckles(points: dict[str, FloatArray], side: str) -> None:
-    """Name a detector's knuckles as joints."""
+    """Turn a detector's knuckles into joints."""
     index, pinky = points.get(f"{side}_index"), points.get(f"{side}_pinky")
     if index is not None and pinky is not None:
         points[f"{side}_index1"], points[f"{side}_pinky1"] = index, pinky

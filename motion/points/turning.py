@@ -1,4 +1,4 @@
-"""Turns that take directions to others, and a person seen from the front, for all frames at once.
+"""Rotations that align directions, and a person seen from the front, for all frames at once.
 
 View normalisation of Speech2UnifiedExpressions (Bhattacharya et al. 2024, section 3.1) after
 Umeyama 1991, "Least-squares estimation of transformation parameters between two point patterns".
@@ -21,7 +21,7 @@ _ANTIPARALLEL = 1e-9
 
 
 def smallest_rotations(current: FloatArray, target: FloatArray) -> Rotation:
-    """Return the smallest turns that take directions `current` to `target`, each (T, 3)."""
+    """Return the smallest rotations from directions `current` to `target`, each (T, 3)."""
     current, target = _units(current), _units(target)
     scalar = 1 + (current * target).sum(axis=1)
     vector = np.cross(current, target)
@@ -42,14 +42,14 @@ def frame_rotations(
     current : pair of ndarray, shape (3,)
         Two directions at rest.
     target : pair of ndarray, shape (T, 3)
-        The directions in each frame. If both are parallel, the turn about them is arbitrary.
+        The directions in each frame. If they are parallel, the rotation about them is arbitrary.
     """
     rest = _frames(current[0][None], current[1][None])
     return Rotation.from_matrix(_frames(*target) @ np.swapaxes(rest, 1, 2))
 
 
 def _frames(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Return right-handed frames whose first axes, columns, are `first`, shape (T, 3, 3)."""
+    """Return right-handed frames (T, 3, 3) whose columns are the axes, the first along `first`."""
     first = _units(first)
     normal = np.cross(first, second)
     line = np.linalg.norm(normal, axis=1) < _ANTIPARALLEL
@@ -64,17 +64,17 @@ def _units(vectors: FloatArray) -> FloatArray:
 
 
 _SLOW: Final = 2.0
-"""Seconds, a standard deviation: slower turns of a whole trunk count as the camera's."""
+"""Standard deviation of a smoothing in seconds: slower turns of the trunk count as the camera's."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Similarity:
-    """Turn, scale and shift, one for each frame.
+    """Rotation, scale and shift of each frame.
 
     Attributes
     ----------
     turns : Rotation
-        T of them.
+        T rotations.
     scales : ndarray, shape (T,)
     shifts : ndarray, shape (T, 3)
     """
@@ -84,7 +84,7 @@ class Similarity:
     shifts: FloatArray
 
     def apply(self, points: FloatArray) -> FloatArray:
-        """Return `points`, shape (T, P, 3), turned, scaled and shifted frame by frame."""
+        """Return `points`, shape (T, P, 3), rotated, scaled and shifted frame by frame."""
         rotated = np.einsum("tab,tpb->tpa", self.turns.as_matrix(), points)
         return np.asarray(self.scales[:, None, None] * rotated + self.shifts[:, None])
 
@@ -109,16 +109,16 @@ def nearest_similarity(points: FloatArray, reference: FloatArray) -> Similarity:
 
 
 def front_views(trunk: FloatArray, reference: FloatArray, frame_rate: float) -> Rotation:
-    """Return the rotations by which a trunk faces front and is upright on average.
+    """Return the rotations that make a trunk face front and stand upright on average.
 
-    Only what changes slowly is taken out, so that a camera's place and moves go and the person's
-    own leaning and turning stay.
+    Only slow changes are removed: the camera's position and moves go, the person's leaning and
+    turning stay.
 
     Parameters
     ----------
     trunk : ndarray, shape (T, P, 3)
     reference : ndarray, shape (P, 3)
-        The same points of a person who stands upright and faces front.
+        The same points of a person standing upright and facing front.
     frame_rate : float
         Frames per second.
     """

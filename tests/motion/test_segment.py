@@ -42,7 +42,7 @@ def test_an_excerpt_may_end_slightly_late_but_not_lie_outside_or_be_empty(
     start: float, end: float
 ) -> None:
     assert excerpt_bounds(0, 1 + CUT_TOLERANCE, rate=100, length=100) == (0, 110)
-    with pytest.raises(InputError, match=r"excerpt from .* was asked of 1\.00 s"):
+    with pytest.raises(InputError, match=r"excerpt from .* in 1\.00 s"):
         excerpt_bounds(start, end, rate=100, length=100)
 
 

@@ -109,7 +109,7 @@ def test_word_times_change_the_motion(
     plain = generator(checkpoint).generate(speech, seed=1, frame_rate=15)
     assert not np.array_equal(clip.poses, plain.poses)
     (tmp_path / "a.csv").write_text("word,start,end\nsomething,3,4\nelse,4,5\n")
-    with pytest.raises(InputError, match=r"a\.csv.*of other words"):
+    with pytest.raises(InputError, match=r"a\.csv.*has other words"):
         made.generate(speech, seed=1, frame_rate=15)
     (tmp_path / "a.csv").unlink()
     with pytest.raises(InputError, match="no transcript of a"):

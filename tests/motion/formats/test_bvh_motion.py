@@ -97,7 +97,7 @@ def test_a_calibration_pose_in_the_first_row_is_removed_in_spite_of_a_later_glit
     assert motion.calibration is not None
     np.testing.assert_allclose(motion.calibration, rows[0])
     np.testing.assert_allclose(motion.values, rows[[1, *range(1, 90)]])
-    assert "first frame is a pose apart" in motion.notes[0]
+    assert "first frame is not part of the motion" in motion.notes[0]
 
 
 _JUMPING = _bending(hip=(170, 0, 0), knee=(0, 0, 90))

@@ -54,7 +54,7 @@ def test_words_of_plain_text_are_spread_over_the_speech(tmp_path: Path, audio: A
         ("a.lab", "word " * 60, "of other speech: 60 words"),
         ("a.csv", "word,from,to\na,0,1\n", "has no words"),
         ("a.csv", "word,start,end\na,x,1\n", r"line 2.*has no time"),
-        ("a.csv", "word,start,end\na,2,1\n", "is said from 2 to 1 s"),
+        ("a.csv", "word,start,end\na,2,1\n", "starts at 2 s and ends at 1 s"),
         ("a.TextGrid", "nothing", "not a TextGrid"),
         ("a.lab", "caf\xe9", "text in UTF-8"),
     ],

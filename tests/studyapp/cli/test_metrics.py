@@ -59,5 +59,5 @@ def test_a_missing_score_is_a_dash_and_no_scores_at_all_a_failure(
     row = next(line for line in shown.splitlines() if line.startswith("mean distance"))
     assert "–" in row
     assert "a distance needs two clips" in shown
-    assert "note: ours: a.json, beside a.npz, is left out" in shown
+    assert "note: ours: a.json, next to a.npz, is left out" in shown
     assert "no motion file could be measured" in shown

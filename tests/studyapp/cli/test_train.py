@@ -70,7 +70,7 @@ def test_a_damaged_face_file_is_named_where_no_clip_has_a_face(tmp_path: Path) -
     (data / "a.json").write_text("{")
     given = ("motion", "--data", data, "--channels", "expression", "--config", "tiny")
     shown = run("train", "evaluator", *given, "--out", tmp_path / "m.safetensors", status=1)
-    assert "note: a.json, beside a.npz, is left out" in shown
+    assert "note: a.json, next to a.npz, is left out" in shown
 
 
 @short_training()

@@ -129,7 +129,7 @@ def test_a_face_in_a_companion_file_is_imported_and_other_json_is_ignored(
     assert recording.motion is not None
     recording.motion.with_suffix(".json").write_text('{"take": 3}')
     segments, notes = import_take(folder, replace(recording, condition="still"))
-    assert any("motion.json, beside motion.npz, is left out" in note for note in notes)
+    assert any("motion.json, next to motion.npz, is left out" in note for note in notes)
     assert read_clip(folder.clip("still", segments[0].name)).arkit is None
     weights = np.linspace(0, 1, 300)[:, None] * np.ones(51)
     write_arkit_json(recording.motion.with_suffix(".json"), weights, 60)
@@ -163,7 +163,13 @@ def write_companion(take: Take, ending: str, text: str) -> Path:
             ["good", "morning", "all"],
             "is from",
         ),
-        (2.0, ".csv", "word,start,end\nlate,50,51\n", [""] * 3, "transcript is of other speech"),
+        (
+            2.0,
+            ".csv",
+            "word,start,end\nlate,50,51\n",
+            [""] * 3,
+            "transcript belongs to other speech",
+        ),
     ],
 )
 def test_each_segment_gets_its_own_words_unless_they_belong_to_other_speech(

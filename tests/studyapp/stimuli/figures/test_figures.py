@@ -96,7 +96,7 @@ def test_conditions_can_have_other_labels_which_are_distinct(
     command = ("figure", "overlay", study.root, "--segment", SEGMENT, "--at", "0.5", "--inches", 1)
     variations = ("--motion", f"{clip}=seed 1", "--motion")
     shown = run(*command, *variations, f"{clip}=seed 2")
-    assert "note: seed.json, beside seed.npz, is left out" in shown
+    assert "note: seed.json, next to seed.npz, is left out" in shown
     assert "'seed 1'" in refused(*command, *variations, f"{clip}=seed 1")
     assert "at most 7" in refused(*command, *(f"--motion={clip}={k}" for k in range(8)))
 
