@@ -21,15 +21,15 @@ CHANGEABLE_SETTINGS: Final = ("steps", "checkpoint_every")
 
 @dataclass(frozen=True, kw_only=True)
 class Decay:
-    """A learning rate that is multiplied from epoch to epoch.
+    """Exponential decay of the learning rate over epochs.
 
     Attributes
     ----------
     factor : float
-        Above 0 and at most 1.
+        Factor per epoch, above 0 and at most 1.
     from_epoch : int
-        The first epoch whose rate is multiplied, counted from 0; the epoch after it has the square
-        of the factor, and so on.
+        The first epoch with a reduced rate, counted from 0. The next one has the square of the
+        factor, and so on.
     """
 
     factor: float
@@ -44,24 +44,24 @@ class Decay:
 class Pass:
     """An update of some weights by one loss.
 
-    Passes of a step are made one after the other: the second one uses the weights that the first
-    one changed. Weights that belong to none of the passes of a stage are frozen in it.
+    The passes of a step are made in order: the second one uses the weights that the first one
+    changed. Weights that belong to none of the passes of a stage are frozen in it.
 
     Attributes
     ----------
     name : str
         Its name for the task and in the log.
     parts : tuple of str
-        Names of the network's modules or weights that learn, as in ``named_modules``; all of it
-        where there are none.
+        Names of the modules or weights that learn, as in ``named_modules``; empty for the whole
+        network.
     learning_rate : float or None
-        None for the training's. It decays as the training's does.
+        Its learning rate, which decays as the training's does; None for the training's.
     every : int
         Its interval in steps, counted from `first`.
     first : int
-        The step at which it starts, from 0.
+        The first step of its stage, counted from 0.
     end : int or None
-        The step at which it ends.
+        The step before which its stage ends; None for the end of the training.
     """
 
     name: str
@@ -76,7 +76,7 @@ class Pass:
         return self.first <= step and (self.end is None or step < self.end)
 
     def is_due(self, step: int) -> bool:
-        """Tell whether the pass is made in a step, from 0."""
+        """Return whether the pass is made in a step, counted from 0."""
         return self.in_stage(step) and (step - self.first) % self.every == 0
 
 
@@ -87,41 +87,39 @@ class TrainingConfig:
     Attributes
     ----------
     steps : int
-        Updates of the weights, at least 1.
+        Number of updates of the weights, at least 1.
     batch_size : int
-        Examples in an update, at least 1; all of them if there are fewer.
+        Number of examples per update, at least 1; all of them if there are fewer.
     accumulate : int
-        Parts into which the examples of an update are cut, at least 1; gradients are summed over
-        them, so that memory holds only one. Several processes share the parts, and make more of
-        them if there are too few: see `training.run.batches.step_parts`.
+        Number of parts into which the examples of an update are divided, at least 1. Gradients are
+        summed over the parts, so that memory holds only one. Several processes share the parts, and
+        make more of them if there are too few: see `training.run.batches.step_parts`.
     learning_rate : float
-        Above 0 and at most 1.
+        Initial learning rate, above 0 and at most 1.
     decay : Decay or None
         Decay of the learning rate over epochs; None for a constant rate.
     optimizer : {'adam', 'adamw'}
-        Kingma & Ba 2015, or with decoupled weight decay, Loshchilov & Hutter 2019.
+        Adam (Kingma & Ba 2015), or AdamW with decoupled weight decay (Loshchilov & Hutter 2019).
     betas : pair of float
         Decay of the optimizer's two running means, each in [0, 1).
     weight_decay : float
-        At least 0.
+        Weight decay, at least 0.
     gradient_clip : float or None
-        Longest gradient, over all weights together; longer ones are shortened to it.
+        Largest norm of the gradient over all weights; larger gradients are scaled down to it.
     ema_decay : float or None
-        Share that a running mean of the weights keeps of itself in a step, in (0, 1); what is
-        measured of held-out examples, and the weights that come out, are the mean's. None is no
-        mean. See `training.run.learner`.
+        Decay per step of an exponential moving average of the weights, in (0, 1). Validation and
+        the resulting network use the average. None for no average. See `training.run.learner`.
     precision : {'float32', 'bfloat16', 'float16'}
-        What layers are computed in that bear less than float32 (torch's autocast); weights stay
-        float32. Losses of float16 are scaled, so that small gradients do not vanish.
+        Precision of the layers that tolerate less than float32 (torch's autocast); weights stay
+        float32. With float16, losses are scaled so that small gradients do not vanish.
     validate_every : int
-        Steps from one look at held-out examples to the next; the last step is always followed by
-        one.
+        Steps between validations; there is always one after the last step.
     checkpoint_every : int
-        Steps after which the state is saved, beside the end and an interruption.
+        Steps between checkpoints; the state is also saved at the end and when interrupted.
     seed : int
-        Decides first weights, order of examples and dropout.
+        Seed of the initial weights, the order of examples and dropout.
     passes : tuple of Pass
-        The updates of a step, in their order; one of all weights where there are none.
+        The updates of a step, in order; empty for one update of all weights.
     """
 
     steps: int
@@ -141,7 +139,7 @@ class TrainingConfig:
     passes: tuple[Pass, ...] = ()
 
     def facts(self) -> dict[str, Any]:
-        """Return the settings as JSON holds them."""
+        """Return the settings as JSON values."""
         facts = asdict(self) | {"betas": list(self.betas)}
         passes = [settings | {"parts": list(settings["parts"])} for settings in facts.pop("passes")]
         return facts | ({"passes": passes} if passes else {})
@@ -154,18 +152,18 @@ class Preset:
     Attributes
     ----------
     training : TrainingConfig
-        Its steps are those of one epoch if `epochs` are given.
+        The settings; `epochs`, if given, overrides their number of steps.
     epochs : int or None
-        Number of epochs, in place of a number of steps.
+        Number of epochs; None for the number of steps in `training`.
     """
 
     training: TrainingConfig
     epochs: int | None = None
 
     def config_for(self, examples: int, changes: Mapping[str, Any]) -> TrainingConfig:
-        """Return the settings for so many examples, with some of them changed.
+        """Return the settings for a number of training examples, with `changes` applied.
 
-        Epochs become steps, unless the changes give a number of steps.
+        Epochs are converted to steps, unless the changes set a number of steps.
         """
         config = replace(self.training, **changes)
         if self.epochs is None or "steps" in changes:

@@ -34,7 +34,7 @@ _THREADS_LOCK: Final = Lock()
 
 @contextmanager
 def torch_threads(number: int) -> Iterator[None]:
-    """Set torch's number of threads for a while; rounding may differ with their number."""
+    """Set torch's number of threads in a block; rounding may depend on it."""
     previous = torch.get_num_threads()
     torch.set_num_threads(number)
     try:
@@ -44,11 +44,11 @@ def torch_threads(number: int) -> Iterator[None]:
 
 
 def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tuple[First, Second]:
-    """Return the results of both, `second` on this thread and `first` on another one.
+    """Run `first` on another thread and `second` on this one; return both results.
 
-    Each has half of torch's threads meanwhile. Where torch has one thread, `first` runs before
-    `second`, so `second` may wait for `first` but not the other way round. The number of threads
-    belongs to the whole process, so calls that share several of them take turns.
+    Each gets half of torch's threads. If torch has one thread, `first` runs before `second`, so
+    `second` may wait for `first` but not the other way round. The number of threads is a setting of
+    the whole process, so simultaneous calls take turns.
     """
     with _THREADS_LOCK:
         threads = torch.get_num_threads()

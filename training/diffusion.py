@@ -1,8 +1,8 @@
-"""Diffusion: how much noise each step holds, and the way back.
+"""Diffusion: the noise schedule, adding noise and removing it.
 
-Ho et al. 2020 (DDPM) and Song et al. 2021 (DDIM). Both formulas and the schedule are short and
-depend on the order of resampled steps, so they are implemented here; tests compare them with an
-independent derivation.
+Ho et al. 2020 (DDPM) and Song et al. 2021 (DDIM). The formulas are short and depend on the order of
+the resampled steps, so they are implemented here; tests compare them with an independent
+derivation.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from torch import Tensor
 
 @dataclass(frozen=True)
 class Diffusion:
-    """A schedule of noise that is added to motion or its latent and removed from it.
+    """A schedule for adding noise to motion or its latent.
 
     Attributes
     ----------
     beta_start, beta_end : float
-        Variance that the first and the last step add.
+        Variance of the noise that the first and the last step add.
     steps : int
         Number of steps.
     scaled : bool
@@ -48,7 +48,7 @@ class Diffusion:
         return np.cumprod(1.0 - beta, dtype=np.float64)
 
     def x_t(self, x0: Tensor, eps: Tensor, t: Tensor) -> Tensor:
-        """Return the clean motion `x0` with noise `eps` at diffusion steps `t`."""
+        """Return clean motion `x0` with the noise `eps` of diffusion steps `t`."""
         alpha_bar = self.alpha_bar_at(t, x0)
         return alpha_bar.sqrt() * x0 + (1 - alpha_bar).sqrt() * eps
 
@@ -58,7 +58,7 @@ class Diffusion:
         return (x_t - (1 - alpha_bar).sqrt() * eps) / alpha_bar.sqrt()
 
     def v(self, x0: Tensor, eps: Tensor, t: Tensor) -> Tensor:
-        """Return the velocity at diffusion steps `t`, of variance 1 at all (Salimans & Ho 2022)."""
+        """Return the velocity at diffusion steps `t` (Salimans & Ho 2022); its variance is 1."""
         alpha_bar = self.alpha_bar_at(t, x0)
         return alpha_bar.sqrt() * eps - (1 - alpha_bar).sqrt() * x0
 
@@ -68,7 +68,7 @@ class Diffusion:
         return alpha_bar.sqrt() * v + (1 - alpha_bar).sqrt() * x_t
 
     def alpha_bar_at(self, t: Tensor, motion: Tensor) -> Tensor:
-        """Return `alpha_bar` at each of the steps `t`, to be multiplied with `motion`."""
+        """Return `alpha_bar` at the steps `t`, in a shape that multiplies `motion`."""
         alpha_bar = torch.as_tensor(self.alpha_bar, dtype=torch.float32, device=motion.device)[t]
         return alpha_bar.reshape(-1, *([1] * (motion.ndim - 1)))
 
@@ -79,22 +79,22 @@ class Diffusion:
         steps: int,
         clip: float | None = None,
     ) -> Tensor:
-        """Return the result of removing the noise of `x_t` in evenly spaced steps.
+        """Remove the noise of `x_t` in evenly spaced steps.
 
-        Song et al. 2021, equation 12 without new noise (eta = 0). As in latent diffusion, steps
-        are one above the multiples of their distance, and the last leads to the schedule's first
-        step rather than to no noise at all.
+        Song et al. 2021, equation 12 without new noise (eta = 0). As in latent diffusion, each step
+        is one more than a multiple of the spacing, and the last one leads to the schedule's first
+        step rather than to no noise.
 
         Parameters
         ----------
         x_t : Tensor
             Noise of the schedule's last step.
         eps_of : callable
-            Told the noisy value and its step, (1,); returns the noise in it.
+            Maps a noisy value and its step, (1,), to the noise in it.
         steps : int
             From 1 to the schedule's number of steps.
         clip : float, optional
-            Largest absolute value of the clean values that each step estimates.
+            Largest absolute value of each step's estimate of the clean motion.
         """
         stride = self.steps // steps
         for step in reversed(range(steps)):

@@ -1,4 +1,4 @@
-"""Networks' conditions and targets, computed from the files of takes."""
+"""Features of takes: the conditions and targets of networks."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ from training.speech_features.word_vectors import WordVectors, word_rows
 FloatArray = NDArray[np.float32]
 
 VERSION: Final = "1"
-"""Raised whenever a feature of the same take changes."""
+"""Incremented whenever a feature of the same take changes."""
 
 _SHOW_BODY: Final = 3 * len(SHOW_JOINTS)
 
@@ -53,7 +53,7 @@ _SHOW_BODY: Final = 3 * len(SHOW_JOINTS)
 def beat_gesture(frame_rate: float) -> Feature:
     """Return the rotations of BEAT's 47 joints, 141 channels, axis-angle in radians.
 
-    Rotations between two recorded frames are on the shortest turn from one to the other.
+    Rotations between two recorded frames are interpolated along the shortest turn.
     """
 
     def compute(take: Take) -> FloatArray:
@@ -86,7 +86,7 @@ def _facial_weights(take: Take, frame_rate: float, alternative: str = "") -> Flo
         raise InputError(
             "the take has no facial weights",
             where=take.motion,
-            remedy=f"Put {take.motion.stem}.json beside it{alternative}",
+            remedy=f"Put {take.motion.stem}.json next to it{alternative}",
         )
     return read_arkit_json(take.face, frame_rate)
 
@@ -114,7 +114,7 @@ def _show_motion(take: Take, frame_rate: float) -> FloatArray:
 
 
 def read_smplx(take: Take) -> MotionClip:
-    """Return the SMPL-X motion of a take of SHOW or BEAT2, as its file holds it.
+    """Return the SMPL-X motion of a take of SHOW or BEAT2, unchanged.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def read_smplx(take: Take) -> MotionClip:
 
 
 def mel(frame_rate: float) -> Feature:
-    """Return the power of the speech in 128 bands, see `mel_bands`."""
+    """Return the speech's power in 128 mel bands; see `mel_bands`."""
     return Feature(
         name="mel",
         version=VERSION,
@@ -138,19 +138,19 @@ def mel(frame_rate: float) -> Feature:
 
 
 def hubert_features(frame_rate: float, hubert: Hubert) -> Feature:
-    """Return HuBERT's features of the speech, 1024 channels, see `extract_frames`."""
+    """Return HuBERT's features of the speech, 1024 channels; see `extract_frames`."""
 
     def compute(take: Take) -> FloatArray:
-        pieces = extract_frames(read_audio(take.speech), frame_rate, hubert)
-        return np.concatenate([piece.hubert.numpy() for piece in pieces])
+        chunks = extract_frames(read_audio(take.speech), frame_rate, hubert)
+        return np.concatenate([chunk.hubert.numpy() for chunk in chunks])
 
     return Feature(name="hubert", version=f"{VERSION} {hubert.identity}", compute=compute)
 
 
 def semantic_scores(frame_rate: float) -> Feature:
-    """Return the semantic relevance of the gesture in each frame, one channel, from 0.
+    """Return the semantic relevance of the gesture in each frame, one channel, at least 0.
 
-    Takes without annotation have 0 throughout, like frames without a gesture.
+    Frames without a gesture and takes without annotation have 0.
     """
 
     def compute(take: Take) -> FloatArray:
@@ -162,7 +162,7 @@ def semantic_scores(frame_rate: float) -> Feature:
 
 
 def whole_body(frame_rate: float) -> Feature:
-    """Return a body's rotations in 6D and its translation, 333 channels, placed on the floor."""
+    """Return the body's 6D rotations and translation, 333 channels, placed on the floor."""
 
     def compute(take: Take) -> FloatArray:
         clip = resample(read_motion(take.motion), frame_rate)
@@ -172,7 +172,7 @@ def whole_body(frame_rate: float) -> Feature:
 
 
 def speech_filterbank(bands: int) -> Feature:
-    """Return the standardised filterbank of the speech, a row each 10 ms."""
+    """Return the standardised filterbank of the speech, one row per 10 ms."""
 
     def compute(take: Take) -> FloatArray:
         samples = at_speech_rate(read_audio(take.speech))
@@ -186,20 +186,20 @@ def speech_filterbank(bands: int) -> Feature:
 def bone_features(
     kind: Kind, face: FaceLandmarks, vectors: WordVectors, frame_rate: float, *, faces: bool
 ) -> tuple[Feature, ...]:
-    """Return ``motion``, ``sound``, ``spectrum`` and ``words`` of takes of a layout.
+    """Return the features ``motion``, ``sound``, ``spectrum`` and ``words`` of a layout.
 
     Parameters
     ----------
     kind : {'beat', 'beat2', 'show', 'ted'}
         The layout.
     face : FaceLandmarks
-        The landmarks.
+        The landmarks of the face.
     vectors : WordVectors
-        The vectors of words.
+        The word vectors.
     frame_rate : float
-        Frames per second of all of them.
+        Frames per second of all features.
     faces : bool
-        Whether faces are learned; otherwise landmarks are still.
+        Whether faces are learned; otherwise the landmarks are still.
 
     Raises
     ------
@@ -256,7 +256,7 @@ def bone_features(
 
 
 def _ted_values(take: Take, frame_rate: float) -> FloatArray:
-    """Return directions of TED Gesture's bones; between frames they are shares of both."""
+    """Return directions of TED Gesture's bones, interpolated linearly between frames."""
     motion = read_ted_npz(take.motion)
     before, after, share = frame_positions(len(motion.directions), motion.frame_rate, frame_rate)
     share = np.reshape(share, (-1, 1, 1))

@@ -1,6 +1,6 @@
-"""Weights that other people's code wrote: files of them, and folders of `transformers`.
+"""Weights written by other people's code: files of them, and folders of `transformers`.
 
-Nothing is fetched, and nothing but tensors is unpickled.
+Nothing is downloaded, and nothing but tensors is unpickled.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def read_saved(file: Path) -> object:
     Raises
     ------
     InputError
-        If the file is not there, or holds anything but tensors in containers.
+        If the file is missing, or holds anything but tensors in containers.
     """
     if not file.is_file():
         raise InputError("there is no such file", where=file, remedy="Name the checkpoint's file")
@@ -44,7 +44,7 @@ def read_saved(file: Path) -> object:
         *(pickle.UnpicklingError, OSError, RuntimeError, EOFError),
         *(ValueError, LookupError, TypeError),
     ):
-        # torch's own words advise to unpickle it nevertheless.
+        # torch's own message advises unpickling it anyway.
         raise not_weights_error(file, "it is damaged, or holds more than tensors") from None
 
 
@@ -70,7 +70,7 @@ class ReleasedNames:
     renamed : sequence of pair of str
         Patterns and their replacements, applied in order.
     unused : str
-        A pattern of those that are left out.
+        Pattern of the names of weights that are ignored.
     """
 
     renamed: Sequence[tuple[str, str]]
@@ -78,11 +78,11 @@ class ReleasedNames:
 
     @classmethod
     def read(cls, file: Path) -> ReleasedNames:
-        """Return the contents of a TOML file."""
+        """Read the names from a TOML file."""
         return cls(**tomllib.loads(file.read_text("utf-8")))
 
     def renamed_weights(self, weights: Mapping[str, Tensor]) -> dict[str, Tensor]:
-        """Return the weights that are used, under our names."""
+        """Return the weights that we use, under our names."""
         return {
             self._rename(name): weight
             for name, weight in weights.items()
@@ -96,7 +96,7 @@ class ReleasedNames:
 
 
 def not_weights_error(file: Path, reason: str) -> InputError:
-    """Return the error for a file that holds no weights."""
+    """Return the error for a file without weights."""
     return InputError(
         f"this is not a file of network weights: {reason}",
         where=file,
@@ -112,20 +112,20 @@ def fill(
     Parameters
     ----------
     network : Module
-        Made on the meta device, so that its weights take no extra memory.
+        The network, made on the meta device so that its weights take no extra memory.
     weights : mapping of str to Tensor
-        By the network's own names.
+        Weights by the network's own names.
     file : Path
-        The file.
+        The file they are from.
     description : str
         Description of the expected file, as in ``DiffSHEG's network for beat``.
     remedy : str
-        Remedy if it is another.
+        Remedy for another file.
 
     Raises
     ------
     InputError
-        If weights are missing, unknown, or of another shape: it names them.
+        If weights are missing, unknown, or of another shape; the message names them.
     """
     expected = network.state_dict()
     problems = [
@@ -167,18 +167,18 @@ CONFIG: Final = "config.json"
 
 @dataclass(frozen=True, kw_only=True)
 class SavedNetworks:
-    """Which networks a folder may hold, and the remedy if it holds none of them.
+    """The networks that a folder may hold, and the remedy if it holds none of them.
 
     Attributes
     ----------
     owner : str
         Name of the network.
     types : mapping of str to str
-        Their types, as ``config.json`` calls them, and their names.
+        The networks' names by their type in ``config.json``.
     remedy : str
         How to make such a folder.
     optional : collection of str
-        Weights that may be missing, by the beginnings of their names.
+        Prefixes of the names of weights that may be missing.
     """
 
     owner: str
@@ -192,7 +192,7 @@ class SavedNetworks:
         Raises
         ------
         InputError
-            If a file is missing, or the network is another one.
+            If a file is missing, or the folder holds another network.
         """
         for name in (CONFIG, WEIGHTS):
             if not (folder / name).is_file():
@@ -214,7 +214,7 @@ class SavedNetworks:
         Raises
         ------
         InputError
-            If the folder holds no such network, or lacks a weight.
+            If the folder holds another network, or lacks a weight.
         """
         self.check(folder)
         from transformers import AutoModel

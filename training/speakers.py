@@ -22,7 +22,7 @@ class Speakers:
     Attributes
     ----------
     names : tuple of str
-        In the order of their numbers, which begin with 1.
+        Names in the order of the speakers' numbers, which start at 1.
     width : int
         Length of the one-hot vector; the entries after the last speaker are unused.
     """
@@ -35,12 +35,12 @@ class Speakers:
             raise ValueError(f"{len(self.names)} speakers for a vector of {self.width}")
 
     def number(self, speaker: int | str) -> int:
-        """Return the number of a speaker who is given by name or number.
+        """Return the number of a speaker given by name or number.
 
         Raises
         ------
         InputError
-            If they are unknown to the network.
+            If the network does not know the speaker.
         """
         text = str(speaker)
         if text in self.names:
@@ -53,10 +53,10 @@ class Speakers:
         )
 
     def number_or_substitute(self, name: str) -> int:
-        """Return the network's speaker for one that may be unknown to it.
+        """Return the number of a speaker, or of a known one in place of an unknown one.
 
-        Known ones are themselves. All others are one of the known, which one the name decides: a
-        network is never trained on two speakers at once, so it does not know mixtures.
+        The name decides which. It is a single speaker because the network is never trained on
+        mixtures.
         """
         if name in self.names:
             return self.names.index(name) + 1
@@ -76,14 +76,14 @@ class Speakers:
             return self.number(requested)
 
     def one_hot(self, names: Sequence[str]) -> NDArray[np.float32]:
-        """Return the vectors, (names, width), of the known speakers that represent `names`."""
+        """Return one-hot vectors, (names, width), of `number_or_substitute` of each name."""
         vectors = np.zeros((len(names), self.width), np.float32)
         vectors[np.arange(len(names)), [self.number_or_substitute(name) - 1 for name in names]] = 1
         return vectors
 
 
 class SpeakerEncoder(nn.Module):
-    """A speaker, as mean and log variance of a latent."""
+    """Encodes a speaker as mean and log variance of a latent."""
 
     def __init__(self, speakers: int, width: int) -> None:
         super().__init__()
@@ -92,13 +92,13 @@ class SpeakerEncoder(nn.Module):
         self.variance = nn.Linear(width, width)
 
     def forward(self, person: Tensor) -> tuple[Tensor, Tensor]:
-        """Return both, (B, D_k), of one-hot vectors (B, K)."""
+        """Return mean and log variance, (B, D_k), for one-hot vectors (B, K)."""
         embedded = self.embedding(person)
         return self.mean(embedded), self.variance(embedded)
 
 
 def latent_loss(latents: Sequence[tuple[Tensor, Tensor]]) -> Tensor:
-    """Return the divergence of the speakers' latents from normal ones (Kullback & Leibler)."""
+    """Return the Kullback-Leibler divergence of the speakers' latents from the standard normal."""
     return torch.stack(
         [
             -0.5 * (1 + variance - mean.square() - variance.exp()).mean()

@@ -1,4 +1,4 @@
-"""Files of weights: safetensors with a JSON object of facts; nothing in them is ever run."""
+"""Files of weights: safetensors with a JSON object of facts; reading them runs no code."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ if TYPE_CHECKING:
 Network = TypeVar("Network", bound=nn.Module)
 
 _KEY: Final = "motionjury"
-"""All facts are one entry: safetensors keeps no order among several, and equal runs are to make
-equal bytes."""
+"""All facts are one entry: safetensors keeps no order among several, and equal runs must give equal
+bytes."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WeightsFile:
-    """The content of such a file.
+    """The content of a file of weights.
 
     Attributes
     ----------
     tensors : mapping of str to Tensor
-        On the CPU.
+        Tensors by name, on the CPU.
     facts : mapping
-        JSON values.
+        Facts about the network, as JSON values.
     """
 
     tensors: Mapping[str, Tensor]
     facts: Mapping[str, Any]
 
     def with_prefix(self, prefix: str) -> dict[str, Tensor]:
-        """Return the tensors whose names begin with ``prefix.``, without it; all for no prefix."""
+        """Return the tensors named ``prefix.*`` without the prefix; all if `prefix` is empty."""
         start = prefix and f"{prefix}."
         return {
             name.removeprefix(start): tensor
@@ -53,7 +53,7 @@ class WeightsFile:
         }
 
     def loaded(self, network: Network, part: str = "") -> Network:
-        """Return a network with the weights of a part, or with all, in evaluation mode."""
+        """Load the weights of `part`, or all, into a network; return it in evaluation mode."""
         network.load_state_dict(self.with_prefix(part))
         network.requires_grad_(False).eval()
         return network
@@ -66,7 +66,7 @@ class TrainedNetwork(Generic[Network]):
     Attributes
     ----------
     model : Module
-        In evaluation mode, on the CPU.
+        The network, in evaluation mode, on the CPU.
     training : mapping
         How it was trained, as JSON values; empty if unknown.
     """
@@ -86,7 +86,7 @@ class NetworkKind:
     wanted : str
         Description of the expected network, as in ``a DiffSHEG network``.
     remedy : str
-        Remedy for another file, besides giving the expected one.
+        Remedy for another file; by default, to give the expected one.
     """
 
     name: str
@@ -102,9 +102,9 @@ class NetworkKind:
         tensors: Mapping[str, Tensor] = MappingProxyType({}),
         **facts: Any,
     ) -> None:
-        """Write a network, as a part of that name, with its sizes, further tensors and facts.
+        """Write a network under the name `part`, with its configuration, further tensors and facts.
 
-        If several processes learned together, only the leading one writes.
+        If several processes train together, only the leading one writes.
         """
         if not is_leader():
             return
@@ -115,12 +115,13 @@ class NetworkKind:
 
     @contextmanager
     def reading(self, path: Path) -> Iterator[WeightsFile]:
-        """Open such a file, and raise `InputError` if it lacks something that is read.
+        """Open a file of this kind.
 
         Raises
         ------
         InputError
-            If the file cannot be read, or a fact or a tensor is missing or of another shape.
+            If the file cannot be read, or a fact or tensor that the block reads is missing or has
+            another shape.
         """
         file = read_weights(path)
         default_remedy = f"Give {self.wanted}: one that was trained here, or the released one"
@@ -137,12 +138,12 @@ class NetworkKind:
 
 
 def write_weights(path: Path, tensors: Mapping[str, Tensor], facts: Mapping[str, Any]) -> None:
-    """Write tensors and facts to `path` in one step; equal content makes equal bytes.
+    """Write tensors and facts to `path` in one step; equal content gives equal bytes.
 
     Raises
     ------
     InputError
-        If they cannot be stored there, as on a full disk.
+        If they cannot be written, as on a full disk.
     """
     stored = {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()}
     text = json.dumps(facts, sort_keys=True, allow_nan=False)
@@ -153,12 +154,12 @@ def write_weights(path: Path, tensors: Mapping[str, Tensor], facts: Mapping[str,
             raise InputError(
                 f"the weights cannot be stored: {error}",
                 where=path,
-                remedy="Make room on the disk, or name another place",
+                remedy="Free space on the disk, or name another folder",
             ) from error
 
 
 def holds_facts(path: Path) -> bool:
-    """Tell whether `path` is a file that `write_weights` wrote, and not another program's."""
+    """Return whether `path` is a file that `write_weights` wrote."""
     try:
         with safe_open(path, framework="pt") as file:
             return _KEY in (file.metadata() or {})
@@ -167,7 +168,7 @@ def holds_facts(path: Path) -> bool:
 
 
 def read_weights(path: Path) -> WeightsFile:
-    """Read what `write_weights` wrote.
+    """Read a file that `write_weights` wrote.
 
     Raises
     ------
@@ -179,7 +180,7 @@ def read_weights(path: Path) -> WeightsFile:
     try:
         with safe_open(path, framework="pt") as file:
             metadata = file.metadata() or {}
-            # The file's order is that of sizes and names; `keys` is no mapping's.
+            # The file's order is by size and name; `file` is not a mapping.
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
     except (SafetensorError, OSError, ValueError) as error:
         raise InputError(

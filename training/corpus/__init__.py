@@ -1,1 +1,1 @@
-"""Speech and motion with known truth, in the files and folders of BEAT."""
+"""A synthetic corpus: speech and motion with known truth, in the files and folders of BEAT."""

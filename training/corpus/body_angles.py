@@ -1,8 +1,8 @@
 """Posture and body motion of the corpus' speakers: angles over time, and BEAT's joints.
 
-Every angle is a sum: its rest value, contributions of speaker, emotion and speech, and drift.
-Strokes of a hand are added up over time, each as `stroke_shape` says; they push the angles of the
-arm in a direction that is the speaker's own.
+Every angle is a sum of its rest value, contributions of speaker, emotion and speech, and drift. The
+strokes of a hand, each of the shape `stroke_shape`, add up over time. They push the angles of the
+arm in the speaker's own direction.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from training.spaces.beat import UPPER_BODY_JOINTS
 FloatArray = NDArray[np.float64]
 
 ARM_ANGLES: Final = ("lift", "spread", "turn", "bend", "roll", "wrist", "curl", "shrug")
-"""Of an arm: upper arm raised forward and to the side, turned so that the forearm points inward;
-elbow bent; forearm turned palm up; hand bent back; fingers bent; shoulder raised."""
+"""Angles of an arm: upper arm raised forward and to the side, turned so that the forearm points
+inward; elbow bent; forearm turned palm up; hand bent back; fingers bent; shoulder raised."""
 
 _OUTWARD: Final = np.array([18.0, 12.0, -58.0, -8.0, 40.0, 10.0, -16.0, 0.0])
 _UPWARD: Final = np.array([34.0, 8.0, -16.0, 46.0, 0.0, 16.0, -12.0, 3.0])
@@ -35,7 +35,7 @@ _ARM_AT_REST: Final = np.array([11.0, 19.0, 27.0, 86.0, -35.0, 0.0, 12.0, 0.0])
 _ARM_DRIFT: Final = np.array([6.0, 3.0, 7.0, 8.0, 8.0, 5.0, 5.0, 0.6])
 _LOWEST: Final = np.array([-20.0, 4.0, -50.0, 8.0, -85.0, -50.0, -26.0, -18.0])
 _HIGHEST: Final = np.array([80.0, 60.0, 50.0, 138.0, 65.0, 60.0, 80.0, 28.0])
-"""Joint limits of the eight angles, approached smoothly from `_KNEE` before."""
+"""Joint limits of the eight angles, approached smoothly over the last `_KNEE` degrees."""
 _KNEE: Final = 12.0
 
 _UPRIGHT: Final = 12.0
@@ -61,7 +61,7 @@ class BodyAngles:
     Attributes
     ----------
     trunk, head : ndarray, shape (T, 3)
-        Forward or chin down, turned to the left, tilted to the left.
+        Forward (of the head: chin down), turned to the left, tilted to the left.
     arms : ndarray, shape (T, 2, 8)
         `ARM_ANGLES` of the right and of the left arm.
     """
@@ -90,7 +90,7 @@ def body_angles(
     emotion : str
         One of `motion.segment.EMOTIONS`.
     speaker : CorpusSpeaker
-        The speaker who moves.
+        The speaker.
     chance : Chance
         Random numbers, or expected values.
     times : ndarray, shape (T,)
@@ -140,7 +140,7 @@ def body_angles(
 
 
 def stroke_direction(speaker: CorpusSpeaker) -> FloatArray:
-    """Return the course of a stroke of size 1 in the eight angles of an arm."""
+    """Return the effect of a stroke of size 1 on the eight angles of an arm."""
     direction: FloatArray = (
         speaker.outward * _OUTWARD + speaker.upward * _UPWARD + speaker.forward * _FORWARD
     )
@@ -160,12 +160,12 @@ def within_limits(arms: FloatArray) -> FloatArray:
 
 
 _COLLAR: Final = np.array([0.0, 10.0, -8.0])
-"""Rotation of the left collar bone at rest: BEAT's arms are at the front of the chest."""
+"""Rotation of the left collar bone at rest: BEAT's shoulders are in front of the chest's middle."""
 
 _HAND_AT_REST: Final = read_table("hand_at_rest.toml")
 
 _BENT: Final = MappingProxyType({"1": 1.0, "2": 1.1, "3": 0.8})
-"""Shares of a finger's curl in its joints."""
+"""Factors on a finger's curl at each of its joints."""
 
 _NECK_SHARE: Final = 0.55
 """Share of the head's angles in the lower of the two joints of BEAT's prepared files."""
@@ -191,7 +191,7 @@ def joint_rotations(angles: BodyAngles) -> FloatArray:
     }
     for index, side in enumerate(("Right", "Left")):
         for joint, turn in _left_arm(angles.arms[:, index]).items():
-            # A turn seen in a mirror keeps its part about x and reverses the others.
+            # A mirrored turn keeps its component about x and reverses the others.
             mirror = (1, -1, -1) if side == "Right" else (1, 1, 1)
             turns[f"{side}{joint}"] = turn * np.array(mirror)
     return np.concatenate([turns[name] for name in UPPER_BODY_JOINTS], axis=1)
@@ -210,8 +210,8 @@ def _turn(angles: FloatArray) -> FloatArray:
 def _left_arm(arm: FloatArray) -> dict[str, FloatArray]:
     """Return the turns (T, 3) of a left arm's joints; `arm` is (T, 8).
 
-    Unturned the arm is level and the palm down. Lowered, the elbow bends to the front and the palm
-    faces inward.
+    With zero turns, the arm is level and the palm faces down. With the arm lowered, the elbow bends
+    to the front and the palm faces inward.
     """
     lift, spread, turn, bend, roll, wrist, curl, shrug = (
         arm[:, index] for index in range(len(ARM_ANGLES))

@@ -3,14 +3,14 @@
 Definitions
 -----------
 strokes
-    One in ten is left out. The others are multiplied by a lognormal number (mean 1, sigma 0.3) and
-    arrive later by a normal number (30 ms). Which hands make them is drawn for four strokes at a
-    time: the leading hand (one half), both (0.35) or the other hand (0.15).
+    One in ten is omitted. The sizes of the others are multiplied by a lognormal number (mean 1,
+    sigma 0.3), and their arrivals are shifted by a normal number (30 ms). The hands are drawn for
+    four strokes at a time: the leading hand (0.5), both (0.35) or the other hand (0.15).
 drift
-    A sum of six cosines of random phase and of frequencies between 0.06 and 0.6 Hz, drawn
-    logarithmically; mean 0, variance 1.
+    A sum of six cosines of random phase and log-uniform frequency between 0.06 and 0.6 Hz; mean 0,
+    variance 1.
 blinks
-    A Poisson process, one in four seconds.
+    A Poisson process, one per four seconds on average.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _SIZE_SIGMA: Final = 0.3
 _DELAY: Final = 0.03
 _STROKES_AT_A_TIME: Final = 4
 _HANDS: Final = ((1.0, 0.15), (0.8, 0.8), (0.15, 1.0))
-"""Sizes of a stroke of the leading and the other hand, in each case."""
+"""Factors on a stroke of the leading and the other hand, in each case."""
 _HAND_PROBABILITIES: Final = (0.5, 0.35, 0.15)
 _COSINES: Final = 6
 _LOWEST, _HIGHEST = 0.06, 0.6
@@ -44,9 +44,9 @@ class StrokeChance:
     Attributes
     ----------
     gains : ndarray, shape (N, 2)
-        Factor on the size, of the leading and of the other hand.
+        Factors on the size, of the leading and of the other hand.
     delays : ndarray, shape (N,)
-        Seconds by which they arrive later.
+        Delays of the arrivals in seconds.
     """
 
     gains: FloatArray
@@ -60,7 +60,7 @@ class Chance:
     Attributes
     ----------
     seed : tuple of int, or None
-        The random generator; None for expected values.
+        Seed of the random generator; None for expected values.
     """
 
     seed: tuple[int, ...] | None
@@ -81,14 +81,14 @@ class Chance:
         return StrokeChance(gains=(sizes * performed)[:, None] * hand_shares, delays=delays)
 
     def drift(self, times: FloatArray, channels: int, stream: int) -> FloatArray:
-        """Return wandering of mean 0 and variance 1, shape (T, channels).
+        """Return slow drift of mean 0 and variance 1, shape (T, channels).
 
         Parameters
         ----------
         times : ndarray, shape (T,)
             Seconds.
         channels : int
-            How many curves.
+            Number of curves.
         stream : int
             Distinguishes the curves of different callers.
         """
@@ -111,4 +111,4 @@ class Chance:
 
 
 EXPECTED: Final = Chance(seed=None)
-"""No chance at all: everything has its mean value."""
+"""No randomness: everything has its mean value."""

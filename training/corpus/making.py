@@ -1,7 +1,7 @@
-"""Making a corpus: every take in turn or several at once, resuming where an earlier run stopped.
+"""Making a corpus, in one or several processes, resuming where an earlier run stopped.
 
 A take is its speech, its motion, and the truth about both. Motion has all 75 joints of BEAT's
-files, in their order: besides moving joints, these include limb ends that never move.
+files, in their order, including limb ends that never move.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from training.corpus.truth import Truth, write_truth
 from training.spaces.beat import BEAT_SKELETON, upper_body_motion
 
 Show = Callable[[int, int], None]
-"""Told how many takes are made, of how many."""
+"""Called with the number of finished takes and the number of all takes."""
 
 SPLITS: Final = "splits.csv"
 TAKES: Final = "takes.csv"
@@ -41,14 +41,14 @@ TAKES: Final = "takes.csv"
 
 @dataclass(frozen=True, kw_only=True)
 class CorpusResult:
-    """The outcome.
+    """The takes of a corpus.
 
     Attributes
     ----------
     takes : tuple of PlannedTake
         All takes of the corpus.
     new_takes : int
-        Number of takes made by this call; the others existed.
+        Number of takes made by this call; the others existed already.
     """
 
     takes: tuple[PlannedTake, ...]
@@ -58,24 +58,24 @@ class CorpusResult:
 def make_corpus(
     folder: Path, request: CorpusRequest, *, processes: int = 1, show: Show | None = None
 ) -> CorpusResult:
-    """Make a corpus in `folder`; takes that exist already are not remade.
+    """Make a corpus in `folder`; existing takes are kept.
 
     Parameters
     ----------
     folder : Path
-        Where to; it is created if missing.
+        The corpus' folder; created if missing.
     request : CorpusRequest
-        Which corpus. The same request gives the same bytes with the same version of espeak-ng.
+        The request. Equal requests give equal bytes with the same version of espeak-ng.
     processes : int
         Number of processes.
     show : callable, optional
-        Told how many takes are made, of how many.
+        Called with the progress.
 
     Raises
     ------
     InputError
-        If the folder holds something else, or another corpus than the one asked for, or espeak-ng
-        is not installed or fails.
+        If the folder holds another corpus or something else, or espeak-ng is not installed or
+        fails.
     """
     claim_folder(folder, request)
     takes = tuple(planned_takes(request))
@@ -93,7 +93,7 @@ def make_corpus(
 def _record_all(
     folder: Path, request: CorpusRequest, takes: Sequence[PlannedTake], processes: int
 ) -> Iterator[None]:
-    """Make takes, and yield after each."""
+    """Make the takes, and yield after each."""
     record_take = partial(_record, folder, frame_rate=request.frame_rate)
     if processes == 1 or len(takes) < 2:
         for take in takes:
@@ -136,7 +136,7 @@ _FINGER_TIPS: Final = MappingProxyType(
         "HandThumb": (2.2, 0.3, 0.9),
     }
 )
-"""From the last joint of a left finger to its tip, in centimetres."""
+"""Offsets from the last joint of a left finger to its tip, in centimetres."""
 
 _LIMB_ENDS: Final = MappingProxyType(
     {
@@ -149,8 +149,7 @@ _LIMB_ENDS: Final = MappingProxyType(
         **{f"{side}ToeBase": (f"{side}ToeBaseEnd", (0.0, 0.0, 14.0)) for side in ("Right", "Left")},
     }
 )
-"""Joint to its end site, and the position of that."""
-
+"""The end of a limb and its offset, by the limb's last joint."""
 
 _LEG: Final = ("UpLeg", "Leg", "Foot", "ToeBase")
 
@@ -169,7 +168,7 @@ def _full_skeleton() -> tuple[BvhJoint, ...]:
         parent = BEAT_SKELETON[joint.parent].name if joint.parent >= 0 else ""
         offset = joint.offset
         if joint.name.endswith("ToeBase"):
-            # BEAT's foot has a joint more, at the height of the toes.
+            # BEAT's foot has one more joint, at the height of the toes.
             forefoot = joint.name.replace("ToeBase", "ForeFoot")
             x, y, z = offset
             add(replace(joint, name=forefoot), parent, (x, y, 0.0))
@@ -182,8 +181,7 @@ def _full_skeleton() -> tuple[BvhJoint, ...]:
 
 
 FULL_SKELETON: Final = _full_skeleton()
-"""Parents before children, depth first; the first is the root. Centimetres."""
-
+"""The joints of BEAT's files, root first, depth first; offsets in centimetres."""
 
 FACE_RATE: Final = 60.0
 """Frames per second of BEAT's facial weights."""
@@ -191,7 +189,7 @@ FACE_RATE: Final = 60.0
 _BEFORE, _AFTER = 0.3, 0.2
 """Seconds of silence around the speech, in addition to the synthesiser's."""
 _SPEECH_STREAM: Final = 7
-"""Distinguishes the random numbers of a take's speech from those of its motion."""
+"""Random stream of a take's speech, separate from that of its motion."""
 _FULL_SCORE_SIZE: Final = 2.0
 """Size of a stroke that scores 1."""
 
@@ -203,7 +201,7 @@ class RecordingFiles:
     Attributes
     ----------
     speech, motion, face, semantic, transcript, truth : Path
-        WAV, BVH, JSON, two texts and ``.npz``; the truth is written last.
+        WAV, BVH, JSON, two text files and ``.npz``; the truth is written last.
     """
 
     speech: Path
@@ -228,15 +226,15 @@ class RecordingFiles:
 
     @property
     def complete(self) -> bool:
-        """Whether all of them are there."""
+        """Whether all of them exist."""
         return all(getattr(self, field.name).is_file() for field in fields(self))
 
 
 def _record(corpus: Path, take: PlannedTake, frame_rate: float) -> None:
-    """Make the files of a take, each in one step."""
+    """Write the files of a take, each in one step."""
     files = RecordingFiles.of(corpus, take)
     write_wav(files.speech, _speak(take))
-    # The process reads the file's samples, so that the same can be computed from the file.
+    # The process reads the file's samples, so that its results can be recomputed from the file.
     process = Process.from_speech(read_audio(files.speech), take.emotion, take.speaker)
     chance = Chance(seed=take.seed)
     write_bvh(
@@ -260,7 +258,7 @@ def _record(corpus: Path, take: PlannedTake, frame_rate: float) -> None:
 
 
 def _speak(take: PlannedTake) -> Audio:
-    """Speak a take's text, with a little silence around it."""
+    """Speak a take's text, with a short silence before and after it."""
     random = np.random.default_rng([*take.seed, _SPEECH_STREAM])
     prosody = spoken_prosody(take.emotion, take.speaker.number, random)
     with tempfile.TemporaryDirectory() as folder:
@@ -273,7 +271,7 @@ def _speak(take: PlannedTake) -> Audio:
 
 
 def _semantic_spans(process: Process, chance: Chance) -> Iterator[SemanticSpan]:
-    """Yield the strokes that are made as BEAT annotates gestures."""
+    """Yield the performed strokes as BEAT annotates gestures."""
     tempo = EMOTION_MOTION[process.emotion].tempo
     speaker, strokes = process.speaker, process.strokes
     stroke_chance = chance.strokes(len(strokes.times))

@@ -1,22 +1,22 @@
-"""The request of a corpus, and its takes and their splits; ``corpus.json`` in it says what it is.
+"""The request of a corpus, recorded in its ``corpus.json``, and the planned takes and their splits.
 
-Every speaker has their own passages, unless all speak the same ones. With p the number of a speaker
+Every speaker has their own passages, unless passages are shared. Let p be the number of a speaker
 plus that of an emotion, counted from 0 in the order of `motion.segment.EMOTIONS`:
 
 ======= ==================================================================================
-p mod 4 what is kept from training
+p mod 4 held out from training
 ======= ==================================================================================
-0       the last passage, made of sentences that are spoken nowhere else: all takes for testing
-1       the last take of the first passage, for testing; nothing where it is the only one
+0       all takes of the last passage, of sentences that occur nowhere else, for testing
+1       the last take of the first passage, for testing; nothing if it is the only take
 2       the last take of the first passage, for validation
 3       nothing
 ======= ==================================================================================
 
-If all speak the same passages, the last sixth of each emotion's, at least one, is for testing, made
-of sentences that occur nowhere else; the same number before it is for validation.
+If passages are shared, the last sixth of each emotion's passages, at least one, is for testing.
+Their sentences occur nowhere else. The same number of passages before them is for validation.
 
-All takes of held-out speakers are for testing; every other passage is unheard, or those that are
-unheard for all.
+All takes of held-out speakers are for testing. Every second of their passages is unheard; if
+passages are shared, the unheard ones are those of all speakers.
 
 Recordings are named as in BEAT, ``{number}_{name}_0_{start}_{end}``: start and end are numbers of
 texts, and each emotion has its own. No two recordings of a speaker have the same pair.
@@ -45,7 +45,7 @@ from training.data.take import Split
 
 
 def _text_ranges(emotion: str) -> list[tuple[int, int]]:
-    """Return possible starts and ends: single texts first, then ever longer runs of them."""
+    """Return possible starts and ends: single texts first, then ever longer ranges."""
     index = EMOTIONS.index(emotion)
     first, last = (1, *(text + 1 for text in LAST_TEXTS))[index], LAST_TEXTS[index]
     return [
@@ -56,15 +56,13 @@ def _text_ranges(emotion: str) -> list[tuple[int, int]]:
 
 
 MOST_RECORDINGS: Final = min(len(_text_ranges(emotion)) for emotion in EMOTIONS)
-"""Of one speaker in one emotion."""
+"""Largest number of recordings of one speaker in one emotion."""
 
 MOST_SPEAKERS: Final = 9999
-"""As many as BEAT's names can number."""
-
+"""Largest number of speakers that BEAT's names allow."""
 
 _LEAST_SHARED: Final = 4
-"""Passages of an emotion that all speak: one for testing, one for validation, and two to
-compare."""
+"""Fewest shared passages of an emotion: one for testing, one for validation, and two to compare."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,13 +72,13 @@ class CorpusRequest:
     Attributes
     ----------
     speakers : int
-        Number of speakers, with held-out ones.
+        Number of speakers, including held-out ones.
     sentences : int
-        Passages that each speaker speaks, a multiple of eight: as many in each emotion.
+        Number of passages of each speaker, a multiple of eight: equally many in each emotion.
     takes : int
         Number of takes of each passage.
     held_out_speakers : int
-        The last speakers, whose takes are all for testing.
+        Number of speakers, the last ones, whose takes are all for testing.
     frame_rate : float
         Frames per second of the body's motion.
     seed : int
@@ -114,19 +112,20 @@ class CorpusRequest:
             )
         if self.sentences < 1 or self.sentences % len(EMOTIONS):
             raise InputError(
-                f"{self.sentences} sentences are not as many in each of eight emotions",
+                f"{self.sentences} sentences cannot be divided equally among eight emotions",
                 remedy="Give a multiple of eight",
             )
         if self.shared_passages and self.passages < _LEAST_SHARED:
             raise InputError(
-                f"of {self.sentences} shared sentences, too few are left to learn from",
+                f"{self.sentences} shared sentences leave too few for training",
                 remedy=f"Give at least {_LEAST_SHARED * len(EMOTIONS)}",
             )
         if self.takes < 1 or self.passages * self.takes > MOST_RECORDINGS:
             raise InputError(
-                f"{self.passages} sentences an emotion in {self.takes} takes cannot be named as "
-                "BEAT names its recordings",
-                remedy=f"Make them {MOST_RECORDINGS} together at most, and ask for more speakers",
+                f"BEAT's names do not suffice for {self.passages} sentences per emotion in "
+                f"{self.takes} takes",
+                remedy=f"Ask for at most {MOST_RECORDINGS} recordings per emotion, and for more "
+                "speakers",
             )
         if self.seed < 0:
             raise InputError(f"seed {self.seed} is not usable", remedy="Give 0 or more")
@@ -134,15 +133,15 @@ class CorpusRequest:
 
     @property
     def passages(self) -> int:
-        """Passages of each emotion that a speaker speaks."""
+        """Number of passages of each speaker in each emotion."""
         return self.sentences // len(EMOTIONS)
 
 
 SENTENCES: Final[Mapping[str, Mapping[str, Sequence[str]]]] = read_table("sentences.toml")
-"""Of each emotion, ``openings`` and ``closings``: what speakers say is one of each."""
+"""``openings`` and ``closings`` of each emotion: a passage is one of each."""
 
 RESERVED_SENTENCES: Final = 3
-"""Openings, and closings, of each emotion that occur only in test passages."""
+"""Number of openings, and of closings, of each emotion that occur only in test passages."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,7 +167,7 @@ class PlannedTake:
     held_out_speaker : bool
         Whether its speaker occurs in no take for training or validation.
     seed : tuple of int
-        Seed of its random numbers.
+        Seed of the take's random numbers.
     """
 
     name: str
@@ -183,7 +182,7 @@ class PlannedTake:
 
     @property
     def folder(self) -> str:
-        """Its folder in the corpus: BEAT has one for each speaker."""
+        """The take's folder in the corpus: one per speaker, as in BEAT."""
         return str(self.speaker.number)
 
 
@@ -249,15 +248,15 @@ def passage(emotion: str, number: int, *, unheard: bool = False) -> str:
     emotion : str
         One of `motion.segment.EMOTIONS`.
     number : int
-        Which one, from 0. Passages repeat when openings have met all closings: after 81, or 9
-        where `unheard`. The first 9, or 3, share no sentence.
+        Number of the passage, from 0. Passages repeat after all combinations of openings and
+        closings: after 81, or 9 if `unheard`. The first 9, or 3, have no sentence in common.
     unheard : bool
         Whether it consists of the sentences reserved for testing.
 
     Returns
     -------
     str
-        Twenty words or so, spoken in six to nine seconds.
+        About twenty words, spoken in six to nine seconds.
     """
     openings, closings = (
         sentences[-RESERVED_SENTENCES:] if unheard else sentences[:-RESERVED_SENTENCES]
@@ -275,20 +274,20 @@ _SHARED: Final = "shared_passages"
 
 
 def claim_folder(folder: Path, request: CorpusRequest) -> None:
-    """Record in a folder which corpus it holds.
+    """Record the request of a corpus in its folder.
 
     Raises
     ------
     InputError
-        If it holds another one, or something else.
+        If the folder holds another corpus, or something else.
     """
     description = json.dumps(_description(request), indent=2) + "\n"
     path = folder / DESCRIPTION
     if path.exists():
         if path.read_text(encoding="utf-8") != description:
             raise InputError(
-                "the folder holds another corpus: of other numbers, or made with another version "
-                "of the process or of the synthesiser",
+                "the folder holds another corpus, with other settings or from another version of "
+                "the process or of the synthesiser",
                 where=path,
                 remedy="Name another folder, or remove this one",
             )
@@ -308,7 +307,8 @@ def read_request(folder: Path) -> CorpusRequest:
     Raises
     ------
     InputError
-        If it holds none, or one of another version of the process, whose truth cannot be computed.
+        If it holds no corpus, or one from another version of the process, whose truth cannot be
+        computed.
     """
     path = folder / DESCRIPTION
     try:

@@ -1,4 +1,4 @@
-"""The known process: from speech, emotion and speaker to motion, and what of it speech decides."""
+"""The known process from speech, emotion and speaker to motion, and the part due to speech."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from training.spaces.beat import FACIAL_WEIGHTS
 FloatArray = NDArray[np.float64]
 
 VERSION: Final = "4"
-"""Changes whenever the same speech, speaker and random numbers may give other motion."""
+"""Incremented whenever the same speech, speaker and random numbers may give other motion."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,14 +47,14 @@ class Process:
 
     @classmethod
     def from_speech(cls, speech: Audio, emotion: str, speaker: CorpusSpeaker) -> Process:
-        """Hear `speech`, mono at 16 kHz."""
+        """Analyse `speech`, mono at 16 kHz."""
         return cls(
             curves=analyse(speech), duration=speech.duration, emotion=emotion, speaker=speaker
         )
 
     @property
     def strokes(self) -> Strokes:
-        """The strokes that the speech calls for."""
+        """The strokes that the speech prompts."""
         return find_strokes(self.curves, EMOTION_MOTION[self.emotion].spacing)
 
     def body(self, frame_rate: float, chance: Chance = EXPECTED) -> FloatArray:
@@ -63,7 +63,7 @@ class Process:
         Parameters
         ----------
         frame_rate : float
-            Frames per second; frame k lies at ``k / frame_rate`` seconds.
+            Frames per second; frame k is at ``k / frame_rate`` seconds.
         chance : Chance, optional
             The take's random numbers; expected values by default.
 
@@ -96,7 +96,7 @@ class Process:
         return np.arange(max(1, round(self.duration * frame_rate))) / frame_rate
 
     def _melody(self, times: FloatArray) -> FloatArray:
-        """Return the pitch in octaves above what is usual for the voice, 0 in silence."""
+        """Return the pitch in octaves above the voice's usual pitch, 0 in silence."""
         usual = np.log2(voice_of(self.speaker.number).pitch / 100)
         curves = self.curves
         return np.asarray(
@@ -115,7 +115,7 @@ _LOWERED: Final = 0.5
 _WANDERING: Final = 0.05
 _GAZE: Final = 0.14
 _BLINK: Final = 0.12
-"""Seconds in which lids close, and open again."""
+"""Seconds in which lids close, and in which they open again."""
 
 _FACE_STREAM, _GAZE_STREAM = 4, 5
 
@@ -129,8 +129,8 @@ def _face_weights(
 ) -> FloatArray:
     """Return facial weights (T, 51) in [0, 1].
 
-    A weight is what the emotion gives it, then as much of the rest as the speech takes: ``base +
-    (1 - base) * speech``. Mouth and jaw follow loudness and brightness, brows the melody.
+    A weight is ``base + (1 - base) * speech``, where the base depends on the emotion. Mouth and jaw
+    follow loudness and brightness, brows the melody.
     """
     expressiveness = speaker.expressiveness
     base = _AT_REST + np.zeros(len(FACIAL_WEIGHTS))

@@ -20,13 +20,13 @@ _NAMES: Final = (
     "ada", "ben", "cora", "dan", "eve", "finn", "gwen", "hugo",
     "ida", "jack", "kim", "leo", "mia", "noah", "olga", "pete",
 )  # fmt: skip
-"""As many as there are voices, so that each name has its own voice."""
+"""As many names as voices, so that each name has its own voice."""
 
 _DIRICHLET: Final = (0.7, 0.7, 0.7)
-"""Of the Dirichlet distribution that directions are drawn from: most speakers have a favourite."""
+"""Parameters of the Dirichlet distribution of directions: most speakers have a favourite."""
 
 _STREAM: Final = 1
-"""Distinguishes the speakers' random numbers from the takes'."""
+"""Random stream of the speakers, separate from those of the takes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,17 +36,17 @@ class CorpusSpeaker:
     Attributes
     ----------
     number : int
-        From 1, as BEAT numbers its speakers.
+        Number of the speaker, from 1 as in BEAT.
     name : str
         The name in file names.
     right_handed : bool
-        The leading hand.
+        Whether the right hand leads.
     amplitude : float
         Factor on the size of strokes, 0.75 to 1.3.
     outward, upward, forward : float
-        Shares of the three directions in a stroke; they add up to 1.
+        Shares of the three directions in a stroke; they sum to 1.
     attack, release : float
-        Seconds in which a stroke goes out and comes back, before an emotion's tempo.
+        Seconds in which a stroke goes out and comes back, before the emotion's tempo is applied.
     hand_height : float
         Additional bend of the elbows in degrees, -14 to 14.
     hand_width : float
@@ -58,7 +58,7 @@ class CorpusSpeaker:
     head_turn, head_tilt : float
         Degrees by which the head is turned to the left and tilted to the left.
     nod : float
-        Degrees of a nod at a stroke of size 1, 2 to 7.
+        Nod at a stroke of size 1, 2 to 7 degrees.
     expressiveness : float
         Factor on the face, 0.75 to 1.25.
     restlessness : float
@@ -86,11 +86,11 @@ class CorpusSpeaker:
 
 
 def speaker_of(number: int, seed: int) -> CorpusSpeaker:
-    """Return the speaker of this number, from 1, in the corpus of this seed.
+    """Return speaker `number`, from 1, of the corpus with this seed.
 
-    Every property is drawn uniformly from the range that `CorpusSpeaker` gives, directions from a
-    Dirichlet distribution; three in four speakers are right-handed. A speaker does not
-    depend on how many others there are.
+    Directions are drawn from a Dirichlet distribution, all other traits uniformly from the ranges
+    in `CorpusSpeaker`; three in four speakers are right-handed. A speaker does not depend on the
+    number of speakers.
     """
     random = np.random.default_rng([seed, _STREAM, number])
     shares = random.dirichlet(_DIRICHLET)
@@ -117,7 +117,7 @@ def speaker_of(number: int, seed: int) -> CorpusSpeaker:
 
 
 def read_table(name: str) -> dict[str, Any]:
-    """Return the content of a TOML file beside this module."""
+    """Return the content of a TOML file of this package."""
     return tomllib.loads(Path(__file__).with_name(name).read_text("utf-8"))
 
 
@@ -128,11 +128,11 @@ class Voice:
     Attributes
     ----------
     name : str
-        espeak-ng's name of it.
+        espeak-ng's name of the voice.
     loudness : float
         Factor on the amplitude, so that all voices are about equally loud.
     pitch : float
-        Its median fundamental frequency in Hz where it speaks neutrally, as measured.
+        Measured median fundamental frequency of neutral speech in Hz.
     """
 
     name: str
@@ -156,17 +156,17 @@ def voice_of(number: int) -> Voice:
 
 
 def spoken_prosody(emotion: str, number: int, random: np.random.Generator) -> SpokenProsody:
-    """Return a speaker's prosody of one take.
+    """Return a speaker's prosody for one take.
 
     Parameters
     ----------
     emotion : str
         One of `motion.segment.EMOTIONS`.
     number : int
-        The speaker's, from 1.
+        Number of the speaker, from 1.
     random : numpy Generator
-        Of the take: no two takes are spoken in quite the same way (speed within 5%, loudness within
-        6%, pitch within 4 of espeak-ng's steps).
+        The take's random generator: speed varies by up to 5%, loudness by up to 6%, pitch by up to
+        4 of espeak-ng's steps.
     """
     usual = PROSODY_OF_EMOTION[emotion]
     lap = _PITCH_OF_LAPS[(number - 1) // len(VOICES) % len(_PITCH_OF_LAPS)]
@@ -183,16 +183,16 @@ def spoken_prosody(emotion: str, number: int, random: np.random.Generator) -> Sp
 
 @dataclass(frozen=True, kw_only=True)
 class EmotionMotion:
-    """Effects of an emotion on posture, gesture and face. Angles are in degrees.
+    """Effects of an emotion on posture, gesture and face; angles in degrees.
 
     Attributes
     ----------
     amplitude : float
         Factor on the size of strokes.
     tempo : float
-        Factor on how fast a stroke is.
+        Factor on the speed of strokes.
     spacing : float
-        Smallest interval of strokes in seconds.
+        Smallest interval between strokes in seconds.
     lean : float
         Trunk, forward.
     head_down, head_turn, head_tilt : float
@@ -212,7 +212,7 @@ class EmotionMotion:
     restlessness : float
         Factor on drift.
     face : mapping
-        Weights of ARKit's actions all the time, in [0, 1]; a name without side means both.
+        Constant weights of ARKit's actions, in [0, 1]; a name without a side means both sides.
     """
 
     amplitude: float

@@ -11,14 +11,14 @@ pitch
     Fundamental frequency by YIN (de Cheveigné & Kawahara 2002), 65 to 400 Hz, in octaves above
     100 Hz; averaged over 0.25 s (Gaussian) with the loudness as weight, 0 in silence.
 sounding
-    How much of that mean is speech, in [0, 1]: 0 in silence.
+    Share of speech in that mean, in [0, 1]: 0 in silence.
 brightness
     Share of the power above 1500 Hz (of all above 100 Hz), averaged over 60 ms with the loudness
     as weight.
 stroke
-    Arrives where the voice rises fastest towards a loud syllable: a peak of the loudness of at
-    least 0.35 that stands out by 0.1, and louder than every other within the emotion's spacing. Its
-    size is how far the loudness of that peak exceeds 0.35, times 1.6: about 1 for a loud syllable.
+    Arrives when the voice rises fastest towards a loud syllable, a peak of the loudness of at least
+    0.35 that stands out by 0.1 and is the loudest within the emotion's spacing. Its size is 1.6
+    times the excess of the peak's loudness over 0.35: about 1 for a loud syllable.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ _RUMBLE, _BRIGHT = 100.0, 1500.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SpeechCurves:
-    """Curves of a stretch of speech, at `STEPS_PER_SECOND`; step k lies at ``k / 100`` seconds.
+    """Curves of a stretch of speech, at `STEPS_PER_SECOND`; step k is at ``k / 100`` seconds.
 
     Attributes
     ----------
@@ -130,12 +130,12 @@ def _brightness(samples: FloatArray, steps: int) -> FloatArray:
 
 
 def _with_length(values: FloatArray, steps: int) -> FloatArray:
-    """Return `values` cut to `steps`, or with the last one repeated."""
+    """Return `values` cut to `steps`, or extended with the last value."""
     return values[np.minimum(np.arange(steps), len(values) - 1)]
 
 
 def _weighted(values: FloatArray, weights: FloatArray, seconds: float) -> FloatArray:
-    """Return a running mean with weights; 0 where there is next to no weight."""
+    """Return a weighted running mean; near 0 where there is hardly any weight."""
     weight = _smooth(weights, seconds)
     return np.asarray(_smooth(values * weights, seconds) / (weight + _AUDIBLE))
 
@@ -153,12 +153,12 @@ _RISE: Final = 0.2
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Strokes:
-    """Strokes in order of time.
+    """Strokes in temporal order.
 
     Attributes
     ----------
     times : ndarray, shape (N,)
-        Seconds at which they arrive.
+        Arrival times in seconds.
     sizes : ndarray, shape (N,)
         At least 0; about 1 for a loud syllable.
     """
@@ -168,7 +168,7 @@ class Strokes:
 
 
 def find_strokes(curves: SpeechCurves, spacing: float) -> Strokes:
-    """Return the strokes that speech calls for, at least about `spacing` seconds apart."""
+    """Return the strokes that speech prompts, at least about `spacing` seconds apart."""
     loudness = curves.loudness
     peaks, _ = find_peaks(
         loudness,
@@ -195,10 +195,10 @@ def stroke_shape(elapsed: FloatArray, attack: float, release: float) -> FloatArr
     Parameters
     ----------
     elapsed : ndarray
-        Seconds since its arrival; negative before.
+        Seconds since the stroke's arrival; negative before it.
     attack, release : float
-        Seconds in which it goes out and comes back, above 0. Both ways are movements of minimum
-        jerk (Flash & Hogan 1985) from rest to rest, so that the hand stands still on arrival.
+        Seconds in which the stroke goes out and comes back, above 0. Both are minimum-jerk
+        movements (Flash & Hogan 1985) from rest to rest, so that the hand is still on arrival.
     """
     rise = np.clip(1 + elapsed / attack, 0, 1)
     fall = np.clip(1 - elapsed / release, 0, 1)

@@ -1,7 +1,7 @@
-"""The truth about each take of a corpus, and how well one motion follows another.
+"""The truth about each take of a corpus, and the correlation of two motions.
 
-The curves of a motion that the corpus' speech decides can be computed from any motion in BEAT's
-format, so that a network's motion can be compared with the process.
+The curves that the corpus' speech drives can be computed from any motion in BEAT's format, so that
+a network's motion can be compared with the process.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ class MotionCurves:
     Attributes
     ----------
     wrist_speed : ndarray
-        Metres per second, mean of both wrists.
+        Mean speed of both wrists in metres per second.
     hand_height : ndarray
-        Metres of the wrists above the hips, mean of both.
+        Mean height of both wrists above the hips in metres.
     head_down : ndarray
-        Degrees by which the chin is lowered towards the trunk.
+        Angle in degrees by which the chin is lowered towards the trunk.
     jaw_open, brows_up : ndarray
-        Weights in [0, 1]: the jaw's, and the mean of the brows'.
+        Weight of the jaw and mean weight of the brows, in [0, 1].
     """
 
     wrist_speed: FloatArray
@@ -59,9 +59,9 @@ class CurveCorrelation:
     curve : str
         A field of `MotionCurves`.
     correlation : float
-        Pearson's, over frames; NaN where there is none.
+        Pearson's correlation over frames; NaN if it is undefined.
     reason : str
-        Why there is none, or empty.
+        Why the correlation is undefined; empty if it is not.
     """
 
     curve: str
@@ -96,9 +96,9 @@ def curves_of(body: FloatArray, face: FloatArray, frame_rate: float) -> MotionCu
 
 
 def wrist_positions(body: FloatArray) -> FloatArray:
-    """Return positions of the right and the left wrist, (T, 2, 3) in metres above the hips.
+    """Return positions of the right and the left wrist relative to the hips, (T, 2, 3), in metres.
 
-    The figure is the idealised one, whose hips stand still at the origin.
+    The figure is the idealised one, with its hips fixed at the origin.
     """
     motion = upper_body_motion(body, 1.0, BEAT_SKELETON)
     positions, _ = motion.forward_kinematics()
@@ -109,7 +109,7 @@ def wrist_positions(body: FloatArray) -> FloatArray:
 def correlate_motions(
     motion: MotionCurves, reference: MotionCurves
 ) -> tuple[CurveCorrelation, ...]:
-    """Return the correlation of each curve of two motions, over the frames both have."""
+    """Return the correlation of each curve of two motions, over their common frames."""
     return tuple(
         correlate_curves(field.name, getattr(motion, field.name), getattr(reference, field.name))
         for field in fields(MotionCurves)
@@ -117,7 +117,7 @@ def correlate_motions(
 
 
 def correlate_curves(curve: str, motion: FloatArray, reference: FloatArray) -> CurveCorrelation:
-    """Return the correlation of two curves (T,), over the frames both have."""
+    """Return the correlation of two curves (T,), over their common frames."""
     frames = min(len(motion), len(reference))
     motion, reference = motion[:frames], reference[:frames]
     reason = _no_correlation(motion, reference)
@@ -126,10 +126,10 @@ def correlate_curves(curve: str, motion: FloatArray, reference: FloatArray) -> C
 
 
 def _no_correlation(motion: FloatArray, reference: FloatArray) -> str:
-    """Return why two curves of equal length have no correlation, or nothing."""
+    """Return why the correlation of two curves of equal length is undefined; empty if it is not."""
     if len(motion) < 3:
         return f"{len(motion)} frames are too few"
-    for values, owner in ((motion, "the motion's"), (reference, "the wanted")):
+    for values, owner in ((motion, "the motion's"), (reference, "the reference")):
         if not np.isfinite(values).all():
             return f"{owner} curve is not finite"
         if np.ptp(values) < 1e-9:
@@ -138,7 +138,7 @@ def _no_correlation(motion: FloatArray, reference: FloatArray) -> str:
 
 
 def mean_speed(positions: FloatArray, frame_rate: float) -> FloatArray:
-    """Return the mean speed (T,) of points (T, N, 3); 0 for a single frame."""
+    """Return the speed (T,) of points (T, N, 3), averaged over points; 0 for a single frame."""
     if len(positions) < 2:
         return np.zeros(len(positions))
     velocity = np.gradient(positions, axis=0) * frame_rate
@@ -152,15 +152,15 @@ class Truth:
     Attributes
     ----------
     frame_rate : float
-        Frames per second of `drive`; that of the take's BVH file.
+        Frames per second of `drive` and of the take's BVH file.
     drive : MotionCurves
         The part of the motion that speech determines: the process without chance.
     strokes : Strokes
-        The strokes that the speech calls for.
+        The strokes that the speech prompts.
     chance : StrokeChance
-        Their random variation.
+        Random variation of the strokes.
     emotion, text : str
-        Its emotion and its text.
+        The take's emotion and text.
     speaker : int
         The speaker's number.
     seed : tuple of int
@@ -202,7 +202,7 @@ def read_truth(path: Path) -> Truth:
     Raises
     ------
     InputError
-        If the file is no such archive.
+        If the file is not such an archive.
     """
     try:
         with np.load(path, allow_pickle=False) as archive:

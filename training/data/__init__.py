@@ -1,1 +1,1 @@
-"""Data sets as researchers have them: speech and motion, take by take, cut into windows."""
+"""Reading data sets: takes of speech and motion, their features, and windows of them."""

@@ -39,9 +39,9 @@ from training.data.take import LONGEST_DIFFERENCE, Split, Take
 def read_beat_bvh(take: Take) -> BvhMotion:
     """Return the motion of a take, without a leftover calibration pose in its first row.
 
-    Where the header promises another number of frames than the file holds, as in files that were
-    downsampled, the frame rate is the header's or the one that keeps the header's duration,
-    whichever matches the sound.
+    If the header declares another number of frames than the file has, as in downsampled files, the
+    frame rate is the header's or the one that keeps the header's duration, whichever matches the
+    sound.
 
     Raises
     ------
@@ -94,9 +94,9 @@ class BeatName:
     speaker : str
         Name of the speaker.
     recording_type : int
-        0 to 7, see the module.
+        Type of the recording, 0 to 7; see the module.
     start, end : int
-        First and last text.
+        Numbers of the first and last text.
     """
 
     number: int
@@ -132,8 +132,8 @@ class BeatName:
         """The split of an English recording of a single text, by the rule published with BEAT.
 
         For the twenty speakers with one hour, the rule cuts some recordings into a validation half
-        and a test half. Here the whole recording is for testing, so that none is in two splits.
-        None for recordings that the rule does not mention.
+        and a test half. Here the whole recording is for testing, so that no recording is in two
+        splits. None for recordings that the rule does not cover.
         """
         if self.recording_type > 1 or self.start != self.end or not 1 <= self.number <= _SPEAKERS:
             return None
@@ -170,10 +170,10 @@ def find_beat(files: FolderFiles) -> Findings:
 def find_beat2(files: FolderFiles) -> Findings:
     """Return the takes of a folder of SMPL-X motion and sound.
 
-    Every ``.npz`` with poses is a take. Its sound has the same name, beside it or in another
-    folder: BEAT2 keeps motion in ``smplxflame_30``, sound in ``wave16k`` and annotated gestures in
-    ``sem``. BEAT's names give speaker and emotion; otherwise the folder of motion and sound names
-    the speaker.
+    Every ``.npz`` with poses is a take. Its sound has the same name, in the same or another folder:
+    BEAT2 keeps motion in ``smplxflame_30``, sound in ``wave16k`` and annotated gestures in ``sem``.
+    BEAT's names give speaker and emotion; otherwise the folder of motion and sound names the
+    speaker.
     """
     return _find_takes(files, ".npz", _beat2_take)
 
@@ -195,7 +195,7 @@ def _beat_take(files: FolderFiles, motion: Path) -> FoundTake:
     name = BeatName.parse(motion.stem)
     if name is None:
         raise InputError(
-            "the file is not named as BEAT names its takes",
+            "the file's name is not in BEAT's format",
             where=motion,
             remedy="Name it {number}_{name}_{type}_{start}_{end}, such as 2_scott_0_9_9",
         )
@@ -252,7 +252,7 @@ def _unpaired_sounds(files: FolderFiles, ending: str) -> list[InputError]:
     """Return an error for each sound with a BEAT name and no motion."""
     return [
         InputError(
-            "the sound has no motion", where=sound, remedy=f"Put {sound.stem}{ending} beside it"
+            "the sound has no motion", where=sound, remedy=f"Put {sound.stem}{ending} next to it"
         )
         for sound in files.ending_in(".wav")
         if BeatName.parse(sound.stem) and files.companion(sound, (ending,)) is None

@@ -33,10 +33,10 @@ class PreparedTakes:
     Attributes
     ----------
     takes : tuple of Take
-        In order of their names.
+        Takes in order of their names.
     arrays : mapping of str to tuple of ndarray
-        For each feature and take (frames, channels), float32, memory-mapped. All features of a take
-        have the same frames.
+        Values of each feature for each take, (frames, channels) float32, memory-mapped. All
+        features of a take have the same frames.
     frame_rate : float
         Frames per second.
     skipped : tuple of InputError
@@ -56,7 +56,7 @@ class PreparedTakes:
         return len(next(iter(self.arrays.values()))[index])
 
     def training_speakers(self, speakers: Sequence[str]) -> tuple[str, ...]:
-        """Return those of `speakers`, in their order, who have takes in the training split."""
+        """Return the `speakers` who have takes in the training split, in the same order."""
         trained = {take.speaker for take in self.takes if take.split == "train"}
         return tuple(name for name in speakers if name in trained)
 
@@ -81,15 +81,15 @@ def prepare(
     """Compute features of all takes, or read them from the cache.
 
     A cached feature was computed by the same version of the feature from files of the same content.
-    The call may be interrupted and repeated, and several processes may make it at once; they share
-    the work. Everything below `cache` may be removed between calls.
+    The call may be interrupted and repeated. Several processes may call it at once; they share the
+    work. Everything in `cache` may be removed between calls.
 
     Parameters
     ----------
     takes : TakeFolder
         The takes.
     features : sequence of Feature
-        At least one; their names differ.
+        At least one feature; names must differ.
     cache : Path
         Folder of the cache, with a folder for each take and a ``.npy`` for each feature.
     frame_rate : float
@@ -133,11 +133,11 @@ def prepare(
             remedy="Repair the takes, or name another folder of recordings",
         )
     usable = tuple(take for take in takes.takes if take.name in arrays)
-    return _trimmed(usable, arrays, [one.name for one in features], frame_rate, skipped)
+    return _trimmed(usable, arrays, [feature.name for feature in features], frame_rate, skipped)
 
 
 def _locked_takes(takes: tuple[Take, ...], cache: Path) -> Iterator[Take]:
-    """Yield each take under a lock; takes that another process is working on come last."""
+    """Yield each take under a lock; takes locked by another process come last."""
     busy: list[Take] = []
     for take in takes:
         with _take_lock(cache / take.name, wait=False) as locked:
@@ -152,7 +152,7 @@ def _locked_takes(takes: tuple[Take, ...], cache: Path) -> Iterator[Take]:
 
 @contextmanager
 def _take_lock(folder: Path, *, wait: bool) -> Iterator[bool]:
-    """Hold the lock of a take; yields whether it could be had."""
+    """Hold the lock of a take; yield whether it was acquired."""
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / "lock").open("a") as lock:
         try:
@@ -166,7 +166,7 @@ def _take_lock(folder: Path, *, wait: bool) -> Iterator[bool]:
 def _cached_features(
     take: Take, features: Sequence[Feature], frame_rate: float, folder: Path
 ) -> dict[str, _CachedArray]:
-    """Return the features of a take, computing those that `folder` does not hold yet."""
+    """Return the features of a take; compute those that are not in `folder` yet."""
     files = _hashes_of(take.files, folder / "files.json")
     optional = ("face", "semantic", "transcript")
     roles = [role for role in optional if getattr(take, role) is not None]
@@ -176,7 +176,7 @@ def _cached_features(
             [json.dumps([files, roles, feature.name, feature.version, frame_rate])]
         )
         cached[feature.name] = _cached(take, feature, folder / f"{feature.name}-{key[:32]}.npy")
-        # As early as possible: the next feature may take long.
+        # As early as possible: the next feature may take long to compute.
         _check_lengths(take, cached, frame_rate)
     return cached
 
@@ -187,7 +187,7 @@ def _cached(take: Take, feature: Feature, path: Path) -> _CachedArray:
         _write_array(path, _compute(take, feature))
         cached = _open_array(path)
     if cached is None:
-        raise OSError(errno.EIO, "what was written cannot be read", str(path))
+        raise OSError(errno.EIO, "the written file cannot be read", str(path))
     return cached
 
 
@@ -208,7 +208,7 @@ def _compute(take: Take, feature: Feature) -> FloatArray:
 
 
 def _check_lengths(take: Take, cached: Mapping[str, _CachedArray], frame_rate: float) -> None:
-    """Raise where the features of a take differ too much in length."""
+    """Raise if the features of a take differ too much in length."""
     seconds = {name: len(array.values) / frame_rate for name, array in cached.items()}
     shortest = min(seconds, key=lambda name: seconds[name])
     longest = max(seconds, key=lambda name: seconds[name])
@@ -239,12 +239,12 @@ def _trimmed(
     arrays: dict[str, list[FloatArray]] = {name: [] for name in names}
     facts = [f"{frame_rate!r}"]
     for take in takes:
-        kept = cached[take.name]
-        frames = min(len(array.values) for array in kept.values())
+        features = cached[take.name]
+        frames = min(len(array.values) for array in features.values())
         facts.append(json.dumps([take.name, take.split, take.speaker, take.emotion, frames]))
         for name in names:
-            arrays[name].append(kept[name].values[:frames])
-            facts.append(f"{name} {kept[name].sha256}")
+            arrays[name].append(features[name].values[:frames])
+            facts.append(f"{name} {features[name].sha256}")
     return PreparedTakes(
         takes=takes,
         arrays={name: tuple(values) for name, values in arrays.items()},
@@ -255,9 +255,9 @@ def _trimmed(
 
 
 class _FileState(BaseModel, frozen=True):
-    """The hash of a file; its size and times show whether it still holds.
+    """The hash of a file; its size and times show whether it is still valid.
 
-    A copy or an edit can keep the time of writing, but not that of the last change.
+    A copy or an edit can keep the modification time (mtime), but not the change time (ctime).
     """
 
     size: int
@@ -282,9 +282,9 @@ def _state_of(path: Path, known: _FileState | None = None) -> _FileState:
 
 
 def _hashes_of(files: tuple[Path, ...], memory: Path) -> tuple[str, ...]:
-    """Return the sha256 of each of `files`, of which `memory` holds the hashes of earlier calls.
+    """Return the SHA-256 of each of `files`.
 
-    It may be missing or damaged.
+    The file `memory` has the hashes of earlier calls; it may be missing or damaged.
     """
     try:
         known = _STATES.validate_json(memory.read_bytes())
@@ -315,7 +315,7 @@ class _CachedArray:
 
 
 def _write_array(path: Path, values: FloatArray) -> None:
-    """Write `values` to `path` (``.npy``), and a seal in its folder that shows it is intact."""
+    """Write `values` to `path` (``.npy``), and next to it a seal that proves it intact."""
     with replacing(path) as draft:
         np.save(draft, values, allow_pickle=False)
     write_text(path.with_suffix(".json"), _state_of(path).model_dump_json())
@@ -330,7 +330,7 @@ def _open_array(path: Path) -> _CachedArray | None:
         if state.sha256 != seal.sha256:
             return None
         if state != seal:
-            # A copy has the same content and another time. It need not be read again.
+            # A copy has the same content but another time. It need not be read again.
             write_text(seal_path, state.model_dump_json())
         return _CachedArray(_map_array(path), state.sha256)
     except (OSError, ValidationError, ValueError):
@@ -340,7 +340,7 @@ def _open_array(path: Path) -> _CachedArray | None:
 def _map_array(path: Path) -> FloatArray:
     """Return the array in `path`, mapped into memory.
 
-    numpy's own mapping keeps each file open. A data set has more files than a process may open.
+    numpy's own mapping keeps each file open, and a data set has more files than a process may open.
     """
     with path.open("rb") as file:
         version = np.lib.format.read_magic(file)

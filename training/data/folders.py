@@ -1,6 +1,6 @@
-"""Takes of a folder of any known layout, among them clips as plain arrays.
+"""Finding the takes of a folder of any known layout.
 
-The latter are TED Gesture (Yoon et al. 2020) and SHOW (Yi et al. 2023).
+Clips as plain arrays are those of TED Gesture (Yoon et al. 2020) and SHOW (Yi et al. 2023).
 """
 
 from __future__ import annotations
@@ -34,16 +34,15 @@ from training.data.splitting import USUAL_NAMES, by_list, by_rule, read_split_li
 from training.data.take import KINDS, Kind, Split, Take, TakeFolder
 
 DATABASE = "data.mdb"
-_CONVERT = "where you trust the file: docs/data.md shows how"
+_CONVERT = "if you trust the file: docs/data.md shows how"
 
 
 def find_ted(files: FolderFiles) -> Findings:
     """Return the takes of a folder of TED Gesture's clips, saved as plain arrays.
 
-    A clip is ``talk/clip.npz`` (see `motion.formats.ted_npz`) with its sound beside it. A folder
-    ``train``, ``val`` or ``test`` above it names its split. Every talk counts as one speaker. The
-    databases that TED Gesture is distributed as are never opened, because unpickling them runs
-    code.
+    A clip is ``talk/clip.npz`` (see `motion.formats.ted_npz`) with its sound next to it. A folder
+    ``train``, ``val`` or ``test`` above it names its split. Every talk counts as one speaker. TED
+    Gesture's own databases are never opened, because unpickling them runs code.
     """
     databases = [
         InputError(
@@ -62,9 +61,9 @@ def find_show(files: FolderFiles) -> Findings:
     """Return the takes of a folder of SHOW's clips, as distributed with TalkSHOW.
 
     A clip is ``speaker/video/clip/clip.npy`` (or ``.npz``) or ``speaker/video/clip.npy``, with its
-    sound beside it. A folder ``train``, ``val`` or ``test`` above it names its split. Takes are
-    named after speaker and clip. The ``.pkl`` files that SHOW is distributed as are never opened,
-    because unpickling them runs code.
+    sound next to it. A folder ``train``, ``val`` or ``test`` above it names its split. Takes are
+    named after speaker and clip. SHOW's own ``.pkl`` files are never opened, because unpickling
+    them runs code.
     """
     takes, skipped = each_take(files.ending_in(".npy", ".npz"), partial(_show_take, files))
     pickled = [
@@ -79,12 +78,12 @@ def find_show(files: FolderFiles) -> Findings:
     return _findings(takes, [*skipped, *pickled])
 
 
-def _findings(found: Sequence[FoundTake], skipped: Iterable[InputError]) -> Findings:
-    unique = with_unique_names(found)
+def _findings(takes: Sequence[FoundTake], skipped: Iterable[InputError]) -> Findings:
+    unique = with_unique_names(takes)
     return Findings(
         takes=unique,
         skipped=tuple(skipped),
-        speakers=tuple(sorted({take.take.speaker for take in unique})),
+        speakers=tuple(sorted({item.take.speaker for item in unique})),
         split_rule="the folders train, val and test",
     )
 
@@ -156,10 +155,10 @@ def read_takes(
     folder : Path
         The data set as downloaded, or recordings in the same layout.
     kind : {'beat', 'beat2', 'show', 'ted'}, optional
-        Its layout; by default recognised from the files.
+        The folder's layout; by default recognised from the files.
     split_list : Path, optional
-        See `training.data.splitting.read_split_list`. By default the folder's own list, otherwise
-        the data set's rule, otherwise a hash of each recording's name.
+        A list for `training.data.splitting.read_split_list`. The default is the folder's own list,
+        or else the data set's rule, or else a hash of each recording's name.
 
     Returns
     -------
@@ -169,7 +168,7 @@ def read_takes(
     Raises
     ------
     InputError
-        If the folder is missing, of no known layout, holds no take, or the split list is unusable.
+        If the folder is missing, has no known layout or no takes, or the split list is unusable.
     """
     files = list_folder(folder)
     layout = _kind_of(files) if kind is None else _checked_kind(kind)

@@ -28,14 +28,14 @@ class FolderFiles:
     root : Path
         The folder.
     files : tuple of Path
-        Sorted, without hidden files and folders.
+        Sorted paths, without hidden files and folders.
     """
 
     root: Path
     files: tuple[Path, ...]
 
     def ending_in(self, *endings: str) -> Iterator[Path]:
-        """Yield the files with one of these endings, in upper or lower case."""
+        """Yield the files with one of `endings`, whatever their case."""
         return (path for path in self.files if path.suffix.lower() in endings)
 
     def place_of(self, path: Path) -> PurePosixPath:
@@ -45,14 +45,14 @@ class FolderFiles:
     def companion(self, path: Path, endings: Iterable[str]) -> Path | None:
         """Return the file with the stem of `path` and the first of `endings` that exists.
 
-        It is beside `path` or anywhere in the folder, since data sets separate sound and motion.
-        None if there is no such file, or several that could be meant.
+        It is next to `path` or anywhere in the folder, since data sets separate sound and motion.
+        None if there is no such file, or several outside the folder of `path`.
         """
         for ending in endings:
             candidates = self._by_name.get((path.stem, ending), [])
-            beside = [candidate for candidate in candidates if candidate.parent == path.parent]
-            if beside or len(candidates) == 1:
-                return (beside or candidates)[0]
+            siblings = [candidate for candidate in candidates if candidate.parent == path.parent]
+            if siblings or len(candidates) == 1:
+                return (siblings or candidates)[0]
         return None
 
     @cached_property
@@ -87,7 +87,7 @@ def list_folder(root: Path) -> FolderFiles:
 
 
 def has_arrays(path: Path, *keys: str) -> bool:
-    """Return whether an ``.npz`` file holds one of `keys`.
+    """Return whether an ``.npz`` file has one of `keys`.
 
     Raises
     ------
@@ -116,7 +116,7 @@ SPLIT_WORDS: Final[dict[str, Split]] = {
 """Data sets' names of the splits, in lower case."""
 
 UNKNOWN_SPEAKER: Final = "unknown"
-"""The speaker where a data set names none."""
+"""The speaker of takes whose data set names none."""
 
 _LONGEST_NAME: Final = 100
 
@@ -128,12 +128,12 @@ class FoundTake:
     Attributes
     ----------
     take : Take
-        Its split is provisional.
+        The take, with a provisional split.
     place : str
-        Its path below the folder, without its ending and the folder of a split. A split list may
-        use this in place of the name.
+        Its path in the folder, without its ending and the folder of a split. A split list may use
+        it instead of the name.
     recording : str
-        The recording it was cut from; takes of one recording belong to one split.
+        The recording that it was cut from; takes of one recording belong to one split.
     given_split : {'train', 'validation', 'test'} or None
         The data set's own split, by a folder or a published rule.
     """
@@ -151,7 +151,7 @@ class Findings:
     Attributes
     ----------
     takes : tuple of FoundTake
-        In no particular order; their names differ.
+        The takes in no particular order, with unique names.
     skipped : tuple of InputError
         Why other files are not takes.
     speakers : tuple of str
@@ -198,7 +198,7 @@ def sound_of(motion: Path, files: FolderFiles) -> Path:
         raise InputError(
             "the motion has no sound",
             where=motion,
-            remedy=f"Put {motion.stem}.wav beside it",
+            remedy=f"Put {motion.stem}.wav next to it",
         )
     for path in (motion, sound):
         if not path.stat().st_size:
@@ -223,7 +223,7 @@ def split_folder(place: PurePosixPath) -> tuple[PurePosixPath, Split | None]:
 def usable_name(text: str, *, marked: bool = False) -> str:
     """Return `text` as a safe file name.
 
-    It ends in a hash of `text` if characters had to be replaced, or if `marked`.
+    A hash of `text` is appended if `text` had to be changed, or if `marked`.
     """
     name = re.sub(r"[^A-Za-z0-9_.-]+", "_", text).lstrip("_.-")
     if name == text and len(name) <= _LONGEST_NAME and not marked:
@@ -233,7 +233,7 @@ def usable_name(text: str, *, marked: bool = False) -> str:
 
 
 def with_unique_names(takes: Sequence[FoundTake]) -> tuple[FoundTake, ...]:
-    """Return the takes; those that share a name are renamed after their place."""
+    """Return the takes; takes that share a name are renamed after their place."""
     counts = Counter(item.take.name for item in takes)
     return tuple(
         replace(item, take=replace(item.take, name=usable_name(item.place, marked=True)))
@@ -246,7 +246,7 @@ def with_unique_names(takes: Sequence[FoundTake]) -> tuple[FoundTake, ...]:
 def without_duplicates(
     takes: Iterable[FoundTake],
 ) -> tuple[tuple[FoundTake, ...], tuple[InputError, ...]]:
-    """Return the takes without those whose name an earlier one has, and an error for each."""
+    """Return the first take of each name, and an error for each other take."""
     by_name: dict[str, FoundTake] = {}
     duplicates: list[InputError] = []
     for item in takes:
@@ -254,7 +254,7 @@ def without_duplicates(
         if first is not item:
             duplicates.append(
                 InputError(
-                    f"take {item.take.name} is there twice; {first.take.motion} is used",
+                    f"take {item.take.name} exists twice; {first.take.motion} is used",
                     where=item.take.motion,
                     remedy="Rename or remove one of them",
                 )

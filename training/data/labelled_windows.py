@@ -36,7 +36,7 @@ class Classes:
 
     @classmethod
     def from_windows(cls, windows: Windows, fields: Iterable[str]) -> Self:
-        """Return the classes of windows in alphabetical order; an empty label is no class."""
+        """Return the classes of windows in alphabetical order; an empty label is not a class."""
         takes = windows.takes(np.arange(len(windows)))
         labels = {field: {getattr(take, field) for take in takes} - {""} for field in fields}
         return cls({field: tuple(sorted(values)) for field, values in labels.items()})
@@ -87,28 +87,28 @@ def quadruples(
     """Return quadruples of windows: contents c1 and c2, each spoken by speakers s1 and s2.
 
     The columns are (c1, s1), (c2, s1), (c1, s2), (c2, s2). The four windows of a quadruple start
-    equally far into their recordings.
+    at the same time in their recordings.
 
     Parameters
     ----------
     windows : Windows
-        Their takes need BEAT's names, from which the text is read.
+        Windows of takes with BEAT's names, which tell the text.
     limit : int
-        The most quadruples to return; a random sample where there are more.
+        Largest number of quadruples; if there are more, a random sample is returned.
     seed : int
         Seed of the sample.
     required : bool
-        Whether to raise where there are none.
+        Whether to raise if there are no quadruples.
 
     Returns
     -------
     ndarray, shape (quadruples, 4)
-        Rows of the windows; empty where no two speakers speak two texts in one emotion.
+        Rows of the windows; empty if no two speakers speak two texts in one emotion.
 
     Raises
     ------
     InputError
-        If there are none and some are required.
+        If quadruples are required and there are none.
     """
     groups = [
         group
@@ -124,7 +124,7 @@ def quadruples(
     if required and not len(rows):
         raise InputError(
             "no two speakers speak the same two texts in one emotion",
-            remedy="Give recordings named as BEAT's are, or make a corpus with --shared-passages",
+            remedy="Give recordings with BEAT's names, or make a corpus with --shared-passages",
         )
     if len(rows) <= limit:
         return rows
@@ -149,8 +149,8 @@ def check_texts(takes: TakeFolder) -> None:
     for folder in takes.takes[0].speech.resolve().parents:
         if (folder / DESCRIPTION).exists() and not read_request(folder).shared_passages:
             raise InputError(
-                "each speaker of this corpus speaks texts of their own, and a speech model learns "
-                "from texts that several speak",
+                "each speaker of this corpus has their own texts, but a speech model learns from "
+                "texts that several speakers share",
                 where=folder,
                 remedy="Make a corpus with 'motionjury corpus --shared-passages'",
             )

@@ -53,7 +53,7 @@ class SplitList:
     splits : mapping of str to split
         Split of each name.
     others : mapping of str to str
-        Names in a split of another kind, such as BEAT2's ``additional``.
+        Split of each name in a split of another kind, such as BEAT2's ``additional``.
     """
 
     path: Path
@@ -69,8 +69,8 @@ def read_split_list(path: Path) -> SplitList:
     path : Path
         CSV with a column of names (``name``, ``id``, …) and one of splits (``split``, ``type``, …),
         or two columns without a header; JSON of lists of names by split, or of splits by name; or a
-        folder of ``train.txt``, ``val.txt`` and ``test.txt`` with one name per line. Names may have
-        a file ending. Splits may be called train, val, dev, test, ….
+        folder of ``train.txt``, ``val.txt`` and ``test.txt`` with one name per line. Names may
+        include a file ending. Splits may be called train, val, dev, test, ….
 
     Raises
     ------
@@ -178,7 +178,7 @@ HELD_OUT_SHARE: Final = 0.1
 """Share of the recordings held out for validation, and for testing, by default."""
 
 _QUOTED_NAMES: Final = 3
-"""Names that a note quotes."""
+"""Number of names that a note quotes."""
 
 
 def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tuple[str, ...]]:
@@ -189,10 +189,10 @@ def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tu
     Raises
     ------
     InputError
-        If it names none of the takes.
+        If the list names none of the takes.
     """
     takes: list[Take] = []
-    left_out: list[str] = []
+    unlisted: list[str] = []
     elsewhere: Counter[str] = Counter()
     known_names: set[str] = set()
     for item in findings.takes:
@@ -204,18 +204,18 @@ def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tu
         elif other := next((splits.others[name] for name in names if name in splits.others), None):
             elsewhere[other] += 1
         else:
-            left_out.append(item.take.name)
+            unlisted.append(item.take.name)
     if not takes:
         raise InputError(
             f"the split list names none of the {len(findings.takes)} takes, of which the first is "
             f"{findings.takes[0].take.name}",
             where=splits.path,
-            remedy="Name takes as their files are named",
+            remedy="Name takes after their files",
         )
     missing = sorted(name for name in (*splits.splits, *splits.others) if name not in known_names)
     notes = [f"splits by {splits.path.name}: {count_splits(takes)}"]
-    if left_out:
-        notes.append(f"{_quote_names(left_out, 'take')} left out, which the list does not name")
+    if unlisted:
+        notes.append(f"{_quote_names(unlisted, 'take')} left out, which the list does not name")
     notes += [f"{_count(number, 'take')} left out as {word}" for word, number in elsewhere.items()]
     if missing:
         notes.append(f"{_quote_names(missing, 'name')} of the list not found")
@@ -225,7 +225,7 @@ def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tu
 def by_rule(findings: Findings) -> tuple[tuple[Take, ...], tuple[str, ...]]:
     """Return all takes with the data set's own split, or one by hash.
 
-    A take without a split takes that of other takes of its recording. Recordings without any are
+    A take without a split gets that of other takes of its recording. Recordings without a split are
     sorted by the hash of their name: the first tenth is for testing and the next for validation, at
     least one each if there are three or more.
     """
@@ -247,8 +247,8 @@ def by_rule(findings: Findings) -> tuple[tuple[Take, ...], tuple[str, ...]]:
         notes.append(f"splits by {findings.split_rule}: {count_splits(ruled)}")
     if divided:
         notes.append(
-            f"{_count(divided, 'recording')} cut into takes of several splits, so that held-out "
-            "takes resemble others"
+            f"{_count(divided, 'recording')} cut into takes of several splits, so held-out takes "
+            "resemble training takes"
         )
     if by_hash:
         notes.append(f"splits by the hash of each recording's name: {count_splits(by_hash)}")
@@ -256,7 +256,7 @@ def by_rule(findings: Findings) -> tuple[tuple[Take, ...], tuple[str, ...]]:
 
 
 def split_by_hash(recordings: Iterable[str]) -> dict[str, Split]:
-    """Return a split of each recording that depends only on the set of names."""
+    """Return a split for each recording that depends only on the set of names."""
     order = sorted(recordings, key=lambda name: hashlib.sha256(name.encode()).digest())
     count = max(round(HELD_OUT_SHARE * len(order)), 1 if len(order) > 2 else 0)
     splits: dict[str, Split] = dict.fromkeys(order, "train")
@@ -289,14 +289,14 @@ def held_out_recordings(
     Parameters
     ----------
     recordings : sequence of str
-        The recording that each clip is from.
+        The recording of each clip.
     labels : sequence of str
         The label of each clip; the same for all if there are none. Each label keeps at least one
         recording for training.
     share : float
         Share of each label's recordings, above 0 and below 1; at least one if there are two.
     seed : int
-        Not negative.
+        Random seed, at least 0.
 
     Returns
     -------
@@ -308,8 +308,8 @@ def held_out_recordings(
         label_counts.setdefault(recording, Counter())[label] += 1
     by_label: dict[str, list[str]] = {}
     for recording in sorted(label_counts):
-        count_splits = label_counts[recording]
-        main_label = max(sorted(count_splits), key=lambda label: count_splits[label])
+        counts = label_counts[recording]
+        main_label = max(sorted(counts), key=lambda label: counts[label])
         by_label.setdefault(main_label, []).append(recording)
     chance = np.random.default_rng(seed)
     held_out: list[str] = []

@@ -30,9 +30,9 @@ class Take:
     Attributes
     ----------
     name : str
-        Unique in its folder; safe as a file name.
+        Name of the take, unique in its folder; safe as a file name.
     speaker : str
-        The folder's name of the speaker.
+        Name of the speaker in the folder.
     emotion : str
         One of `motion.segment.EMOTIONS`; empty if unknown.
     split : {'train', 'validation', 'test'}
@@ -40,11 +40,11 @@ class Take:
     speech, motion : Path
         Sound, and motion in the data set's own format.
     face : Path or None
-        BEAT's facial weights (JSON), if the motion does not hold the face.
+        BEAT's facial weights (JSON); None if the motion includes the face or there is none.
     semantic : Path or None
         BEAT's annotated gestures.
     transcript : Path or None
-        See `motion.formats.transcript`.
+        A transcript for `motion.formats.transcript`.
     """
 
     name: str
@@ -73,13 +73,13 @@ class TakeFolder:
     kind : {'beat', 'beat2', 'show', 'ted'}
         Its layout.
     takes : tuple of Take
-        In order of their names.
+        Takes in order of their names.
     speakers : tuple of str
-        All speakers, numbers before names.
+        All speakers, in the order of the data set.
     skipped : tuple of InputError
         Why other files could not be used.
     notes : tuple of str
-        For a person to read: how the takes were split, names of a split list without a take.
+        Remarks on the splits, and on names in a split list without a take.
     """
 
     kind: Kind

@@ -64,11 +64,11 @@ class Windows:
         }
 
     def take_of(self, row: int) -> Take:
-        """Return the take that window `row` is cut from."""
+        """Return the take of window `row`."""
         return self.prepared.takes[self._locate(row)[0]]
 
     def takes(self, rows: NDArray[np.int64]) -> list[Take]:
-        """Return the takes that the windows of `rows` are cut from."""
+        """Return the takes of the windows of `rows`."""
         return [self.take_of(int(row)) for row in rows]
 
     def speakers(self, rows: NDArray[np.int64]) -> list[str]:
@@ -76,6 +76,6 @@ class Windows:
         return [take.speaker for take in self.takes(rows)]
 
     def _locate(self, row: int) -> tuple[int, int]:
-        """Return the index of the take that window `row` is cut from, and its first frame."""
+        """Return the index of the take of window `row`, and the window's first frame."""
         place = int(np.searchsorted(self._first_row, row, side="right")) - 1
         return self._takes[place], (row - int(self._first_row[place])) * self.stride

@@ -55,7 +55,7 @@ def test_a_speakers_motion_does_not_depend_on_the_corpus_size() -> None:
     [
         ({"speakers": 0}, "0 speakers"),
         ({"speakers": 2, "held_out_speakers": 2}, "cannot be held out"),
-        ({"sentences": 12}, "not as many in each"),
+        ({"sentences": 12}, "cannot be divided equally"),
         ({"sentences": 8 * MOST_RECORDINGS, "takes": 2}, "cannot be named"),
         ({"takes": 0}, "cannot be named"),
         ({"sentences": 24, "shared_passages": True}, "at least 32"),

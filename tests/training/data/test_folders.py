@@ -66,11 +66,11 @@ def test_incomplete_takes_of_beat_are_named_and_skipped(tmp_path: Path) -> None:
     result = read_takes(tmp_path)
     assert [take.motion for take in result.takes] == [tmp_path / "2_scott_0_9_9.bvh"]
     messages = {
-        "2_scott_0_10_10.bvh: the motion has no sound": "Put 2_scott_0_10_10.wav beside it",
-        "2_scott_0_11_11.wav: the sound has no motion": "Put 2_scott_0_11_11.bvh beside it",
+        "2_scott_0_10_10.bvh: the motion has no sound": "Put 2_scott_0_10_10.wav next to it",
+        "2_scott_0_11_11.wav: the sound has no motion": "Put 2_scott_0_11_11.bvh next to it",
         "2_scott_0_12_12.wav: the file is empty": "Copy it again",
         "a walk.bvh: the file is not named": "such as 2_scott_0_9_9",
-        "again/2_scott_0_9_9.bvh: take 2_scott_0_9_9 is there twice": "Rename or remove",
+        "again/2_scott_0_9_9.bvh: take 2_scott_0_9_9 exists twice": "Rename or remove",
     }
     assert len(result.skipped) == len(messages)
     for what, remedy in messages.items():
