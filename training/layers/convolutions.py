@@ -24,11 +24,11 @@ BODY_PARTS: Final[Parts] = ((0, 1, 2), (3, 4, 5), (6, 7, 8))
 _COMPONENT_OF: Final = {
     "brow": 0, "eye": 0, "cheek": 1, "nose": 1, "mouth": 2, "jaw": 3, "tongue": 3,
 }  # fmt: skip
-"""Eyes, nose, lips and lower jaw, by how the name of a landmark's facial action begins. The paper
-names no brows and cheeks; they belong to their neighbours."""
+"""Eyes, nose, lips and lower jaw, by the beginning of the name of a landmark's facial action. The
+paper does not name brows and cheeks; they belong to their neighbours."""
 
 _CORNERS: Final = ("mouthSmile", "mouthFrown", "mouthDimple", "mouthStretch")
-"""Actions of the corners of the lips, which express and are not the phoneme predictor's."""
+"""Actions of the corners of the lips, which are expressive and not for the phoneme predictor."""
 
 
 def components_of(actions: Sequence[str]) -> Parts:
@@ -52,7 +52,8 @@ def lips_of(actions: Sequence[str]) -> tuple[int, ...]:
 def face_graph(components: Parts, neutral: FloatArray) -> FloatArray:
     """Return the adjacency of landmarks, (L, L) of 0 and 1.
 
-    All of a component are, and each with the nearest one of every other component.
+    The landmarks of a component are all adjacent. Two components are linked by their nearest pair
+    of landmarks.
     """
     count = len(neutral)
     edges = np.zeros((count, count), np.float32)
@@ -71,7 +72,7 @@ def face_graph(components: Parts, neutral: FloatArray) -> FloatArray:
 
 
 def bone_graph(hops: int) -> FloatArray:
-    """Return the adjacency of bones, (9, 9): those that share a joint, over so many hops."""
+    """Return the adjacency of bones, (9, 9): those within `hops` shared joints of each other."""
     adjacent = np.array(
         [[bool(set(bone) & set(other)) for other in BONES] for bone in BONES], np.float32
     )
@@ -82,7 +83,7 @@ def bone_graph(hops: int) -> FloatArray:
 
 
 def component_graph(count: int, *, pose: bool) -> FloatArray:
-    """Return the adjacency of components: all of the face; of the body the torso with each."""
+    """Return the adjacency of components: all pairs of the face; the torso with each arm."""
     edges = np.ones((count, count), np.float32)
     if pose:
         edges[1:, 1:] = 0
@@ -112,7 +113,7 @@ class GraphConvolution(nn.Module):
         self.past = nn.Conv2d(width_in, width, 1)
 
     def forward(self, values: Tensor) -> Tensor:
-        """Return each node's features of itself, its neighbours and the frames around."""
+        """Return features of each node, its neighbours and the frames around it."""
         nodes, neighbours = self.spatial(values).chunk(2, dim=1)
         gathered = nodes + neighbours @ self.shares[1]
         output: Tensor = nn.functional.leaky_relu(self.temporal(gathered) + self.past(values), 0.1)
@@ -129,13 +130,13 @@ class ComponentEncoder(nn.Module):
     parts : tuple of tuple of int
         Nodes of each anatomical component.
     part_edges : ndarray or None
-        Edges between the components; None leaves the higher graph out.
+        Edges between the components; None omits the graph of components.
     frames : pair of int
-        T_in, T_out.
+        Numbers of frames T_in and T_out.
     widths : triple of int
         Widths of a node, of a component and of the latent.
     kernel : int
-        Frames of temporal convolutions.
+        Kernel size of temporal convolutions, in frames.
     """
 
     places: Tensor
@@ -152,7 +153,7 @@ class ComponentEncoder(nn.Module):
         super().__init__()
         node, part, width = widths
         longest = max(len(nodes) for nodes in parts)
-        # The node behind the last one is zero: it fills smaller components.
+        # The node after the last one is zero and pads smaller components.
         positions = [[*nodes, *[len(edges)] * (longest - len(nodes))] for nodes in parts]
         self.register_buffer("places", torch.tensor(positions).flatten(), persistent=False)
         self._shape = (len(parts), longest)
@@ -182,7 +183,7 @@ class ComponentEncoder(nn.Module):
 
 
 def over_time(width_in: int, width: int, kernel: int, dilation: int = 1) -> nn.Sequential:
-    """Return a convolution over time, (B, C, T) to (B, width, T), normalised."""
+    """Return a convolution over time with batch normalisation, (B, C, T) to (B, width, T)."""
     padding = kernel // 2 * dilation
     return nn.Sequential(
         nn.Conv1d(width_in, width, kernel, padding=padding, dilation=dilation),
@@ -192,7 +193,7 @@ def over_time(width_in: int, width: int, kernel: int, dilation: int = 1) -> nn.S
 
 
 class Decoder(nn.Module):
-    """Motion of an embedding: convolutions over time and over features, then all together."""
+    """Decodes motion: convolutions over time and over features, then a dense layer."""
 
     def __init__(self, width: int, hidden: int, values: int) -> None:
         super().__init__()
@@ -205,7 +206,7 @@ class Decoder(nn.Module):
         )
 
     def forward(self, embedding: Tensor) -> Tensor:
-        """Return (B, T, values) of (B, T, H)."""
+        """Return motion (B, T, values) of an embedding (B, T, H)."""
         over_time = self.temporal(embedding.transpose(1, 2)).transpose(1, 2)
         batch, frames, width = over_time.shape
         over_features = self.spatial(over_time.reshape(batch * frames, 1, width))

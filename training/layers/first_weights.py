@@ -1,7 +1,7 @@
-"""Initial weights with which layers learn early when something happens.
+"""Initial weights with which layers quickly learn the timing of events.
 
-Linear layers can start from the principal components of their input, and attention, with waves as
-positions, from its neighbours in time.
+Linear layers can start from the principal components of their input. Attention, with waves as
+positions, can start from neighbours in time.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ import torch
 from torch import Tensor, nn
 
 _LEAST_SPREAD: Final = 1e-3
-"""Of a principal component or an input; smaller ones are rounding."""
+"""Smallest spread of a principal component or an input; smaller ones are rounding errors."""
 
 _SHARPNESS: Final = 3.0
-"""Strength of attention to nearby times."""
+"""Scale of the weights that attend to nearby times."""
 
 
 class Components(NamedTuple):
@@ -28,7 +28,7 @@ class Components(NamedTuple):
 
 
 def principal_components(rows: Tensor, limit: int) -> Components:
-    """Return the largest principal components of `rows` (n, values)."""
+    """Return the `limit` largest principal components of `rows` (n, values)."""
     mean = rows.mean(dim=0)
     directions = torch.pca_lowrank(rows, q=min(limit, *rows.shape), niter=4)[2]
     spread = ((rows - mean) @ directions).std(dim=0).clamp_min(_LEAST_SPREAD)
@@ -46,7 +46,7 @@ def standardise_inputs(layer: nn.Module, values: Tensor) -> None:
 def encode_components(
     layer: nn.Linear | nn.Conv2d, components: Components, size: float = 1.0, *, only: bool = False
 ) -> None:
-    """Let a layer's first channels be components of equal size; if `only`, others are zero."""
+    """Make a layer's first channels the components, scaled to equal size; zero others if `only`."""
     for weight in layer.parameters() if only else ():
         weight.zero_()
     rows = size * (components.directions / components.spread).T
@@ -56,21 +56,21 @@ def encode_components(
 
 
 def decode_components(layer: nn.Linear, components: Components) -> None:
-    """Let a layer compute values from their components in its first channels."""
+    """Make a layer compute values from their components in its first channels."""
     layer.weight.zero_()
     layer.weight[:, : len(components.spread)] = components.directions * components.spread
     layer.bias.copy_(components.mean)
 
 
 def waves(places: Tensor, slowest: float, fastest: float, width: int) -> Tensor:
-    """Return sines and cosines (places, width) of `places`, from slow to fast, radians for 1."""
+    """Return sines and cosines (places, width) of `places`; frequencies in radians per place."""
     frequencies = torch.logspace(math.log10(slowest), math.log10(fastest), width // 2)
     angles = places[:, None] * frequencies
     return torch.cat([angles.sin(), angles.cos()], dim=1)
 
 
 def attend_nearby(attention: nn.MultiheadAttention, first: int) -> None:
-    """Let each head compare the waves from channel `first` on, others each, and hardly the rest."""
+    """Make each head compare its own mixture of the waves, which start at channel `first`."""
     width, size = attention.embed_dim, attention.head_dim
     for head in range(attention.num_heads):
         compared = torch.linalg.qr(torch.randn(width - first, width - first)).Q[:size]

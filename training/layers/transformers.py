@@ -1,9 +1,8 @@
-"""Transformers with skips, and transformers packed for a processor.
+"""Transformers with skips, and transformers packed for inference on a CPU.
 
-Skips are those of Bao et al. 2023 (U-ViT) and Chen et al. 2023 (MLD). To be asked, layers are
-packed: faster, and the same to rounding. torch multiplies by MKL, which is slow on processors of
-other makers than its own; oneDNN, which torch brings along, is fast on all of them, and need not
-lay out weights anew in each call.
+Skips are those of Bao et al. 2023 (U-ViT) and Chen et al. 2023 (MLD). Packed layers are faster and
+give the same results up to rounding. torch multiplies matrices with MKL, which is slow on CPUs that
+are not Intel's. oneDNN, a part of torch, is fast on all of them, and lays out weights only once.
 """
 
 from __future__ import annotations
@@ -22,9 +21,9 @@ class SkipTransformer(nn.Module):
     Parameters
     ----------
     width, feed_forward, heads, layers : int
-        Sizes; `layers` is odd.
+        Sizes of the layers and their number, which is odd.
     dropout : float
-        While training.
+        Dropout in training.
     reads_memory : bool
         Whether each layer also attends to a memory.
     """
@@ -56,7 +55,7 @@ class SkipTransformer(nn.Module):
         self.norm = nn.LayerNorm(width)
 
     def forward(self, x: Tensor, *memory: Tensor) -> Tensor:
-        """Return the sequence `x` (batch, tokens, width), transformed."""
+        """Transform the sequence `x` (batch, tokens, width)."""
         skips = []
         for block in self.input_blocks:
             x = block(x, *memory)
@@ -69,13 +68,13 @@ class SkipTransformer(nn.Module):
 
 
 _ROWS: Final = 1_214
-"""Rows that the layout is chosen for: a window of ten seconds, as AST sees it."""
+"""Number of rows that the layout is chosen for: AST's tokens of ten seconds."""
 
 _ATTENTION: Final = "motionjury_packed"
 
 
 class PackedLinear(nn.Module):
-    """A linear layer in float32 that learns no more, stays on the processor and is not stored."""
+    """A float32 linear layer for inference on the CPU; its weights are not saved."""
 
     def __init__(self, linear: nn.Linear) -> None:
         super().__init__()
@@ -89,7 +88,7 @@ class PackedLinear(nn.Module):
 
 
 def pack(network: nn.Module) -> None:
-    """Pack linear layers and attention of the models of `transformers` in a network.
+    """Pack the linear layers and attention of a network's `transformers` models.
 
     Does nothing on a GPU or without oneDNN.
     """
@@ -119,9 +118,9 @@ def _attention(
     scaling: float,
     **unused: Any,
 ) -> tuple[Tensor, None]:
-    """Return attention of (batch, heads, tokens, width) as `transformers` wants it."""
+    """Compute attention of (batch, heads, tokens, width) with the interface of `transformers`."""
     if attention_mask is not None:
-        raise NotImplementedError("packed attention knows no mask")
+        raise NotImplementedError("packed attention does not support masks")
     q, k, v = (tensor.contiguous().flatten(0, 1) for tensor in (query * scaling, key, value))
     heads = [
         _product(torch.softmax(_product(a, b), dim=-1), c.T.contiguous())

@@ -1,1 +1,1 @@
-"""One training run: the loop and its steps, its state, its log and its files."""
+"""A training run: its loop, steps, state, log and files."""

@@ -1,15 +1,14 @@
-"""The batches of a training: which examples each step learns from, and their statistics.
+"""The batches of a training: the examples of each step, and their statistics.
 
 Examples and randomness are a function of the seed and the step, so nothing needs to be saved to
 resume from any step.
 
-A step may be computed in parts, by one process or several. A layer that normalises by the mean and
-variance of a batch needs those of the whole step, whoever computes which part of it. They are
-computed first, by passing the parts forward until they no longer change: a layer's statistics
-follow from those of the layers before it. Then the losses are computed with the statistics as
-constants of which gradients are taken; and these gradients are passed back through the statistics,
-again until none is left. The result is that of the step in one part, up to rounding, at the price
-of a few extra passes.
+One or several processes may compute a step in parts. A layer that normalises by the mean and
+variance of a batch needs those of the whole step. They are computed first, by forward passes of the
+parts until the statistics no longer change: a layer's statistics depend on those of the layers
+before it. Then the losses are computed with the statistics as constants that collect gradients.
+These gradients are propagated back through the statistics until none is left. The result equals
+that of the step in one part, up to rounding, at the cost of a few extra passes.
 """
 
 from __future__ import annotations
@@ -27,32 +26,32 @@ from torch.nn.modules.batchnorm import _BatchNorm
 from training.run.group import Group
 
 Compute = Callable[[], object]
-"""Passes one part forward, with the same chance each time."""
+"""A forward pass of one part, with the same random numbers each time."""
 
 _Use = tuple[int, int]
-"""A layer, and the number of its use in a pass, from 0."""
+"""Index of a layer, and of its use in a pass, from 0."""
 
 
 class _AllLayersPassed(Exception):  # noqa: N818 (no error)
-    """All layers have been passed."""
+    """The forward pass has reached the last layer."""
 
 
 def batch_normed(network: nn.Module) -> list[_BatchNorm]:
-    """Return the layers of `network` that normalise by statistics of a batch."""
+    """Return the batch normalisation layers of `network`."""
     return [layer for layer in network.modules() if isinstance(layer, _BatchNorm)]
 
 
 class StepStatistics:
-    """The statistics of one step for all layers of a network that normalise by them.
+    """The statistics of one step for all batch normalisation layers of a network.
 
     Parameters
     ----------
     network : Module
-        In training mode; only its layers that are so, too, are looked at.
+        The network; only its layers in training mode count.
     group : Group
         The processes that compute the step.
     parts : sequence of callable
-        Each passes one of this process' parts forward through the network.
+        Forward passes of this process' parts.
     """
 
     def __init__(self, network: nn.Module, group: Group, parts: Sequence[Compute]) -> None:
@@ -65,7 +64,7 @@ class StepStatistics:
 
     @contextmanager
     def applied(self) -> Iterator[None]:
-        """Let the layers normalise one part by the statistics of the step, and owe to these."""
+        """Make the layers normalise by the step's statistics, which collect gradients."""
         with self._replaced(lambda place, layer, values: None):
             yield
 
@@ -95,7 +94,7 @@ class StepStatistics:
                     torch.autograd.backward(contribution)
 
     def remember(self) -> None:
-        """Take the step into the layers' running statistics."""
+        """Update the layers' running statistics with this step."""
         statistics = {
             place: _mean_and_variance(self._layers[place[0]], m.detach())
             for place, m in self._moments.items()
@@ -136,7 +135,7 @@ class StepStatistics:
             passes += 1
 
     def _pass(self, compute: Compute, take: Callable[[_Use, _BatchNorm, Tensor], None]) -> None:
-        """Pass a part forward as far as the last layer, and show `take` what each is given."""
+        """Pass a part forward as far as the last layer, and call `take` with each layer's input."""
         remaining = len(self._moments)
 
         def look(place: _Use, layer: _BatchNorm, values: Tensor) -> None:
@@ -154,7 +153,7 @@ class StepStatistics:
 
     @contextmanager
     def _replaced(self, look: Callable[[_Use, _BatchNorm, Tensor], None]) -> Iterator[None]:
-        """Pass the layers' inputs to `look`, and normalise by the known statistics."""
+        """Make the layers pass their inputs to `look`, and normalise by the known statistics."""
         uses: dict[int, int] = {}
 
         def forward(number: int, values: Tensor) -> Tensor:
@@ -184,13 +183,13 @@ class StepStatistics:
 
 
 def _mean_and_variance(layer: _BatchNorm, m: Tensor) -> tuple[Tensor, Tensor]:
-    """Return mean and variance by channel, of the first two moments about the layer's shift."""
+    """Return mean and variance of each channel, from the moments `m` about the layer's shift."""
     first, second = m
     return _shift(layer, first) + first, second - first.square()
 
 
 def _sums(layer: _BatchNorm, values: Tensor) -> Tensor:
-    """Return the sums of values and of their squares by channel, shape (2, channels)."""
+    """Return each channel's sums of shifted values and of their squares, shape (2, channels)."""
     centred = values.float()
     centred = centred - _shift(layer, centred).view(_shape(values))
     dimensions = [0, *range(2, centred.dim())]
@@ -198,7 +197,7 @@ def _sums(layer: _BatchNorm, values: Tensor) -> Tensor:
 
 
 def _shift(layer: _BatchNorm, reference: Tensor) -> Tensor:
-    """Return an offset subtracted from values before they are summed, to reduce rounding."""
+    """Return the offset that is subtracted from values before summing, to reduce rounding."""
     if layer.running_mean is None:
         return reference.new_zeros(layer.num_features)
     return layer.running_mean.detach()
@@ -219,17 +218,17 @@ def step_rows(step: int, examples: int, batch_size: int, seed: int) -> NDArray[n
     Parameters
     ----------
     step : int
-        From 0.
+        Number of the step, from 0.
     examples, batch_size : int
-        At least 1.
+        Numbers of examples in all and per step, at least 1.
     seed : int
-        Not negative.
+        Random seed, at least 0.
 
     Returns
     -------
     ndarray, shape (min(batch_size, examples),), int64
-        Each epoch goes through all examples in its own order; what fills no batch at its end is
-        left out of it.
+        Indices of the examples. Each epoch goes through all examples in a new order; an incomplete
+        last batch is dropped.
     """
     epoch, place = divmod(step, batches_per_epoch(examples, batch_size))
     order = np.random.default_rng((seed, epoch)).permutation(examples)
@@ -239,10 +238,10 @@ def step_rows(step: int, examples: int, batch_size: int, seed: int) -> NDArray[n
 def step_parts(
     rows: NDArray[np.int64], accumulate: int, processes: int
 ) -> Sequence[NDArray[np.int64]]:
-    """Return the parts in which a step's examples are computed, by all processes together.
+    """Divide a step's examples into the parts that the processes compute.
 
-    Each process computes equally many parts. One process that makes `n` parts and `n` processes
-    that make one each compute the same ones.
+    Each process computes equally many parts. One process with `n` parts and `n` processes with one
+    part each compute the same parts.
 
     Parameters
     ----------
@@ -251,13 +250,13 @@ def step_parts(
     accumulate : int
         Number of parts, at least 1.
     processes : int
-        At least 1.
+        Number of processes, at least 1.
 
     Returns
     -------
     sequence of ndarray
-        The least multiple of `processes` that is `accumulate` or more, as far as each gets an
-        example; their lengths differ by one at most.
+        Their number is the smallest multiple of `processes` that is at least `accumulate`, or less
+        if there are too few examples. Their lengths differ by at most one.
     """
     shares = min(-(-accumulate // processes), len(rows) // processes)
     return np.array_split(rows, shares * processes)
@@ -266,7 +265,7 @@ def step_parts(
 def part_seed(seed: int, step: int, part: int, update: int = 0) -> int:
     """Return the random seed of a part of a step, from 0 to 2**63 - 1.
 
-    Each of several updates in a step, numbered from 0, has its own.
+    Each of the updates in a step, numbered from 0, has its own seeds.
     """
     entropy = (seed, step, part, *((update,) if update else ()))
     state = np.random.SeedSequence(entropy).generate_state(1, np.uint64)
@@ -274,5 +273,5 @@ def part_seed(seed: int, step: int, part: int, update: int = 0) -> int:
 
 
 def evenly_spaced(count: int, limit: int) -> NDArray[np.int64]:
-    """Return at most this many of `count` examples, including the first and the last."""
+    """Return at most `limit` of `count` indices, including the first and the last."""
     return np.unique(np.linspace(0, count - 1, min(count, limit)).round().astype(np.int64))

@@ -1,7 +1,7 @@
 """The processes that train one network together, and their communication.
 
-A launcher (`training.run.launching`, torchrun, ``accelerate launch``) starts them, each with
-the same command; one process alone is a group of one.
+A launcher (`training.run.launching`, torchrun, ``accelerate launch``) starts them with the same
+command. A single process is a group of one.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from motion.errors import InputError
 from training.run.launching import group_size
 
 _PATIENCE: Final = timedelta(hours=2)
-"""Longest wait for another process: one may measure and save while the others wait."""
+"""Longest wait for another process: the leader validates and saves while the others wait."""
 
 _Value = TypeVar("_Value")
 
@@ -33,7 +33,7 @@ class Group:
     Parameters
     ----------
     device : str
-        ``cpu`` or ``cuda``; on the latter each process gets its own GPU.
+        ``cpu`` or ``cuda``; with ``cuda``, each process gets its own GPU.
 
     Raises
     ------
@@ -45,21 +45,21 @@ class Group:
         if group_size() == 1:
             self._state = PartialState(cpu=device == "cpu")
             return
-        # Imported later, by torch's optimizers, its functions would keep this group as a default
-        # beyond its end, and the group's threads could abort the process as it exits.
+        # If torch's optimizers imported it later, its functions would keep this group as a default
+        # after its end, and the group's threads could abort the process at exit.
         import_module("torch.distributed.nn.functional")
         self._state = PartialState(cpu=device == "cpu", timeout=_PATIENCE)
-        # NCCL complains of a process that leaves without a word.
+        # NCCL complains about a process that exits without destroying its group.
         atexit.register(self._state.destroy_process_group)
         if self.size != group_size():
             raise InputError(
-                f"{group_size()} processes were started, and {self.size} of them found each other",
+                f"{group_size()} processes were started, but only {self.size} found each other",
                 remedy="Start them with 'motionjury train --processes', torchrun, or accelerate",
             )
         if device == "cuda" and self._state.local_process_index >= torch.cuda.device_count():
             raise InputError(
                 f"at least {self._state.local_process_index + 1} processes were started on a "
-                f"machine with GPUs for {torch.cuda.device_count()}",
+                f"machine with {torch.cuda.device_count()} GPUs",
                 remedy="Start one process for each GPU of a machine",
             )
 
@@ -70,35 +70,35 @@ class Group:
 
     @property
     def index(self) -> int:
-        """The number of this process, from 0."""
+        """The index of this process, from 0."""
         return int(self._state.process_index)
 
     @property
     def leads(self) -> bool:
-        """Whether this is the process that measures and writes."""
+        """Whether this is the process that validates and writes."""
         return self.index == 0
 
     def any(self, value: bool) -> bool:
-        """Tell whether `value` is true in any process."""
+        """Return whether `value` is true in any process."""
         return value if self.size == 1 else self.sum({"": float(value)})[""] > 0
 
     def sum(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Return the sums over all processes, in the order given."""
+        """Return each value's sum over all processes, in the same order."""
         if self.size == 1:
             return dict(values)
         packed = torch.tensor(list(values.values()), dtype=torch.float64, device=self._state.device)
         return dict(zip(values, reduce(packed, reduction="sum").tolist(), strict=True))
 
     def sum_tensors(self, tensors: Sequence[Tensor]) -> list[Tensor]:
-        """Return the sum of each tensor over all processes, which give the same shapes."""
+        """Return each tensor's sum over all processes, which must pass the same shapes."""
         if self.size == 1:
             return list(tensors)
         flat = torch.cat([tensor.reshape(-1) for tensor in tensors])
         parts = reduce(flat, reduction="sum").split([tensor.numel() for tensor in tensors])
-        return [part.view_as(one) for part, one in zip(parts, tensors, strict=True)]
+        return [part.view_as(tensor) for part, tensor in zip(parts, tensors, strict=True)]
 
     def from_leader(self, value: _Value) -> _Value:
-        """Return the leading process' `value`; those of the others are ignored."""
+        """Return the leading process' `value`; the other processes' values are ignored."""
         if self.size == 1:
             return value
         values: list[Any] = [value]
@@ -109,7 +109,7 @@ class Group:
     def sum_gradients(self, weights: Iterable[nn.Parameter]) -> None:
         """Sum the gradients of each weight over all processes.
 
-        One that has none in any process is left without.
+        Weights that have no gradient in any process stay without one.
         """
         if self.size == 1:
             return
@@ -126,6 +126,6 @@ class Group:
             operation.wait()
 
     def hand_out(self, network: nn.Module) -> None:
-        """Copy the leading process' weights to all."""
+        """Copy the leading process' weights to all processes."""
         if self.size > 1:
             broadcast(dict(network.state_dict()))

@@ -1,9 +1,9 @@
-"""Starting the processes that train one network together on one machine, and stopping them.
+"""Starting and stopping the processes that train one network together on one machine.
 
-Each runs the given command, and learns from torchrun's environment variables which one it is:
-``WORLD_SIZE``, ``RANK``, ``LOCAL_RANK`` and the address where they meet. Started by torchrun or
-``accelerate launch`` instead, on one machine or several, a command finds the same words. Asked to
-stop while weights change, a process finishes the step under way first.
+Each runs the same command and reads its rank from torchrun's environment variables: ``WORLD_SIZE``,
+``RANK``, ``LOCAL_RANK`` and the address where the processes meet. torchrun and ``accelerate
+launch`` set the same variables, on one machine or several. A process that is asked to stop finishes
+the current step first.
 """
 
 from __future__ import annotations
@@ -24,39 +24,38 @@ from typing import IO, Final
 
 _LOOK_EVERY: Final = 0.1
 _SETTLING: Final = 3.0
-"""Seconds that the leader has to fail by itself once another process has failed: its output is
-shown already."""
+"""Seconds that the leader, whose output is shown, has to fail by itself after another process."""
 _GRACE: Final = 30.0
-"""Seconds that the others have to end, once one has failed."""
+"""Seconds that the other processes have to exit after one has failed."""
 
 
 def group_size() -> int:
-    """Return the number of processes by this one's launcher; 1 without one."""
+    """Return the number of processes that the launcher started; 1 without a launcher."""
     return int(os.environ.get("WORLD_SIZE", "1")) if "LOCAL_RANK" in os.environ else 1
 
 
 def is_leader() -> bool:
-    """Tell whether this process is the one that speaks and writes; without a launcher it is."""
+    """Return whether this process is the one that prints and writes; true without a launcher."""
     return group_size() == 1 or os.environ.get("RANK", "0") == "0"
 
 
 def run_in_processes(count: int, command: Sequence[str]) -> int:
     """Run `command` in `count` processes at once, and wait for them.
 
-    The first one leads, and only its output is shown; another one's errors are shown if it fails
-    first. Ctrl-C reaches all of them; a request to end is passed on.
+    The first process leads, and only its output is shown; another one's errors are shown if it
+    fails first. Ctrl-C reaches all of them; a SIGTERM is passed on.
 
     Parameters
     ----------
     count : int
-        At least 1.
+        Number of processes, at least 1.
     command : sequence of str
         The program and its arguments.
 
     Returns
     -------
     int
-        The exit status of the first one that failed, or 0.
+        The exit status of the first process that failed, or 0.
     """
     shared = {
         "WORLD_SIZE": str(count),
@@ -68,33 +67,33 @@ def run_in_processes(count: int, command: Sequence[str]) -> int:
     }
     with ExitStack() as stack:
         started: list[subprocess.Popen[bytes]] = []
-        complaints: list[IO[bytes] | None] = []
+        error_outputs: list[IO[bytes] | None] = []
         stack.enter_context(_signals_passed_on(started))
         for rank in range(count):
-            complaint = stack.enter_context(tempfile.TemporaryFile()) if rank else None
-            complaints.append(complaint)
+            errors = stack.enter_context(tempfile.TemporaryFile()) if rank else None
+            error_outputs.append(errors)
             started.append(
                 subprocess.Popen(  # noqa: S603 (the command that is running)
                     command,
                     env=shared | os.environ | {"RANK": str(rank), "LOCAL_RANK": str(rank)},
                     stdin=subprocess.DEVNULL if rank else None,
                     stdout=subprocess.DEVNULL if rank else None,
-                    stderr=complaint,
+                    stderr=errors,
                 )
             )
         failed = _first_failure(started)
         if failed is None:
             return 0
         _end(started)
-        complaint_file = complaints[failed]
-        if complaint_file is not None:
-            complaint_file.seek(0)
-            sys.stderr.write(complaint_file.read().decode(errors="replace"))
+        errors = error_outputs[failed]
+        if errors is not None:
+            errors.seek(0)
+            sys.stderr.write(errors.read().decode(errors="replace"))
         return _status(started[failed].returncode)
 
 
 def _first_failure(started: Sequence[subprocess.Popen[bytes]]) -> int | None:
-    """Return the process that failed first, or the leader if it failed; None if all are done."""
+    """Return the rank of the first process that failed, or the leader's if it did; None if none."""
     first: int | None = None
     deadline = math.inf
     while time.monotonic() < deadline:
@@ -109,7 +108,7 @@ def _first_failure(started: Sequence[subprocess.Popen[bytes]]) -> int | None:
 
 
 def _end(started: Sequence[subprocess.Popen[bytes]]) -> None:
-    """Let the processes end that wait for one which failed."""
+    """Terminate the processes that wait for a failed one."""
     deadline = time.monotonic() + _GRACE
     for process in started:
         if process.poll() is None:
@@ -124,9 +123,9 @@ def _end(started: Sequence[subprocess.Popen[bytes]]) -> None:
 
 @contextmanager
 def _signals_passed_on(started: Sequence[subprocess.Popen[bytes]]) -> Iterator[None]:
-    """Wait on while the processes see to an interruption.
+    """Leave interruptions to the processes.
 
-    A terminal sends Ctrl-C to all of them itself, a batch system its request to end to this one.
+    A terminal sends Ctrl-C to all of them. A batch system sends SIGTERM to this process only.
     """
 
     def pass_on(number: int, frame: FrameType | None) -> None:
@@ -146,7 +145,7 @@ def _signals_passed_on(started: Sequence[subprocess.Popen[bytes]]) -> Iterator[N
 
 
 def _status(returncode: int) -> int:
-    """Return an exit status as of a shell: 128 plus the signal that ended a process."""
+    """Return a shell's exit status: 128 plus the signal if one ended the process."""
     return returncode if returncode >= 0 else 128 - returncode
 
 
@@ -161,15 +160,15 @@ _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
 
 @contextmanager
 def stop_request(*, heeded: int = 1) -> Iterator[list[int]]:
-    """Note the signals of Ctrl-C, and of a batch system's end, rather than break off at once.
+    """Collect SIGINT and SIGTERM in a list instead of interrupting the block.
 
     Outside the main thread, where signals cannot be caught, nothing changes.
 
     Parameters
     ----------
     heeded : int
-        How many requests are noted; one more breaks off. A launcher of several processes may hand
-        on a Ctrl-C that the terminal had sent to each of them already.
+        Number of requests that are collected; one more interrupts. A launcher of several processes
+        may pass on a Ctrl-C that the terminal has already sent to each of them.
     """
     signals: list[int] = []
     if threading.current_thread() is not threading.main_thread():

@@ -1,10 +1,9 @@
 """A network and its training steps, on any device and number of processes.
 
-The running mean of its weights generates better than those of any one step. It is exponential
-(Polyak & Juditsky 1992), as diffusion models use it. It starts as the weights after the first step,
-and follows fast at first: where the weights of `n` steps are in the mean, it keeps
-``min(decay, (1 + n) / (10 + n))`` of itself, so that a decay of 0.999 is reached after some 9,000
-steps.
+The moving average of its weights generates better than the weights of any single step. It is
+exponential (Polyak & Juditsky 1992), as in diffusion models, and starts from the weights after the
+first step. Its decay after `n` steps is ``min(decay, (1 + n) / (10 + n))``: it follows fast at
+first, and reaches a decay of 0.999 after about 9,000 steps.
 """
 
 from __future__ import annotations
@@ -48,14 +47,14 @@ class Learner(Generic[Network]):
     task : Task
         Network, examples and loss.
     config : TrainingConfig
-        How.
+        The settings.
     group : Group
-        The processes that learn together; each has a learner, and all stay equal.
+        The processes that train together; each has a learner, and all learners stay equal.
 
     Raises
     ------
     InputError
-        If there are fewer examples in a step than processes, or a pass does not fit the network.
+        If a step has fewer examples than processes, or a pass does not fit the network.
     """
 
     def __init__(self, task: Task[Network], config: TrainingConfig, group: Group) -> None:
@@ -79,11 +78,11 @@ class Learner(Generic[Network]):
 
     @property
     def network(self) -> Network:
-        """The network that is measured and saved: with the mean weights, if there is a mean."""
+        """The network that is validated and saved: with averaged weights, if configured."""
         return self._network if self._average is None else self._average.network
 
     def learning_rates(self, step: int) -> dict[str, float]:
-        """Return the learning rates of a step, from 0, by their names in the log."""
+        """Return the learning rates of a step, counted from 0, by their names in the log."""
         return {
             f"learning_rate_{p.name}" if p.name else "learning_rate": self._rate(step, p)
             for _, p in self._due_passes(step)
@@ -92,8 +91,7 @@ class Learner(Generic[Network]):
     def learn(self, step: int) -> dict[str, float]:
         """Make a step, counted from 0, and return its losses over all processes.
 
-        If there are several passes, each has its loss under its name; ``loss`` is that of the
-        first.
+        If there are several passes, each pass' loss is under its name; ``loss`` is the first one's.
         """
         self._pass_weights.prepare(self._network, step)
         losses: dict[str, float] = {}
@@ -113,11 +111,10 @@ class Learner(Generic[Network]):
         return losses
 
     def _due_passes(self, step: int) -> list[tuple[int, Pass]]:
-        """Return the passes of a step, with their numbers."""
+        """Return the passes of a step, with their indices."""
         return [(number, p) for number, p in enumerate(self._passes) if p.is_due(step)]
 
     def _rate(self, step: int, p: Pass) -> float:
-        """Return the learning rate of a pass in a step."""
         config = self._config
         rate = p.learning_rate or config.learning_rate
         if config.decay is None:
@@ -126,11 +123,11 @@ class Learner(Generic[Network]):
         return rate * config.decay(epoch)
 
     def _update(self, step: int, number: int, p: Pass) -> dict[str, float]:
-        """Update weights by a pass, and return its losses over all processes."""
+        """Update the weights of a pass, and return its losses over all processes."""
         config = self._config
         for settings in self._optimizer.param_groups:
             settings["lr"] = self._rate(step, p)
-        # Weights without a gradient are unchanged, with their state of the optimizer.
+        # Weights without a gradient stay unchanged, and so does their state in the optimizer.
         self._optimizer.zero_grad(set_to_none=True)
         with self._pass_weights.learning_only(self._network, p.name):
             losses = self._gradients(step, number, p)
@@ -142,7 +139,7 @@ class Learner(Generic[Network]):
         return losses
 
     def _gradients(self, step: int, number: int, p: Pass) -> dict[str, float]:
-        """Sum the gradients of a pass, and its losses."""
+        """Compute the gradients of a pass, and return its losses."""
         group = self._group
         parts = self._own_parts(step)
         computed = self._computed(parts, step, number, p, self._network)
@@ -175,7 +172,7 @@ class Learner(Generic[Network]):
     def _computed(
         self, parts: Sequence[_Part], step: int, number: int, p: Pass, network: Network
     ) -> Sequence[Callable[[], Mapping[str, Tensor]]]:
-        """Return functions for the losses of each of the parts of a pass."""
+        """Return a function for the losses of each part of a pass."""
         return [
             partial(self._losses, network, rows, p, (step, part, number)) for part, rows, _ in parts
         ]
@@ -211,7 +208,7 @@ class Learner(Generic[Network]):
     def restore(
         self, tensors: Mapping[str, Mapping[str, Tensor]], facts: Mapping[str, Any]
     ) -> None:
-        """Go on from what `tensors`, by the first part of their names, and `facts` returned."""
+        """Restore the state from the results of `tensors`, grouped by prefix, and of `facts`."""
         self._network.load_state_dict(tensors["network"])
         states: dict[int, dict[str, Tensor]] = {}
         for name, tensor in tensors["optimizer"].items():
@@ -228,7 +225,7 @@ class Learner(Generic[Network]):
 class _PassWeights:
     """The weights of a network that learn in each pass.
 
-    Those that need no gradient from the beginning never learn.
+    Weights that require no gradient from the beginning never learn.
     """
 
     def __init__(self, network: nn.Module, passes: Sequence[Pass], steps: int) -> None:
@@ -245,7 +242,7 @@ class _PassWeights:
         if idle is not None:
             raise InputError(
                 f"no pass is made in step {idle + 1} of {steps}",
-                remedy="Let one be made in every step",
+                remedy="Schedule a pass for every step",
             )
 
     def prepare(self, network: nn.Module, step: int) -> None:
@@ -259,7 +256,7 @@ class _PassWeights:
 
     @contextmanager
     def learning_only(self, network: nn.Module, name: str) -> Iterator[None]:
-        """Let only the weights of one pass gather gradients."""
+        """Require gradients of one pass' weights only."""
         weights: Mapping[str, nn.Parameter] = dict(network.named_parameters())
         try:
             for key in self._learning:
@@ -299,16 +296,16 @@ def _optimizer(network: nn.Module, config: TrainingConfig) -> Optimizer:
 
 
 class AveragedWeights(AveragedModel, Generic[Network]):
-    """The mean of a network's weights over the steps.
+    """The moving average of a network's weights over the steps.
 
-    Its batch statistics are its own: whoever follows shows it the examples of each step.
+    It has its own batch statistics, which the caller updates with the examples of each step.
 
     Parameters
     ----------
     network : Module
         The network whose weights are averaged; it is copied.
     decay : float
-        The share that the mean keeps in the long run, in (0, 1).
+        Decay of the average in the long run, in (0, 1).
     """
 
     def __init__(self, network: Network, decay: float) -> None:
@@ -317,15 +314,15 @@ class AveragedWeights(AveragedModel, Generic[Network]):
 
     @property
     def network(self) -> Network:
-        """A network of the mean weights."""
+        """A network with the averaged weights."""
         network: Network = self.module  # type: ignore[assignment]
         return network
 
     def follow(self, network: Network) -> None:
-        """Take the weights after one more step into the mean."""
+        """Update the average with the weights after one more step."""
         statistics = [buffer for layer in batch_normed(self.network) for buffer in layer.buffers()]
         saved = [buffer.clone() for buffer in statistics]
-        # It copies all buffers, batch statistics among them.
+        # This copies all buffers, including batch statistics.
         self.update_parameters(network)
         for buffer, value in zip(statistics, saved, strict=True):
             buffer.copy_(value)

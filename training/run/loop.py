@@ -23,7 +23,7 @@ from training.run.task import Network, Task
 from training.weights_file import WeightsFile, read_weights, write_weights
 
 Show = Callable[[int, int, str], None]
-"""Told how many steps are done, of how many, and the loss in words."""
+"""Called with the number of steps done, the number of all steps, and the loss in words."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,9 +33,9 @@ class Best:
     Attributes
     ----------
     step : int
-        Steps that had been made.
+        Number of steps made.
     measured : mapping of str to float
-        Its held-out measures.
+        Measures of held-out examples after it.
     """
 
     step: int
@@ -44,16 +44,16 @@ class Best:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trained(Generic[Network]):
-    """The outcome of a run.
+    """The result of a run.
 
     Attributes
     ----------
     network : Module
-        With the best weights on held-out examples, in evaluation mode.
+        The network with the best weights on held-out examples, in evaluation mode.
     best : Best
         The step of the best weights, and its measures.
     steps : int
-        Steps made in all.
+        Number of steps made in all.
     last_loss : float
         Loss of the last step.
     """
@@ -70,7 +70,7 @@ class TrainingStopped(KeyboardInterrupt):
     Attributes
     ----------
     step, steps : int
-        Steps made, and requested.
+        Numbers of steps made and requested.
     """
 
     def __init__(self, step: int, steps: int) -> None:
@@ -84,34 +84,33 @@ def train(
 ) -> Trained[Network]:
     """Train a network, resuming where an earlier call stopped.
 
-    However often a run is stopped and continued, weights, log and curves come out the same bytes
-    on the CPU of one machine with one number of threads; on a GPU, runs drift
-    apart by rounding. Several processes (`training.run.group`) make the same call, and come to
-    what one would, up to rounding.
+    However often a run is stopped and resumed, weights, log and curves are the same bytes on the
+    CPU of one machine with one number of threads. On a GPU, runs diverge by rounding. Several
+    processes (`training.run.group`) make the same call and get the result of a single one, up to
+    rounding.
 
     Parameters
     ----------
     task : Task
         Network, examples and loss.
     config : TrainingConfig
-        How.
+        The settings.
     folder : RunFolder
         The run's folder; made if needed. All processes read it, the leading one writes.
     show : callable, optional
-        Told about progress, in the leading process.
+        Called with the progress, in the leading process.
 
     Raises
     ------
     InputError
-        If the run kept in `folder` is another one, a loss is not a number, or the device is
-        missing.
+        If `folder` has another run, a loss is not a number, or the device is missing.
     TrainingStopped
-        After Ctrl-C, or a request to end: the state is saved.
+        After SIGINT (Ctrl-C) or SIGTERM; the state is saved.
     """
     check_device(task.device)
     group = Group(task.device)
     if group.leads:
-        # Now rather than at the first save: a place that cannot be written costs no training.
+        # Before training rather than at the first save, in case the folder cannot be written.
         folder.root.mkdir(parents=True, exist_ok=True)
     with _generators_restored(task.device), _deterministic(task.device):
         torch.manual_seed(config.seed)
@@ -120,7 +119,7 @@ def train(
 
 
 class _Run(Generic[Network]):
-    """A run under way."""
+    """A run in progress."""
 
     def __init__(
         self,
@@ -148,10 +147,10 @@ class _Run(Generic[Network]):
         )
 
     def _restore(self, path: Path) -> None:
-        """Go on from a saved state.
+        """Resume from a saved state.
 
-        Order of examples and chance need none: `training.run.batches` derives both from the seed
-        and the step.
+        Order of examples and randomness have no state: `training.run.batches` derives both from the
+        seed and the step.
         """
         saved = read_weights(path)
         self._check_same(saved, path)
@@ -162,7 +161,7 @@ class _Run(Generic[Network]):
         self._best = None if best is None else Best(**best)
 
     def finish(self) -> Trained[Network]:
-        """Make the steps that are missing."""
+        """Make the remaining steps."""
         steps = self._config.steps
         with stop_request(heeded=1 if self._group.size == 1 else 2) as stop:
             while self._step < steps:
@@ -189,7 +188,7 @@ class _Run(Generic[Network]):
         )
 
     def _advance(self) -> None:
-        """Make one step, and measure held-out examples if it is due."""
+        """Make one step, and validate if it is due."""
         losses = self._learner.learn(self._step)
         rates = self._learner.learning_rates(self._step)
         self._step += 1
@@ -199,7 +198,7 @@ class _Run(Generic[Network]):
             self._validate()
 
     def _validate(self) -> Best:
-        """Measure held-out examples, and keep the weights if they are the best so far."""
+        """Validate, and keep the weights if they are the best so far."""
         measured = self._group.from_leader(self._measure() if self._group.leads else {})
         self._check_finite(measured)
         self._log.add({"step": self._step, "held_out": measured})
@@ -207,7 +206,7 @@ class _Run(Generic[Network]):
         last_stage = max((update_pass.first for update_pass in self._config.passes), default=0)
         if (
             self._best is None
-            # Weights of an earlier stage lack the training of the last one.
+            # Weights of an earlier stage lack the training of the last stage.
             or self._best.step <= last_stage < self._step
             or measured[chosen_by] < self._best.measured[chosen_by]
         ):
@@ -220,14 +219,13 @@ class _Run(Generic[Network]):
         return self._best
 
     def _measure(self) -> dict[str, float]:
-        """Measure held-out examples."""
         network = self._learner.network.eval()
         with torch.no_grad():
             torch.manual_seed(self._config.seed)
             return dict(self._task.validation(network))
 
     def _save(self, *, drawn: bool) -> None:
-        """Save the state, the best weights and the log, and the curves at least where `drawn`."""
+        """Save the state, the best weights and the log; draw the curves if `drawn` or outdated."""
         if not self._group.leads:
             return
         self._watch.stop(self._step)
@@ -235,12 +233,12 @@ class _Run(Generic[Network]):
             write_weights(self._folder.best, self._best_weights, asdict(self._best))
             self._best_weights = None
         self._log.save()
-        # A long log takes a second to draw, and looks the same after a few steps more.
+        # A long log takes a second to draw, and looks the same after a few more steps.
         if self._log.lines and (drawn or self._step >= 1.1 * self._drawn):
             best_step = None if self._best is None else self._best.step
             draw_curves(self._log.lines, self._folder.curves, kept_step=best_step)
             self._drawn = self._step
-        # The state comes last: after a crash before it, all else is made again.
+        # The state comes last: after a crash before it, everything else is written again.
         state = {
             "step": self._step,
             "best": None if self._best is None else asdict(self._best),
@@ -256,11 +254,11 @@ class _Run(Generic[Network]):
                 raise InputError(
                     f"{name} is no longer a number after step {self._step}",
                     where=self._folder.root,
-                    remedy="Train with a smaller learning rate, in another place",
+                    remedy="Train with a smaller learning rate, in another folder",
                 )
 
     def _identity(self) -> dict[str, Any]:
-        """Return what a run must share with the one that it resumes."""
+        """Return the settings and data that a run must share with the one that it resumes."""
         return {
             "training": self._config.facts(),
             "task": dict(self._task.settings),
@@ -292,14 +290,14 @@ class _Run(Generic[Network]):
             raise InputError(
                 f"the run that was started here is another one: {'; '.join(differences)}",
                 where=path.parent,
-                remedy="Give the same settings and data to go on, or start again in another place",
+                remedy="Resume with the same settings and data, or start again in another folder",
             )
         if saved.facts["step"] > self._config.steps:
             raise InputError(
                 f"the run has made {saved.facts['step']} steps, more than the "
-                f"{self._config.steps} wanted",
+                f"{self._config.steps} requested",
                 where=path.parent,
-                remedy="Ask for at least as many steps, or start again in another place",
+                remedy="Ask for at least as many steps, or start again in another folder",
             )
 
     def _check_alike(self) -> None:
@@ -323,9 +321,9 @@ def _generators_restored(device: str) -> Iterator[None]:
 
 @contextmanager
 def _deterministic(device: str) -> Iterator[None]:
-    """Let torch use only algorithms that give the same result each time.
+    """Make torch use deterministic algorithms only.
 
-    On a GPU some layers have no deterministic algorithm, so nothing is changed there.
+    Nothing changes on a GPU, where some layers have no deterministic algorithm.
     """
     previous = torch.get_deterministic_debug_mode()
     if device == "cpu":

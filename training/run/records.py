@@ -1,8 +1,8 @@
-"""Records of a run: its folder, its log, its time, its curves, and facts for files.
+"""Records of a run: its folder, log, timing, curves, and facts for files.
 
 The log is only appended to, so that a long run saves as quickly as a short one. It is written
-before the state of the run, so a crash may leave it with lost steps, which are cut off on resuming.
-The durations of steps are in a separate file, because everything else of a run is reproducible.
+before the state of the run. A crash may therefore leave steps in it that are lost, which are cut
+off on resuming. Durations are in a separate file, because everything else of a run is reproducible.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunFolder:
-    """The paths of a run; making one touches no disk."""
+    """The paths of a run."""
 
     root: Path
 
     @property
     def checkpoint(self) -> Path:
-        """State from which the run resumes."""
+        """The state from which the run resumes."""
         return self.root / "checkpoint.safetensors"
 
     @property
@@ -47,12 +47,12 @@ class RunFolder:
 
     @property
     def log(self) -> Path:
-        """One JSON object a line: see `training.run.records`."""
+        """The log: one JSON object per line, a `LogLine`."""
         return self.root / "log.jsonl"
 
     @property
     def timing(self) -> Path:
-        """One JSON object a line: how long the steps before each save took."""
+        """Durations between saves: one JSON object per line, see `Stopwatch`."""
         return self.root / "timing.jsonl"
 
     @property
@@ -62,8 +62,8 @@ class RunFolder:
 
 
 LogLine = Mapping[str, Any]
-"""``step`` (steps made) and either ``learning_rate``, ``loss`` and its parts, or ``held_out``, what
-was measured of held-out examples then."""
+"""``step`` (steps made), and either ``learning_rate``, ``loss`` and its parts, or ``held_out`` with
+the validation after that step."""
 
 
 class RunLog:
@@ -72,14 +72,14 @@ class RunLog:
     Parameters
     ----------
     path : Path
-        One JSON object a line; need not exist for a run that begins.
+        The file; need not exist for a new run.
     steps : int
-        Steps that were made; later ones in the file are ignored.
+        Number of steps made; later ones in the file are ignored.
 
     Raises
     ------
     InputError
-        If the file lacks some of them.
+        If the file lacks some of these steps.
     """
 
     def __init__(self, path: Path, *, steps: int) -> None:
@@ -94,7 +94,7 @@ class RunLog:
             raise InputError(
                 f"the log holds {logged} of the {steps} steps that were made",
                 where=path,
-                remedy="Put the log back, or start again in another place",
+                remedy="Put the log back, or start again in another folder",
             )
 
     @property
@@ -104,21 +104,21 @@ class RunLog:
 
     @property
     def steps(self) -> int:
-        """The number of steps of the lines."""
+        """The number of steps in the log."""
         return int(self._lines[-1]["step"]) if self._lines else 0
 
     @property
     def ends_in_validation(self) -> bool:
-        """Whether held-out examples were measured after the last step."""
+        """Whether the last step was followed by a validation."""
         return bool(self._lines) and "held_out" in self._lines[-1]
 
     @property
     def last_loss(self) -> float:
-        """Loss of the last step; a step must have been made."""
+        """Loss of the last step; there must be one."""
         return next(float(line["loss"]) for line in reversed(self._lines) if "loss" in line)
 
     def add(self, line: LogLine) -> None:
-        """Take one line more."""
+        """Add a line."""
         self._lines.append(line)
         self._unsaved.append(line)
 
@@ -126,7 +126,7 @@ class RunLog:
         """Append new lines to the file, and sync it to disk."""
         content = "".join(f"{json.dumps(line)}\n" for line in self._unsaved).encode()
         with self._path.open("r+b" if self._path.exists() else "xb") as file:
-            # What a crash left behind the lines that count goes first.
+            # Cuts off what a crash left after the valid lines.
             file.truncate(self._saved_bytes)
             file.seek(self._saved_bytes)
             file.write(content)
@@ -136,7 +136,7 @@ class RunLog:
         self._unsaved.clear()
 
     def _read(self, steps: int) -> None:
-        """Read the lines up to `steps`; one that a crash cut off ends them."""
+        """Read the lines up to `steps`, or up to a line that a crash cut off."""
         with self._path.open("rb") as file:
             for content in file:
                 try:
@@ -150,16 +150,16 @@ class RunLog:
 
 
 class Stopwatch:
-    """Writes a line at each save.
+    """Records durations between saves.
 
     Parameters
     ----------
     path : Path
-        One JSON object a line is appended: ``step`` (steps made in all), ``steps`` (since the line
-        before, or since the run went on), ``seconds`` that they took, saving left out, ``device``
-        and ``processes``.
+        File to which JSON lines are appended: ``step`` (steps made in all), ``steps`` (since the
+        previous line, or since resuming), ``seconds`` that they took without saving, ``device`` and
+        ``processes``.
     step : int
-        Steps made until now.
+        Number of steps made so far.
     device : str
         The device.
     processes : int
@@ -173,14 +173,14 @@ class Stopwatch:
         self._began = time.monotonic()
 
     def stop(self, step: int) -> None:
-        """Write how long the steps until `step` took; what follows is left out until `start`."""
+        """Write the duration of the steps until `step`; time does not count until `start`."""
         seconds = round(time.monotonic() - self._began, 3)
         line = {"step": step, "steps": step - self._step, "seconds": seconds, **self._where}
         with self._path.open("a", encoding="utf-8") as file:
             file.write(f"{json.dumps(line)}\n")
 
     def start(self, step: int) -> None:
-        """Count from here."""
+        """Start counting time from `step`."""
         self._step = step
         self._began = time.monotonic()
 
@@ -189,7 +189,7 @@ _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
 
 
 def package_versions(*extra: str) -> dict[str, str]:
-    """Return the versions of what every training uses, and of `extra` packages."""
+    """Return the versions of the packages that every training uses, and of `extra` packages."""
     return {name: metadata.version(name) for name in (*_PACKAGES, *extra)}
 
 
@@ -205,9 +205,9 @@ def run_facts(
     Parameters
     ----------
     config : TrainingConfig
-        How.
+        The settings.
     trained : Trained
-        The outcome.
+        The result.
     kind : str
         The recordings' layout.
     data_sha256 : str
@@ -234,10 +234,10 @@ _PALE, _DARK, _HELD_OUT = "#c9d6e4", "#31597f", "#b3541e"
 def draw_curves(lines: Sequence[LogLine], path: Path, *, kept_step: int | None = None) -> None:
     """Draw the log of a run to the PNG file `path`.
 
-    The loss is drawn large, with the learning rate and all other measures small below it. A line
-    marks the step whose weights are `kept_step`. Equal logs make equal bytes.
+    The loss is large, with the learning rate and all other measures small below it. A line marks
+    `kept_step`, whose weights are kept. Equal logs give equal bytes.
     """
-    # Drawing takes a second to load, and a run draws only when it saves.
+    # matplotlib takes a second to load, and a run draws only when it saves.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import EngFormatter, MaxNLocator
@@ -302,7 +302,7 @@ def _draw(
     *,
     linear: bool,
 ) -> None:
-    """Draw one measure: of the steps, of held-out examples, or both."""
+    """Draw a measure of the training steps, of held-out examples, or of both."""
     if learned is not None and linear:
         axes.plot(*learned, color=_DARK, linewidth=1.2)
     elif learned is not None:

@@ -17,7 +17,7 @@ Network = TypeVar("Network", bound=nn.Module)
 
 
 class Task(Protocol[Network]):
-    """Something to be learned."""
+    """A task to learn."""
 
     @property
     def settings(self) -> Mapping[str, Any]:
@@ -40,40 +40,40 @@ class Task(Protocol[Network]):
         ...
 
     def network(self) -> Network:
-        """Return a fresh network on the device; its first weights come from torch's generator."""
+        """Return a new network on the device, initialised with torch's random generator."""
         ...
 
     def losses(self, network: Network, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
         """Return the losses of a batch of examples: ``loss``, which is minimised, and its parts.
 
-        Each is a mean over the examples, so that a batch may be computed in parts, by one process
-        or several. Randomness comes only from torch's generator, which is seeded for every part of
-        every step.
+        Each is a mean over the examples, so that one or several processes can compute a batch in
+        parts. Randomness comes only from torch's generator, which is seeded for every part of every
+        step.
         """
         ...
 
     def validation(self, network: Network) -> Mapping[str, float]:
         """Return the measures of held-out examples; the first one selects the best weights.
 
-        The weights of the step with the smallest first measure, under any name, are kept. It should
-        reflect the purpose of the network, which the sum of all losses need not do, and be measured
-        on enough examples to distinguish steps.
+        The weights of the step with the smallest first measure, whatever its name, are kept. It
+        should reflect the purpose of the network, which the sum of all losses may not, and use
+        enough examples to distinguish steps.
 
-        The network is in evaluation mode, and no gradients are kept. torch's generator has
-        the same seed each time, so that every step is measured with the same noise.
+        The network is in evaluation mode, without gradients. torch's generator has the same seed
+        each time, so that every step is measured with the same noise.
         """
         ...
 
 
 class TaskInPasses(Task[Network], Protocol[Network]):
-    """Something that is learned in several passes; see `training.config.Pass`."""
+    """A task that is learned in several passes; see `training.config.Pass`."""
 
     def losses_of(
         self, name: str, network: Network, rows: NDArray[np.int64]
     ) -> Mapping[str, Tensor]:
-        """Return the losses of a batch for the pass of that name, as `losses` does for all.
+        """Return the losses of a batch for the pass `name`, as `losses` does for a single pass.
 
-        Weights that do not learn in the pass need no gradient meanwhile.
+        Meanwhile, weights that do not learn in the pass have ``requires_grad=False``.
         """
         ...
 
@@ -109,7 +109,7 @@ class WindowTask:
 
     @property
     def examples(self) -> int:
-        """Windows to learn from."""
+        """The number of training windows."""
         return len(self.training)
 
     @property
@@ -128,7 +128,7 @@ class WindowTask:
         }
 
     def losses(self, network: Any, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
-        """Return the losses of a batch of a task whose only pass trains everything."""
+        """Return the losses of a batch for a single pass that trains everything."""
         return self.losses_of("", network, rows)
 
     def losses_of(self, name: str, network: Any, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
@@ -139,11 +139,11 @@ class WindowTask:
         return self.weights if isinstance(self.weights, Mapping) else asdict(self.weights)
 
     def tensors(self, windows: Windows, rows: NDArray[np.int64]) -> dict[str, Tensor]:
-        """Return windows by feature, each (len(rows), frames, channels), on the device."""
+        """Return the features of windows, each (len(rows), frames, channels), on the device."""
         features = windows.batch(rows)
         return {name: torch.from_numpy(values).to(self.device) for name, values in features.items()}
 
 
 def _as_json(value: object) -> object:
-    """Return a value as JSON holds it."""
+    """Return a value with its tuples converted to lists, as JSON returns it."""
     return [_as_json(item) for item in value] if isinstance(value, tuple) else value

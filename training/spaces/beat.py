@@ -1,8 +1,8 @@
-"""BEAT's motion in DiffSHEG's representation: 47 joints' rotations and 51 facial weights a frame.
+"""BEAT's motion as DiffSHEG represents it: 47 joint rotations and 51 facial weights per frame.
 
-Rotations refer to an idealised figure. Every speaker of BEAT has their own skeleton; all have the
-same joints and the same rest pose: upright, arms level, palms down, facing +z, centimetres. Bones
-have round lengths, see ``beat_skeleton.toml``: only their directions matter, since motion is
+Rotations refer to an idealised figure. Every speaker of BEAT has their own skeleton, but all have
+the same joints and the same rest pose: upright, arms level, palms down, facing +z, centimetres.
+Bones have round lengths, see ``beat_skeleton.toml``; only their directions matter, since motion is
 retargeted to another body anyway.
 """
 
@@ -38,8 +38,8 @@ UPPER_BODY_JOINTS: Final = (
     *_MODELLED_TRUNK,
     *(f"{side}{name}" for side in ("Right", "Left") for name, *_ in _PARTS["arm"]),
 )
-"""The 47 joints of DiffSHEG's rotations, in its order. Of the others BEAT's prepared files
-hold nothing: hips and legs stand still, and the whole spine bends in its lowest joint."""
+"""The 47 joints of DiffSHEG's rotations, in its order. BEAT's prepared files lack the others: hips
+and legs stand still, and the whole spine bends in its lowest joint."""
 
 
 def _joints() -> Iterator[tuple[str, str, Offset]]:
@@ -63,13 +63,12 @@ def _skeleton() -> tuple[BvhJoint, ...]:
 
 
 BEAT_SKELETON: Final = _skeleton()
-"""Parents before children; the first is the root."""
-
+"""The idealised figure's joints, parents before children; the first is the root."""
 
 FloatArray = NDArray[np.float64]
 
 FACIAL_WEIGHTS: Final = ARKIT_NAMES[:51]
-"""BEAT records all of ARKit's but the last, the tongue, in ARKit's order."""
+"""BEAT's facial actions: all of ARKit's but the last, the tongue, in ARKit's order."""
 
 _BODY: Final = 3 * len(UPPER_BODY_JOINTS)
 
@@ -95,7 +94,7 @@ def body_values(motion: BvhMotion) -> FloatArray:
 
 
 def face_values(arkit: NDArray[np.float32]) -> FloatArray:
-    """Return the facial weights that BEAT holds of `arkit` (T, 52), shape (T, 51)."""
+    """Return BEAT's facial weights (T, 51) of `arkit` (T, 52)."""
     return arkit[:, : len(FACIAL_WEIGHTS)].astype(np.float64)
 
 
@@ -111,7 +110,7 @@ def upper_body_motion(
     frame_rate : float
         Frames per second.
     skeleton : tuple of BvhJoint
-        A speaker's own, or the idealised one; joints turn about x, y and z in that order.
+        A speaker's own skeleton, or the idealised one; joints turn about x, y and z in that order.
     """
     motion = BvhMotion(
         joints=skeleton,
@@ -121,7 +120,7 @@ def upper_body_motion(
     turns = body.reshape(len(body), len(UPPER_BODY_JOINTS), 3)
     for row, name in enumerate(UPPER_BODY_JOINTS):
         index = motion.joint_names.index(name)
-        # Where several angles mean the same rotation, any will do.
+        # If several angles give the same rotation, any will do.
         angles = Rotation.from_rotvec(turns[:, row]).as_euler(
             "XYZ", degrees=True, suppress_warnings=True
         )
@@ -136,8 +135,8 @@ def beat_clip(values: FloatArray, frame_rate: float) -> MotionClip:
     Parameters
     ----------
     values : ndarray, shape (T, 192)
-        Rotations of the 47 joints, axis-angle in radians, then 51 facial weights; weights outside
-        [0, 1] are taken to the nearer end.
+        Rotations of the 47 joints, axis-angle in radians, then 51 facial weights, which are clipped
+        to [0, 1].
     frame_rate : float
         Frames per second.
 
@@ -152,9 +151,9 @@ def beat_clip(values: FloatArray, frame_rate: float) -> MotionClip:
 def beat_clip_piece(
     values: FloatArray, frame_rate: float, previous: ForearmTwists | None
 ) -> tuple[MotionClip, ForearmTwists]:
-    """Return a piece of motion as `beat_clip` does, and the state for the next piece.
+    """Convert one chunk of motion as `beat_clip` does; return it and the state for the next chunk.
 
-    The pieces of a motion one after the other are the motion as a whole, bit by bit.
+    The chunks in order equal the whole motion, bit by bit.
     """
     motion = upper_body_motion(values[:, :_BODY], frame_rate)
     _, joint_map = choose_joint_map(motion.joint_names)
@@ -162,5 +161,5 @@ def beat_clip_piece(
     clip, _ = place(retargeted)
     arkit = np.zeros((len(values), ARKIT_COUNT), np.float32)
     arkit[:, : len(FACIAL_WEIGHTS)] = np.clip(values[:, _BODY:], 0, 1)
-    piece = MotionClip(poses=clip.poses, trans=clip.trans, frame_rate=frame_rate, arkit=arkit)
-    return piece, twists
+    chunk = MotionClip(poses=clip.poses, trans=clip.trans, frame_rate=frame_rate, arkit=arkit)
+    return chunk, twists

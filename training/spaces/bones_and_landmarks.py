@@ -1,7 +1,7 @@
 """Speech2UnifiedExpressions' motion: directions of bones, and landmarks of the face.
 
 Bhattacharya et al. 2024, sections 3.1 and 3.2. A frame is nine unit vectors along the bones of ten
-joints of the upper body, then how far each landmark of the face is from where it is in the neutral
+joints of the upper body, then the shift of each facial landmark from its position in the neutral
 face, in metres. Both are seen from the front: the body relative to the direction of its hips, the
 face relative to the head.
 """
@@ -33,11 +33,11 @@ _JOINTS: Final = [joint_index(name) for name in JOINT_NAMES]
 _BONES: Final = REST_JOINTS[_JOINTS][_CHILDREN] - REST_JOINTS[_JOINTS][_PARENTS]
 
 BONE_LENGTHS: Final[FloatArray] = np.linalg.norm(_BONES, axis=1)
-"""Metres, of the default body."""
+"""Lengths of the default body's bones in metres."""
 
 
 def bone_and_landmark_values(clip: MotionClip, face: FaceLandmarks | None) -> FloatArray:
-    """Return directions of bones and shifts of landmarks, (T, 27 + 3 L); without `face` no shifts.
+    """Return directions of bones and shifts of landmarks, (T, 27 + 3 L); no shifts without `face`.
 
     Raises
     ------
@@ -55,9 +55,9 @@ def bone_and_landmark_values(clip: MotionClip, face: FaceLandmarks | None) -> Fl
 def bone_and_landmark_clip(
     values: FloatArray, frame_rate: float, face: FaceLandmarks
 ) -> MotionClip:
-    """Return the clip of values (T, 27 + 3 L) on the landmarks' body.
+    """Return values (T, 27 + 3 L) as a clip of the landmarks' body.
 
-    Its bones take the directions, and its face the actions that shift the landmarks so.
+    Its bones have the given directions, and its facial actions fit the shifts of the landmarks.
     """
     directions, shifts = np.split(values, [BONE_VALUES], axis=1)
     joints = joints_from_directions(directions.reshape(len(values), -1, 3)).astype(np.float32)
@@ -68,10 +68,10 @@ def bone_and_landmark_clip(
 
 
 def facing_forward(joints: FloatArray) -> FloatArray:
-    """Return SMPL-X joints (T, 55, 3) about the pelvis, each frame turned so that the hips face +z.
+    """Return SMPL-X joints (T, 55, 3) relative to the pelvis, turned so that the hips face +z.
 
-    Only about the vertical, so leaning is kept. It is what maps the hips onto the unposed body's by
-    the least squares of Umeyama 1991 among such turns.
+    Each frame is turned only about the vertical, so leaning is kept. Among such turns, it is the
+    least-squares fit of the hips to the unposed body's (Umeyama 1991).
     """
     across = joints[:, joint_index("left_hip")] - joints[:, joint_index("right_hip")]
     length = np.maximum(np.hypot(across[:, 0], across[:, 2]), np.finfo(np.float64).tiny)
@@ -93,7 +93,7 @@ def bone_directions(joints: FloatArray) -> FloatArray:
 def joints_from_directions(
     directions: FloatArray, lengths: FloatArray = BONE_LENGTHS
 ) -> FloatArray:
-    """Return the ten joints (T, 10, 3) about the pelvis; directions need not be of length 1."""
+    """Return the ten joints (T, 10, 3) relative to the pelvis; directions are normalised first."""
     units = directions / np.maximum(np.linalg.norm(directions, axis=-1, keepdims=True), 1e-9)
     return chain_bones(lengths[:, None] * units)
 
@@ -110,7 +110,7 @@ def split_motion(values: Tensor) -> dict[str, Tensor]:
 
 
 def joint_tensors(directions: Tensor) -> Tensor:
-    """Return the ten joints (B, T, 10, 3) of directions (B, T, 9, 3), equation 2."""
+    """Return the ten joints (B, T, 10, 3) from directions (B, T, 9, 3), equation 2."""
     units = functional.normalize(directions, dim=-1)
     joints = [torch.zeros_like(units[..., 0, :])] * (len(BONES) + 1)
     for bone, (parent, child) in enumerate(BONES):
@@ -119,6 +119,6 @@ def joint_tensors(directions: Tensor) -> Tensor:
 
 
 def with_units(values: Tensor) -> Tensor:
-    """Return values whose directions have length 1 (equation 2)."""
+    """Return values with directions normalised to length 1 (equation 2)."""
     bones = functional.normalize(as_points(values[:, :BONE_VALUES]), dim=-1)
     return torch.cat([bones.flatten(-2), values[:, BONE_VALUES:]], dim=-1)

@@ -1,10 +1,10 @@
 """SMPL-X bodies in networks' representations.
 
 AMUSE represents a whole body: 55 joint rotations in 6D, and the translation (Zhou et al. 2019, "On
-the Continuity of Rotation Representations in Neural Networks"). Of each rotation matrix the first
-two rows are kept, as PyTorch3D does and AMUSE's release with it. Losses on the body's surface need
-points that move with every joint and show every turn of it, not thousands of vertices: each joint
-carries itself and two points beside it, rigidly, with gradients.
+the Continuity of Rotation Representations in Neural Networks"). A 6D rotation is the first two rows
+of its matrix, as in PyTorch3D and AMUSE's release. Losses on the body's surface do not need
+thousands of vertices: each joint and two points rigidly attached to it show every rotation, with
+gradients.
 
 DiffSHEG represents SHOW's motion: 43 joints, the jaw and 100 expressions.
 """
@@ -42,13 +42,12 @@ def rotation_rows(clip: MotionClip) -> FloatArray:
 
 
 def smplx_6d_clip(values: FloatArray, frame_rate: float) -> MotionClip:
-    """Return the clip of such values.
+    """Return the clip of values in AMUSE's representation.
 
     Parameters
     ----------
     values : ndarray, shape (T, 333)
-        Rows need be neither of length 1 nor at right angles: the nearest rotation whose first row
-        points where the given one does is taken (Gram-Schmidt).
+        The rows need not be orthonormal: Gram-Schmidt keeps the direction of the first one.
     frame_rate : float
         Frames per second.
 
@@ -80,7 +79,7 @@ TRUNK_AND_ARM_JOINTS: Final = (
     "spine1", "spine2", "spine3", "neck", "left_collar", "right_collar", "head", "left_shoulder",
     "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist",
 )  # fmt: skip
-"""The 13 joints that come first, in SMPL-X's order; both hands' 30 follow."""
+"""The first 13 joints, in SMPL-X's order; the 30 joints of the hands follow."""
 
 UPPER_BODY_JOINTS: Final = (
     *(joint_index(name) for name in TRUNK_AND_ARM_JOINTS),
@@ -96,7 +95,7 @@ def show_values(clip: MotionClip) -> FloatArray:
     Returns
     -------
     ndarray, shape (T, 232)
-        Rotations, axis-angle in radians; jaw; expression coefficients, 0 where the clip has none.
+        Rotations, axis-angle in radians; jaw; expression coefficients, 0 if the clip has none.
     """
     frames = len(clip)
     expressions = np.zeros((frames, 100)) if clip.expressions is None else clip.expressions
@@ -108,7 +107,7 @@ def show_values(clip: MotionClip) -> FloatArray:
 def show_clip(values: FloatArray, frame_rate: float) -> MotionClip:
     """Return DiffSHEG's motion as a clip.
 
-    SHOW's fingers are relative to SMPL-X's mean hands, which only a licensed model holds; relaxed
+    SHOW's fingers are relative to SMPL-X's mean hands, which only a licensed model has; relaxed
     hands take their place.
 
     Parameters
@@ -137,11 +136,11 @@ def show_clip(values: FloatArray, frame_rate: float) -> MotionClip:
 
 
 _AXIS_LENGTH: Final = 0.05
-"""Metres from a joint to the points around it, about the radius of an arm."""
+"""Distance from a joint to the points around it in metres, about the radius of an arm."""
 
 
 def _generations() -> list[tuple[list[int], list[int]]]:
-    """Return each generation below the root: its joints, and their parents' places in the last."""
+    """Return each generation's joints, and their parents' indices in the previous generation."""
     generations, previous = [], [0]
     while joints := [joint for joint, parent in enumerate(PARENTS) if parent in previous]:
         generations.append((joints, [previous.index(PARENTS[joint]) for joint in joints]))
@@ -151,7 +150,7 @@ def _generations() -> list[tuple[list[int], list[int]]]:
 
 _GENERATIONS: Final = _generations()
 
-_ORDER: Final = np.argsort([0, *(joint for found, _ in _GENERATIONS for joint in found)]).tolist()
+_ORDER: Final = np.argsort([0, *(joint for joints, _ in _GENERATIONS for joint in joints)]).tolist()
 """Each joint's position in the order of generations."""
 
 
@@ -169,12 +168,12 @@ class BodyPoints(nn.Module):
         self.register_buffer("bones", bones, persistent=False)
 
     def forward(self, values: Tensor) -> Tensor:
-        """Return points against the pelvis, metres.
+        """Return points relative to the pelvis, in metres.
 
         Parameters
         ----------
         values : Tensor
-            (…, 333), see `training.spaces.smplx_bodies`; the translation moves no point.
+            (…, 333), see `training.spaces.smplx_bodies`; the translation is ignored.
 
         Returns
         -------
@@ -182,7 +181,7 @@ class BodyPoints(nn.Module):
             (…, 165, 3): each joint, and the points 5 cm along its x and y axis.
         """
         rows = values[..., : 6 * JOINT_COUNT].reshape(-1, JOINT_COUNT, 2, 3)
-        # Frames come last, so that each product of small matrices is one of long rows.
+        # Frames come last, so that products of small matrices are products of long rows.
         turns = matrices_from_rows(rows.permute(1, 2, 3, 0))
         world, places = [turns[:1]], [torch.zeros_like(turns[:1, 0])]
         for joints_of_generation, parents in _GENERATIONS:
@@ -198,7 +197,7 @@ class BodyPoints(nn.Module):
 
 
 def matrices_from_rows(rows: Tensor) -> Tensor:
-    """Return rotation matrices (joints, 3, 3, frames) of their first two rows, by Gram-Schmidt.
+    """Return rotation matrices (joints, 3, 3, frames) from their first two rows, by Gram-Schmidt.
 
     Parameters
     ----------

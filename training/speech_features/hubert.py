@@ -1,13 +1,13 @@
 """HuBERT's features of speech: 1024 channels, 50 times a second.
 
-Hsu et al. 2021. Its weights are a gigabyte and are not part of the installation: they are read from
-a folder that the researcher names, and nothing is ever fetched. Without them another network stands
-in; the motion then follows when somebody speaks, but not what, and says so.
+Hsu et al. 2021. Its weights are a gigabyte and not part of the installation: they are read from a
+folder that the researcher names, and nothing is downloaded. Without them a stand-in is used. The
+motion then follows the timing of speech but not its words, and its provenance says so.
 
 HuBERT's features describe the sounds around a moment, including syllables and their stress, for
-which a motion can prepare. A network of its architecture with random weights says little of them.
-The stand-in gives pitch bands of about a second, mixed by seeded weights, and also loudness, its
-rise, and local maxima of loudness, which mark stressed syllables.
+which a motion can prepare. A network of its architecture with random weights captures little of
+that. The stand-in has pitch bands of about a second, mixed by seeded weights, and also loudness,
+its rise, and local maxima of loudness, which mark stressed syllables.
 """
 
 from __future__ import annotations
@@ -31,24 +31,24 @@ from training.device import check_device
 from training.released_weights import CONFIG, WEIGHTS, SavedNetworks
 
 WINDOW: Final = 400
-"""Samples of a feature's window, as of HuBERT's first layers."""
+"""Samples of a feature's window, as in HuBERT's first layers."""
 
 HOP: Final = 320
 _BANDS: Final = 40
 _OFFSETS: Final = tuple(range(-24, 25, 4))
-"""Features on either side that each one depends on: half a second."""
+"""Offsets of the pitch bands that a feature depends on: half a second on either side."""
 
 _STRESS_OFFSETS: Final = tuple(range(-36, 37, 2))
-"""The same of loudness and syllables: seven tenths of a second, in which an arm is raised."""
+"""Offsets of loudness and syllables: seven tenths of a second, in which an arm is raised."""
 
 _LOUDEST_WITHIN: Final = (5, 10, 15)
-"""Features before and after, among which the loudest marks a syllable: 0.1 to 0.3 s."""
+"""Steps before and after within which the loudest one marks a syllable: 0.1 to 0.3 s."""
 
 _QUIETEST: Final = 1e-2
 """Power below which sound of unit variance counts as silence."""
 
 _CENTRE, _SPREAD = 1.0, 4.5
-"""Mean and deviation of the logarithms of the power of speech."""
+"""Mean and standard deviation of the log power of speech."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class HubertOutput:
 
 
 class SoundContext(nn.Module):
-    """Hears pitch bands for half a second on either side of each moment, syllables for 0.7 s.
+    """Encodes pitch bands within half a second of each moment, and syllables within 0.7 s.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class SoundContext(nn.Module):
         power = torch.fft.rfft(windows, self._size).abs().square() @ self.filters.T
         bands = ((power + _QUIETEST).log() - _CENTRE) / _SPREAD
         silence = (math.log(_QUIETEST) - _CENTRE) / _SPREAD
-        # Means over five features, so that none between two offsets is passed over.
+        # Means over five steps, so that none between two offsets is skipped.
         context = _means(bands, _OFFSETS, spread=2, padding=silence)
         stress = _means(_stress_features(loudness), _STRESS_OFFSETS, spread=1, padding=0.0)
         return HubertOutput(torch.cat([(context @ self.mix).tanh(), stress], dim=1)[None])
@@ -134,7 +134,7 @@ _SEED: Final = 20_210_614
 _HUBERT_FOLDER: Final = SavedNetworks(
     owner="HuBERT",
     types={"hubert": "HuBERT-large"},
-    # It hides parts of the speech, in training alone.
+    # It masks parts of the speech, only in training.
     optional=("masked_spec_embed",),
     remedy="Save it there once: transformers.HubertModel.from_pretrained("
     "'facebook/hubert-large-ls960-ft').save_pretrained(FOLDER)",
@@ -158,7 +158,7 @@ class Hubert:
     description : str
         Its description in provenance.
     stands_in : bool
-        Whether its weights are seeded and not learned.
+        Whether it is the stand-in, with seeded weights.
     identity : str
         Equal for networks with the same features, wherever their weights are.
     device : str
@@ -172,7 +172,7 @@ class Hubert:
     device: str = "cpu"
 
     def to_device(self, device: str) -> Hubert:
-        """Return the network, moved to a device; its features still come back to the CPU.
+        """Move the network to a device and return it; its features are still on the CPU.
 
         Raises
         ------
@@ -189,11 +189,11 @@ class Hubert:
         Parameters
         ----------
         samples : ndarray, shape (N,)
-            At 16 kHz. Feature k looks at the 400 samples from 320 k on; samples after the last
-            whole stretch are ignored. Speech of less than 400 is continued by silence.
+            Samples at 16 kHz. Feature k depends on the 400 samples from 320 k on; samples after the
+            last whole window are ignored. Speech shorter than 400 samples is padded with silence.
         """
         samples = np.pad(samples, (0, max(0, WINDOW - len(samples))))
-        # The released network learned from speech without offset and of unit variance.
+        # The released network was trained on speech of zero mean and unit variance.
         normalised = (samples - samples.mean()) / np.sqrt(samples.var() + 1e-7)
         with torch.inference_mode():
             tensor = torch.from_numpy(normalised.astype(np.float32))[None].to(self.device)
@@ -202,17 +202,17 @@ class Hubert:
 
 
 def load_hubert(folder: Path) -> Hubert:
-    """Return the network of a local folder.
+    """Load HuBERT from a local folder.
 
     Parameters
     ----------
     folder : Path
-        What ``HubertModel.save_pretrained`` wrote: ``config.json`` and ``model.safetensors``.
+        A folder of ``HubertModel.save_pretrained``: ``config.json`` and ``model.safetensors``.
 
     Raises
     ------
     InputError
-        If the folder holds no such network, lacks a weight, or gives other than 1024 channels.
+        If the folder has another network, lacks a weight, or has other than 1024 channels.
     """
     check_hubert(folder)
     network = _HUBERT_FOLDER.load(folder)
@@ -235,16 +235,16 @@ def check_hubert(folder: Path) -> None:
 
 
 def stand_in() -> Hubert:
-    """Return the stand-in for HuBERT without its weights: `SoundContext`."""
+    """Return the stand-in for HuBERT, `SoundContext`."""
     name = f"stand-in for HuBERT, pitch bands and syllables of a second, seed {_SEED}"
     network = SoundContext(FEATURES, _SEED).eval()
     return Hubert(network=network, description=name, stands_in=True, identity=name)
 
 
 def resample_to_frames(features: Tensor, frames: int) -> Tensor:
-    """Return `features` (n, channels) at `frames` moments: first at first, last at last.
+    """Return `features` (n, channels) at `frames` evenly spaced moments, from first to last.
 
-    Linear interpolation with aligned corners, as the release takes 50 a second to the motion's.
+    Linear interpolation with aligned corners, as in the release.
     """
     return interpolate_features(
         features, torch.linspace(0, len(features) - 1, frames, dtype=torch.float64)

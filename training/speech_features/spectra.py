@@ -1,7 +1,7 @@
 """Spectra of speech: mel bands per frame of motion, their cepstrum, and AMUSE's filterbanks.
 
-AST and AMUSE read logarithms of Kaldi's mel bands, one row each 10 ms (Gong et al. 2021): frames of
-25 ms in a Hann window, standardised by the mean and the deviation that AMUSE's release states.
+AST and AMUSE read Kaldi's log mel bands, one row per 10 ms (Gong et al. 2021): frames of 25 ms in a
+Hann window, standardised by the mean and standard deviation of AMUSE's release.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ from motion.errors import InputError
 ROWS_PER_SECOND: Final = 100
 
 SHORTEST: Final = 0.5
-"""Seconds of speech below which speakers cannot be distinguished."""
+"""Shortest speech in seconds from which speakers can be distinguished."""
 
 SILENCE: Final = 1e-4
-"""Largest amplitude up to which a recording is silent; 80 dB below the loudest."""
+"""Largest amplitude of a silent recording; 80 dB below full scale."""
 
 _MEAN: Final = -9.173025
 _DEVIATION: Final = 5.062332
 
 
 def check_speech(samples: NDArray[np.float32]) -> None:
-    """Raise `InputError` where speech at 16 kHz is shorter than half a second, or silent."""
+    """Raise `InputError` if speech at 16 kHz is shorter than half a second, or silent."""
     if len(samples) < SHORTEST * SPEECH_RATE:
         raise InputError(
-            f"the recording lasts {len(samples) / SPEECH_RATE:.2f} s, too short to hear an emotion",
+            f"the recording lasts {len(samples) / SPEECH_RATE:.2f} s, too short for an emotion",
             remedy=f"Give at least {SHORTEST:g} s of speech",
         )
     if np.abs(samples).max() <= SILENCE:
@@ -54,10 +54,10 @@ def filterbank(samples: NDArray[np.float32], rows: int = 1024, bands: int = 128)
     samples : ndarray, shape (n,)
         Mono, at 16 kHz.
     rows : int
-        How many rows it has: what is longer is cut, what is shorter is filled with zeros before
-        it is standardised, as in the release.
+        Number of rows: longer filterbanks are cut, shorter ones padded with zeros before they are
+        standardised, as in the release.
     bands : int
-        Mel bands.
+        Number of mel bands.
 
     Returns
     -------
@@ -72,7 +72,7 @@ def filterbank(samples: NDArray[np.float32], rows: int = 1024, bands: int = 128)
 @cache
 def _feature_extractor(rows: int, bands: int) -> ASTFeatureExtractor:
     with warnings.catch_warnings():
-        # Kaldi's lowest bands are narrower than the spectrum is fine; they hold nothing there too.
+        # Kaldi's lowest bands are narrower than the spectrum's resolution, and empty in Kaldi too.
         warnings.filterwarnings("ignore", message="At least one mel filter has all zero values")
         return ASTFeatureExtractor(
             sampling_rate=SPEECH_RATE,
@@ -86,37 +86,38 @@ def _feature_extractor(rows: int, bands: int) -> ASTFeatureExtractor:
 FloatArray = NDArray[np.float32]
 
 RATE: Final = 18_000
-"""Samples per second of the sound that is analysed."""
+"""Sample rate of the analysed sound, in Hz."""
 
 BANDS: Final = 128
 WINDOW: Final = 2048
-"""Samples of a frame's window, centred on the frame; before and after the speech is silence."""
+"""Samples of a frame's window, centred on the frame; the speech is padded with silence."""
 
 
 def mel_bands(audio: Audio, frame_rate: float, frames: int | None = None) -> FloatArray:
     """Return the power of `audio` in 128 mel bands.
 
-    As DiffSHEG's released network reads it: 18 kHz, a Hann window of 2048 samples, bands of equal
-    area on Slaney's mel scale up to 9 kHz, power and not its logarithm.
+    As for DiffSHEG's released network: 18 kHz, a Hann window of 2048 samples, bands of equal area
+    on Slaney's mel scale up to 9 kHz, power and not its logarithm.
 
     Parameters
     ----------
     audio : Audio
-        At any rate; it is resampled.
+        The speech at any rate; it is resampled.
     frame_rate : float
-        Frames per second of the motion, so that a frame lasts whole samples: 15 or 30.
+        Frames per second of the motion; a frame must last a whole number of samples, as at 15 or
+        30.
     frames : int, optional
-        Number of rows, by default that of the speech.
+        Number of rows; by default that of the speech.
 
     Returns
     -------
     ndarray, shape (frames, 128)
-        Row k belongs to ``k / frame_rate`` seconds.
+        Row k is for ``k / frame_rate`` seconds.
 
     Raises
     ------
     InputError
-        If a frame does not last whole samples.
+        If a frame does not last a whole number of samples.
     """
     hop = _hop(frame_rate)
     count = round(audio.duration * frame_rate) if frames is None else frames
@@ -125,7 +126,7 @@ def mel_bands(audio: Audio, frame_rate: float, frames: int | None = None) -> Flo
     inside = sound[: len(padded) - WINDOW // 2]
     padded[WINDOW // 2 : WINDOW // 2 + len(inside)] = inside
     windows = np.lib.stride_tricks.sliding_window_view(padded, WINDOW)[::hop][:count]
-    # As long as the window is periodic, not symmetric: that is what analysis of sound means by it.
+    # A periodic Hann window, as is usual in the analysis of sound, not a symmetric one.
     hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(WINDOW) / WINDOW)
     power = np.abs(np.fft.rfft(windows * hann, axis=1)) ** 2
     return np.asarray(power @ _filters().T, dtype=np.float32)
@@ -150,26 +151,26 @@ def _filters() -> NDArray[np.float64]:
 
 COEFFICIENTS: Final = 14
 ROWS_PER_FRAME: Final = 2
-"""Rows of coefficients in a frame of motion."""
+"""Rows of coefficients per frame of motion."""
 
 WIDTH: Final = ROWS_PER_FRAME * 3 * COEFFICIENTS
-"""Channels of a frame: of each row the coefficients, their first and their second differences."""
+"""Channels of a frame: each row's coefficients and their first and second differences."""
 
 _QUIETEST: Final = 1e-4
 """Power below which bands are silent."""
 
 
 def mfcc(audio: Audio, frame_rate: float, frames: int | None = None) -> NDArray[np.float32]:
-    """Return the coefficients of `audio`, (frames, 84).
+    """Return the mel-frequency cepstral coefficients of `audio`, (frames, 84).
 
     Parameters
     ----------
     audio : Audio
-        At any rate.
+        The speech at any rate.
     frame_rate : float
-        Frames per second of the motion; see `mel_bands`, with twice as many.
+        Frames per second of the motion; `mel_bands` must be able to compute twice as many.
     frames : int, optional
-        By default the number of the speech.
+        Number of rows; by default that of the speech.
     """
     count = max(1, round(audio.duration * frame_rate)) if frames is None else frames
     bands = mel_bands(audio, ROWS_PER_FRAME * frame_rate, ROWS_PER_FRAME * count).astype(np.float64)
@@ -180,6 +181,6 @@ def mfcc(audio: Audio, frame_rate: float, frames: int | None = None) -> NDArray[
 
 
 def log_mel(audio: Audio, frame_rate: float, frames: int | None = None) -> NDArray[np.float32]:
-    """Return the spectrogram of `audio`: logarithms of 128 mel bands, (frames, 128)."""
+    """Return the spectrogram of `audio`: 128 log mel bands, (frames, 128)."""
     count = max(1, round(audio.duration * frame_rate)) if frames is None else frames
     return np.log10(np.maximum(mel_bands(audio, frame_rate, count), _QUIETEST))

@@ -1,10 +1,9 @@
 """An audio spectrogram transformer (AST): its initial weights and the augmentation of its input.
 
-Its first weights are those of another AST, or of a DeiT for images, of which Gong et al. 2021
-(section 2.2) make an AST. Or it starts from the principal components of its patches, scaled to
-equal size, so that pitch counts as well as loudness; and from waves that encode a patch's time and
-pitch, which the mean over patches would otherwise lose. Filterbanks that it learns from are masked,
-shifted and noisy.
+It starts from the weights of another AST, or of a DeiT for images, adapted as by Gong et al. 2021
+(section 2.2). Or it starts from the principal components of its patches, scaled to equal size, so
+that pitch counts as much as loudness; and from waves that encode a patch's time and pitch, which
+the mean over patches would otherwise lose. Filterbanks for training are masked, shifted and noisy.
 """
 
 from __future__ import annotations
@@ -26,10 +25,10 @@ _AST: Final = "audio-spectrogram-transformer"
 _SAVED: Final = SavedNetworks(
     owner="the encoders",
     types={_AST: "an AST", "deit": "a DeiT"},
-    # A layer behind the last one of a DeiT, which no encoder has.
+    # A layer after the last one of a DeiT, which the encoders do not have.
     optional=("pooler.",),
-    remedy="Give the folder that transformers' save_pretrained wrote of an AST or a distilled DeiT "
-    "of the encoders' size, with config.json and model.safetensors; or another --config",
+    remedy="Give a folder of transformers' save_pretrained, with config.json and "
+    "model.safetensors, of an AST or a distilled DeiT of the encoders' size; or another --config",
 )
 _SIZES: Final = (
     "hidden_size",
@@ -40,35 +39,35 @@ _SIZES: Final = (
 )
 _AUDIO_SIZES: Final = ("max_length", "num_mel_bins", "time_stride", "frequency_stride")
 _TOKENS: Final = 2
-"""For the class and for distillation, before the patches."""
+"""Number of tokens before the patches: for the class and for distillation."""
 
 _COMPONENTS: Final = 64
-"""Principal components of a patch that an encoder uses at first; smaller ones are noise."""
+"""Number of principal components of a patch that an encoder starts from; others are noise."""
 
 _INITIAL_SCALE: Final = 0.5
-"""Of a patch's components, and of the waves that encode its position."""
+"""Scale of a patch's components, and of the waves that encode its position."""
 
 
 def read_ast_weights(folder: Path, config: ASTConfig) -> dict[str, Tensor]:
-    """Return the weights of such a transformer by name.
+    """Return the weights of an AST by name.
 
     Parameters
     ----------
     folder : Path
-        What ``save_pretrained`` wrote of an AST or of a DeiT. Nothing but safetensors is read, and
-        nothing is fetched.
+        A folder of ``save_pretrained`` of an AST or a DeiT. Only safetensors are read, and nothing
+        is downloaded.
     config : ASTConfig
-        Its sizes.
+        The expected sizes.
 
     Raises
     ------
     InputError
-        If the folder holds no such network, one of another size, or one that lacks weights.
+        If the folder has no such network, or one of another size or with missing weights.
     """
     network = _SAVED.load(folder)
     is_audio = network.config.model_type == _AST
     differences = [
-        f"{name} {getattr(network.config, name)} in place of {getattr(config, name)}"
+        f"{name} {getattr(network.config, name)} instead of {getattr(config, name)}"
         for name in (*_SIZES, *(_AUDIO_SIZES if is_audio else ()))
         if getattr(network.config, name) != getattr(config, name)
     ]
@@ -86,9 +85,9 @@ def read_ast_weights(folder: Path, config: ASTConfig) -> dict[str, Tensor]:
 
 
 def _adapt_image_weights(weights: dict[str, Tensor], config: ASTConfig) -> dict[str, Tensor]:
-    """Return a DeiT's weights for filterbanks: colours summed, places of patches fitted.
+    """Return a DeiT's weights for filterbanks: colours summed, positions of patches fitted.
 
-    The middle of the grid of positions is used, and stretched where it is too small.
+    The middle of the grid of positions is used, and stretched if it is too small.
     """
     patches = "embeddings.patch_embeddings.projection.weight"
     places = "embeddings.position_embeddings"
@@ -119,7 +118,7 @@ def initialise_from_speech(network: ASTModel, filterbanks: Tensor) -> None:
     Parameters
     ----------
     network : ASTModel
-        Fresh.
+        A new network.
     filterbanks : Tensor
         (windows, frames, bands), examples of its input.
     """
@@ -145,17 +144,17 @@ MASKED_ROWS: Final = 96 / 1024
 """Largest shares of bands and of rows that are masked (Park et al. 2019)."""
 
 _NOISE: Final = 0.1
-"""Largest size of noise."""
+"""Largest amplitude of noise."""
 
 _SHIFT: Final = 10
-"""Rows by which a filterbank is shifted, at most."""
+"""Largest shift of a filterbank, in rows."""
 
 
 def augment(filterbanks: Tensor) -> tuple[Tensor, Tensor]:
     """Return input and target for filterbanks (n, frames, bands).
 
-    Both are masked alike, up to the shares of the paper; the input is also shifted in time by up to
-    ten rows, with noise. Chance is torch's.
+    Both have the same mask, up to the shares of the paper. The input is also noisy and shifted in
+    time by up to ten rows. Randomness is torch's.
     """
     count, frames, bands = filterbanks.shape
     rows = _random_run(count, frames, MASKED_ROWS)[:, :, None]
@@ -167,7 +166,7 @@ def augment(filterbanks: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def _random_run(count: int, size: int, share: float) -> Tensor:
-    """Return for each of `count` a run of places, at most a share of them, (count, size)."""
+    """Return `count` masks (count, size), each of one run of at most `share` of the places."""
     width = torch.randint(0, max(1, round(share * size)) + 1, (count, 1))
     first = (torch.rand(count, 1) * (size - width + 1)).long()
     places = torch.arange(size)

@@ -1,4 +1,4 @@
-"""Speech features per frame of motion, of whole or of live speech, and in overlapping windows."""
+"""Speech features per frame of motion, of whole or live speech, and in overlapping windows."""
 
 from __future__ import annotations
 
@@ -54,17 +54,17 @@ FloatArray = NDArray[np.float32]
 
 @dataclass(frozen=True, kw_only=True)
 class StreamWindow:
-    """How much speech is encoded at once, and its context.
+    """The amount of speech that is encoded at once, and its context.
 
     Attributes
     ----------
     past : int
-        Whole seconds before it, at least 1.
+        Context before the window in whole seconds, at least 1.
     ahead : float
-        Seconds after it, at least a tenth: frames lag behind the speech by this and by the length
-        of a chunk.
+        Context after the window in seconds, at least 0.1: frames lag behind the speech by this and
+        by the length of a chunk.
     at_once : int
-        Whole seconds, at least 1.
+        Length of the window in whole seconds, at least 1.
     """
 
     past: int = 4
@@ -76,11 +76,10 @@ class StreamWindow:
 
 
 LONGEST_AT_ONCE: Final = 90.0
-"""Longest speech in seconds that HuBERT encodes at once; its time and memory grow with the
-square."""
+"""Longest speech in seconds that HuBERT encodes at once; time and memory are quadratic in it."""
 
 LONG_SPEECH_WINDOW: Final = StreamWindow(past=4, ahead=4.0, at_once=60)
-"""The window of longer speech, such as the ten minutes of BEAT's conversations."""
+"""The window for longer speech, such as BEAT's ten-minute conversations."""
 
 
 def window_for(audio: Audio) -> StreamWindow | None:
@@ -89,15 +88,15 @@ def window_for(audio: Audio) -> StreamWindow | None:
 
 
 def extract_frames(audio: Audio, frame_rate: float, hubert: Hubert) -> Iterator[SpeechFrames]:
-    """Yield the frames of `audio`, at least one, in a memory that does not grow with its length.
+    """Yield the frames of `audio`, at least one, in memory that does not grow with its length.
 
-    Up to `LONGEST_AT_ONCE` seconds each frame may depend on all of the speech, as the released
-    network was fed; longer speech is encoded with the window `LONG_SPEECH_WINDOW`.
+    Up to `LONGEST_AT_ONCE` seconds, each frame may depend on all of the speech, as in the release;
+    longer speech is encoded in windows, `LONG_SPEECH_WINDOW`.
 
     Parameters
     ----------
     audio : Audio
-        At any rate.
+        The speech at any rate.
     frame_rate : float
         Frames per second of the motion, whole for long speech.
     hubert : Hubert
@@ -117,10 +116,10 @@ def extract_frames(audio: Audio, frame_rate: float, hubert: Hubert) -> Iterator[
 
 
 def extract_all_frames(audio: Audio, frame_rate: float, hubert: Hubert) -> SpeechFrames:
-    """Return the frames of `audio`, at least one, each of which may depend on all of the speech.
+    """Return the frames of `audio`, at least one; each may depend on all of it, as in the release.
 
-    As the released network was fed. Memory and time of HuBERT grow with the square of the length;
-    `extract_frames` and `stream_frames` bound both.
+    HuBERT's memory and time grow with the square of the length; `extract_frames` and
+    `stream_frames` bound both.
     """
     frames = max(1, round(audio.duration * frame_rate))
     features = hubert.features(at_speech_rate(audio))
@@ -130,35 +129,35 @@ def extract_all_frames(audio: Audio, frame_rate: float, hubert: Hubert) -> Speec
 
 
 def stream_frames(
-    pieces: Iterable[FloatArray],
+    chunks: Iterable[FloatArray],
     frame_rate: int,
     hubert: Hubert,
     window: StreamWindow,
 ) -> Iterator[SpeechFrames]:
-    """Yield the frames of speech as soon as its look-ahead is available.
+    """Yield the frames of speech as soon as their look-ahead is available.
 
-    How the speech is cut into pieces changes nothing: all of it at once gives the same frames, bit
-    by bit. Never more than the window and the pieces at hand are kept.
+    The division into chunks does not matter: all of the speech at once gives the same frames, bit
+    by bit. Only the window and the current chunk are kept.
 
     Parameters
     ----------
-    pieces : iterable of ndarray
+    chunks : iterable of ndarray
         Samples at 16 kHz, in order.
     frame_rate : int
         Frames per second of the motion.
     hubert : Hubert
         The speech network.
     window : StreamWindow
-        What is encoded at once, and its context.
+        The length and the context of the speech that is encoded at once.
 
     Yields
     ------
     SpeechFrames
-        Those of what is heard at once; the last may be fewer. As many in all as the speech lasts,
-        rounded.
+        The frames of one window; the last one may have fewer. Their total is the duration of the
+        speech in frames, rounded.
     """
     excerpts = _stream_excerpts(
-        pieces,
+        chunks,
         frame_rate,
         step=window.at_once,
         frames=window.at_once * frame_rate,
@@ -170,7 +169,7 @@ def stream_frames(
 
 
 def _stream_excerpts(
-    pieces: Iterable[FloatArray],
+    chunks: Iterable[FloatArray],
     frame_rate: float,
     *,
     step: int,
@@ -181,8 +180,9 @@ def _stream_excerpts(
     """Yield the speech of each window as soon as it is complete.
 
     Windows of `frames` begin every `step` whole seconds. An excerpt also has up to `past` whole
-    seconds before its window, and `ahead` seconds after it. With it come the seconds before, and
-    how many of the window's frames are speech: all, except for the last windows.
+    seconds before its window, and `ahead` seconds after it. It is yielded with the number of
+    seconds before its window, and the number of the window's frames that are speech: all of them,
+    except in the last windows.
     """
     buffer, buffer_start, start = np.zeros(0, np.float32), 0, 0
     window_seconds = frames / frame_rate + ahead
@@ -199,8 +199,8 @@ def _stream_excerpts(
         dropped = max(0, start - past) - buffer_start
         buffer, buffer_start = buffer[dropped * SPEECH_RATE :], buffer_start + dropped
 
-    for piece in pieces:
-        buffer = np.concatenate([buffer, np.asarray(piece, np.float32)])
+    for chunk in chunks:
+        buffer = np.concatenate([buffer, np.asarray(chunk, np.float32)])
         while len(buffer) >= excerpt_length():
             yield *excerpt(), frames
             advance()
@@ -216,7 +216,7 @@ def _stream_excerpts(
 def _frames_of_excerpt(
     excerpt: Audio, seconds_before: int, count: int, frame_rate: float, hubert: Hubert
 ) -> SpeechFrames:
-    """Return `count` frames that begin this many whole seconds into their context."""
+    """Return the `count` frames of an excerpt that begin after `seconds_before`."""
     skipped = round(seconds_before * frame_rate)
     mel = mel_bands(excerpt, frame_rate, skipped + count)[skipped:]
     times = seconds_before + np.arange(count) / frame_rate
@@ -227,7 +227,7 @@ def _frames_of_excerpt(
 
 
 def at_speech_rate(audio: Audio) -> FloatArray:
-    """Return the samples at 16 kHz."""
+    """Return the samples of `audio` at 16 kHz."""
     return audio.samples_at(SPEECH_RATE).astype(np.float32)
 
 
@@ -245,11 +245,11 @@ class SpeechWindow:
     Attributes
     ----------
     sound, spectrum : Tensor
-        (T, channels).
+        MFCC and spectrogram, (T, channels).
     first : int
-        The frame of the speech that the window begins with.
+        Index of the window's first frame in the speech.
     count : int
-        The number of its frames with speech: all, except for the last window.
+        Number of frames with speech: all, except in the last window.
     """
 
     sound: Tensor
@@ -259,24 +259,25 @@ class SpeechWindow:
 
 
 def stream_windows(
-    pieces: Iterable[FloatArray], frame_rate: float, frames: int, overlap: int
+    chunks: Iterable[FloatArray], frame_rate: float, frames: int, overlap: int
 ) -> Iterator[SpeechWindow]:
     """Yield windows of live speech as soon as they are complete.
 
-    How the speech is cut into pieces changes nothing: all of it at once gives the same windows.
+    The division into chunks does not matter: all of the speech at once gives the same windows.
 
     Parameters
     ----------
-    pieces : iterable of ndarray
+    chunks : iterable of ndarray
         Samples at 16 kHz, in order.
     frame_rate : float
         Frames per second.
     frames, overlap : int
-        Frames of a window, and how many the next one shares; the new ones last whole seconds.
+        Frames of a window, and frames that it shares with the next one; their difference must last
+        whole seconds.
     """
     new = frames - overlap
     excerpts = _stream_excerpts(
-        pieces,
+        chunks,
         frame_rate,
         step=round(new / frame_rate),
         frames=frames,
@@ -294,18 +295,18 @@ def stream_windows(
 
 @dataclass(frozen=True, kw_only=True)
 class WindowPlan:
-    """The number of windows of a motion, and their beginnings.
+    """The number of windows of a motion, and their starts.
 
     Attributes
     ----------
     frames : int
         Frames of a window.
     stride : int
-        Frames from the beginning of one window to that of the next.
+        Frames from the start of one window to that of the next.
     count : int
-        Windows, from 1.
+        Number of windows, at least 1.
     fade : int
-        Frames at a window's beginning in which it takes over from the one before.
+        Frames at a window's start over which it fades in.
     """
 
     frames: int
@@ -319,9 +320,9 @@ class WindowPlan:
         return [self.stride * number for number in range(self.count)]
 
     def join(self, windows: Tensor) -> Tensor:
-        """Return windows (count, frames, width) as one motion, (frames in all, width).
+        """Join windows (count, frames, width) into one motion, (frames in all, width).
 
-        A window takes over from the one before along a quintic, whose speed and acceleration are
+        A window fades in over the previous one along a quintic, whose speed and acceleration are
         zero at both ends (Flash & Hogan 1985).
         """
         share = (torch.arange(self.fade, device=windows.device) + 1) / (self.fade + 1)
@@ -336,9 +337,9 @@ class WindowPlan:
 
 
 def plan_windows(total: int, frames: int, fade: int) -> WindowPlan:
-    """Return the fewest windows that cover `total` frames and share at least `fade`.
+    """Return the fewest windows that cover `total` frames and overlap by at least `fade`.
 
-    They share as much as they can, so that the last hardly reaches beyond the speech.
+    They overlap as much as they can, so that the last one hardly extends past the speech.
     """
     count = 1 if total <= frames else 1 + math.ceil((total - frames) / (frames - fade))
     stride = frames if count == 1 else math.ceil((total - frames) / (count - 1))

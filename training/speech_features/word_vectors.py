@@ -19,15 +19,15 @@ from motion.formats.transcript import Word
 FloatArray = NDArray[np.float32]
 
 WIDTH: Final = 300
-"""Of FastText's published vectors."""
+"""Width of FastText's published vectors."""
 
 _GRAMS: Final = (3, 4, 5, 6)
-"""Letters of the parts of a word, as FastText cuts it."""
+"""Lengths of the n-grams of a word, as in FastText."""
 
 
 @dataclass(frozen=True)
 class StandIn:
-    """Seeded vectors: the mean over a word's parts, so that words with common parts are similar."""
+    """Seeded vectors, averaged over a word's n-grams, so that similar words are close."""
 
     width: int = WIDTH
     description: str = field(
@@ -35,7 +35,7 @@ class StandIn:
     )
 
     def lookup(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
-        """Return a vector of every word."""
+        """Return a vector for every word."""
         return {word: self._vector(word) for word in set(words)}
 
     def _vector(self, word: str) -> FloatArray:
@@ -64,16 +64,16 @@ class TextVectors:
     description: str
 
     def lookup(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
-        """Return the vectors of those words that the file holds."""
-        wanted = set(words)
+        """Return the vectors of the words that are in the file."""
+        requested = set(words)
         vectors: dict[str, FloatArray] = {}
         with self.path.open(encoding="utf-8", errors="replace") as file:
             next(file)
             for number, line in enumerate(file, start=2):
                 word, _, numbers = line.partition(" ")
-                if word in wanted:
+                if word in requested:
                     vectors[word] = self._vector(numbers, number)
-                    if len(vectors) == len(wanted):
+                    if len(vectors) == len(requested):
                         break
         return vectors
 
@@ -95,12 +95,12 @@ WordVectors = StandIn | TextVectors
 
 
 def load_word_vectors(file: Path | str | None) -> WordVectors:
-    """Return the vectors of a FastText file in text form, or a stand-in without one.
+    """Return the vectors of a FastText text file, or the stand-in for None.
 
     Raises
     ------
     InputError
-        If the file is no such file.
+        If the file is not a FastText file.
     """
     if file is None:
         return StandIn()
@@ -112,9 +112,9 @@ def load_word_vectors(file: Path | str | None) -> WordVectors:
             raise ValueError("no words")
     except (OSError, ValueError, StopIteration) as error:
         raise InputError(
-            "the file holds no vectors of words",
+            "the file holds no word vectors",
             where=path,
-            remedy="Give FastText's .vec, whose first line gives the numbers of words and values",
+            remedy="Give FastText's .vec, whose first line has the numbers of words and values",
         ) from error
     return TextVectors(path, width, f"{path.name} (sha256 {sha256_of(path)[:16]})")
 
@@ -122,12 +122,12 @@ def load_word_vectors(file: Path | str | None) -> WordVectors:
 def word_rows(
     words: Sequence[Word], vectors: WordVectors, frames: int, frame_rate: float
 ) -> FloatArray:
-    """Return the vector of the word in each frame, zeros where there is none.
+    """Return the vector of the word in each frame; zeros without a known word.
 
     Returns
     -------
     ndarray, shape (frames, width)
-        Frame k is at ``k / frame_rate`` seconds; a word lasts a frame at least.
+        Frame k is at ``k / frame_rate`` seconds; a word lasts at least one frame.
     """
     rows = np.zeros((frames, vectors.width), np.float32)
     known_vectors = vectors.lookup(word.text for word in words)
@@ -139,7 +139,7 @@ def word_rows(
 
 
 def slice_rows(rows: FloatArray | None, first: int, frames: int, width: int) -> FloatArray:
-    """Return those `frames` of `word_rows` from `first` on, (frames, width), zeros beside them."""
+    """Return `frames` of `word_rows` from `first` on, (frames, width), padded with zeros."""
     excerpt = np.zeros((frames, width), np.float32)
     if rows is not None:
         inside = rows[first : first + frames]
@@ -153,25 +153,25 @@ def matching_vectors(path: Path | None, description: str, width: int, network: P
     Parameters
     ----------
     path : Path or None
-        Their file; None for a stand-in.
+        The file; None for the stand-in.
     description : str
         The description of the vectors in training.
     width : int
-        Numbers of each of its words.
+        The width of the vectors in training.
     network : Path
         The network's file.
 
     Raises
     ------
     InputError
-        If they are others, or the file cannot be read.
+        If the vectors are not those of the training, or the file cannot be read.
     """
     vectors = load_word_vectors(path)
     if (vectors.description, vectors.width) != (description, width):
         raise InputError(
-            f"the network learned words by {description} of {width} numbers, and these are "
-            f"{vectors.description} of {vectors.width}",
+            f"the network was trained with {description} of width {width}, but these vectors are "
+            f"{vectors.description} of width {vectors.width}",
             where=path or network,
-            remedy="Name the same vectors, or none where a stand-in was learned from",
+            remedy="Name the same vectors, or none if it was trained with the stand-in",
         )
     return vectors

@@ -230,5 +230,5 @@ def test_fasttext_vectors_are_read_for_the_requested_words(tmp_path: Path) -> No
 @pytest.mark.parametrize("content", ["", "hello 1 2\n", "0 0\n"])
 def test_a_file_without_vectors_is_refused(tmp_path: Path, content: str) -> None:
     (tmp_path / "a.vec").write_text(content)
-    with pytest.raises(InputError, match="holds no vectors of words"):
+    with pytest.raises(InputError, match="holds no word vectors"):
         load_word_vectors(tmp_path / "a.vec")

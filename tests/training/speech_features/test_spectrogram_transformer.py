@@ -56,7 +56,7 @@ def test_another_size_or_architecture_is_refused_with_the_difference(
     ASTModel(ASTConfig(hidden_size=8, num_hidden_layers=1, num_attention_heads=2)).save_pretrained(
         tmp_path
     )
-    with pytest.raises(InputError, match=r"another size.*hidden_size 8 in place of 24"):
+    with pytest.raises(InputError, match=r"another size.*hidden_size 8 instead of 24"):
         read_ast_weights(tmp_path, CONFIG)
     (tmp_path / "config.json").write_text(json.dumps({"model_type": "bert"}))
     with pytest.raises(InputError, match="a network of type 'bert', not an AST or a DeiT"):
