@@ -1,12 +1,12 @@
 """Controls: conditions that a study compares generators with, and an obvious flaw.
 
-`Static` is the least that a condition can do. `Mismatched` is right motion to wrong speech: what
-the same condition does to another segment.
+`Static` is the lower bound of a comparison: no motion. `Mismatched` is right motion to wrong
+speech: the source condition's motion for another segment.
 
 `Broken` is for catch trials, in which AMUSE shows "a broken motion filled with artifacts" (Chhatre
 et al. 2024, appendix H) against the recording; whoever does not prefer the recording was not
-watching. So the faults must be plain within two seconds and never stop: limbs pop, joints twist
-beyond what a body can do, everything jitters, and at times it freezes and jumps.
+watching. So the faults must be obvious within two seconds and never stop: limbs pop, joints twist
+beyond what a body can do, everything jitters, and the motion sometimes freezes and jumps.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class Static:
     ) -> MotionClip:
         """Return motion to `speech`; see `generators.interface.Generator.generate`.
 
-        Every seed gives the same stance: nothing in it is random.
+        The seed has no effect.
         """
         frames = speech.frame_count(frame_rate)
         zero_turns, zero_angles = np.zeros((1, 3)), np.zeros(1)
@@ -121,8 +121,8 @@ class Mismatched:
     ) -> MotionClip:
         """Return motion to `speech`; see `generators.interface.Generator.generate`.
 
-        A clip that is too short goes on by running backwards from its last frame, so that
-        nothing jumps; the provenance then says so.
+        A clip that is too short is extended by running backwards from its last frame, so that
+        nothing jumps; this is recorded in the provenance.
         """
         clips = _required(source, self.name)
         partners = assign_partners(clips.segments, seed)
@@ -151,18 +151,18 @@ def _required(source: StudyClips | None, generator: str) -> StudyClips:
 
 
 def assign_partners(segments: Sequence[Segment], seed: int) -> Mapping[str, str]:
-    """Return for each segment of a study the one whose motion it gets.
+    """Return for each segment of a study the segment whose motion it gets.
 
-    Nobody keeps their own motion and no two get the same: of all such exchanges, one that has
-    few seconds missing where a partner is shorter, and among equals a random one. (The optimal
-    assignment of Kuhn 1955, with random costs for the choice among equals.)
+    No segment keeps its own motion and no two get the same. Among all such assignments, few seconds
+    are missing because partners are shorter; ties are broken at random. (The optimal assignment of
+    Kuhn 1955, with random costs for ties.)
 
     Parameters
     ----------
     segments : sequence of Segment
-        All of the study, in any order.
+        All segments of the study, in any order.
     seed : int
-        Not negative.
+        Random seed, at least 0.
 
     Raises
     ------
@@ -223,20 +223,20 @@ class Broken:
 
 
 def _slots(frames: int, frame_rate: float) -> NDArray[np.int_]:
-    """Return the first frame of each stretch that gets its own faults."""
+    """Return the first frame of each slot, which gets its own faults."""
     return np.arange(0, frames, max(1, round(_SLOT * frame_rate)))
 
 
 def _span(
     slot: int, seconds: tuple[float, float], frame_rate: float, rng: np.random.Generator
 ) -> slice:
-    """Return frames that begin in the slot's first half."""
+    """Return a span of frames that starts in the slot's first half."""
     begin = slot + round(rng.uniform(0, _SLOT / 2) * frame_rate)
     return slice(begin, begin + max(1, round(rng.uniform(*seconds) * frame_rate)))
 
 
 def _stutter(frames: int, frame_rate: float, rng: np.random.Generator) -> NDArray[np.int_]:
-    """Return frame indices that stop for a while in every other slot and then jump on."""
+    """Return frame indices that freeze for a while in every other slot and then jump."""
     index = np.arange(frames)
     for slot in _slots(frames, frame_rate)[1::2]:
         frozen = _span(slot, _FREEZE_SECONDS, frame_rate, rng)
@@ -245,7 +245,7 @@ def _stutter(frames: int, frame_rate: float, rng: np.random.Generator) -> NDArra
 
 
 def _break_body(clip: MotionClip, rng: np.random.Generator) -> NDArray[np.float32]:
-    """Return the clip's poses, shape (T, 55, 3), with faults from its first half second on."""
+    """Return the clip's poses, shape (T, 55, 3), with faults from the first half second on."""
     poses = clip.poses.astype(float)
     rate = clip.frame_rate
     for slot in _slots(len(clip), rate):
@@ -281,7 +281,7 @@ def _turn(rotvecs: FloatArray, turn: FloatArray) -> None:
 
 
 def _break_face(clip: MotionClip, rng: np.random.Generator) -> NDArray[np.float32] | None:
-    """Return the clip's facial actions, flickering and at times at full strength."""
+    """Return the clip's facial actions, flickering and sometimes at full strength."""
     if clip.arkit is None:
         return None
     arkit = clip.arkit + rng.normal(0, _FACE_JITTER, clip.arkit.shape)

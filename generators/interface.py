@@ -22,16 +22,16 @@ class SpeechSegment:
     Attributes
     ----------
     segment : Segment
-        The text, speaker and emotion.
+        Text, speaker and emotion of the excerpt.
     audio : Audio
-        The excerpt only, not the whole recording.
+        Sound of the excerpt only, not the whole recording.
     """
 
     segment: Segment
     audio: Audio
 
     def frame_count(self, frame_rate: float) -> int:
-        """Return the number of frames at `frame_rate` of a motion for this speech.
+        """Return the number of frames of a motion to this speech at `frame_rate`.
 
         Raises
         ------
@@ -51,15 +51,15 @@ class SpeechSegment:
 
 
 OnPart = Callable[[int, int], object]
-"""Told how many parts of a clip are made, of how many in all."""
+"""Called with the number of finished parts of a clip and the number of all parts."""
 
 
 def ignore_progress(made: int, parts: int) -> None:
-    """Take in how far a clip is, and do nothing."""
+    """Do nothing."""
 
 
 class StudyClips(Protocol):
-    """The clips that one condition of a study already has, for generators that ask for them."""
+    """The clips that one condition of a study already has, for generators that need a source."""
 
     @property
     def segments(self) -> Sequence[Segment]:
@@ -79,8 +79,8 @@ class Generator(Protocol):
     name : str
         The name it is registered under.
     version : str
-        Raised with every change by which the same speech and seed give another clip, whatever
-        module it is made in: clips of another version are made anew. Tests hold what each gives.
+        Incremented with every change, in whatever module, by which the same speech and seed give
+        another clip: clips of another version are made again. Tests pin each version's output.
     """
 
     @property
@@ -90,7 +90,7 @@ class Generator(Protocol):
 
     @property
     def version(self) -> str:
-        """Raised with every change by which the same speech and seed give another clip."""
+        """Incremented with every change by which the same speech and seed give another clip."""
         ...
 
     def generate(
@@ -107,15 +107,15 @@ class Generator(Protocol):
         Parameters
         ----------
         speech : SpeechSegment
-            The excerpt to move to.
+            The speech of the clip.
         seed : int
-            Not negative. The same seed gives the same clip, byte for byte.
+            Random seed, at least 0. Equal seeds give equal clips, byte for byte.
         frame_rate : float
             Frames per second of the result.
         source : StudyClips or None
             The condition whose clips it may use; see `generators.registry.needs_source`.
         on_part : callable
-            Called with (parts made, parts in all) by generators that take long over a clip.
+            Called with (parts made, parts in all) by generators that are slow.
 
         Returns
         -------
@@ -142,9 +142,9 @@ def provenance_of(generator: str, seed: int, speech: SpeechSegment) -> dict[str,
 
 
 def with_length(clip: MotionClip, frames: int) -> MotionClip:
-    """Return `clip` cut to `frames`, or continued without a jump where it is too short.
+    """Return `clip` cut to `frames`, or extended without a jump if it is too short.
 
-    It continues by running backwards from its last frame, then forwards again from its first.
+    The extension runs backwards from the last frame, then forwards again from the first.
     """
     there_and_back = np.concatenate([np.arange(len(clip)), np.arange(len(clip) - 2, 0, -1)])
     return clip.frames(np.resize(there_and_back, frames))

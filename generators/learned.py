@@ -1,4 +1,4 @@
-"""What learned generators share: training their networks, and generating motion by them."""
+"""Code shared by learned generators: training their networks, and generating motion with them."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ Network = TypeVar("Network", bound=nn.Module)
 
 
 class NetworkGenerator(ABC, Generic[SettingsT]):
-    """A generator whose network generates motion at a frame rate of its own.
+    """A generator whose network has its own frame rate.
 
     Parameters
     ----------
     settings : ModelSettings
-        Checkpoint and what belongs to it. Networks are read when the first clip is made.
+        The checkpoint and the generator's other settings. Networks are read for the first clip.
     device : {'cpu', 'cuda'}
-        Where they run.
+        Device of the networks.
 
     Raises
     ------
@@ -74,8 +74,8 @@ class NetworkGenerator(ABC, Generic[SettingsT]):
     ) -> MotionClip:
         """Return motion to `speech`; see `generators.interface.Generator.generate`.
 
-        It is made at the network's frame rate and resampled; its provenance also holds the facts
-        of `make_motion`.
+        It is made at the network's frame rate and resampled; its provenance also has the facts of
+        `make_motion`.
         """
         count = speech.frame_count(frame_rate)
         check_frame_rate(frame_rate)
@@ -88,7 +88,7 @@ class NetworkGenerator(ABC, Generic[SettingsT]):
     def make_motion(
         self, speech: SpeechSegment, seed: int, on_part: OnPart
     ) -> tuple[MotionClip, dict[str, str]]:
-        """Return motion at the network's frame rate, and what its provenance further holds."""
+        """Return motion at the network's frame rate, and further facts for its provenance."""
 
 
 def check_finite(motion: NDArray[np.float64], checkpoint: Path) -> None:
@@ -110,14 +110,14 @@ def check_finite(motion: NDArray[np.float64], checkpoint: Path) -> None:
 def concatenate_parts(
     parts: Iterable[NDArray[np.float64]], frames: int, on_part: OnPart
 ) -> NDArray[np.float64]:
-    """Return parts (some frames, values) one after the other, telling of how many `frames`."""
-    pieces: list[NDArray[np.float64]] = []
+    """Concatenate parts (some frames, values); report the progress towards `frames`."""
+    finished: list[NDArray[np.float64]] = []
     done = 0
     for part in parts:
-        pieces.append(part)
+        finished.append(part)
         done += len(part)
         on_part(done, frames)
-    return np.concatenate(pieces)
+    return np.concatenate(finished)
 
 
 def network_provenance(
@@ -129,7 +129,7 @@ def network_provenance(
     frame_rate: float,
     stand_ins: Sequence[str] = (),
 ) -> dict[str, str]:
-    """Return any network's provenance: its file, its windows, and its stand-ins."""
+    """Return the facts of any network's provenance: its file, its windows and its stand-ins."""
     facts = {
         "window_frames": str(frames),
         "window_overlap": str(overlap),
@@ -142,7 +142,7 @@ def network_provenance(
 
 
 class TrainingWindows(TypedDict):
-    """The windows of a `training.run.task.WindowTask`, and where it is computed."""
+    """The windows and the device of a `training.run.task.WindowTask`."""
 
     training: Windows
     held_out: Windows
@@ -160,13 +160,13 @@ def cut_windows(
 ) -> TrainingWindows:
     """Return windows of the request's recordings with their features.
 
-    Those to learn from are `stride` frames apart; held-out ones lie side by side, or so many
-    frames apart.
+    Training windows start `stride` frames apart; held-out windows start `held_out` frames apart, or
+    do not overlap by default.
 
     Raises
     ------
     InputError
-        If the device is not usable, or there is no recording to learn from or to hold out.
+        If the device is not usable, or there is no recording for training or for validation.
     """
     check_device(request.device)
     splits = {take.split for take in request.takes.takes}
@@ -198,7 +198,7 @@ def describe_training_data(windows: Windows, speakers: Speakers) -> str:
 def describe_training(
     task: WindowTask, trained: Trained[Any], *sentences: str, warnings: Sequence[str] = ()
 ) -> TrainedGenerator:
-    """Return the outcome of a training with its sentences."""
+    """Return the result of a training with its sentences."""
     chosen_weights = f"Its weights are those of step {trained.best.step} of {trained.steps}."
     return TrainedGenerator(
         sentences=(*sentences, chosen_weights),
@@ -218,11 +218,11 @@ def run_training(
     Parameters
     ----------
     request : TrainingRequest
-        The run's folder, and a callback for progress.
+        The request, which has the run's folder and the callback for progress.
     task : Task
         The task.
     config : TrainingConfig
-        How.
+        The settings.
     packages : sequence of str
         Further packages whose versions are recorded.
     """

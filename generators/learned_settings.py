@@ -1,4 +1,4 @@
-"""Settings of learned generators. Loads no torch."""
+"""Settings of learned generators; does not load torch."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pydantic import Field, field_validator, model_validator
 from generators.settings import File, Folder, NameOrFile, Settings, content
 
 MIXED_SPEAKER: Final = "anybody"
-"""In place of a speaker of S2UE: a mixture of its speakers that the seed draws."""
+"""Speaker of S2UE that is a random mixture of its speakers, drawn with the seed."""
 
 
 def _check_speaker(speaker: int | str | None) -> int | str | None:
@@ -48,14 +48,14 @@ class DiffShegSettings(ModelSettings):
     hubert : Path or None
         Folder of HuBERT's weights; None for a stand-in that does not recognise words.
     speaker : int, str or None
-        Number of the speaker in the data set, from 1, or the name where the checkpoint knows names.
-        None for who speaks in the segment, as far as the checkpoint knows names; else the first.
+        Number of the speaker in the data set, from 1, or the name if the checkpoint has names. None
+        for the segment's speaker if the checkpoint has names, or else the first one.
     sampling : {'smooth', 'fast', 'careful', 'plain'}
         How windows are sampled, one of `generators.diffsheg.config.SAMPLINGS`.
     steps : int
-        Steps from noise to motion: a number that divides 1000.
+        Number of steps from noise to motion; it must divide 1000.
     overlap : int or None
-        Frames that windows share; None for the release's number, half as much again in ``smooth``.
+        Frames that windows share; None for the release's number, or 1.5 times that in ``smooth``.
     """
 
     dataset: Literal["beat", "show"] = Field(
@@ -91,8 +91,8 @@ class DiffShegSettings(ModelSettings):
 class AmuseSettings(ModelSettings):
     """The networks, and replacements of parts of the speech.
 
-    A part that is not named is the speech's own. Naming one edits the motion: with `emotion`, the
-    same words by the same person in another emotion.
+    A part that is not named is the speech's own. Naming a part edits the motion: `emotion` gives
+    the same words by the same person in another emotion.
 
     Attributes
     ----------
@@ -101,12 +101,12 @@ class AmuseSettings(ModelSettings):
     speech_model : Path
         The speech disentanglement model.
     content : Path or None
-        Recording whose words are moved to.
+        Recording that provides the content.
     emotion, style : str, Path or None
-        An emotion or a speaker that the speech model learned, or a recording to hear it from;
-        a recording's name has a suffix.
+        An emotion or a speaker that the speech model learned, or a recording that provides it; a
+        recording's name has a suffix.
     from_emotion, from_style : str, Path or None
-        The same, in place of the speech's own where `strength` is 0.
+        The same, in place of the speech's own at `strength` 0.
     strength : float
         Interpolates from the speech's own emotion and style, 0, to the chosen ones, 1.
     """
@@ -134,7 +134,7 @@ class AmuseSettings(ModelSettings):
 
     @model_validator(mode="after")
     def _goes_somewhere(self) -> Self:
-        """Refuse a beginning without an end."""
+        """Refuse the start of an interpolation without its end."""
         for part in ("emotion", "style"):
             if getattr(self, f"from_{part}") is not None and getattr(self, part) is None:
                 raise ValueError(f"from_{part} needs the {part} that it goes to")
@@ -147,14 +147,14 @@ class S2ueSettings(ModelSettings):
     Attributes
     ----------
     transcripts : Path or None
-        Folder of transcripts, named as the segments; see `motion.formats.transcript`. None for the
-        segments' own, spread over the speech.
+        Folder of transcripts, named after the segments; see `motion.formats.transcript`. None for
+        the segments' own text, spread over the speech.
     vectors : Path or None
-        FastText's vectors of words, the same that the network learned from; None for a stand-in.
+        FastText's word vectors, the same as in training; None for the stand-in.
     speaker : int, str or None
-        Number or name of one it learned from, or ``anybody``; None for who speaks in the segment.
+        Number or name of a training speaker, or ``anybody``; None for the segment's speaker.
     variation : float
-        How far the speaker's latent is drawn from its mean: 0 not at all, 1 as in training.
+        Scale of the random variation of the speaker's latent: 0 for its mean, 1 as in training.
     """
 
     transcripts: Folder | None = Field(

@@ -1,4 +1,4 @@
-"""The generators and which of them can be trained; each is imported when it is used."""
+"""The generators, and the networks that can be trained; each is imported when it is used."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from training.data.take import TakeFolder
 
 Show = Callable[[int, int, str], None]
-"""Told how much is done, of how much, and what was last."""
+"""Called with the amount done, the total, and a detail of the last step."""
 
 
 def show_nothing(done: int, total: int, detail: str) -> None:
-    """Show nothing."""
+    """Do nothing."""
 
 
 Device = Literal["cpu", "cuda"]
@@ -32,7 +32,7 @@ Device = Literal["cpu", "cuda"]
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingChoice:
-    """A setting that only this generator has.
+    """A training setting of one generator only.
 
     Attributes
     ----------
@@ -41,9 +41,9 @@ class TrainingChoice:
     help : str
         Its description in the command's help.
     values : tuple of str
-        Its values; a path if there are none.
+        Its possible values; empty for a path.
     file : bool
-        Whether that is a file's path, and not a folder's.
+        Whether the path is a file's, not a folder's.
     """
 
     name: str
@@ -61,15 +61,15 @@ class Trainable:
     summary : str
         One sentence for the list of commands.
     explanation : str
-        Facts that a researcher should know before.
+        Facts that a researcher should know before training it.
     configs : mapping of str to str
-        Sizes by name, with what each is for; the first is usual.
+        Names of the available sizes, with the purpose of each; the first is the default.
     home : str
-        Where its `TrainGenerator` lives, ``module:function``.
+        Its `TrainGenerator`, as ``module:function``.
     choices : tuple of TrainingChoice
-        Settings of its own.
+        Settings that only this network has.
     taken_by : str
-        The command that takes the network's file, which stands for ``{out}`` in it.
+        The command that takes the network's file, with ``{out}`` in place of the file.
     """
 
     summary: str
@@ -80,13 +80,13 @@ class Trainable:
     taken_by: str
 
     def load(self) -> TrainGenerator:
-        """Return its training function; its module is imported now."""
+        """Import its module and return its training function."""
         return cast("TrainGenerator", _import_object(self.home))
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingRequest:
-    """A researcher's request.
+    """A researcher's request for a training.
 
     Attributes
     ----------
@@ -95,17 +95,17 @@ class TrainingRequest:
     out : Path
         File of the network, which the generator takes as its checkpoint.
     cache : Path
-        Folder that keeps what is computed of the recordings.
+        Folder for the recordings' features.
     config : str
         One of `Trainable.configs`.
     changes : mapping
-        Fields of `training.config.TrainingConfig` that are to differ from the config's.
+        Changed fields of `training.config.TrainingConfig`.
     choices : mapping of str to str
-        The generator's own choices that were made.
+        Values of `Trainable.choices`, by name.
     device : {'cpu', 'cuda'}
-        Where it is computed.
+        Device of the training.
     show_preparing, show_training : callable
-        Told about progress.
+        Called with the progress.
     """
 
     takes: TakeFolder
@@ -120,18 +120,18 @@ class TrainingRequest:
 
 
 def run_folder(out: Path) -> Path:
-    """Return the folder of the run that makes the network's file `out`."""
+    """Return the folder of the run that writes the network to `out`."""
     return out.with_suffix(".run")
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrainedGenerator:
-    """The outcome of a training.
+    """The result of a training.
 
     Attributes
     ----------
     sentences : tuple of str
-        What was learned, from which data, and how well, in sentences.
+        Sentences on what was learned, from which data, and how well.
     skipped : tuple of InputError
         Recordings that could not be used.
     warnings : tuple of str
@@ -144,10 +144,10 @@ class TrainedGenerator:
 
 
 TrainGenerator = Callable[[TrainingRequest], TrainedGenerator]
-"""Trains a generator's network and writes its file, or goes on where an earlier call stopped.
+"""Trains a generator's network and writes its file, or resumes where an earlier call stopped.
 
-Raises InputError if the recordings do not fit or the run that is kept is another one, and
-`training.run.loop.TrainingStopped` after Ctrl-C; the state is saved then.
+Raises InputError if the recordings do not fit or the run folder has another run, and
+`training.run.loop.TrainingStopped` after Ctrl-C, with the state saved.
 """
 
 
@@ -158,16 +158,16 @@ class Entry:
     Attributes
     ----------
     home : str
-        What makes the `generators.interface.Generator`, ``module:name``: called with nothing, or
-        with its settings and ``'cpu'`` or ``'cuda'`` where it has any.
+        The class of the `generators.interface.Generator`, as ``module:name``. It is called without
+        arguments, or with its settings and ``'cpu'`` or ``'cuda'`` if it has settings.
     needs_source : bool
         Whether it starts from another condition's clips.
     settings : str or None
-        Its type of `generators.settings.Settings`, ``module:name``, whose module loads no torch.
-        One whose weights must be given has `generators.learned_settings.ModelSettings`.
+        Its subclass of `generators.settings.Settings`, as ``module:name``; the module must not load
+        torch. Networks have a subclass of `generators.learned_settings.ModelSettings`.
     summary : str
-        What its motion is, for those who make a study; empty if it is for catch trials alone, or
-        a network, which is described by its weights.
+        Description of its motion for researchers who make a study; empty for catch trials only and
+        for networks, which are described by their weights.
     """
 
     home: str
@@ -201,7 +201,7 @@ GENERATORS: Final = {
         settings="generators.learned_settings:S2ueSettings",
     ),
 }
-"""Every generator under its name; whoever has another one adds it before a study is read."""
+"""All generators by name; further ones must be added before a study is read."""
 
 TRAINABLE: Final = TypeAdapter(dict[str, Trainable]).validate_python(
     tomllib.loads(Path(__file__).with_name("trainables.toml").read_text("utf-8"))
@@ -215,17 +215,17 @@ def generator_names() -> tuple[str, ...]:
 
 
 def needs_source(name: str) -> bool:
-    """Tell whether generator `name` starts from another condition's clips."""
+    """Return whether generator `name` starts from another condition's clips."""
     return _entry(name).needs_source
 
 
 def needs_model(name: str) -> bool:
-    """Tell whether generator `name` is a network whose weights must be given."""
+    """Return whether generator `name` is a network whose weights must be given."""
     return issubclass(settings_type(name), ModelSettings)
 
 
 def settings_type(name: str) -> type[Settings]:
-    """Return the type of what generator `name` takes, `Settings` itself for nothing but speech."""
+    """Return the type of the settings of generator `name`; `Settings` itself if it has none."""
     home = _entry(name).settings
     return Settings if home is None else cast("type[Settings]", _import_object(home))
 
@@ -240,13 +240,12 @@ def load_generator(name: str, settings: Settings | None = None, device: str = "c
     settings : Settings, optional
         Its settings, with paths relative to the current folder.
     device : {'cpu', 'cuda'}
-        Where a network runs.
+        Device of a network.
 
     Raises
     ------
     InputError
-        If there is no generator of that name, or it needs settings and none are given, or the other
-        way round.
+        If there is no generator of that name, or the settings are missing or another generator's.
     """
     kind = settings_type(name)
     if settings is None and needs_model(name):

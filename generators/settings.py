@@ -1,4 +1,4 @@
-"""Settings of generators, as in a condition of a study. Loads no network."""
+"""Settings of generators, such as those of a study's condition; loads no network."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from motion.files import sha256_of
 
 @dataclass(frozen=True, kw_only=True)
 class Reader:
-    """For whom settings are read: the context of their validation.
+    """The context in which settings are validated.
 
     Attributes
     ----------
     generator : str
-        Who is to take them.
+        Name of the generator.
     sibling_keys : tuple of str
         Other keys of the same table, for suggestions when a key is misspelt.
     """
@@ -41,7 +41,7 @@ class Reader:
     sibling_keys: tuple[str, ...] = ()
 
     def unknown(self, key: str, known: Sequence[str]) -> str:
-        """Return the error of an unknown key."""
+        """Return the error for an unknown key."""
         close_matches = get_close_matches(key, [*known, *self.sibling_keys], n=1)
         if close_matches:
             return f"unknown key (did you mean {close_matches[0]!r}?)"
@@ -57,18 +57,16 @@ def _path(value: object) -> Path:
 
 
 File = Annotated[Path, BeforeValidator(_path), "file"]
-"""A file, from the study's folder."""
+"""A file, relative to the study's folder."""
 
 Folder = Annotated[Path, BeforeValidator(_path), "folder"]
-"""A folder, from the study's."""
-
+"""A folder, relative to the study's folder."""
 
 NameOrFile = Annotated[str | Path, "name or file"]
-"""The name of something that was learned, or a recording, which has a suffix."""
-
+"""The name of a learned emotion or speaker, or a recording, which has a suffix."""
 
 _ON_DISK: Final = {File: "{}", Folder: "folder of {}", NameOrFile: "recording of {}"}
-"""What of a key is looked for on the disk."""
+"""Types of keys whose values are on the disk, and how errors call them."""
 
 
 class Settings(BaseModel):
@@ -82,7 +80,7 @@ class Settings(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _check_keys(cls, values: Any, info: ValidationInfo) -> Any:
-        """Refuse unknown keys, each with the known one that is near it, and missing ones."""
+        """Refuse unknown keys, with suggestions, and missing ones."""
         reader: Reader = info.context or Reader()
         known = cls.model_fields
         if not isinstance(values, Mapping):
@@ -113,12 +111,12 @@ class Settings(BaseModel):
         return values
 
     def resolved_in(self, folder: Path) -> Self:
-        """Return the settings with paths from `folder`.
+        """Return the settings with paths resolved in `folder`.
 
         Raises
         ------
         InputError
-            If a file or folder is not there.
+            If a file or folder is missing.
         """
         values = {name: getattr(self, name) for name in type(self).model_fields}
         for setting in settings_of(type(self)):
@@ -134,12 +132,12 @@ class Settings(BaseModel):
         return type(self).model_validate(values)
 
     def fingerprint(self) -> tuple[object, ...]:
-        """Return a fingerprint of all values and of files' contents, not of their paths."""
+        """Return a fingerprint of all values, with files' contents in place of their paths."""
         return tuple((name, content(getattr(self, name))) for name in type(self).model_fields)
 
 
 def content(value: object) -> object:
-    """Return a value's part of a fingerprint: of a file its hash, of a folder each file's."""
+    """Return a value's part of a fingerprint: a file's hash, or the hashes of a folder's files."""
     if not isinstance(value, Path):
         return value
     if value.is_dir():
@@ -155,11 +153,11 @@ class Setting:
     Attributes
     ----------
     key : str
-        Its key in a condition; on the command line an option.
+        The key in a condition; on the command line an option.
     type : type
-        What it may be besides None.
+        The type of its values other than None.
     description : str
-        For the command's help.
+        Description for the command's help.
     required : bool
         Whether it must be given.
     """

@@ -1,7 +1,7 @@
 """Sizes of AMUSE's networks; by default those of the released checkpoints.
 
-Chhatre et al., CVPR 2024, sections 3 and 4 and appendix B. Where the paper and the release differ,
-the release's value stands here, with the paper's beside it.
+Chhatre et al., CVPR 2024, sections 3 and 4 and appendix B. If the paper and the release differ, the
+release's value is used here, and the paper's is mentioned.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from typing import Final, Literal
 from training.config import Preset, read_presets
 
 FRAME_RATE: Final = 30
-"""Frames of motion in a second."""
+"""Frames of motion per second."""
 
 STEPS: Final = 50
-"""Of DDIM, of the 1000 that the denoiser learns."""
+"""DDIM steps, of the 1000 diffusion steps that the denoiser learns."""
 
 PARTS: Final = ("content", "emotion", "style")
 """The latents of disentangled speech."""
@@ -38,33 +38,33 @@ class MotionConfig:
     frames : int
         Frames of a window, ten seconds at 30 fps.
     width : int
-        Width of the transformers and of the latent. The paper says 1024.
+        Width of the transformers and of the latent. The paper has 1024.
     feed_forward, heads, layers : int
         Sizes of the transformers; `layers` is odd, since the first half feeds the second.
     condition_width : int
         Width of each of the latents of content, emotion and style.
     conditions : int
-        Latents of the speech: 3, or 1 if the speech model does not disentangle it.
+        Number of the speech's latents: 3, or 1 if the speech model does not disentangle it.
     prior : bool
-        Whether motion is coded by a prior; without, the denoiser sees its frames (Table A.3).
+        Whether a prior encodes motion; without it, the denoiser sees frames (Table A.3).
     tokens : int
-        Of a motion's latent, each as wide as the networks. The release has one, which tells little
-        of the movement before it has learned for days.
+        Number of tokens of a motion's latent, each as wide as the networks. The release has one,
+        which captures little of the movement before it has been trained for days.
     log_variance : float
-        Added to the logarithms of the latent's variances that the prior predicts. Of a latent that
-        is half noise a denoiser learns little; below 0 it begins with less noise than the release.
+        Offset of the log variances of the latent that the prior predicts. A denoiser learns little
+        from a latent that is half noise; an offset below 0 starts with less noise than the release.
     predicts : {'eps', 'v'}
-        What the denoiser's layers predict: the noise, as released, or the velocity of Salimans &
-        Ho 2022, of which the noise follows. A small error of the noise is a large one of the
-        latent where little but noise is left: after some hundred steps, sampled latents are
-        several times too large by the one, and of the right size by the other.
+        Prediction of the denoiser's layers: the noise, as released, or the velocity of Salimans &
+        Ho 2022, from which the noise follows. At steps with little signal, a small error of the
+        noise is a large error of the latent: after some hundred training steps, sampled latents are
+        several times too large with noise, and of the right size with velocity.
     clip : float or None
-        Largest absolute value of the latent that a step of DDIM estimates. The release has 1, the
-        default of its scheduler (diffusers); the paper names no limit.
+        Largest absolute value of the latent that a DDIM step estimates. The release has 1, the
+        default of its scheduler (diffusers); the paper mentions no limit.
     longest : int
-        Places that the learned positions know.
+        Number of learned positions.
     dropout : float
-        While training.
+        Dropout in training.
     """
 
     motion_width: int = 333
@@ -111,7 +111,7 @@ class SpeechConfig:
         appendix B.1, or the latents of emotion and style, as in section 3.2 and appendix B.4. With
         tokens, only the reconstruction constrains the latents.
     mfcc : int
-        Cepstral coefficients that an auto-encoder reads in place of the three encoders
+        Number of cepstral coefficients of the auto-encoder that replaces the three encoders
         (Table A.3); 0 for the speech model itself.
     """
 
@@ -147,15 +147,15 @@ class MotionPreset(Preset):
     stride : int
         Frames from one window to the next.
     together : int or None
-        Steps in which prior and denoiser learn together, as in the paper; all where None. Then the
-        denoiser learns alone: its steps cost a tenth, and its latents stay where they are.
+        Number of steps in which prior and denoiser learn together, as in the paper; None for all.
+        Afterwards the denoiser learns alone: its steps cost a tenth, and its latents stay fixed.
     weights : mapping of str to float
         Weights of losses that differ from `generators.amuse.losses.MOTION_LOSSES`.
     align_steps : int
         Number of DDIM steps in the third pass.
     named : float
-        How often emotion, and style, are given by the mean latent of their label, as in edits by
-        name, in place of what is heard.
+        Probability with which the mean latent of its label, as in edits by name, replaces the
+        speech's emotion, and likewise its style.
     """
 
     network: MotionConfig

@@ -24,14 +24,14 @@ from training.spaces.smplx_bodies import smplx_6d_clip
 from training.speech_features.speech_frames import WindowPlan, filterbanks_under, plan_windows
 
 FADE: Final = 30
-"""Frames in which a window takes over from the one before."""
+"""Frames over which a window fades in over the previous one."""
 
 _AT_ONCE: Final = 8
 """Windows that are decoded together, so that memory does not grow with the speech."""
 
 
 class Amuse(NetworkGenerator[AmuseSettings]):
-    """Moves as the speech's content, emotion and style say (Chhatre et al. 2024)."""
+    """Generates motion from the speech's content, emotion and style (Chhatre et al. 2024)."""
 
     name = "amuse"
     version = "2"
@@ -42,8 +42,8 @@ class Amuse(NetworkGenerator[AmuseSettings]):
     ) -> tuple[MotionClip, dict[str, str]]:
         """Return motion and its facts.
 
-        They are which recordings stood in for which parts, hashes of the weights, the device, and
-        where windows of motion begin.
+        The facts are the recordings that replaced parts, hashes of the weights, the device, and the
+        windows of motion.
         """
         plan, model = self._plan(speech.audio), self._networks.model
         latents = self._latents(speech, plan, on_part)
@@ -82,15 +82,14 @@ class Amuse(NetworkGenerator[AmuseSettings]):
         )
         if not fits or motion.training.get("speech_model", content(file)) != content(file):
             raise InputError(
-                "the denoiser was trained with another speech model, whose latents mean something "
-                "else",
+                "the denoiser was trained with another speech model, whose latents are different",
                 where=file,
                 remedy="Give the speech model that the denoiser was trained with",
             )
         for part in (_part_of(key) for key in self._chosen):
             if part not in parts:
                 raise InputError(
-                    f"the speech model does not disentangle speech, so {part} cannot be another's",
+                    f"the speech model does not disentangle speech, so {part} cannot be replaced",
                     where=file,
                     remedy=f"Leave out {part}, or give networks of disentangled speech",
                 )
@@ -99,7 +98,7 @@ class Amuse(NetworkGenerator[AmuseSettings]):
 
     @cached_property
     def _chosen(self) -> dict[str, str | Path]:
-        """The recordings and labels that stand in for parts of the speech, by their keys."""
+        """The recordings and labels that replace parts of the speech, by their keys."""
         keys = (*PARTS, *(f"from_{part}" for part in LABELS))
         values = {key: getattr(self._settings, key) for key in keys}
         return {key: value for key, value in values.items() if value is not None}
@@ -111,7 +110,7 @@ class Amuse(NetworkGenerator[AmuseSettings]):
     def _latents(self, speech: SpeechSegment, plan: WindowPlan, on_part: OnPart) -> list[Tensor]:
         """Return content, emotion and style of each window, (windows, 1, latent) each."""
         model, strength = self._speech.model, self._settings.strength
-        # What is shorter than the speech begins again.
+        # A recording that is shorter than the speech is repeated.
         positions = torch.arange(plan.count)
         chosen = {key: rows[positions % len(rows)] for key, rows in self._chosen_latents.items()}
         speech_latents: dict[str, list[Tensor]] = {
@@ -145,7 +144,7 @@ class Amuse(NetworkGenerator[AmuseSettings]):
         }
 
     def _latents_of(self, part: str, chosen: str | Path) -> Tensor:
-        """Return the content of a recording's windows; of emotion and style the mean."""
+        """Return the content of a recording's windows, or the mean of its emotion or style."""
         if isinstance(chosen, str):
             return self._speech.labelled(part, chosen)[None].to(self._device)
         audio = read_audio(chosen)

@@ -25,7 +25,7 @@ body's points in both. ``kl``, L_KL, is the latent's divergence from a standard 
 a mean over its values, like the other losses; a sum, as the paper prints it, outweighs all
 movement. ``ld``, L_LD, is the denoiser's error of the noise. ``align`` and ``valign``, L_align and
 L_Valign, compare as ``rec`` and ``vrec`` do, but the motion decoded from a fully denoised latent. A
-small prior also needs ``velocity``, the reconstruction's error of each value's change in a second;
+small prior also needs ``velocity``, the reconstruction's error of each value's change per second;
 without it, its motion trembles.
 """
 
@@ -40,35 +40,35 @@ ABLATED_LOSSES: Final[Mapping[str, Sequence[str]]] = {
     "emotion_only": ("sty", "xsty"),
     "style_only": ("emo", "xemo"),
 }
-"""Losses that are left out if only prior or denoiser is trained, and in ablations."""
+"""Losses that are omitted if only prior or denoiser is trained, and in ablations."""
 
 SPEECH_LOSSES: Final = dict.fromkeys(("con", "self", "xcon", "xemo", "xsty", "emo", "sty"), 1.0)
 """Weights of the speech model's losses: L_con, L_self, and so on."""
 
 OTHER_CONTENT: Final = (1, 0, 3, 2)
-"""For each of the four, one of the same speaker and another text: j(k) = [(6 - k) mod 4] + 1."""
+"""For each of a quadruple, one of the same speaker and another text: j(k) = (6 - k) mod 4 + 1."""
 
 OTHER_STYLE: Final = (2, 3, 0, 1)
-"""For each of the four, one of the same text by the other speaker: j(k) = [(1 + k) mod 4] + 1."""
+"""For each of a quadruple, one of the same text by the other speaker: j(k) = (1 + k) mod 4 + 1."""
 
 CROSSED: Final = {
     "xcon": ("content", OTHER_STYLE),
     "xemo": ("emotion", OTHER_CONTENT),
     "xsty": ("style", OTHER_CONTENT),
 }
-"""Which latent is that of another of the four in a cross-reconstruction, and of which other."""
+"""The latent that is exchanged in each cross-reconstruction, and its sources in the quadruple."""
 
 _SMALLEST_DISTANCE: Final = 1e-6
 
 
 def without(weights: Weights, *names: str) -> Weights:
-    """Return the weights without those of some losses, or of what `ABLATED_LOSSES` leaves out."""
+    """Return the weights without some losses, or without those of keys of `ABLATED_LOSSES`."""
     dropped = {loss for name in names for loss in ABLATED_LOSSES.get(name, (name,))}
     return {name: weight for name, weight in weights.items() if name not in dropped}
 
 
 def _weighted_sum(parts: Mapping[str, Tensor], weights: Weights) -> dict[str, Tensor]:
-    """Return the weighted sum of the parts that count, ``loss``, and them."""
+    """Return the parts that have a weight, and their weighted sum as ``loss``."""
     counted = {name: part for name, part in parts.items() if name in weights}
     total = torch.stack([weights[name] * part for name, part in counted.items()]).sum()
     return {"loss": total, **counted}
@@ -85,9 +85,9 @@ def motion_losses(
 ) -> dict[str, Tensor]:
     """Return the loss of the three-step pass, and its parts.
 
-    First the prior encodes and decodes the motion. Then its latent, without its gradient,
-    gets noise for the denoiser to find. Last a latent is denoised from noise alone, without
-    gradients, and decoded: what misses the motion then teaches the decoder.
+    First the prior encodes and decodes the motion. Then its latent, without gradients, gets noise
+    that the denoiser predicts. Last, a latent is denoised from pure noise, without gradients, and
+    decoded: the error of its motion trains the decoder.
 
     Parameters
     ----------
@@ -98,8 +98,8 @@ def motion_losses(
     latents : sequence of Tensor
         Content, emotion and style, (batch, 1, condition width) each.
     noise : Tensor
-        (2 + draws, batch, tokens, width): for the prior's latent, to denoise from, and for the
-        diffusion.
+        (2 + draws, batch, tokens, width): noise of the prior's latent, noise to denoise from, and
+        noise of the diffusion.
     timestep : Tensor
         (draws, batch) diffusion steps.
     weights : mapping of str to float
@@ -110,7 +110,7 @@ def motion_losses(
     Returns
     -------
     dict of str to Tensor
-        ``loss``, and unweighted those that count, by their names.
+        ``loss``, and the unweighted losses that have a weight, by name.
     """
     mu, std = model.prior.encode(motion)
     z = mu + std * noise[0]
@@ -118,7 +118,7 @@ def motion_losses(
     points = model.points(motion) if weights.keys() & {"vrec", "valign"} else None
 
     def compare(z: Tensor, name: str, points_name: str) -> Tensor:
-        """Return the motion of latents, and the errors of it and of its points."""
+        """Return the motion of latents; add the errors of it and of its points to `parts`."""
         decoded = model.prior.decode(z, motion.shape[1])
         parts[name] = functional.smooth_l1_loss(decoded, motion)
         if points is not None and points_name in weights:
@@ -161,20 +161,20 @@ def speech_losses(
     model : SpeechModel
         The network.
     filterbanks, target : Tensor
-        (4 batch, frames, bands), fours in the order of `quadruples`: what the encoders
-        are given, and what the decoder is to give.
+        (4 batch, frames, bands), quadruples in the order of `quadruples`: input of the encoders,
+        and target of the decoder.
     classes : Tensor
-        (2, 4 batch), the numbers of emotions and of speakers.
+        (2, 4 batch), class numbers of emotions and of speakers.
     weights : mapping of str to float
         Weights of the losses: see `SPEECH_LOSSES`.
 
     Returns
     -------
     dict of str to Tensor
-        ``loss``, and those that count. Distances are mean absolute differences over latents or
-        filterbanks. ``con``, how far a text's contents by two speakers are apart, is in units of
-        how far those of two texts by one speaker are: as printed, it is least where all contents
-        are one, and within some hundred steps they were.
+        ``loss``, and the losses that have a weight. Distances are mean absolute differences over
+        latents or filterbanks. ``con``, the distance of a text's contents by two speakers, is
+        divided by the distance of two texts' contents by one speaker. As printed in the paper, it
+        is smallest if all contents are equal, which they were after some hundred steps.
     """
     output: SpeechOutput = model(filterbanks)
     content = output.content.view(-1, 4, output.content.shape[-1])
@@ -198,17 +198,17 @@ def reconstruction_errors(
     decoder : SpeechDecoder
         The network's decoder.
     output : SpeechOutput
-        Its latents of them.
+        The quadruples' latents and reconstructions.
     target : Tensor
-        (4 batch, frames, bands), what is to be rebuilt.
+        (4 batch, frames, bands), the filterbanks to reconstruct.
     names : collection of str
-        Weights of the cross-reconstructions.
+        Names of the cross-reconstructions to compute.
 
     Returns
     -------
     dict of str to Tensor
-        Mean absolute differences: ``self``, of each speech's own latents; ``xcon``, ``xemo`` and
-        ``xsty``, with one latent of another of the four.
+        Mean absolute differences: ``self`` with each speech's own latents; ``xcon``, ``xemo`` and
+        ``xsty`` with one latent of another member of the quadruple.
     """
     errors = {"self": functional.l1_loss(output.reconstruction, target)}
     for name, (part, order) in CROSSED.items():

@@ -1,7 +1,7 @@
-"""AMUSE's motion networks: a prior that codes ten seconds as one latent, and its denoiser.
+"""AMUSE's motion networks: a prior that encodes ten seconds as one latent, and its denoiser.
 
 Chhatre et al., CVPR 2024, section 3.3 and appendix C.1, after Chen et al. 2023 (MLD). Learned
-positions are added once, where a sequence comes in, as in the released network.
+positions are added once, at the input of a sequence, as in the released network.
 """
 
 from __future__ import annotations
@@ -77,14 +77,14 @@ class MotionPrior(nn.Module):
 
 
 class NoPrior(nn.Module):
-    """The motion itself in place of its latent: AMUSE without its prior (Table A.3)."""
+    """The motion itself instead of a latent: AMUSE without its prior (Table A.3)."""
 
     def __init__(self, config: MotionConfig) -> None:
         super().__init__()
         self.latent_shape = (config.frames, config.motion_width)
 
     def encode(self, motion: Tensor) -> Gaussian:
-        """Return the motion, which nothing is uncertain of."""
+        """Return the motion, without uncertainty."""
         return Gaussian(mu=motion, std=torch.zeros_like(motion))
 
     def decode(self, z: Tensor, frames: int | None = None) -> Tensor:
@@ -93,7 +93,7 @@ class NoPrior(nn.Module):
 
 
 class Denoiser(nn.Module):
-    """The latent denoiser Δ: which noise `eps` is in a latent, given the speech."""
+    """The latent denoiser Δ: predicts the noise `eps` in a latent, given the speech."""
 
     def __init__(self, config: MotionConfig) -> None:
         super().__init__()
@@ -108,20 +108,20 @@ class Denoiser(nn.Module):
             self.add_module(part, projection)
         self.query_pos = Positions(config)
         self.encoder = _transformer(config)
-        # Without a prior there is a linear layer on the way in, and one on the way out.
+        # Without a prior, input and output each have a linear layer.
         frame, width = config.motion_width, config.width
         self.embedding = nn.Identity() if config.prior else nn.Linear(frame, width)
         self.final_layer = nn.Identity() if config.prior else nn.Linear(width, frame)
 
     def forward(self, z_t: Tensor, timestep: Tensor, *speech: Tensor) -> Tensor:
-        """Return eps, the noise in `z_t`, from what the layers predict; see `predict`."""
+        """Return eps, the noise in `z_t`; see `predict`."""
         predicted = self.predict(z_t, timestep, *speech)
         if self.config.predicts == "eps":
             return predicted
         return SCALED_LINEAR.eps_of_v(z_t, predicted, timestep)
 
     def predict(self, z_t: Tensor, timestep: Tensor, *speech: Tensor) -> Tensor:
-        """Return what the layers predict for `z_t`: its noise, or its velocity.
+        """Return the layers' prediction for `z_t`: its noise, or its velocity.
 
         Parameters
         ----------
@@ -129,14 +129,14 @@ class Denoiser(nn.Module):
             (batch, tokens, width), latents with noise; without a prior (batch, frames, motion
             width).
         timestep : Tensor
-            (batch,) or a single one, diffusion steps from 0 to 999.
+            (batch,) or (1,), diffusion steps from 0 to 999.
         *speech : Tensor
-            (batch, 1, condition width), the content, emotion and style that the speech model heard.
+            (batch, 1, condition width), the speech's content, emotion and style.
 
         Returns
         -------
         Tensor
-            The denoised latent, with the shape of `z_t`.
+            Noise or velocity, with the shape of `z_t`.
         """
         t = timestep.reshape(-1).expand(len(z_t))
         step = self.time_embedding(step_embedding(t, self.config.condition_width))
@@ -147,7 +147,7 @@ class Denoiser(nn.Module):
 
 
 class MotionModel(nn.Module):
-    """Prior and denoiser, and the points on the body that their losses look at."""
+    """Prior and denoiser, and the points on the body that their losses compare."""
 
     def __init__(self, config: MotionConfig) -> None:
         super().__init__()
@@ -157,7 +157,7 @@ class MotionModel(nn.Module):
         self.points = BodyPoints()
 
     def sample(self, noise: Tensor, speech: Sequence[Tensor], steps: int = STEPS) -> Tensor:
-        """Return the latents that so many steps of DDIM find in `noise`, of its shape.
+        """Return latents sampled from `noise` by DDIM, with its shape.
 
         Parameters
         ----------

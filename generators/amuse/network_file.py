@@ -1,7 +1,7 @@
 """AMUSE's networks with all that motion depends on, from our files or from its authors'.
 
-The authors' names for the weights are translated into ours one by one, as ``released_names.toml``
-says. What their code never asks is left out by name, and every other weight must find its place.
+``released_names.toml`` translates the authors' names of the weights into ours. Weights that their
+code never uses are excluded by name, and every other weight must have a place in our networks.
 """
 
 from __future__ import annotations
@@ -23,23 +23,23 @@ from training.weights_file import NetworkKind, TrainedNetwork, holds_facts
 
 _MOTION: Final = NetworkKind(name="amuse motion", wanted="AMUSE's motion prior and denoiser")
 _SPEECH: Final = NetworkKind(name="amuse speech", wanted="AMUSE's speech model")
-_REMEDY: Final = "Give the released checkpoint, or what torch.save wrote of its state dictionary"
+_REMEDY: Final = "Give the released checkpoint, or its state dictionary as torch.save writes it"
 
 _NAMES: Final = ReleasedNames.read(Path(__file__).with_name("released_names.toml"))
 
 MotionNetworks = TrainedNetwork[MotionModel]
-"""The two networks of motion."""
+"""The motion prior and the denoiser."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SpeechNetwork(TrainedNetwork[AnySpeechModel]):
-    """The network that takes speech apart.
+    """The network that disentangles speech.
 
     Attributes
     ----------
     latents : mapping of str to (mapping of str to Tensor)
-        Under ``emotion`` and ``style`` the mean latent (latent,) of each emotion and speaker that
-        it learned from; empty where nobody knows, as of a released network.
+        Under ``emotion`` and ``style``, the mean latent (latent,) of each training emotion and
+        speaker; empty if unknown, as for a released network.
     """
 
     latents: Mapping[str, Mapping[str, Tensor]] = field(default_factory=dict)
@@ -54,7 +54,7 @@ class SpeechNetwork(TrainedNetwork[AnySpeechModel]):
         """
         known = self.latents.get(part, {})
         if label not in known:
-            names = f"it knows {listed(list(known))}" if known else "it knows none by name"
+            names = f"it learned {listed(list(known))}" if known else "it has no names"
             raise InputError(
                 f"the speech model learned no {part} {label!r}: {names}",
                 remedy=f'Name a recording instead: {part} = "FILE.wav"',
@@ -84,7 +84,7 @@ def load_motion(path: Path) -> MotionNetworks:
     Raises
     ------
     InputError
-        If the file is no such network.
+        If the file has no such networks.
     """
     if not holds_facts(path):
         return MotionNetworks(model=read_motion_model(path))
@@ -99,7 +99,7 @@ def load_speech(path: Path) -> SpeechNetwork:
     Raises
     ------
     InputError
-        If the file is no such network.
+        If the file has no such network.
     """
     if not holds_facts(path):
         return SpeechNetwork(model=read_speech_model(path))
@@ -112,7 +112,7 @@ def load_speech(path: Path) -> SpeechNetwork:
 
 
 def read_motion_model(file: Path) -> MotionModel:
-    """Return the released prior and denoiser, which ``torch.save`` wrote under these names."""
+    """Return the released networks, saved under the names ``prior`` and ``denoiser``."""
     content = read_saved(file)
     if not isinstance(content, Mapping) or not {"prior", "denoiser"} <= content.keys():
         raise not_weights_error(file, "it has no 'prior' and 'denoiser'")
@@ -124,7 +124,7 @@ def read_motion_model(file: Path) -> MotionModel:
 
 
 def read_speech_model(file: Path) -> SpeechModel:
-    """Return the released speech model, of which a state dictionary was written."""
+    """Return the released speech model, saved as a state dictionary."""
     weights = _forward_pass_weights(read_saved(file), file)
     for name in [name for name in weights if ".attn.qkv." in name]:
         for letter, part in zip("qkv", weights.pop(name).chunk(3), strict=True):
@@ -135,9 +135,9 @@ def read_speech_model(file: Path) -> SpeechModel:
 
 
 def _forward_pass_weights(content: object, file: Path) -> dict[str, Tensor]:
-    """Return, by our names, the weights that the release's own forward pass asks."""
+    """Return the weights of the release's own forward pass, by our names."""
     weights = _NAMES.renamed_weights(tensors_in(content, file))
-    # A position is one row for each token; the release keeps a dimension for the batch.
+    # Our positions have one row per token; the release's also have a batch dimension.
     return {
         name: weight.squeeze(1) if name.endswith(".pe") else weight
         for name, weight in weights.items()

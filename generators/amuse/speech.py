@@ -1,7 +1,7 @@
 """AMUSE's speech disentanglement: content, emotion and style.
 
-Chhatre et al., CVPR 2024, section 3.2 and appendix B: three audio spectrogram transformers hear a
-filterbank, a fusion and a decoder rebuild it from their three latents.
+Chhatre et al., CVPR 2024, section 3.2 and appendix B: three audio spectrogram transformers encode a
+filterbank; a fusion and a decoder reconstruct it from their three latents.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ class SpeechOutput(NamedTuple):
     Attributes
     ----------
     content, emotion, style : Tensor
-        (batch, latent).
+        Latents, (batch, latent).
     reconstruction : Tensor
-        (batch, frames, bands), the filterbank of the three latents.
+        Filterbanks reconstructed from the three latents, (batch, frames, bands).
     emotion_logits, style_logits : Tensor
-        (batch, classes).
+        Logits of the classes, (batch, classes).
     """
 
     content: Tensor
@@ -88,9 +88,9 @@ def _layers(config: SpeechConfig, width: int, count: int) -> nn.TransformerEncod
 
 
 class SpeechDecoder(nn.Module):
-    """Fusion and decoder D: the filterbank of three latents.
+    """Fusion and decoder D: reconstructs a filterbank from three latents.
 
-    The released network attends from one speech of a batch to the others. Here each is alone.
+    In the released network, each speech of a batch attends to the others. Here it does not.
     """
 
     def __init__(self, config: SpeechConfig) -> None:
@@ -105,14 +105,14 @@ class SpeechDecoder(nn.Module):
         )
 
     def forward(self, content: Tensor, emotion: Tensor, style: Tensor) -> Tensor:
-        """Return filterbanks (batch, frames, bands) of latents (batch, latent)."""
+        """Return filterbanks (batch, frames, bands) from latents (batch, latent)."""
         fused = self.narrow(self.fusion(torch.cat([emotion, style, content], dim=-1)[:, None]))
         rebuilt: Tensor = self.projection(self.decoder(fused)[:, 0])
         return rebuilt.view(-1, *self.shape)
 
 
 class SpeechModel(nn.Module):
-    """The whole model."""
+    """The speech disentanglement model: three encoders and the decoder."""
 
     parts: Final = PARTS
 
@@ -130,7 +130,7 @@ class SpeechModel(nn.Module):
         return latent
 
     def forward(self, filterbank: Tensor) -> SpeechOutput:
-        """Return the latents of filterbanks (batch, frames, bands)."""
+        """Return latents, reconstructions and logits of filterbanks (batch, frames, bands)."""
         content, _ = self.content(filterbank)
         emotion, emotion_logits = self.emotion(filterbank)
         style, style_logits = self.style(filterbank)
@@ -141,8 +141,8 @@ class SpeechModel(nn.Module):
 class SpeechAutoencoder(nn.Module):
     """Eight linear layers around one latent of cepstral coefficients (appendix C.3).
 
-    It replaces the speech model where that is left out. Its latent counts as content; no
-    part of the speech can be swapped.
+    It replaces the speech model in an ablation. Its latent counts as content; no part of the speech
+    can be exchanged.
     """
 
     parts: Final = PARTS[:1]
@@ -166,7 +166,7 @@ class SpeechAutoencoder(nn.Module):
         return latent
 
     def reconstruction_error(self, filterbank: Tensor) -> Tensor:
-        """Return the mean absolute difference of what is rebuilt of the coefficients."""
+        """Return the mean absolute error of the reconstructed coefficients."""
         coefficients = self.coefficients(filterbank)
         return functional.l1_loss(self.decoder(self.encoder(coefficients)), coefficients)
 

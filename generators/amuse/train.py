@@ -34,13 +34,13 @@ from training.run.task import WindowTask
 from training.speech_features.speech_frames import WindowPlan, filterbanks_under
 
 MOST_HELD_OUT: Final = 128
-"""Largest number of windows by which held-out takes are measured."""
+"""Largest number of windows for validation."""
 
 MOST_INITIAL: Final = 1_000
-"""Largest number of windows by which the motion's mean is estimated."""
+"""Largest number of windows for initial weights."""
 
 DRAWS: Final = 4
-"""Draws of noise per latent in an update. The paper has one; the denoiser is small compared to
+"""Draws of noise per latent in an update. The paper has one; the denoiser costs little compared to
 the prior and the fifty steps of the third pass, and learns four times as much."""
 
 _SHORTEST_WAVE: Final = 12
@@ -49,7 +49,7 @@ _SHORTEST_WAVE: Final = 12
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MotionTask(WindowTask):
-    """Learning the latent of motion, and to find it from the speech.
+    """Learning the latent of motion, and predicting it from the speech.
 
     Attributes
     ----------
@@ -60,9 +60,9 @@ class MotionTask(WindowTask):
     align_steps : int
         Number of DDIM steps in the third pass.
     named : float
-        How often emotion, and style, are given by the mean latent of their label.
+        Probability of replacing emotion, and style, by the mean latent of their label.
     means : mapping of str to (mapping of str to Tensor)
-        These, see `SpeechNetwork.latents`.
+        The mean latents, see `SpeechNetwork.latents`.
     training, held_out : Windows
         Windows of the features ``motion`` and ``latents``.
     """
@@ -74,12 +74,12 @@ class MotionTask(WindowTask):
     means: Mapping[str, Mapping[str, Tensor]]
 
     def network(self) -> MotionModel:
-        """Return fresh networks that set out from what motion and speech are like."""
+        """Return new networks, initialised from statistics of motion and speech."""
         model = MotionModel(self.config)
         windows = self.training.batch(evenly_spaced(self.examples, MOST_INITIAL))
         if isinstance(model.prior, MotionPrior):
             initialise_prior(model.prior, torch.from_numpy(windows["motion"]))
-        # All parts of the speech have the same weight.
+        # All parts of the speech start with the same weight.
         latents_by_part = self._split_latents(torch.from_numpy(windows["latents"][:, 0]))
         for part, latents in zip(PARTS, latents_by_part, strict=False):
             layer = model.denoiser.get_submodule(f"{part}.1")
@@ -89,16 +89,13 @@ class MotionTask(WindowTask):
     def losses_of(
         self, name: str, network: MotionModel, rows: NDArray[np.int64]
     ) -> Mapping[str, Tensor]:
-        """Return `motion_losses` of a stage, in which one learns alone or both together.
-
-        Chance draws steps and noise.
-        """
+        """Return `motion_losses` of a stage, in which one learns alone or both together."""
         return self._losses(network, self.training, rows, without(self.weights, name))
 
     def validation(self, network: MotionModel) -> Mapping[str, float]:
-        """Return `motion_losses` of held-out windows, evenly among them.
+        """Return `motion_losses` of evenly spaced held-out windows.
 
-        All losses count, also those not trained by, so that ablations are comparable.
+        All losses count, even if they are not trained, so that ablations are comparable.
         """
         rows = evenly_spaced(len(self.held_out), MOST_HELD_OUT)
         weights = MOTION_LOSSES if self.config.prior else without(MOTION_LOSSES, *PRIOR_LOSSES)
@@ -120,11 +117,11 @@ class MotionTask(WindowTask):
         )
 
     def _split_latents(self, latents: Tensor) -> Sequence[Tensor]:
-        """Return content, emotion and style of what the feature ``latents`` holds."""
+        """Split the feature ``latents`` into content, emotion and style."""
         return torch.chunk(latents, self.config.conditions, dim=-1)
 
     def _by_label(self, latents: Sequence[Tensor], takes: Sequence[Take]) -> Sequence[Tensor]:
-        """Return latents (batch, 1, width), some of them the mean of their label where known."""
+        """Replace some latents (batch, 1, width) by the mean of their label, if known."""
         by_part = dict(zip(PARTS, latents, strict=False))
         for part, by_label in self.means.items():
             by_name = torch.rand(len(takes), 1, 1) < self.named
@@ -138,16 +135,15 @@ class MotionTask(WindowTask):
 
 @torch.no_grad()
 def initialise_prior(prior: MotionPrior, motion: Tensor) -> None:
-    """Set the first weights of a fresh prior from `motion` (windows, frames, motion width).
+    """Initialise a new prior from `motion` (windows, frames, motion width).
 
-    A frame's values differ by a few hundredths while the learned positions are of the size of 1,
-    and attention that looks everywhere alike tells the frames of a window apart only after many
-    thousand steps. So the linear layers at both ends set out from the principal components of the
-    frames, and attention sets out by looking at what is near in time. The network and what it can
-    learn stay.
+    Values of frames differ by a few hundredths, but learned positions are of the order of 1, and
+    uniform attention distinguishes the frames of a window only after many thousand steps. So the
+    linear layers at both ends start from the principal components of the frames, and attention
+    starts from neighbours in time. The architecture does not change.
 
-    Of several tokens' prior, five eighths of the width hold what moves, the rest tells the time;
-    one token sets out from the mean alone.
+    With several tokens, five eighths of the width encode the motion and the rest encodes time. With
+    one token, only the mean is initialised.
     """
     config = prior.config
     if config.tokens == 1:
@@ -180,10 +176,10 @@ def initialise_prior(prior: MotionPrior, motion: Tensor) -> None:
 def speech_latents(
     speech: SpeechNetwork, identity: str, frames: int, stride: int, device: str = "cpu"
 ) -> Feature:
-    """Return content, emotion and style of the window that begins at each `stride`-th frame.
+    """Return content, emotion and style of the window that starts at each `stride`-th frame.
 
-    The frames up to the next window hold the same, and those behind the last window that fits.
-    They are computed on `device`, to which the speech model moves.
+    They are repeated in the frames up to the next window; the last window that fits covers all
+    remaining frames. The speech model is moved to `device`.
     """
 
     def compute(take: Take) -> NDArray[np.float32]:
@@ -206,8 +202,8 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
     """Train AMUSE's motion networks; see `generators.registry.TrainGenerator`."""
     if "speech_model" not in request.choices:
         raise InputError(
-            "AMUSE's motion networks learn from a speech model's latents, and none is named",
-            remedy="Give its weights: --speech-model FILE",
+            "AMUSE's motion networks learn from a speech model's latents, but none is named",
+            remedy="Give the speech model's weights: --speech-model FILE",
         )
     file, ablation = Path(request.choices["speech_model"]), request.choices.get("ablation", "")
     speech, identity = network_file.load_speech(file), str(content(file))
@@ -246,18 +242,14 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         trained,
         f"Learned from {len(task.training)} windows of {frames / FRAME_RATE:g} s.",
         f"Share of the noise that the denoiser does not predict in {len(task.held_out)} held-out "
-        f"windows: {measured['ld']:.3f}. Their motion is missed by {measured['align']:.4f} when it "
-        "is sampled from their speech"
-        + (
-            f", and by {measured['rec']:.4f} when it is reconstructed."
-            if "rec" in measured
-            else "."
-        ),
+        f"windows: {measured['ld']:.3f}. The error of their motion is {measured['align']:.4f} when "
+        "it is sampled from their speech"
+        + (f", and {measured['rec']:.4f} when it is reconstructed." if "rec" in measured else "."),
     )
 
 
 def _passes(together: int | None, steps: int, *, disjoint: bool) -> tuple[Pass, ...]:
-    """Return the stages: both together and then the denoiser, or one after the other."""
+    """Return the stages: both together and then the denoiser, or first prior, then denoiser."""
     if together is None and not disjoint:
         return ()
     end = together or max(1, steps // 2)

@@ -1,4 +1,4 @@
-"""Training AMUSE's speech model on fours of recordings."""
+"""Training AMUSE's speech model on quadruples of recordings."""
 
 from __future__ import annotations
 
@@ -39,16 +39,16 @@ MOST_QUADRUPLES: Final = 20_000
 """Largest number of training quadruples."""
 
 MOST_HELD_OUT: Final = 64
-"""Largest number of windows by which held-out recordings are measured."""
+"""Largest number of windows for validation."""
 
 MOST_INITIAL: Final = 200
-"""Largest number of windows by which patches are analysed."""
+"""Largest number of windows for initial weights."""
 
 SELF_ERROR: Final = "self of fours"
-"""Self-reconstruction error of the very windows whose latents are swapped."""
+"""Self-reconstruction error of the windows whose latents are exchanged."""
 
 MFCC: Final = 13
-"""Cepstral coefficients that an auto-encoder reads."""
+"""Number of cepstral coefficients of the auto-encoder."""
 
 _AT_ONCE: Final = 16
 
@@ -81,14 +81,14 @@ class SpeechTask(WindowTask):
 
     @property
     def examples(self) -> int:
-        """Quadruples to learn from."""
+        """The number of training quadruples."""
         return len(self.quadruples)
 
     def network(self) -> AnySpeechModel:
-        """Return a fresh network."""
+        """Return a new network."""
         network = speech.make_speech_model(self.config)
         if isinstance(network, SpeechModel):
-            # First weights are computed on the processor, so that they are the same anywhere.
+            # Initial weights are computed on the CPU, so that they do not depend on the device.
             on_cpu = replace(self, device="cpu")
             filterbanks = on_cpu._filterbanks(
                 self.training, evenly_spaced(len(self.training), MOST_INITIAL)
@@ -101,7 +101,7 @@ class SpeechTask(WindowTask):
         return network.to(self.device)
 
     def losses(self, network: AnySpeechModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
-        """Return `speech_losses` of quadruples that chance masks, shifts and makes noisy.
+        """Return `speech_losses` of quadruples with random masks, shifts and noise.
 
         An auto-encoder reconstructs them unchanged.
         """
@@ -115,9 +115,9 @@ class SpeechTask(WindowTask):
     def validation(self, network: AnySpeechModel) -> Mapping[str, float]:
         """Return the measures of held-out windows.
 
-        ``loss`` is what the filterbanks miss, and the cross entropies of emotion and style; then
-        accuracies and F1 scores (macro), as in Table A.1, and `reconstruction_errors` of held-out
-        quadruples, as in Table A.2. Of an auto-encoder, what it misses.
+        ``loss`` is the reconstruction error plus the cross entropies of emotion and style. Others
+        are accuracies and macro F1 scores, as in Table A.1, and `reconstruction_errors` of held-out
+        quadruples, as in Table A.2. An auto-encoder has only its reconstruction error.
         """
         rows = self.validation_rows
         if isinstance(network, SpeechAutoencoder):
@@ -135,8 +135,8 @@ class SpeechTask(WindowTask):
             predicted, actual = logits.argmax(1).cpu().numpy(), true.cpu().numpy()
             scores |= {f"{kind} accuracy": float((predicted == actual).mean())}
             scores |= {f"{kind} F1": macro_f1(predicted, actual)}
-        if len(rows_of_four := self.held_out_quadruples):
-            filterbanks, out = self._encode(network, rows_of_four.ravel())
+        if len(held_out := self.held_out_quadruples):
+            filterbanks, out = self._encode(network, held_out.ravel())
             errors = losses.reconstruction_errors(network.decoder, out, filterbanks, self.weights)
             scores |= {SELF_ERROR: float(errors.pop("self"))}
             scores |= {name: float(error) for name, error in errors.items()}
@@ -144,13 +144,13 @@ class SpeechTask(WindowTask):
 
     @cached_property
     def validation_rows(self) -> NDArray[np.int64]:
-        """Rows of `held_out` by which held-out recordings are measured."""
+        """Rows of `held_out` for validation."""
         labelled = self.classes.labelled_rows(self.held_out)
         return labelled[evenly_spaced(len(labelled), MOST_HELD_OUT)]
 
     @cached_property
     def held_out_quadruples(self) -> NDArray[np.int64]:
-        """Rows of `held_out`, (quadruples, 4); none where no two speakers share two texts there."""
+        """Rows of `held_out`, (quadruples, 4); empty if no two speakers share two texts there."""
         rows = quadruples(self.held_out, limit=MOST_QUADRUPLES, seed=0)
         rows = rows[np.isin(rows, self.classes.labelled_rows(self.held_out)).all(axis=1)]
         return rows[evenly_spaced(len(rows), MOST_HELD_OUT // 4)]
@@ -176,7 +176,7 @@ class SpeechTask(WindowTask):
 
     def _filterbanks(self, windows: Windows, rows: NDArray[np.int64]) -> Tensor:
         values = self.tensors(windows, rows)["filterbank"]
-        # The released size has a few rows more than ten seconds; they are empty.
+        # The released size has a few more rows than ten seconds; they are empty.
         return functional.pad(values, (0, 0, 0, self.config.frames - values.shape[1]))
 
     def _numbers(self, windows: Windows, rows: NDArray[np.int64]) -> Tensor:
@@ -209,7 +209,7 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
     )
     if not len(task.validation_rows):
         raise InputError(
-            "no recording for validation is by a speaker and in an emotion that is learned",
+            "no recording for validation has both a speaker and an emotion of the training",
             remedy="Give a split list (--split) with such recordings for validation",
         )
     schedule = preset.config_for(task.examples, request.changes)
@@ -219,7 +219,7 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
     return describe_training(
         task,
         trained,
-        f"Learned from {len(rows)} fours of {len(training)} windows, by {len(speakers)} "
+        f"Learned from {len(rows)} quadruples of {len(training)} windows, by {len(speakers)} "
         f"speakers in {len(emotions)} emotions.",
         _describe_measures(task, trained.best.measured),
     )
@@ -234,7 +234,7 @@ def _encoder_weights(
     folder = Path(path)
     if config.mfcc:
         raise InputError(
-            "an auto-encoder of cepstral coefficients has no encoders that could take weights",
+            "an auto-encoder of cepstral coefficients has no encoders to initialise",
             where=folder,
             remedy="Leave out --encoder-weights, or --ablation mfcc",
         )

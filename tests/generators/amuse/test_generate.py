@@ -119,8 +119,8 @@ def test_motion_is_interpolated_between_named_labels_or_the_speechs_own(
 @pytest.mark.parametrize(
     ("changes", "seconds", "message"),
     [
-        ({"emotion": "disgust"}, 3.0, r"no emotion 'disgust': it knows fear and happiness"),
-        ({"style": "berta"}, 3.0, r"no style 'berta': it knows anna"),
+        ({"emotion": "disgust"}, 3.0, r"no emotion 'disgust': it learned fear and happiness"),
+        ({"style": "berta"}, 3.0, r"no style 'berta': it learned anna"),
         ({"from_emotion": "disgust", "emotion": "fear"}, 3.0, r"no emotion 'disgust'"),
         ({"emotion": "still.wav"}, 3.0, r"still\.wav: the recording is silent"),
         ({"emotion": "missing.wav"}, 3.0, "no such recording of emotion"),

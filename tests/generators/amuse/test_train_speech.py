@@ -85,7 +85,7 @@ def test_the_encoders_start_from_the_weights_of_a_folder(learn: Learn, tmp_path:
     assert str(learned.training["encoder_weights"]).startswith("ast (sha256 ")
     assert learned.training["held_out"].keys().isdisjoint({"xcon", "xemo", "xsty"})
     assert "no two speakers speak two held-out texts in one emotion" in outcome.sentences[1]
-    with pytest.raises(InputError, match="no encoders that could take weights"):
+    with pytest.raises(InputError, match="no encoders to initialise"):
         learn(1, out, ablation="mfcc", encoder_weights=str(tmp_path / "ast"))
 
 
