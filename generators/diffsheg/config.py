@@ -13,23 +13,23 @@ from training.config import Preset, read_presets
 from training.diffusion import LINEAR
 
 Flow = Literal["expression_to_gesture", "gesture_to_expression", "none", "joint"]
-"""Which branch conditions which: see `DenoiserConfig.flow`."""
+"""Direction of conditioning between the branches: see `DenoiserConfig.flow`."""
 
 Loudness = Literal["power", "logarithm"]
-"""How mel bands are read: see `DenoiserConfig.loudness`."""
+"""Scale of the mel bands: see `DenoiserConfig.loudness`."""
 
 CLEAN: Final = -1
-"""The place of a walk where no noise is left."""
+"""The place of a walk at which no noise is left."""
 
 JUMP_LENGTH: Final = 3
-"""Steps that resampling goes back into the noise at once."""
+"""Steps of noise that resampling adds at once."""
 
 BLEND_BELOW: Final = 0.2
-"""Shared frames blend linearly into the new window while less noise than this is left, as a
-standard deviation; before, they are what the window before says."""
+"""Standard deviation of the remaining noise below which shared frames blend linearly into the new
+window; above it, they are the previous window's."""
 
 JOINT_WIDENING: Final = 1.41
-"""Ratio of widths by which the one branch of 'joint' costs as much as two (section 4.5)."""
+"""Ratio of widths at which the single branch of 'joint' costs as much as two (section 4.5)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +39,7 @@ class DenoiserConfig:
     Attributes
     ----------
     gesture_width, expression_width : int
-        Values of body and of face in a frame; a frame is the body's, then the face's.
+        Numbers of values of body and face in a frame; the body's values come first.
     speakers : int
         Length of the speaker's one-hot vector.
     frames : int
@@ -49,14 +49,14 @@ class DenoiserConfig:
     width, feed_forward, heads, layers : int
         Sizes of the transformer of each branch.
     audio_width, speech_width : int
-        Mel bands, and width of what the shared encoder makes of them; channels that each branch
-        makes of the speech features.
+        Number of mel bands, which is also the width of the shared encoder's output; width of each
+        branch's encoding of the speech features.
     speech_features : int
         Channels of the speech features (HuBERT).
     dropout : float
-        While training, in [0, 1).
+        Dropout in training, in [0, 1).
     longest : int
-        Frames that have a position.
+        Number of frame positions.
     flow : {'expression_to_gesture', 'gesture_to_expression', 'none', 'joint'}
         Which branch gets the other's estimate of the clean motion: as in the paper; the
         other way round ('Reverse Direction'); none ('w/o x̂0'); or a single, wider branch for body
@@ -64,17 +64,16 @@ class DenoiserConfig:
     detached : bool
         Whether gradients stop at that estimate; False is 'w/o Detach'.
     guidance : float or None
-        How far its estimate is driven away from that of a network which is told nothing, 1 for not
-        at all (Ho & Salimans 2021); as the release has it for SHOW. None: it cannot be told
-        nothing.
+        Scale of classifier-free guidance, 1 for no effect (Ho & Salimans 2021), as in the release
+        for SHOW. None for a network without an unconditional estimate.
     loudness : {'power', 'logarithm'}
-        How it reads mel bands: their power, as the release does, which spans nine decades and is
-        next to nothing but in the loudest moments; or its logarithm, scaled to about -1 to 3.
+        Scale of the mel bands: power, as in the release, which spans nine decades and is almost
+        zero except in the loudest moments; or its logarithm, scaled to about -1 to 3.
     skip : bool
-        Whether what of the noise follows from the covariance of the motion it learns from goes past
-        the layers of each branch: see `generators.diffsheg.layers.LinearSkip`. Without, as the
-        paper has it, all noise passes through them, and a branch narrower than its part of the
-        motion loses some of it on the way.
+        Whether the part of the noise that follows from the covariance of the training motion
+        bypasses the layers of each branch: see `generators.diffsheg.layers.LinearSkip`. Without a
+        skip, as in the paper, all noise passes through the layers, and a branch that is narrower
+        than its part of the motion loses some of it.
     """
 
     gesture_width: int
@@ -99,17 +98,17 @@ class DenoiserConfig:
 
     @property
     def motion_width(self) -> int:
-        """Values in a frame."""
+        """Number of values in a frame."""
         return self.gesture_width + self.expression_width
 
     @property
     def style_width(self) -> int:
-        """Width of what diffusion step and speaker become."""
+        """Width of the style, which encodes diffusion step and speaker."""
         return 4 * self.width
 
     @property
     def joint_width(self) -> int:
-        """Width of the one branch of 'joint', a multiple of what its heads need."""
+        """Width of the single branch of 'joint', divisible by twice its heads."""
         step = 2 * self.heads
         return step * round(self.width * JOINT_WIDENING / step)
 
@@ -118,24 +117,24 @@ class DenoiserConfig:
 class Sampling:
     """Sampling of windows: fast outpainting-based partial autoregressive sampling.
 
-    FOPPAS (section 3.5) is DDIM in place of DDPM, and RePaint's resampling for the windows that
+    FOPPAS (section 3.5) is DDIM instead of DDPM, with RePaint's resampling for windows that
     continue another one.
 
     Attributes
     ----------
     steps : int
-        Steps of DDIM from pure noise to a clean window.
+        Number of DDIM steps from pure noise to a clean window.
     overlap : int
-        Frames that a window shares with the one before.
+        Frames that a window shares with the previous one.
     jump_count : int
-        How often each stretch of `JUMP_LENGTH` steps is walked: 1 for no resampling, 2 as the
-        release's fast setting, 5 as its careful one.
+        Number of times that each stretch of `JUMP_LENGTH` steps is walked: 1 for no resampling, 2
+        in the release's fast setting, 5 in its careful one.
     smooth : bool
-        Whether a window that continues another one sets out from noise around the last pose it
-        knows, and its shared frames get the noise that the network has just found in them. The
-        release sets out from pure noise, although a twenty-fifth of the motion's variance should be
-        left by then: slow parts of the motion fade from window to window. It and RePaint give
-        shared frames fresh noise at each step, with which the new frames do not agree.
+        Whether a window that continues another one starts from noise around the last known pose,
+        and its shared frames keep the noise that the network predicts. The release starts from pure
+        noise, although 4% of the motion's variance should be left at that step: slow components of
+        the motion fade from window to window. The release and RePaint give shared frames new noise
+        at each step, which is inconsistent with the new frames.
     """
 
     steps: int = 25
@@ -145,7 +144,7 @@ class Sampling:
 
     @property
     def entry(self) -> int:
-        """Steps of a window that continues another one: 15 of the paper's 25."""
+        """Number of steps of a window that continues another one: 15 of the paper's 25."""
         return max(1, round(0.6 * self.steps))
 
     @cached_property
@@ -155,15 +154,15 @@ class Sampling:
 
     @cached_property
     def first_walk(self) -> tuple[int, ...]:
-        """Places of a window that continues none, down to `CLEAN`."""
+        """Places of the first window's walk, down to `CLEAN`."""
         return (*range(self.steps - 1, -1, -1), CLEAN)
 
     @cached_property
     def later_walk(self) -> tuple[int, ...]:
-        """Places of a window that continues another one, down to `CLEAN`.
+        """Places of the walk of a window that continues another one, down to `CLEAN`.
 
         Lugmayr et al. 2022 (RePaint), Figure 9: each stretch of `JUMP_LENGTH` steps is walked
-        `jump_count` times, noise being added in between.
+        `jump_count` times, with noise added in between.
         """
         left = dict.fromkeys(range(0, self.entry - JUMP_LENGTH, JUMP_LENGTH), self.jump_count - 1)
         place, places = self.entry - 1, [self.entry - 1]
@@ -185,15 +184,14 @@ SAMPLINGS: Final[Mapping[str, Sampling]] = MappingProxyType(
         "plain": Sampling(jump_count=1),
     }
 )
-"""Settings by name: as fast as the release's fast one, but smoother where windows meet and with
-poses as varied as the network's; the release's fast one; its careful one; no resampling."""
+"""Settings by name: as fast as the release's fast one, but smoother between windows and with poses
+as varied as the network's; the release's fast one; its careful one; no resampling."""
 
 RELEASED_OVERLAP: Final = {"beat": 4, "show": 10}
-"""Frames that the windows of the released networks share."""
-
+"""Frames that windows of the released networks share."""
 
 STRIDE: Final = 10
-"""Frames from one window to the next, as for BEAT in the release; for SHOW it is not known."""
+"""Frames from one training window to the next, as in the release for BEAT; unknown for SHOW."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -213,7 +211,7 @@ class TrainingPreset(Preset):
 
 
 PRESETS: Final = read_presets(Path(__file__).with_name("presets.toml"), dict[str, TrainingPreset])
-"""By config and data set."""
+"""Presets by config and data set."""
 
 BEAT: Final = PRESETS["beat"]["beat"].network
 SHOW: Final = PRESETS["show"]["show"].network

@@ -60,9 +60,9 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
     ) -> tuple[MotionClip, dict[str, str]]:
         """Return motion and its facts.
 
-        They are data set, speaker, sampling, device, the checkpoint's hash, which HuBERT heard the
-        speech and how, how many frames windows have and share and at which rate, and under
-        ``stand_ins`` what took the place of something real.
+        The facts are data set, speaker, sampling, device, the checkpoint's hash, the HuBERT and how
+        it encoded the speech, the frames, overlap and frame rate of windows, and under
+        ``stand_ins`` all substitutes.
         """
         config = self._network.denoiser.config
         speaker = self._speaker_number(speech.segment.speaker)
@@ -80,26 +80,26 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         }
 
     def stream(
-        self, pieces: Iterable[NDArray[np.float32]], *, seed: int
+        self, chunks: Iterable[NDArray[np.float32]], *, seed: int
     ) -> Iterator[NDArray[np.float64]]:
         """Yield motion of live speech as soon as it is final.
 
-        The motion does not depend on how the speech is cut into pieces.
-        A frame is settled at the latest when a window of motion and what `StreamWindow` looks ahead
-        have been heard; memory is bounded by both, however long the speech.
+        The motion does not depend on the division of the speech into chunks. A frame is final, at
+        the latest, after a window of motion and the look-ahead of `StreamWindow`; memory is bounded
+        by both, whatever the length of the speech.
 
         Parameters
         ----------
-        pieces : iterable of ndarray
+        chunks : iterable of ndarray
             Samples at 16 kHz, in order.
         seed : int
-            Not negative.
+            Random seed, at least 0.
 
         Yields
         ------
         ndarray, shape (some frames, values)
-            At the network's frame rate and in the data set's own values; `stream_clips` yields
-            clips.
+            Motion at the network's frame rate, in the data set's representation; `stream_clips`
+            yields clips.
 
         Raises
         ------
@@ -107,26 +107,26 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             If the speaker or a file cannot be used.
         """
         config = self._network.denoiser.config
-        speech_frames = stream_frames(pieces, int(config.frame_rate), self._hubert, StreamWindow())
+        speech_frames = stream_frames(chunks, int(config.frame_rate), self._hubert, StreamWindow())
         return self._denormalised_motion(speech_frames, seed, self._speaker_number(None))
 
     def stream_clips(
-        self, pieces: Iterable[NDArray[np.float32]], *, seed: int
+        self, chunks: Iterable[NDArray[np.float32]], *, seed: int
     ) -> Iterator[MotionClip]:
         """Yield clips of live speech as soon as they are final.
 
-        One after the other they are the clip of all the speech at once, bit by bit.
+        Joined in order, they equal the clip of all the speech at once, bit by bit.
 
         Parameters
         ----------
-        pieces, seed
+        chunks, seed
             See `stream`.
 
         Yields
         ------
         MotionClip
-            The next frames, at the network's frame rate; provenance as of `generate`, with a
-            segment of no name.
+            The next frames, at the network's frame rate, with the provenance of `generate` but an
+            empty segment name.
         """
         facts = self._facts(self._speaker_number(None), None) | {
             "generator": self.name,
@@ -136,7 +136,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         }
         frame_rate = self._network.denoiser.config.frame_rate
         twists: ForearmTwists | None = None
-        for motion in self.stream(pieces, seed=seed):
+        for motion in self.stream(chunks, seed=seed):
             if self._network.dataset == "beat":
                 clip, twists = beat_clip_piece(motion, frame_rate, twists)
             else:
@@ -146,7 +146,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
     def _denormalised_motion(
         self, speech: Iterable[SpeechFrames], seed: int, speaker: int
     ) -> Iterator[NDArray[np.float64]]:
-        """Yield the network's motion to speech in its own units, (some frames, values)."""
+        """Yield the network's motion to speech, denormalised, (some frames, values)."""
         config = self._network.denoiser.config
         windows = stream(
             speech,
@@ -164,7 +164,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             yield motion
 
     def _sampler_of(self, speaker: int) -> WindowSampler:
-        """Return the sampler of windows, made once for clips of the same speaker."""
+        """Return the sampler of windows, reused for clips of the same speaker."""
         if self._sampler is None or self._sampler[0] != speaker:
             denoiser = self._network.denoiser
             person = torch.eye(denoiser.config.speakers)[speaker - 1]
@@ -176,7 +176,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         return make_clip(motion, self._network.denoiser.config.frame_rate)
 
     def _speaker_number(self, segment_speaker: str | None) -> int:
-        """Return the number of the speaker to move as, for a segment's speaker."""
+        """Return the number of the speaker to move as, given the segment's speaker."""
         known, requested = self._network.speakers, self._settings.speaker
         if known is not None:
             return known.resolve(requested, segment_speaker, self._settings.checkpoint)
@@ -234,8 +234,8 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         training_identity = self._network.hubert
         if training_identity is not None and hubert.identity != training_identity:
             raise InputError(
-                f"the network was trained with features of {training_identity}, and "
-                f"{hubert.description} would compute them now",
+                f"the network was trained with features of {training_identity}, not of "
+                f"{hubert.description}",
                 where=self._settings.checkpoint,
                 remedy="Name the folder of the same HuBERT, or none if it was a stand-in",
             )

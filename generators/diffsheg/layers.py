@@ -19,7 +19,7 @@ from training.diffusion import LINEAR
 
 
 def frame_positions(longest: int, width: int) -> Tensor:
-    """Return sines and cosines of each frame's place, (1, longest, width), interleaved."""
+    """Return interleaved sines and cosines of each frame's position, (1, longest, width)."""
     frame = torch.arange(longest, dtype=torch.float32)[:, None]
     exponents = torch.arange(0, width, 2, dtype=torch.float32) / width
     angles = frame * torch.exp(-math.log(10_000) * exponents)
@@ -27,14 +27,14 @@ def frame_positions(longest: int, width: int) -> Tensor:
 
 
 def zeroed(layer: nn.Linear) -> nn.Linear:
-    """Return `layer` with all its weights at zero."""
+    """Set all weights of `layer` to zero and return it."""
     nn.init.zeros_(layer.weight)
     nn.init.zeros_(layer.bias)
     return layer
 
 
 class Embedding(nn.Module):
-    """Two linear layers that turn a diffusion step or a speaker into a style."""
+    """Two linear layers that embed a diffusion step or a speaker as a style."""
 
     def __init__(self, width: int, style_width: int) -> None:
         super().__init__()
@@ -48,10 +48,10 @@ class Embedding(nn.Module):
 
 
 class Stylization(nn.Module):
-    """Scales and shifts normalised features by a style, and maps them on (AdaIN, section 3.3).
+    """Scales and shifts normalised features by a style (AdaIN, section 3.3), then a linear layer.
 
-    Scale and shift, the *modulation*, depend on the diffusion step and the speaker only. The map
-    starts at zero, so an untrained block changes nothing.
+    Scale and shift, the *modulation*, depend on the diffusion step and the speaker only. The linear
+    layer starts at zero, so an untrained block changes nothing.
     """
 
     def __init__(self, width: int, style_width: int, dropout: float) -> None:
@@ -70,7 +70,7 @@ class Stylization(nn.Module):
 
 
 class LinearAttention(nn.Module):
-    """Self-attention whose cost grows with the number of frames, not with its square.
+    """Self-attention whose cost is linear in the number of frames, not quadratic.
 
     Shen et al. 2021, "Efficient attention": queries are normalised over channels, keys over
     frames.
@@ -137,7 +137,7 @@ class StyledBlock(nn.Module):
 
 
 class Moments(NamedTuple):
-    """Mean and variance of so many values of each frame, (batch, frames, 1)."""
+    """Mean and variance of the `width` values of each frame, (batch, frames, 1)."""
 
     mean: Tensor
     variance: Tensor
@@ -145,13 +145,13 @@ class Moments(NamedTuple):
 
     @classmethod
     def from_values(cls, values: Tensor) -> Moments:
-        """Return those of (batch, frames, width)."""
+        """Return the moments of values (batch, frames, width)."""
         variance, mean = torch.var_mean(values.float(), dim=-1, correction=0, keepdim=True)
         return cls(mean, variance, values.shape[-1])
 
     @classmethod
     def combined(cls, parts: Sequence[Moments]) -> Moments:
-        """Return those of all values of some parts."""
+        """Return the moments of all values of several parts."""
         width = sum(part.width for part in parts)
         mean = torch.stack([part.mean * (part.width / width) for part in parts]).sum(dim=0)
         variances = [
@@ -167,11 +167,11 @@ class FusedSpeech:
     Attributes
     ----------
     mapped : Tensor
-        (batch, frames, 2 · width), the speech through the first layer.
+        (batch, frames, 2 · width), the first layer applied to the speech.
     moments : Moments
         The speech's moments.
     ones, bias : Tensor
-        (2 · width,), the norm's weight and its bias through the first layer.
+        (2 · width,), the first layer applied to the norm's weight and to its bias.
     """
 
     mapped: Tensor
@@ -189,9 +189,9 @@ class FusedSpeech:
 class Fusion(nn.Module):
     """The motion–speech fusion block: h + MLP(norm([h, speech, x̂0])).
 
-    The norm is taken apart, so that the part of the speech is computed once however often the
-    motion changes. With γ and β the norm's weight and bias, W the first layer, and m and s the mean
-    and the deviation of all values of v = [h, speech, x̂0] together::
+    The norm is split so that the part of the speech is computed once while the motion changes. With
+    γ and β the norm's weight and bias, W the first layer, and m and s the mean and the standard
+    deviation of all values of v = [h, speech, x̂0]::
 
         W norm(v) = (W_h γ_h h + W_s γ_s speech + W_x γ_x x̂0 - m W γ) / s + W β
     """
@@ -204,7 +204,7 @@ class Fusion(nn.Module):
         self.width = width
 
     def fuse(self, speech: Tensor) -> FusedSpeech:
-        """Return the part of the speech, (batch, frames, channels)."""
+        """Return the part of the fusion that depends on the speech (batch, frames, channels)."""
         return FusedSpeech(
             self._map(speech, self.width),
             Moments.from_values(speech),
@@ -224,11 +224,11 @@ class Fusion(nn.Module):
         return self._narrow((inner - mean * speech.ones) * scale + speech.bias)
 
     def unconditioned(self, null: Tensor) -> Tensor:
-        """Return the term added if v is the learned vector `null`, (1, width)."""
+        """Return the term added for the learned vector `null` instead of v, (1, width)."""
         return self._narrow(self.widen(self.norm(null)))
 
     def _map(self, values: Tensor, first: int) -> Tensor:
-        """Return `values`, which are those of v from `first` on, through the first layer."""
+        """Apply the first layer to `values`, which are those of v from `first` on."""
         columns = slice(first, first + values.shape[-1])
         return functional.linear(values * self.norm.weight[columns], self.widen.weight[:, columns])
 
@@ -238,7 +238,7 @@ class Fusion(nn.Module):
 
 
 class SpeechEncoder(nn.Module):
-    """Two convolutions over time that narrow HuBERT's features, one pair for each branch."""
+    """Two convolutions over time that narrow HuBERT's features; each branch has its own pair."""
 
     def __init__(self, features: int, width: int) -> None:
         super().__init__()
@@ -247,31 +247,30 @@ class SpeechEncoder(nn.Module):
         self.second = nn.Conv1d(width, width, 3, padding=1, bias=False)
 
     def forward(self, hubert: Tensor) -> Tensor:
-        """Return (batch, frames, width) of (batch, frames, features)."""
+        """Return the encoding (batch, frames, width) of features (batch, frames, features)."""
         inner = functional.gelu(self.norm(self.first(hubert.transpose(1, 2))))
         result: Tensor = self.second(inner).transpose(1, 2)
         return result
 
 
 class LinearSkip(nn.Module):
-    """Adds to what layers answer the best linear estimate of the noise, which goes past them.
+    """Adds the best linear estimate of the noise to the output of the layers, which it bypasses.
 
-    Motion is seen as waves of poses: along the directions in which poses vary together (principal
-    components), and in time as cosines (DCT-II). Each wave's variance is known, and with it how
-    much of what is seen of it is noise (Wiener 1949). In waves that no motion has, all is noise;
-    layers that are narrower than a pose need not carry it. Until variances are told, every wave
-    has that of a normalised value, 1.
+    Motion is decomposed into waves of poses: principal components of poses, and cosines in time
+    (DCT-II). From each wave's variance follows the share of noise in it (Wiener 1949). A wave that
+    no motion has is all noise, which layers narrower than a pose need not carry. Before `fit`,
+    every wave has the variance of a normalised value, 1.
 
-    The rest is what layers answer, times √ᾱ. With variances of 1 that is the velocity of Salimans
-    & Ho 2022. The clean motion that follows from both misses the linear estimate of it by √(1 - ᾱ)
-    times the answer, at no step by more than the answer.
+    The remainder is the layers' output times √ᾱ. With variances of 1, that output is the velocity
+    of Salimans & Ho 2022. The resulting clean motion differs from its linear estimate by √(1 - ᾱ)
+    times the output, at no step by more than the output.
 
     Parameters
     ----------
     frames : int
-        Frames of the windows that are learned from.
+        Frames of the training windows.
     part : int
-        Values of a frame.
+        Number of values of a frame.
     """
 
     directions: Tensor
@@ -283,7 +282,7 @@ class LinearSkip(nn.Module):
         self.register_buffer("variances", torch.ones(frames, part))
 
     def fit(self, windows: NDArray[np.float32]) -> None:
-        """Take the variances of normalised motion, (windows, frames, part)."""
+        """Estimate the variances from normalised motion, (windows, frames, part)."""
         frames, part = windows.shape[1:]
         poses = windows.reshape(-1, part).astype(np.float64)
         _, directions = np.linalg.eigh(poses.T @ poses / len(poses))
@@ -291,17 +290,17 @@ class LinearSkip(nn.Module):
         self.directions.copy_(torch.from_numpy(directions))
         self.variances.copy_(torch.from_numpy(np.square(waves).mean(axis=0)))
 
-    def forward(self, answer: Tensor, noisy: Tensor, steps: Tensor) -> Tensor:
-        """Return the noise in `noisy`, by what layers `answer`.
+    def forward(self, output: Tensor, noisy: Tensor, steps: Tensor) -> Tensor:
+        """Return the noise in `noisy`, given the layers' `output`.
 
         Parameters
         ----------
-        answer, noisy : Tensor
-            (batch, frames, part); the frames may be fewer than a window's.
+        output, noisy : Tensor
+            (batch, frames, part); there may be fewer frames than in a window.
         steps : Tensor
             (batch,) or (1,) diffusion steps.
         """
-        # Where most is signal, noise is a small difference, which half precision does not hold.
+        # If most is signal, noise is a small difference, for which half precision is too coarse.
         with _full_precision(noisy.device.type):
             noisy = noisy.float()
             alpha = LINEAR.alpha_bar_at(steps, noisy)
@@ -311,10 +310,10 @@ class LinearSkip(nn.Module):
             shares = (1 - alpha).sqrt() / (alpha * self._variances(noisy.shape[1]) + (1 - alpha))
             waves = cosines @ (noisy @ self.directions)
             linear = (cosines.T @ (shares * waves)) @ self.directions.T
-            return linear + alpha.sqrt() * answer.float()
+            return linear + alpha.sqrt() * output.float()
 
     def _variances(self, frames: int) -> Tensor:
-        """Return the variances of the waves in so many frames, by how fast they are."""
+        """Return the variances of the waves of `frames` frames, interpolated by frequency."""
         full = len(self.variances)
         if frames == full:
             return self.variances
@@ -327,13 +326,13 @@ class LinearSkip(nn.Module):
 
 
 def _full_precision(device: str) -> AbstractContextManager[object]:
-    """Keep torch's autocast away, which devices without numbers (meta) do not have."""
+    """Turn off torch's autocast, which the meta device does not have."""
     return nullcontext() if device == "meta" else torch.autocast(device, enabled=False)
 
 
 @cache
 def _cosines(frames: int) -> NDArray[np.float64]:
-    """Return the orthonormal DCT-II of so many frames, (waves, frames)."""
+    """Return the matrix of the orthonormal DCT-II, (waves, frames)."""
     waves, times = np.arange(frames)[:, None], np.arange(frames) + 0.5
     cosines: NDArray[np.float64] = np.cos(np.pi * waves * times / frames) * np.sqrt(2 / frames)
     cosines[0] /= np.sqrt(2)

@@ -23,16 +23,16 @@ class LossWeights:
     noise : float
         Weight of the loss of the noise, equation 4.
     velocity : float
-        Weight of the loss of the motion's steps from frame to frame, equation 6.
+        Weight of the loss of the motion's change from frame to frame, equation 6.
     reconstruction : float
-        Weight of Huber's loss of the motion, equation 7.
+        Weight of the Huber loss of the motion, equation 7.
     turn : float
-        Error of normalised values at which Huber's loss turns from square to straight, the
-        paper's δ, of which it does not tell the value.
+        Error of normalised values at which the Huber loss becomes linear, the paper's δ, whose
+        value it does not give.
     slope : float or None
-        Slope of its straight part: 1 in the release; None for `turn`, as in equation 7.
+        Slope of the linear part: 1 in the release; None for `turn`, as in equation 7.
     semantic : bool
-        Whether errors of the motion count (1 + score) times in frames that were annotated as
+        Whether errors of the motion are multiplied by (1 + score) in frames that were annotated as
         meaningful, as in the release's training on BEAT.
     """
 
@@ -53,11 +53,11 @@ LOSSES: Final[Mapping[str, LossWeights]] = MappingProxyType(
         "steps": LossWeights(noise=1, velocity=10, reconstruction=1, turn=1.0),
     }
 )
-"""The paper's weights (equation 8), those of the released training, and a third for a network with
-a skip. In it the motion counts as the noise does, with a Huber loss that turns at one deviation:
-where most is noise, only the motion says what speech and speaker decide, and such a network is
-nowhere so far off that it must count less there. Steps from frame to frame count ten times:
-posture varies so much more than they do that little else would be learned."""
+"""The paper's weights (equation 8), those of the released training, and a third set for a network
+with a skip. There, motion counts as much as noise, with a Huber loss that becomes linear at one
+standard deviation: at noisy steps, only the motion shows the effect of speech and speaker, and such
+a network's errors are never so large that they must count less. Changes from frame to frame count
+ten times: posture varies so much more that little else would be learned."""
 
 
 def motion_losses(
@@ -67,18 +67,18 @@ def motion_losses(
     weights: LossWeights,
     semantic: Tensor | None = None,
 ) -> dict[str, Tensor]:
-    """Return the loss of found noise, and its parts.
+    """Return the loss of predicted noise, and its parts.
 
     Parameters
     ----------
     noise, predicted : Tensor
-        (batch, frames, values): what was added to normalised motion, and what the network says.
+        (batch, frames, values): the noise in normalised motion, and the network's prediction.
     steps : Tensor
         (batch,) diffusion steps.
     weights : LossWeights
         Weights of the parts.
     semantic : Tensor, optional
-        (batch, frames, 1), scores from 0 of how meaningful a frame's gesture is.
+        (batch, frames, 1), semantic score of each frame's gesture, at least 0.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def motion_losses(
     """
     alpha_bar = LINEAR.alpha_bar_at(steps, noise)
     error = (noise - predicted).float()
-    # The clean motion that follows from the found noise (equation 5) misses the true one by this.
+    # The error of the clean motion that follows from the predicted noise (equation 5).
     motion_error = error * ((1 - alpha_bar) / alpha_bar).sqrt()
     weighted = (
         motion_error if semantic is None or not weights.semantic else motion_error * (1 + semantic)

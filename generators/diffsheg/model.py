@@ -1,8 +1,8 @@
-"""DiffSHEG's network: which noise `eps` is in a window of motion `x_t`, given the speech.
+"""DiffSHEG's network: predicts the noise `eps` in a window of motion `x_t`, given the speech.
 
 Chen et al., CVPR 2024, section 3.3 and Figure 2: a branch for the face, one for the body, and the
-denoiser that joins them. `Denoiser.modulate` and `Denoiser.encode_speech` compute what does not
-depend on the motion; sampling calls them once for many evaluations, `Denoiser.forward` each time.
+denoiser that joins them. `Denoiser.modulate` and `Denoiser.encode_speech` do not depend on the
+motion; sampling calls them once for many evaluations, `Denoiser.forward` calls them each time.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from generators.diffsheg.layers import (
 from training.diffusion import LINEAR, step_embedding
 
 MEL_GAIN: Final = 2.0
-"""The shared encoder reads mel bands doubled, as the released network's outputs show."""
+"""Factor on the mel bands of the shared encoder, inferred from the released network's outputs."""
 
 SILENCE: Final = 1e-4
 """Power of silence, added to mel bands before the logarithm."""
 
 CONDITION_DROPOUT: Final = 0.2
-"""Share of the training windows of a guided network that are given no conditions."""
+"""Share of the training windows of a guided network that have no conditions."""
 
 
 class Branch(nn.Module):
@@ -77,7 +77,7 @@ class Branch(nn.Module):
         return [block.modulate(style) for _, block in self._layers]
 
     def encode_speech(self, audio: Tensor, hubert: Tensor) -> list[FusedSpeech]:
-        """Return the speech as each fusion reads it; one row of `hubert` serves all of `audio`."""
+        """Return the speech for each fusion; one row of `hubert` is used for all of `audio`."""
         speech = self.speech(hubert)
         conditions = torch.cat([self.audio(audio), speech.expand(len(audio), -1, -1)], dim=-1)
         return [fusion.fuse(conditions) for fusion, _ in self._layers]
@@ -103,7 +103,7 @@ class Branch(nn.Module):
         fused_speech : sequence of FusedSpeech
             See `encode_speech`.
         x0_hat : Tensor, optional
-            (batch, frames, other part), the estimate of the other branch's clean motion.
+            (batch, frames, other part), the estimate of the other part's clean motion.
         """
         h = self.dropout(self.inward(x_t) + self.position[:, : x_t.shape[1]])
         null: Tensor | None = None
@@ -127,7 +127,7 @@ class Branch(nn.Module):
         return eps if self.skip is None else self.skip(eps, x_t, t)
 
     def _with_null(self, added: Tensor, unconditioned: Tensor, null: Tensor | None) -> Tensor:
-        """Return `added` without conditions in the rows of `null`, or followed by such rows."""
+        """Return `added` with rows of `null` unconditioned, or followed by unconditioned rows."""
         if null is not None:
             return torch.where(null[:, None, None], unconditioned, added)
         return torch.cat([added, unconditioned.expand_as(added)])
@@ -172,7 +172,7 @@ class Denoiser(nn.Module):
         x_t : Tensor
             (batch, frames, motion width), the body's values, then the face's.
         timestep : Tensor
-            (batch,) diffusion steps, whole numbers from 0 to 999.
+            (batch,) diffusion steps, integers from 0 to 999.
         mel : Tensor
             (batch, frames, mel bands).
         hubert : Tensor
@@ -203,7 +203,7 @@ class Denoiser(nn.Module):
         ]
 
     def join_parts(self, parts: Mapping[str, Tensor]) -> Tensor:
-        """Return the branches' parts of the motion as one, (…, motion width)."""
+        """Join the branches' parts of the motion, (…, motion width)."""
         names = sorted(parts, key=lambda name: self.parts[name].start)
         return torch.cat([parts[name] for name in names], dim=-1)
 
@@ -224,7 +224,7 @@ class Denoiser(nn.Module):
     def encode_speech(
         self, mel: Tensor, hubert: Tensor, modulations: Mapping[str, Sequence[Tensor]]
     ) -> dict[str, list[FusedSpeech]]:
-        """Return the speech as each branch's fusions read it.
+        """Return the speech for each branch's fusions.
 
         Parameters
         ----------
@@ -233,7 +233,7 @@ class Denoiser(nn.Module):
         hubert : Tensor
             (1 or steps, frames, HuBERT features).
         modulations : mapping
-            What `modulate` returns.
+            The modulations that `modulate` returns.
         """
         if self.config.loudness == "logarithm":
             mel = ((mel + SILENCE).log10() + 2) / 2
@@ -241,19 +241,19 @@ class Denoiser(nn.Module):
         return {name: branch.encode_speech(audio, hubert) for name, branch in self.ordered_branches}
 
     def estimate(self, x_t: Tensor, eps: Tensor, t: Tensor) -> Tensor | None:
-        """Return x̂0, which conditions the next branch (equation 5), or None without one."""
+        """Return x̂0, which conditions the next branch (equation 5); None if nothing does."""
         if self.config.flow in ("none", "joint"):
             return None
         x0_hat = LINEAR.x0_hat(x_t, eps, t)
         return x0_hat.detach() if self.config.detached else x0_hat
 
     def fit_skips(self, windows: NDArray[np.float32]) -> None:
-        """Tell the skips of all branches how normalised motion varies.
+        """Fit the skips of all branches to normalised motion.
 
         Parameters
         ----------
         windows : ndarray
-            (windows, frames, motion width), of those it will learn from.
+            Training windows, (windows, frames, motion width).
         """
         for name, branch in self.ordered_branches:
             if branch.skip is not None:
@@ -261,7 +261,7 @@ class Denoiser(nn.Module):
 
 
 def _layout(config: DenoiserConfig) -> list[tuple[str, slice, slice, int]]:
-    """Return each branch's name, its values of a frame, its conditions, and its width."""
+    """Return each branch's name, its values in a frame, those that condition it, and its width."""
     empty = slice(0, 0)
     body = slice(0, config.gesture_width)
     face = slice(config.gesture_width, config.motion_width)

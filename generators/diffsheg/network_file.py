@@ -1,7 +1,7 @@
 """A DiffSHEG network with all that its motion depends on, from our files or the authors'.
 
-Their names for the weights are translated into ours one by one, as ``released_names.toml`` says,
-and every weight of the file must find its place.
+``released_names.toml`` translates the authors' names of the weights into ours; every weight of the
+file must have a place in our network.
 """
 
 from __future__ import annotations
@@ -29,12 +29,11 @@ _NAMES: Final = ReleasedNames.read(Path(__file__).with_name("released_names.toml
 
 _STATS_REMEDY: Final = (
     "Name the folder that holds axis_angle_mean.npy, axis_angle_std.npy, json_mean.npy and "
-    "json_std.npy, as released beside the checkpoint"
+    "json_std.npy, as released with the checkpoint"
 )
 
-
 _LARGEST_ROUNDING: Final = 1e-6
-"""Standard deviations below this are rounding: such a value never changes."""
+"""Standard deviations below this are rounding errors: such a value is constant."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,12 +50,12 @@ class Normalisation:
     std: NDArray[np.float64]
 
     def normalised(self, motion: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return `motion` (T, values) as a network sees it; constant values are 0."""
+        """Return `motion` (T, values), normalised; constant values are 0."""
         varies = self._varies
         return np.asarray((motion - self.mean) * varies / np.where(varies, self.std, 1.0))
 
     def restored(self, normalised: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return motion (T, values) in its own units; constant values are their mean."""
+        """Return motion (T, values), denormalised; constant values are their mean."""
         return np.asarray(self.mean + np.where(self._varies, self.std, 0.0) * normalised)
 
     @property
@@ -67,13 +66,13 @@ class Normalisation:
 def load_released(path: Path, dataset: Literal["beat", "show"]) -> Denoiser:
     """Return the released network of a data set, in evaluation mode, on the CPU.
 
-    The file is what ``torch.save(state_dict)`` or safetensors wrote: the weights alone, or under
-    the key ``encoder``. Nothing but tensors is ever unpickled.
+    The file is of ``torch.save(state_dict)`` or safetensors, with the weights at the top or under
+    the key ``encoder``. Nothing but tensors is unpickled.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or is not such a network: it names the weights that are
+        If the file cannot be read or is not such a network; the message names weights that are
         missing, unknown or of another shape.
     """
     weights = _NAMES.renamed_weights(read_weights(path))
@@ -89,12 +88,12 @@ def load_released(path: Path, dataset: Literal["beat", "show"]) -> Denoiser:
 
 
 def read_weights(file: Path) -> dict[str, Tensor]:
-    """Return the tensors of a file by name, those under ``encoder`` where there is that key.
+    """Return the tensors of a file by name, or those under the key ``encoder`` if it exists.
 
     Raises
     ------
     InputError
-        If the file is not there, or holds anything but tensors.
+        If the file is missing, or holds anything but tensors.
     """
     content = read_saved(file)
     if isinstance(content, Mapping) and isinstance(content.get("encoder"), Mapping):
@@ -105,15 +104,15 @@ def read_weights(file: Path) -> dict[str, Tensor]:
 
 
 def read_normalisation(folder: Path, config: DenoiserConfig) -> Normalisation:
-    """Read mean and standard deviation as DiffSHEG's release holds them.
+    """Read the mean and standard deviation files of DiffSHEG's release.
 
     Parameters
     ----------
     folder : Path
-        ``axis_angle_mean.npy`` and ``axis_angle_std.npy`` of the body, ``json_mean.npy`` and
-        ``json_std.npy`` of the face, beside them or in ``facial52/``.
+        Folder with ``axis_angle_mean.npy`` and ``axis_angle_std.npy`` of the body, and
+        ``json_mean.npy`` and ``json_std.npy`` of the face, which may be in ``facial52/``.
     config : DenoiserConfig
-        The number of values of each.
+        Configuration with the numbers of values.
 
     Raises
     ------
@@ -141,12 +140,12 @@ def _read_statistic(folder: Path, name: str, width: int) -> NDArray[np.float64]:
         values = np.load(path, allow_pickle=False)
     except (OSError, EOFError, ValueError) as error:
         missing = isinstance(error, FileNotFoundError)
-        problem = "there is no such file" if missing else "the file is no plain array"
+        problem = "there is no such file" if missing else "the file is not a plain array"
         raise InputError(problem, where=path, remedy=_STATS_REMEDY) from error
     if values.shape != (width,) or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
         raise InputError(
-            f"the array has shape {values.shape} and type {values.dtype}, and {width} finite "
-            "numbers are needed",
+            f"the array has shape {values.shape} and type {values.dtype}, not {width} finite "
+            "numbers",
             where=path,
             remedy=_STATS_REMEDY,
         )
@@ -163,13 +162,13 @@ class MotionNetwork:
     Attributes
     ----------
     denoiser : Denoiser
-        In evaluation mode, on the CPU.
+        The denoiser, in evaluation mode, on the CPU.
     dataset : {'beat', 'show'}
         The data set of its motion representation.
     normalisation : Normalisation
         The normalisation of its values.
     speakers : Speakers or None
-        Its speakers; None if only their numbers are known, as of a released network.
+        Its speakers; None if only their numbers are known, as for a released network.
     hubert : str or None
         The `Hubert.identity` of its features; None if unknown.
     training : mapping
@@ -218,12 +217,12 @@ def load_network(path: Path, dataset: Literal["beat", "show"], stats: Path | Non
     Raises
     ------
     InputError
-        If the file is no such network, or a released one comes without its normalisation.
+        If the file is not such a network, or a released one has no `stats`.
     """
     if holds_facts(path):
         return _load_trained(path)
     if stats is None:
-        read_weights(path)  # a damaged file is refused as one
+        read_weights(path)  # first refuses a damaged file
         raise InputError(
             "a released checkpoint lacks the means and standard deviations of its motion",
             where=path,

@@ -1,8 +1,8 @@
-"""FOPPAS: motion of any length, window after window (section 3.5).
+"""FOPPAS: motion of any length, window by window (section 3.5).
 
-The branch that is told nothing by the other one depends on itself alone. It walks through all
-windows at hand on a thread of its own and hands its estimates on: two threads that seldom wait do
-more than two that share every small product.
+The unconditioned branch depends on itself alone. It samples all available windows on its own thread
+and passes its estimates on: two threads that seldom wait are faster than two that share every small
+matrix product.
 """
 
 from __future__ import annotations
@@ -28,14 +28,15 @@ from training.diffusion import LINEAR
 from training.speech_features.speech_frames import SpeechFrames
 
 Estimate = Callable[[Tensor, int], Tensor]
-"""Says which noise is in a noisy window, (1, frames, width), at a place of the walk."""
+"""Predicts the noise in a noisy window, (1, frames, width), at a place of the walk."""
 
 Sampler = Callable[[Sequence["Window"], Tensor | None], list[Tensor]]
-"""Makes the motion, (frames, values), of windows that continue each other, in order; also given are
-the frames that the first window continues, if any."""
+"""Samples the motion, (frames, values), of consecutive windows. The second argument is the frames
+that the first window continues, or None."""
 
 MOST_WINDOWS_AT_ONCE: Final = 4
-"""Windows that are made together at most, where their speech is there: motion comes in between."""
+"""Largest number of windows that are sampled together if their speech is available; after each such
+group, motion is yielded."""
 
 
 def stream(
@@ -47,30 +48,30 @@ def stream(
     sampling: Sampling,
     seed: int,
 ) -> Iterator[Tensor]:
-    """Yield motion as soon as it is settled.
+    """Yield motion as soon as it is final.
 
-    How the speech is cut into pieces changes nothing: all of it at once gives the same motion.
-    If speech comes in small pieces, at most a window and the shared frames are kept.
+    The division into chunks does not matter: all of the speech at once gives the same motion. If
+    the chunks are small, at most a window and the shared frames are kept.
 
     Parameters
     ----------
     speech : iterable of SpeechFrames
-        Pieces of any length, in order.
+        Chunks of any length, in order.
     sampler : Sampler
-        The network.
+        The sampler.
     frames : int
         Frames of a window.
     width : int
-        Values of a frame.
+        Number of values of a frame.
     sampling : Sampling
         The steps of windows, and the number of frames they share.
     seed : int
-        Not negative; the same seed gives the same motion.
+        Random seed, at least 0; equal seeds give equal motion.
 
     Yields
     ------
     Tensor
-        (some frames, width), as many frames in all as the speech has.
+        (some frames, width); the total number of frames is that of the speech.
 
     Raises
     ------
@@ -86,24 +87,24 @@ def stream(
     shared: Tensor | None = None
     pending: SpeechFrames | None = None
 
-    def moved(speeches: Sequence[SpeechFrames]) -> list[Tensor]:
+    def sample(excerpts: Sequence[SpeechFrames]) -> list[Tensor]:
         nonlocal number
         windows: list[Window] = []
         with torch.inference_mode():
-            for piece_of_speech in speeches:
+            for excerpt in excerpts:
                 continues = shared is not None or (bool(windows) and sampling.overlap > 0)
-                shape = (len(piece_of_speech), width)
+                shape = (len(excerpt), width)
                 noise = draw_noise(shape, sampling, _generator(seed, number), continues=continues)
-                windows.append(Window(piece_of_speech, noise))
+                windows.append(Window(excerpt, noise))
                 number += 1
             return sampler(windows, shared)
 
-    for piece in speech:
-        pending = piece if pending is None else pending.followed_by(piece)
+    for chunk in speech:
+        pending = chunk if pending is None else pending.followed_by(chunk)
         while len(pending) >= frames:
             count = min(1 + (len(pending) - frames) // stride, MOST_WINDOWS_AT_ONCE)
             starts = range(0, count * stride, stride)
-            motions = moved([pending.slice(start, start + frames) for start in starts])
+            motions = sample([pending.slice(start, start + frames) for start in starts])
             pending = pending.slice(count * stride)
             shared = shared_frames(motions[-1], sampling)
             yield from (motion[:stride] for motion in motions)
@@ -112,7 +113,7 @@ def stream(
     if shared is not None and len(pending) == len(shared):
         yield shared
     elif len(pending):
-        yield from moved([pending])
+        yield from sample([pending])
 
 
 def _generator(seed: int, number: int) -> torch.Generator:
@@ -123,14 +124,14 @@ def _generator(seed: int, number: int) -> torch.Generator:
 
 @dataclass(frozen=True, eq=False)
 class WindowNoise:
-    """All noise of one window's walk, drawn before it begins: parts of a motion can walk apart.
+    """All noise of one window's walk, drawn in advance so that its parts can be sampled separately.
 
     Attributes
     ----------
     start : Tensor
-        (1, frames, values), where the walk begins.
+        (1, frames, values), noise at the start of the walk.
     later : tuple of Tensor
-        (1, frames, values) for each step of a window that continues another one; none otherwise.
+        (1, frames, values) for each step of a window that continues another one; empty otherwise.
     """
 
     start: Tensor
@@ -142,19 +143,19 @@ class WindowNoise:
         return bool(self.later)
 
     def slice_values(self, values: slice) -> WindowNoise:
-        """Return the noise of some of a frame's values."""
+        """Return the noise of some of the values of a frame."""
         return WindowNoise(
             self.start[..., values], tuple(noise[..., values] for noise in self.later)
         )
 
     def to(self, device: torch.device) -> WindowNoise:
-        """Return the same noise on a device."""
+        """Move the noise to a device."""
         return WindowNoise(self.start.to(device), tuple(noise.to(device) for noise in self.later))
 
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """The inputs of a window; as many frames of noise as of speech."""
+    """The inputs of a window: equally many frames of speech and of noise."""
 
     speech: SpeechFrames
     noise: WindowNoise
@@ -163,9 +164,9 @@ class Window:
 def draw_noise(
     shape: tuple[int, int], sampling: Sampling, random: torch.Generator, *, continues: bool
 ) -> WindowNoise:
-    """Return the noise of a window of `shape`, frames and values, which may continue another one.
+    """Draw the noise of a window of `shape`, frames and values, which may continue another one.
 
-    It is drawn on the device of `random`, so that all devices give the same motion.
+    It is drawn on the device of `random`, so that the motion does not depend on the network's.
     """
     steps = len(sampling.later_walk) - 1 if continues else 0
     start, *later = (torch.randn(1, *shape, generator=random) for _ in range(1 + steps))
@@ -175,7 +176,7 @@ def draw_noise(
 def sample_windows(
     windows: Iterable[tuple[Estimate, WindowNoise]], sampling: Sampling, shared: Tensor | None
 ) -> list[Tensor]:
-    """Return the motion of windows of which each continues the one before; see `sample_window`."""
+    """Return the motion of consecutive windows; see `sample_window`."""
     motions = []
     for estimate, noise in windows:
         motions.append(sample_window(estimate, sampling, noise, shared))
@@ -184,7 +185,7 @@ def sample_windows(
 
 
 def shared_frames(motion: Tensor, sampling: Sampling) -> Tensor | None:
-    """Return the last frames of a window, which the next one continues; None where it does not."""
+    """Return the last frames of a window, which the next one continues; None without overlap."""
     return motion[-sampling.overlap :] if sampling.overlap else None
 
 
@@ -196,18 +197,18 @@ def sample_window(
     Parameters
     ----------
     estimate : Estimate
-        The network, told the speech.
+        The network's estimate for the window's speech.
     sampling : Sampling
         The sampling.
     noise : WindowNoise
-        Noise of as many values as `estimate` reads.
+        Noise for the values that `estimate` reads.
     shared : Tensor, optional
-        (overlap, values), the last frames of the window before, which the first frames continue.
+        (overlap, values), the last frames of the previous window, which this window continues.
 
     Returns
     -------
     Tensor
-        (frames, values); the first frames are `shared`, blended into what follows.
+        (frames, values); the first frames are `shared`, blended into the following ones.
     """
     walk = sampling.first_walk if shared is None else sampling.later_walk
     alpha_bar = _signal_variance(sampling)
@@ -234,7 +235,7 @@ def sample_window(
 
 
 def _signal_variance(sampling: Sampling) -> Callable[[int], float]:
-    """Return the share of the signal's variance that is left at each place."""
+    """Return a function for the share of the signal's variance at each place."""
 
     def alpha_bar(place: int) -> float:
         return 1.0 if place == CLEAN else float(LINEAR.alpha_bar[sampling.timesteps[place]])
@@ -250,15 +251,15 @@ def _blend_weight(shared: Tensor, *, blends: bool) -> Tensor:
 
 
 class WindowSampler:
-    """Makes the motion of windows that continue each other, for one speaker.
+    """Samples the motion of consecutive windows, for one speaker.
 
-    Everything that the motion does not change is computed once. On a processor the network's
-    weights are laid out anew, which changes no value.
+    Everything that does not depend on the motion is computed once. On a CPU, the network's weights
+    get another memory layout, with the same values.
 
     Parameters
     ----------
     denoiser : Denoiser
-        In evaluation mode, on any device.
+        The denoiser, in evaluation mode, on any device.
     person : Tensor
         (speakers,), one-hot.
     sampling : Sampling
@@ -271,8 +272,8 @@ class WindowSampler:
         self._t = torch.tensor(sampling.timesteps, device=self._device)
         with torch.inference_mode():
             self._modulations = denoiser.modulate(self._t, person[None].to(self._device))
-        self._on_processor = self._device.type == "cpu"
-        if self._on_processor:
+        self._on_cpu = self._device.type == "cpu"
+        if self._on_cpu:
             transpose_weight_layout(denoiser)
 
     def __call__(self, windows: Sequence[Window], shared: Tensor | None) -> list[Tensor]:
@@ -281,15 +282,15 @@ class WindowSampler:
         Parameters
         ----------
         windows : sequence of Window
-            In order.
+            Consecutive windows.
         shared : Tensor or None
-            (overlap, values), what the first window continues.
+            (overlap, values), the frames that the first window continues.
         """
         (first, first_branch), *others = self._denoiser.ordered_branches
         estimates: SimpleQueue[Tensor | BaseException | None] = SimpleQueue()
         encoded: SimpleQueue[list[FusedSpeech] | BaseException] = SimpleQueue()
 
-        def hear_all(window: Window) -> list[FusedSpeech]:
+        def encode_for_all(window: Window) -> list[FusedSpeech]:
             by_branch = self._encode_speech(window)
             for name, _ in others:
                 encoded.put(by_branch[name])
@@ -303,7 +304,7 @@ class WindowSampler:
 
         def ahead() -> list[Tensor]:
             try:
-                return self._sample(first, windows, shared, hear_all, eps_ahead)
+                return self._sample(first, windows, shared, encode_for_all, eps_ahead)
             except BaseException as error:
                 estimates.put(error)
                 encoded.put(error)
@@ -319,7 +320,7 @@ class WindowSampler:
         def behind() -> list[Tensor]:
             return self._sample(second, windows, shared, lambda _: _receive(encoded), eps_behind)
 
-        branches = side_by_side(ahead, behind) if self._on_processor else (ahead(), behind())
+        branches = side_by_side(ahead, behind) if self._on_cpu else (ahead(), behind())
         return [
             self._denoiser.join_parts(dict(zip((first, second), parts, strict=True)))
             for parts in zip(*branches, strict=True)
@@ -347,12 +348,12 @@ class WindowSampler:
         """Return a branch's part of the motion of all windows."""
         part = self._denoiser.parts[name]
 
-        def asked() -> Iterator[tuple[Estimate, WindowNoise]]:
+        def inputs() -> Iterator[tuple[Estimate, WindowNoise]]:
             for window in windows:
                 noise = window.noise.slice_values(part).to(self._device)
                 yield partial(eps, speech=encode(window)), noise
 
-        return sample_windows(asked(), self._sampling, None if shared is None else shared[:, part])
+        return sample_windows(inputs(), self._sampling, None if shared is None else shared[:, part])
 
     def _eps(
         self,
@@ -377,20 +378,20 @@ Message = TypeVar("Message")
 
 def _receive(queue: SimpleQueue[Message | BaseException]) -> Message:
     """Return the next message, or raise the other branch's error."""
-    received = queue.get()
-    if isinstance(received, BaseException):
-        raise received
-    return received
+    message = queue.get()
+    if isinstance(message, BaseException):
+        raise message
+    return message
 
 
 _PADDING: Final = 64
-"""Values between the weights of one input and of the next: a power of two would crowd the cache."""
+"""Padding between the weights of two inputs: strides of a power of two would cause cache misses."""
 
 
 def transpose_weight_layout(network: nn.Module) -> None:
-    """Store the weights of all linear layers input by input, as products with few frames read them.
+    """Store the weights of all linear layers input by input, as products with few frames need them.
 
-    Stored output by output, such a product spends part of its time on reordering them.
+    If they are stored output by output, such products spend part of their time on reordering.
     """
     for layer in network.modules():
         if isinstance(layer, nn.Linear):

@@ -1,4 +1,4 @@
-"""Training DiffSHEG on recordings: what the loop needs to know of it, and what comes out."""
+"""Training DiffSHEG on recordings."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from generators.diffsheg.config import (
     TrainingPreset,
 )
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
-from generators.diffsheg.model import Branch, Denoiser
+from generators.diffsheg.model import Denoiser
 from generators.diffsheg.network_file import MotionNetwork, Normalisation, write_network
 from generators.learned import (
     cut_windows,
@@ -52,20 +52,20 @@ from training.speakers import Speakers
 from training.speech_features.hubert import Hubert, load_hubert, stand_in
 
 VALIDATION_WINDOWS: Final = 1024
-"""So many windows tell how well held-out takes are known, each several times where there are
-fewer: with other noise."""
+"""Number of windows for validation; if there are fewer held-out windows, each is used several times
+with different noise."""
 
 METRIC: Final = "noise_and_reconstruction"
-"""The measure of held-out windows by which the best weights are chosen."""
+"""The measure of held-out windows that selects the best weights."""
 
 _VALIDATION_BATCH: Final = 64
-"""Held-out windows that are looked at together."""
+"""Held-out windows per batch."""
 
 _MOST_COVARIANCE_WINDOWS: Final = 5_000
-"""Largest number of windows by which the motion's covariance is estimated."""
+"""Largest number of windows for estimating the motion's covariance."""
 
 _VALIDATION_SEED: Final = 24
-"""Seed of the noise in held-out windows, which never changes."""
+"""Seed of the noise in held-out windows, the same for every validation."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,7 +79,7 @@ class DiffShegTask(WindowTask):
     weights : LossWeights
         Weights of the losses.
     training, held_out : Windows
-        Of the features ``gesture``, ``expression``, ``mel``, ``hubert`` and, where it counts,
+        Windows of the features ``gesture``, ``expression``, ``mel``, ``hubert`` and, for BEAT,
         ``semantic``.
     normalisation : Normalisation
         The normalisation of the takes in `training`.
@@ -100,18 +100,18 @@ class DiffShegTask(WindowTask):
         return network.to(self.device)
 
     def losses(self, network: Denoiser, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
-        """Return `motion_losses` of a batch at steps and with noise that chance draws."""
+        """Return `motion_losses` of a batch with random steps and noise."""
         batch = self._batch(self.training, rows)
         steps = torch.randint(0, LINEAR.steps, (len(rows),)).to(self.device)
         noise = torch.randn(batch["motion"].shape).to(self.device)
         return self._losses(network, batch, steps, noise)
 
     def validation(self, network: Denoiser) -> Mapping[str, float]:
-        """Return `motion_losses` of held-out windows, the same windows, noise and steps each time.
+        """Return `motion_losses` of held-out windows, with the same windows, noise and steps.
 
-        Weights are chosen by the loss without its velocity, which a network that hardly moves has
-        least of. Windows lie evenly among the held-out ones, and their steps evenly over all there
-        are. A guided network is asked for what it says when it is told the speech.
+        Weights are chosen by the loss without its velocity part, which is smallest for a network
+        that hardly moves. Windows and diffusion steps are evenly spaced. A guided network is
+        measured without guidance.
         """
         rows = np.linspace(0, len(self.held_out) - 1, VALIDATION_WINDOWS).round().astype(np.int64)
         chance = np.random.default_rng(_VALIDATION_SEED)
@@ -134,7 +134,7 @@ class DiffShegTask(WindowTask):
 
     @cached_property
     def _covariance_windows(self) -> NDArray[np.float32]:
-        """Normalised windows, evenly among those to learn from."""
+        """Normalised motion of evenly spaced training windows."""
         rows = evenly_spaced(len(self.training), _MOST_COVARIANCE_WINDOWS)
         return self._normalised_motion(dict(self.training.batch(rows)))
 
@@ -146,14 +146,14 @@ class DiffShegTask(WindowTask):
         return motion_losses(noise, eps, steps, self.weights, batch.get("semantic"))
 
     def _batch(self, windows: Windows, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
-        """Return windows by feature, with normalised ``motion`` and one-hot each ``person``."""
+        """Return windows by feature, with normalised ``motion`` and one-hot ``person``."""
         values = dict(windows.batch(rows))
         values["motion"] = self._normalised_motion(values)
         values["person"] = self.speakers.one_hot(windows.speakers(rows))
         return {name: torch.from_numpy(array).to(self.device) for name, array in values.items()}
 
     def _normalised_motion(self, values: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
-        """Return normalised motion in place of its two features."""
+        """Return normalised motion, and remove its two features from `values`."""
         motion = np.concatenate([values.pop(name) for name in ("gesture", "expression")], axis=-1)
         return self.normalisation.normalised(motion.astype(np.float64)).astype(np.float32)
 
@@ -161,7 +161,7 @@ class DiffShegTask(WindowTask):
 @contextmanager
 def _unguided(network: Denoiser) -> Iterator[None]:
     """Turn off a network's guidance, in evaluation mode."""
-    branches = [one for one in network.branches.values() if isinstance(one, Branch)]
+    branches = [branch for _, branch in network.ordered_branches]
     guidances = [branch.guidance for branch in branches]
     try:
         for branch in branches:
@@ -173,7 +173,7 @@ def _unguided(network: Denoiser) -> Iterator[None]:
 
 
 _DATASETS: Final[Mapping[str, str]] = {"beat": "beat", "beat2": "show", "show": "show"}
-"""The data set whose motion representation the recordings of a layout have."""
+"""The data set whose representation is used for recordings of a layout."""
 
 
 def training_features(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[Feature, ...]:
@@ -182,16 +182,16 @@ def training_features(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[
     Parameters
     ----------
     dataset : {'beat', 'show'}
-        The data set whose joints and face the network has; SHOW's also for BEAT2.
+        The data set whose motion representation the network has; ``show`` also for BEAT2.
     hubert : Hubert
         The speech network.
     frame_rate : float
-        Frames per second of all of them.
+        Frames per second of all features.
 
     Returns
     -------
     tuple of Feature
-        ``gesture``, ``expression``, ``mel``, ``hubert``; of BEAT also ``semantic``.
+        ``gesture``, ``expression``, ``mel``, ``hubert``; for BEAT also ``semantic``.
     """
     speech = (mel(frame_rate), hubert_features(frame_rate, hubert))
     if dataset == "beat":
@@ -301,24 +301,23 @@ def _describe(
     untrained: Mapping[str, float],
     hubert: Hubert,
 ) -> TrainedGenerator:
-    """Say what was learned, and from what."""
     measured = trained.best.measured
     sentences = (
         describe_training_data(task.training, task.speakers),
         "Held-out loss, before the first step → now: noise and reconstruction "
         f"{untrained[METRIC]:.4g} → {measured[METRIC]:.4g}, with velocity "
         f"{untrained['loss']:.4g} → {measured['loss']:.4g}.",
-        f"Weights are chosen by the least {METRIC.replace('_', ' ')} of held-out windows.",
+        f"Weights are those with the smallest {METRIC.replace('_', ' ')} loss of held-out windows.",
     )
     warnings = []
     if measured[METRIC] >= untrained[METRIC]:
         warnings.append(
-            "It predicts held-out takes no better than before its first step: give more "
+            "It predicts held-out takes no better than before its first step: give it more "
             "recordings, or more steps."
         )
     if hubert.stands_in:
         warnings.append(
-            f"Speech was encoded by a {hubert.description}: the network can learn when and how "
-            "somebody speaks, but no words."
+            f"Speech was encoded by a {hubert.description}: the network can learn the timing and "
+            "manner of speech, but not its words."
         )
     return describe_training(task, trained, *sentences, warnings=warnings)

@@ -1,9 +1,9 @@
-"""From what trunk, head and hands do to the rotations of the 55 joints.
+"""Rotations of the 55 joints from the motion of trunk, head and hands.
 
-The trunk is posed first; the arms then reach, by inverse kinematics, for places that move with
-the chest, and the legs keep the feet where they stood. The law of cosines fixes how far a limb of
-two bones bends; the one freedom left, the swivel of the elbow about the line from shoulder to wrist
-(Tolani, Goswami & Badler 2000), is set by a pole: the side to which the elbow points.
+The trunk is posed first. The arms then reach, by inverse kinematics, for places that move with the
+chest, and the legs keep the feet in place. The law of cosines determines the bend of a limb of two
+bones. The remaining degree of freedom, the swivel of the elbow about the line from shoulder to
+wrist (Tolani, Goswami & Badler 2000), is set by a pole: the direction in which the elbow points.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ _NEAREST: Final = 0.35
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Limb:
-    """A limb as it is when nothing is posed.
+    """A limb in the rest pose.
 
     Attributes
     ----------
     upper, lower : ndarray, shape (3,)
-        From shoulder to elbow and from elbow to wrist, in metres.
+        Vectors from shoulder to elbow and from elbow to wrist, in metres.
     folds_toward : ndarray, shape (3,)
-        Where the wrist goes when only the elbow bends: forward for arms, back for legs.
+        Direction of the wrist when only the elbow bends: forward for arms, backward for legs.
     comfort : float
-        Share of the limb's length up to which it reaches exactly. Beyond, its end lags behind
-        smoothly, for a limb that snaps straight looks wrong.
+        Share of the limb's length up to which it reaches exactly. Beyond it, the end lags behind
+        smoothly, because a limb that snaps straight looks wrong.
     """
 
     upper: FloatArray
@@ -68,15 +68,15 @@ def solve(
     ----------
     limb : Limb
     root, target : ndarray, shape (T, 3)
-        Where the limb begins and where its end should be, in metres.
+        Positions of the limb's start and of the goal of its end, in metres.
     pole : ndarray, shape (T, 3)
-        Direction to which the middle joint points; not along the limb.
+        Direction in which the middle joint points; not along the limb.
 
     Returns
     -------
     upper, lower : ndarray, shape (T, 3, 3)
-        World rotation matrices of the bones. The lower one is bent about the hinge alone, its
-        twist is left to the caller.
+        World rotation matrices of the bones. The lower one is bent about the hinge only; its twist
+        is left to the caller.
     """
     a, b = float(np.linalg.norm(limb.upper)), float(np.linalg.norm(limb.lower))
     line = target - root
@@ -96,7 +96,7 @@ def solve(
 
 
 def _reachable_share(share: FloatArray, comfort: float) -> FloatArray:
-    """Return the share of the limb's length to span, eased off near a straight limb."""
+    """Return the share of the limb's length to span, eased near a straight limb."""
     margin = _STRAIGHTEST - comfort
     excess = np.maximum(share - comfort, 0)
     eased = np.minimum(share, comfort) + margin * np.tanh(excess / margin)
@@ -106,7 +106,7 @@ def _reachable_share(share: FloatArray, comfort: float) -> FloatArray:
 def _bone_turn(
     bone: FloatArray, rest_hinge: FloatArray, direction: FloatArray, hinge: FloatArray
 ) -> FloatArray:
-    """Return the rotation that takes the bone `bone` along `direction`, its hinge along `hinge`."""
+    """Return the rotation that takes `bone` to `direction` and its hinge to `hinge`."""
     return _frame(direction, hinge) @ np.swapaxes(_frame(bone, rest_hinge), -1, -2)
 
 
@@ -139,13 +139,13 @@ _CURL_ORDER: Final = ("thumb", "index", "middle", "ring", "pinky")
 class Trunk:
     """The motion of everything but the arms and the face.
 
-    All turns are shape (T, 3), degrees about x (nodding, forward positive), y (turning, to the
+    All turns have shape (T, 3), in degrees about x (nodding, forward positive), y (turning, to the
     body's left positive) and z (tilting, towards the body's right positive).
 
     Attributes
     ----------
     pelvis, spine, head : ndarray, shape (T, 3)
-        Turn of the pelvis in the world; of the spine and of neck and head as wholes.
+        Turns of the pelvis in the world, of the whole spine, and of neck and head together.
     shift : ndarray, shape (T, 3)
         Shift of the pelvis, in metres.
     shoulders_up, shoulders_forward : ndarray, shape (T,)
@@ -172,8 +172,8 @@ def pose_body(trunk: Trunk, hands: Mapping[str, FloatArray]) -> tuple[FloatArray
     Returns
     -------
     poses : ndarray, shape (T, 55, 3)
-        Axis-angle in radians. Jaw and eyes stay zero: the face's own actions move them, and a
-        body that maps both would move them twice.
+        Axis-angle in radians. Jaw and eyes are zero: facial actions move them, and a body that maps
+        both would move them twice.
     trans : ndarray, shape (T, 3)
         Metres.
     """
@@ -193,7 +193,7 @@ def pose_body(trunk: Trunk, hands: Mapping[str, FloatArray]) -> tuple[FloatArray
 
 
 def _collar(trunk: Trunk, hand: FloatArray, sign: float) -> FloatArray:
-    """Return the collar bone's turn: it rises and advances with the arm it carries."""
+    """Return the collar bone's turn, which rises and advances with its arm."""
     place = hand[:, PLACE] / np.linalg.norm(hand[:, PLACE], axis=1, keepdims=True)
     lift = trunk.shoulders_up + _LIFT_WITH_ARM * place[:, 1] + _LIFT_LEVEL
     advance = trunk.shoulders_forward + _ADVANCE_WITH_ARM * np.maximum(place[:, 2], 0) ** 2
@@ -227,7 +227,7 @@ def _pose_arm(
             np.full(len(swivel), back),
         ]
     )
-    # From where the shoulder would be with the collar at rest, so that a shrug lifts the hand
+    # Relative to the shoulder's position with the collar at rest, so that a shrug lifts the hand
     # less than the shoulder.
     spine3 = joint_index("spine3")
     socket = REST_JOINTS[shoulder] - REST_JOINTS[spine3]
@@ -286,7 +286,7 @@ def _finger_rotations(hand: FloatArray, sign: float) -> FloatArray:
 
 
 def _rotvec(turn: FloatArray) -> FloatArray:
-    """Return axis-angle, shape (T, 3), of turns in degrees: about y, then x, then z."""
+    """Return turns in degrees, about y, then x, then z, as axis-angle, shape (T, 3)."""
     about_yxz = turn[:, [1, 0, 2]]
     return np.asarray(Rotation.from_euler("YXZ", about_yxz, degrees=True).as_rotvec())
 

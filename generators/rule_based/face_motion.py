@@ -1,4 +1,4 @@
-"""The face: what the emotion shows, brows on accents, blinks, gaze and the speaking mouth."""
+"""The face: emotional expression, brows on accents, blinks, gaze and the speaking mouth."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def move_face(
     audio, prosody : Audio, Prosody
         The speech.
     head_in_world : ndarray, shape (T, 3)
-        Turn of the head in degrees; the eyes make up for it.
+        Turn of the head in degrees; the eyes compensate for it.
     times : ndarray, shape (T,)
         Seconds.
     rng : numpy.random.Generator
@@ -73,7 +73,7 @@ def move_face(
     for name, weight in style.face.steady.items():
         steady = weight * wavering * (talking if name.startswith(_LIP_SHAPES) else 1.0)
         _add_weights(arkit, name, steady)
-    # Brows lead the voice a little (Flecha-Garcia 2010).
+    # Brows slightly lead the voice (Flecha-Garcia 2010).
     accents = on_accents(prosody, times, rise=0.18, fall=0.45, lead=_BROW_LEAD)
     for name, weight in style.face.on_accent.items():
         _add_weights(arkit, name, weight * accents)
@@ -91,7 +91,7 @@ def move_face(
 
 
 def _sides(name: str) -> tuple[str, ...]:
-    """Return the ARKit actions that `name` means: that one, or its left and right ones."""
+    """Return the ARKit actions of `name`: the action itself, or its left and right ones."""
     return (name,) if name in ARKIT_NAMES else (f"{name}Left", f"{name}Right")
 
 
@@ -114,15 +114,15 @@ def gaze(
 ) -> dict[str, FloatArray]:
     """Return the weights of the eyes' actions, each of shape (T,).
 
-    The eyes rest on the viewer or on something beside, jump between the two (saccades), and
-    make up for the head's own turning (the vestibulo-ocular reflex).
+    The eyes rest on the viewer or on something nearby, jump between the two (saccades), and
+    compensate for the head's turning (the vestibulo-ocular reflex).
 
     Parameters
     ----------
     head_in_world : ndarray, shape (T, 3)
         Turn of the head in degrees: forward, to its left, to its right shoulder.
     looks_away : float
-        Degrees, root mean square, between the viewer and what else is looked at.
+        Root mean square of the angles between the viewer and other targets, in degrees.
     times : ndarray, shape (T,)
         Seconds.
     rng : numpy.random.Generator
@@ -154,13 +154,13 @@ def blinks(per_minute: float, times: FloatArray, rng: np.random.Generator) -> Fl
     Parameters
     ----------
     per_minute : float
-        Blinks a minute on average.
+        Average number of blinks per minute.
     times : ndarray, shape (T,)
         Seconds.
     rng : numpy.random.Generator
     """
     lid_closure = np.zeros(len(times))
-    # Blinks keep some distance from each other: gamma intervals, shape 3, not Poisson's.
+    # Gamma-distributed intervals of shape 3, not a Poisson process: blinks are not too close.
     average = 60 / per_minute
     moment = rng.uniform(0.2, average)
     while moment < times[-1]:
@@ -176,20 +176,20 @@ def speaking_mouth(
 ) -> Mapping[str, FloatArray]:
     """Return the weights of the mouth's actions, each of shape (T,); silence gives zeros.
 
-    Three bands of the spectrum stand for jaw, spread and rounded lips, as in Llorach, Evans, Blat,
-    Grimm & Hohmann (2016), "Web-based live speech-driven lip-sync": openness goes with the energy
-    of the first formant, spread lips with the second's, rounding with their absence. The mouth is
-    moved by the ARKit actions alone; the jaw joint stays still, since the body maps both.
+    Three bands of the spectrum drive jaw, spread and rounded lips, as in Llorach, Evans, Blat,
+    Grimm & Hohmann (2016), "Web-based live speech-driven lip-sync": openness follows the energy of
+    the first formant, spread lips that of the second, and rounding their absence. Only ARKit
+    actions move the mouth; the jaw joint stays still, since the body maps both.
 
     Parameters
     ----------
     audio : Audio
     prosody : Prosody
-        On the frames of `times`.
+        Prosody of the speech, on the frames of `times`.
     times : ndarray, shape (T,)
         Seconds.
     opening : float
-        How widely this speaker opens the mouth; 1 is usual.
+        Scale of the mouth's opening; 1 is usual.
     """
     share = _band_shares(audio, times)
     loudness = np.clip((prosody.energy - _SPEECH_ENERGY) / (1 - _SPEECH_ENERGY), 0, 1)
@@ -202,7 +202,7 @@ def speaking_mouth(
     openness = voiced * (0.35 + 0.65 * share["open"])
     spread = voiced * share["front"]
     rounded = voiced * np.clip(1 - share["open"] - share["front"], 0, 1)
-    # A dip between two syllables is where lips or tongue close.
+    # Lips or tongue close in the dip between two syllables.
     surrounding = gaussian_filter1d(loudness, 4 * width, mode="nearest")
     closing = np.clip(surrounding - loudness, 0, 1) * (surrounding > 0.15)
     return {
@@ -219,7 +219,7 @@ def speaking_mouth(
 
 
 def _band_shares(audio: Audio, times: FloatArray) -> dict[str, FloatArray]:
-    """Return in [0, 1] how much open vowels, front vowels and hiss there are at each time."""
+    """Return the shares of open vowels, front vowels and hiss at each time, in [0, 1]."""
     rate = audio.sample_rate
     window = np.hanning(max(round(_WINDOW * rate), 4))
     transform = ShortTimeFFT(window, max(round(_HOP * rate), 1), rate)
@@ -243,6 +243,6 @@ def _band_shares(audio: Audio, times: FloatArray) -> dict[str, FloatArray]:
 
 
 def _stretch(share: FloatArray) -> FloatArray:
-    """Return `share` stretched so that this voice's own low and high values are 0 and 1."""
+    """Scale `share` so that the low and high values of this voice become 0 and 1."""
     low, high = np.percentile(share, [15, 95])
     return np.asarray(np.clip((share - low) / max(high - low, 1e-6), 0, 1))

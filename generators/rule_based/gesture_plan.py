@@ -1,9 +1,9 @@
 """The plan of gestures: accents, forms, hands, and times of phases.
 
 A gesture has a preparation, a stroke, a hold and, unless the next one follows at once, a
-retraction (Kendon 1980; McNeill 1992, ch. 3). The stroke ends at the accent, where the farthest
-point of a beat lies in speech (Leonard & Cummins 2011; Loehr 2012): 30 ms ahead of the syllable's
-loudest moment, between its onset and that.
+retraction (Kendon 1980; McNeill 1992, ch. 3). The stroke ends at the accent, which is the time of a
+beat's apex in speech (Leonard & Cummins 2011; Loehr 2012): 30 ms before the syllable's loudest
+moment, after its onset.
 """
 
 from __future__ import annotations
@@ -48,13 +48,13 @@ class Gesture:
     hands : tuple of str
         ``left``, ``right`` or both.
     begin : float
-        When the preparation begins, in seconds.
+        Start of the preparation, in seconds.
     stroke : float
-        When preparation ends and the stroke begins.
+        End of the preparation and start of the stroke, in seconds.
     apex : float
-        When the stroke ends and the hold begins: at the accent.
+        End of the stroke and start of the hold, at the accent, in seconds.
     hold : float
-        Seconds that the hand would stay if nothing followed.
+        Duration of the hold if nothing follows, in seconds.
     strength : float
         Prominence of the accent, in (0, 1].
     """
@@ -75,9 +75,9 @@ class Ending:
     Attributes
     ----------
     release : float
-        When the hold ends, in seconds.
+        End of the hold, in seconds.
     rest : float or None
-        When the retraction ends; None where the hand's next gesture begins out of the hold.
+        End of the retraction, in seconds; None if the hand's next gesture starts from the hold.
     """
 
     release: float
@@ -100,7 +100,7 @@ def plan_gestures(
     Returns
     -------
     tuple of Gesture
-        In time order; the phases of one hand do not overlap. Empty where nothing is accented.
+        Gestures in time order; the phases of one hand do not overlap. Empty without accents.
     """
     picked = _pick_accents(prosody, manner.least_gap)
     strong_hand = HANDS[int(rng.random() < 0.7)]
@@ -132,9 +132,9 @@ def plan_gestures(
 
 
 def _on_syllable(stroke: float, begin: float, apex: float, syllables: FloatArray) -> float:
-    """Return the stroke's beginning moved onto a syllable near it, where there is one.
+    """Return the start of the stroke, moved to a nearby syllable if there is one.
 
-    Hands turn with the voice at the top of a beat too, not only at its end.
+    Hands are in time with the voice at the start of a stroke, too, not only at its end.
     """
     earliest = max(stroke - _SYLLABLE_REACH, begin + (stroke - begin) / 2)
     latest = min(stroke + _SYLLABLE_REACH, apex - (apex - stroke) / 2)
@@ -149,9 +149,9 @@ def endings(gestures: Sequence[Gesture], tempo: float) -> tuple[Ending, ...]:
     Parameters
     ----------
     gestures : sequence of Gesture
-        Those of one hand, in time order.
+        Gestures of one hand, in time order.
     tempo : float
-        Speed of the retraction against an unmoved speaker's.
+        Speed of the retraction relative to a neutral speaker.
     """
     endings: list[Ending] = []
     for number, gesture in enumerate(gestures):
@@ -166,7 +166,7 @@ def endings(gestures: Sequence[Gesture], tempo: float) -> tuple[Ending, ...]:
 
 
 def _pick_accents(prosody: Prosody, least_gap: float) -> NDArray[np.intp]:
-    """Return the strongest accents that lie at least `least_gap` seconds apart, in time order."""
+    """Return the strongest accents that are at least `least_gap` seconds apart, in time order."""
     picked: list[int] = []
     for accent in np.argsort(-prosody.prominence, kind="stable"):
         time = prosody.accents[accent]
@@ -177,7 +177,7 @@ def _pick_accents(prosody: Prosody, least_gap: float) -> NDArray[np.intp]:
 
 
 def _units(apexes: FloatArray, tempo: float) -> list[list[float]]:
-    """Return the apexes in runs that one hand makes without going back to rest."""
+    """Group the apexes into units within which the hand does not return to rest."""
     units: list[list[float]] = []
     for apex in apexes.tolist():
         if units and apex - units[-1][-1] < _UNIT_GAP / tempo and len(units[-1]) < _LONGEST_UNIT:
@@ -194,22 +194,23 @@ def _choose_form(
     unlike: GestureForm | None,
     hand_count: int | None = None,
 ) -> GestureForm:
-    """Return a form the emotion likes, another than `unlike`, for `hand_count` hands if given."""
+    """Choose a form by the emotion's preferences, other than `unlike`, for `hand_count` hands."""
     usable = [
-        (FORMS[name], liking)
-        for name, liking in manner.forms.items()
+        (FORMS[name], preference)
+        for name, preference in manner.forms.items()
         if hand_count is None
         or (FORMS[name].both_hands if hand_count == 2 else FORMS[name].one_hand)
     ]
-    candidates = [(form, liking) for form, liking in usable if form is not unlike] or usable
-    liking = np.array([weight for _, weight in candidates])
-    return candidates[int(rng.choice(len(candidates), p=liking / liking.sum()))][0]
+    candidates = [item for item in usable if item[0] is not unlike] or usable
+    preferences = np.array([preference for _, preference in candidates])
+    choice = rng.choice(len(candidates), p=preferences / preferences.sum())
+    return candidates[int(choice)][0]
 
 
 def _choose_hands(
     form: GestureForm, manner: GestureManner, strong_hand: str, rng: np.random.Generator
 ) -> tuple[str, ...]:
-    """Return the hands to make `form` with; the strong hand more often than the other."""
+    """Choose the hands that make `form`; the strong hand more often than the other."""
     both, strong = rng.random() < manner.both_hands, rng.random() < _STRONG_HAND
     if not form.one_hand or (form.both_hands and both):
         return HANDS
@@ -225,7 +226,7 @@ def _latest_of(gestures: Sequence[Gesture], hands: tuple[str, ...]) -> Gesture |
 def _approach(
     apex: float, free: float, repeated: bool, tempo: float, rng: np.random.Generator
 ) -> tuple[float, float]:
-    """Return when preparation and stroke begin, squeezed where the hand is free late."""
+    """Return the starts of preparation and stroke, shortened if the hand is free too late."""
     stroke = _STROKE / tempo * rng.uniform(0.85, 1.2)
     preparation = (_RECOIL if repeated else _PREPARATION) / tempo * rng.uniform(0.85, 1.2)
     squeeze = min(1.0, (apex - free) / (stroke + preparation))

@@ -47,11 +47,11 @@ _DETOUR: Final = (0.0, 0.0, 0.5)
 _ALONE: Final = CHANNELS
 _RESTING: Final = CHANNELS + 1
 _IS_ON_TOP: Final = CHANNELS + 2
-"""Further channels of a course, from 0 to 1: whether the hand moves by itself or lies on the other,
-whether it rests, and whether it is the upper one."""
+"""Further channels of a course, from 0 to 1: whether the hand moves independently of the other,
+whether it rests, and whether it lies on top of the other."""
 
 _JOINT_LIMITS: Final = ((PRONATION, 80.0), (FLEXION, 70.0), (DEVIATION, 20.0))
-"""Degrees that a forearm and a wrist can turn either way."""
+"""Limits of forearm and wrist in either direction, in degrees."""
 
 
 def move_hands(
@@ -63,7 +63,7 @@ def move_hands(
     ----------
     style : EmotionStyle
     prosody : Prosody
-        Its accents are gestured on.
+        Prosody of the speech, on whose accents the hands gesture.
     times : ndarray, shape (T,)
         Seconds, one for each frame of `prosody`.
     rng : numpy.random.Generator
@@ -130,20 +130,20 @@ def _course(
             )
             movements += _settling(poses, ending.release, free_until, manner.tempo)
     course = follow(start, movements, times)
-    # Fingers and the wrist's bend trail the arm a little, as loosely held hands do.
+    # Fingers and the wrist's bend trail the arm slightly, as in relaxed hands.
     trailing = follow(start, movements, times - _FOLLOW_THROUGH)
     for channels in (CURLS, SPREAD, FLEXION):
         course[:, channels] = trailing[:, channels]
-    # A hand goes round the one that it comes to lie on.
+    # A hand goes around the other before it lies on top of it.
     on_top = course[:, _IS_ON_TOP, None]
     course[:, PLACE] += on_top * (1 - on_top) * _DETOUR
     return course
 
 
 def _rest_pose(rest: Rest, hand: str, personal: FloatArray) -> FloatArray:
-    """Return the channels of a rest pose, and whether the hand is alone, rests and is on top."""
+    """Return the channels of a rest pose, including the three further ones."""
     pose = rest.poses[hand]
-    if rest.clasped:  # Such hands fit in one way only.
+    if rest.clasped:  # Clasped hands fit together in one way only.
         return np.array([*pose.channels(), 0.0, 1.0, float(pose is POSES["clasped_over"])])
     return np.array([*(pose.channels() + personal), 1.0, 1.0, 0.0])
 
@@ -163,7 +163,7 @@ def _settling(
 def _key_poses(
     gesture: Gesture, manner: GestureManner, size: float, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the hand at the end and at the beginning of the gesture's stroke."""
+    """Return the hand at the end and at the start of the gesture's stroke."""
     apex = gesture.form.apex.channels()
     apex[PLACE] = _GESTURE_CENTRE + (apex[PLACE] - _GESTURE_CENTRE) * (0.4 + 0.6 * size)
     apex[ELBOW_OUT] += manner.elbows_out
@@ -179,7 +179,7 @@ def _key_poses(
 
 
 def _variety(rng: np.random.Generator) -> FloatArray:
-    """Return small differences, shape (13,), for no two gestures are quite the same."""
+    """Return small random differences, shape (13,), between gestures."""
     variety = np.zeros(CHANNELS)
     variety[PLACE] = rng.normal(0, _PLACE_VARIETY)
     variety[[ELBOW_OUT, PRONATION, FLEXION]] = rng.normal(0, _TURN_VARIETY, 3) * (0.6, 1.0, 0.5)
@@ -196,13 +196,13 @@ def _within_joint_limits(course: FloatArray) -> FloatArray:
 
 
 _SETTLING: Final = 1.2
-"""Seconds that an unmoved speaker takes from one rest pose to the next."""
+"""Seconds that a neutral speaker takes from one rest pose to the next."""
 
 _REST_SECONDS: Final = (1.8, 4.0)
-"""Seconds that a rest pose lasts, at least and at most."""
+"""Shortest and longest duration of a rest pose, in seconds."""
 
 _KEEPS_REST_POSE: Final = 0.3
-"""Probability that both hands are as the emotion holds them."""
+"""Probability that both hands keep the emotion's own rest pose."""
 
 _CLASPED: Final = ("clasped_over", "clasped_under")
 _AT_THE_SIDES: Final = ("held_off", "held_off")
@@ -213,29 +213,29 @@ _ALTERNATIVES: Final[Mapping[HandPose, Sequence[tuple[str, str]]]] = {
     POSES["held_off"]: (_CLASPED, _AT_THE_SIDES, _ONE_HANGS),
     POSES["hanging_slack"]: (_CLASPED,),
 }
-"""What a feeling changes its own pose for: that of the hand that gestures next, and the other's."""
+"""Alternatives to an emotion's rest pose, for the hand that gestures next and for the other."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rest:
-    """The resting pose of each hand from a moment on."""
+    """The rest pose of each hand from `begin` on, in seconds."""
 
     begin: float
     poses: Mapping[str, HandPose]
 
     @property
     def clasped(self) -> bool:
-        """Whether the hands lie on each other, so that they only move as one."""
+        """Whether the hands are clasped, so that they only move together."""
         return POSES["clasped_over"] in self.poses.values()
 
 
 def plan_rests(
     manner: GestureManner, gestures: Sequence[Gesture], seconds: float, rng: np.random.Generator
 ) -> tuple[Rest, ...]:
-    """Return the resting poses of a clip of so many seconds in time order, the first from 0 on.
+    """Return the rest poses of a clip of so many seconds in time order, the first from 0 on.
 
-    Clenched and drawn-up hands stay what they are; others are clasped, hang, or do one of each.
-    They change only where both are free for long enough, so that none meets the other on its way.
+    Clenched and drawn-up hands stay as they are; others are clasped, hang, or one of them hangs.
+    They change only when both are free for long enough, so that they do not meet on the way.
     """
     rest_poses = dict.fromkeys(HANDS, manner.rest)
     rests: list[Rest] = []
@@ -252,7 +252,7 @@ def plan_rests(
 def _free_intervals(
     manner: GestureManner, gestures: Sequence[Gesture], seconds: float
 ) -> Iterator[tuple[float, float, Sequence[str]]]:
-    """Yield from when to when no hand gestures, the first time from 0 on, and which do next."""
+    """Yield start and end of each interval without gestures, and the hands that gesture next."""
     released = 0.0
     release_times = {
         (gesture.begin, hand): ending.release
@@ -269,7 +269,7 @@ def _free_intervals(
 def _poses(
     rest_poses: Mapping[str, HandPose], leaving: str, rng: np.random.Generator
 ) -> Mapping[str, HandPose]:
-    """Return the resting pose of both hands; the one that leaves first is on top."""
+    """Return the rest pose of both hands; the hand that gestures next is on top."""
     alternatives = _ALTERNATIVES.get(rest_poses[leaving], ())
     if not alternatives or rng.random() < _KEEPS_REST_POSE:
         return rest_poses
@@ -287,7 +287,7 @@ _CURLS_CLASPED: Final = 0.5
 def _drifts(
     times: FloatArray, restlessness: float, rng: np.random.Generator
 ) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
-    """Return the drift of each hand by itself, and of both as one, shape (T, 13) each."""
+    """Return the drift of each hand on its own, and of both together, shape (T, 13) each."""
     slow, quick = 0.1 * restlessness, 1.0 * restlessness
     own = {hand: _DRIFT * smooth_noise(times, CHANNELS, slow, quick, rng) for hand in HANDS}
     left = np.zeros((len(times), CHANNELS))
@@ -300,7 +300,7 @@ def _drifts(
 def _with_idling(
     course: FloatArray, own: FloatArray, together: FloatArray, beats: FloatArray
 ) -> FloatArray:
-    """Return the course, shape (T, 13), with its drift, and a small beat on accents at rest."""
+    """Return the course, shape (T, 13), with drift, and small beats on accents at rest."""
     free = np.repeat(course[:, _ALONE, None], CHANNELS, axis=1)
     free[:, CURLS] = np.maximum(free[:, CURLS], _CURLS_CLASPED)
     beat = course[:, _RESTING, None] * (beats[:, None] * _BEAT)

@@ -1,4 +1,4 @@
-"""Motion of trunk and head: posture, sway, breath, following the hands, nods."""
+"""Motion of trunk and head: posture, sway, breathing, following the hands, nods."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ def move_trunk(
     ----------
     style : EmotionStyle
     prosody : Prosody
-        The head nods on its accents.
+        Prosody of the speech; the head nods on its accents.
     hands : mapping of str to ndarray, shape (T, 13)
-        Channels of `vocabulary.HandPose`; the trunk turns and leans with where the hands go.
+        Channels of `vocabulary.HandPose`; the trunk turns and leans with the hands.
     times : ndarray, shape (T,)
         Seconds.
     rng : numpy.random.Generator
@@ -83,7 +83,7 @@ def _head(
     drift: FloatArray,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Return the head's turn on the trunk: it stays on the viewer while the trunk moves."""
+    """Return the head's turn on the trunk; it faces the viewer while the trunk moves."""
     posture, life = style.posture, style.liveliness
     head = -_HEAD_STAYS * carried
     head += (posture.head_down, posture.head_turn, posture.head_tilt)
@@ -97,13 +97,13 @@ def _head(
 
 
 def _nods(prosody: Prosody, times: FloatArray) -> FloatArray:
-    """Return nods, 1 at the lowest of the strongest: a little up, then down on the accent."""
+    """Return nods, slightly up, then down on each accent; 1 is the strongest's lowest point."""
     up = on_accents(prosody, times + 0.2, rise=0.2, fall=0.2)
     return on_accents(prosody, times, rise=0.17, fall=0.32) - 0.25 * up
 
 
 def _trunk_following(hands: Mapping[str, FloatArray], frame_rate: float) -> FloatArray:
-    """Return the spine's turn, shape (T, 3), that goes with reaching and raising the hands."""
+    """Return the spine's turn, shape (T, 3), that follows the hands as they reach and rise."""
     places = {side: hand[:, PLACE] for side, hand in hands.items()}
     reach = {side: place[:, 2] + 0.6 * place[:, 0] for side, place in places.items()}
     turn = -_TURN_WITH_REACH * (reach["left"] - reach["right"])

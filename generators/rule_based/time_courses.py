@@ -1,9 +1,9 @@
-"""Courses over time: how a hand gets from one place to the next, and how what rests drifts.
+"""Courses over time: movements of a hand from one place to the next, and drift at rest.
 
-A hand that reaches moves along the course with the least jerk (Flash & Hogan 1985, eq. 3), and
-a movement that begins before the last one has ended adds to it (Flash & Henis 1991,
-superposition). So a preparation flows into its stroke without a stop between them. Slow drift that
-never repeats keeps a standing body from being a statue.
+A reaching hand follows the course of minimum jerk (Flash & Hogan 1985, eq. 3). A movement that
+starts before the previous one has ended is superposed on it (Flash & Henis 1991), so that a
+preparation flows into its stroke without a stop. Slow drift that never repeats keeps a standing
+body from looking like a statue.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ class Movement:
     start, end : float
         Seconds, ``start < end``.
     target : ndarray, shape (C,)
-        Where it goes, in any channels.
+        Values at its end, in any channels.
     bow : ndarray, shape (C,) or None
-        How far the course bends off the straight line half-way; None for a straight one.
+        Deviation of the course from the straight line halfway; None for a straight course.
     """
 
     start: float
@@ -43,12 +43,12 @@ class Movement:
 
 
 def minimum_jerk(progress: FloatArray) -> FloatArray:
-    """Return the share of the way covered at each share of the time; both in [0, 1].
+    """Return the covered share of the way at each share of the time; both in [0, 1].
 
     Parameters
     ----------
     progress : ndarray
-        Elapsed share of the movement's time; values outside [0, 1] are held at the ends.
+        Elapsed share of the movement's time; clipped to [0, 1].
 
     Returns
     -------
@@ -60,7 +60,7 @@ def minimum_jerk(progress: FloatArray) -> FloatArray:
 
 
 def swell(progress: FloatArray) -> FloatArray:
-    """Return a smooth hump over [0, 1]: 0 with no speed at both ends, 1 half-way."""
+    """Return a smooth hump over [0, 1]: 0 with zero speed at both ends, 1 halfway."""
     s = np.clip(progress, 0.0, 1.0)
     return np.asarray(64 * (s * (1 - s)) ** 3)
 
@@ -73,7 +73,7 @@ def follow(start: FloatArray, movements: Iterable[Movement], times: FloatArray) 
     start : ndarray, shape (C,)
         The values before the first movement.
     movements : iterable of Movement
-        In the order in which they begin; overlapping ones add up.
+        Movements in order of their starts; overlapping ones add up.
     times : ndarray, shape (T,)
         Seconds.
 
@@ -93,14 +93,14 @@ def follow(start: FloatArray, movements: Iterable[Movement], times: FloatArray) 
 
 
 def pulse(times: FloatArray, peak: float, rise: float, fall: float) -> FloatArray:
-    """Return a movement that goes out and comes back: 0, up to 1 at `peak`, back to 0.
+    """Return a movement that goes out and comes back: from 0 to 1 at `peak`, and back to 0.
 
     Parameters
     ----------
     times : ndarray, shape (T,)
         Seconds.
     peak : float
-        When it is 1.
+        Time of the peak.
     rise, fall : float
         Seconds from 0 to the peak and from the peak back to 0.
     """
@@ -112,7 +112,7 @@ def pulse(times: FloatArray, peak: float, rise: float, fall: float) -> FloatArra
 def on_accents(
     prosody: Prosody, times: FloatArray, *, rise: float, fall: float, lead: float = 0.0
 ) -> FloatArray:
-    """Return pulses as high as the accents are prominent, which peak `lead` seconds before them."""
+    """Return pulses that peak `lead` seconds before the accents, as high as their prominence."""
     beats = np.zeros(len(times))
     for accent, strength in zip(prosody.accents, prosody.prominence, strict=True):
         beats = np.maximum(beats, strength * pulse(times, accent - lead, rise, fall))
@@ -131,8 +131,8 @@ def smooth_noise(
     channels : int
         The number of independent signals.
     lowest, highest : float
-        The band in Hz; slower waves are stronger, as in a standing body's sway (amplitude
-        falls with the root of the frequency).
+        The band in Hz; slower waves are stronger, as in a standing body's sway (the amplitude is
+        proportional to the inverse square root of the frequency).
     rng : numpy.random.Generator
 
     Returns

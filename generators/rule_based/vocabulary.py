@@ -1,6 +1,6 @@
 """Hand shapes and poses, gesture forms, and the style of each emotion.
 
-The tables beside this module hold the values.
+The values are in the TOML files of this package.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def _table(name: str) -> dict[str, Any]:
 
 @dataclass(frozen=True, kw_only=True)
 class HandShape:
-    """How far each finger is curled: 0 straight, 1 in a fist; and how far they are spread."""
+    """Curl of each finger, 0 straight and 1 in a fist, and spread of the fingers."""
 
     thumb: float
     index: float
@@ -41,10 +41,10 @@ SHAPES: Final = {name: HandShape(**values) for name, values in _HANDS["shapes"].
 RELATED_SHAPES: Final[Mapping[HandShape, Sequence[HandShape]]] = {
     SHAPES[name]: [SHAPES[other] for other in others] for name, others in _HANDS["related"].items()
 }
-"""Shapes that a hand may come near to instead."""
+"""Shapes towards which a hand may vary."""
 
 NamedShape = Annotated[HandShape, BeforeValidator(lambda name: SHAPES[name])]
-"""A shape, which a table names."""
+"""A shape, given by its name in a table."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,16 +54,16 @@ class HandPose:
     Attributes
     ----------
     outward, up, forward : float
-        From the shoulder to the wrist in the chest's own frame, in arm lengths (shoulder to
+        Vector from the shoulder to the wrist in the chest's frame, in arm lengths (shoulder to
         wrist); outward is away from the other arm.
     elbow_out : float
-        Degrees by which the elbow is raised to the side from where it hangs by itself.
+        Angle in degrees by which the elbow is raised sideways from where it hangs.
     pronation : float
-        Degrees of turning the forearm: 0 with the thumb up, +80 palm down, -80 palm up.
+        Turn of the forearm in degrees: 0 with the thumb up, +80 palm down, -80 palm up.
     flexion : float
-        Degrees of bending the wrist towards the palm.
+        Bend of the wrist towards the palm, in degrees.
     deviation : float
-        Degrees of bending the wrist towards the thumb.
+        Bend of the wrist towards the thumb, in degrees.
     shape : HandShape
     """
 
@@ -77,7 +77,7 @@ class HandPose:
     shape: NamedShape
 
     def channels(self) -> NDArray[np.float64]:
-        """Return the pose as one vector, shape (13,); its parts are the slices below."""
+        """Return the pose as a vector, shape (13,), whose parts are the slices below."""
         *arm, shape = astuple(self)
         return np.array([*arm, *shape], float)
 
@@ -85,7 +85,7 @@ class HandPose:
 POSES: Final = TypeAdapter(dict[str, HandPose]).validate_python(_HANDS["poses"])
 
 NamedPose = Annotated[HandPose, BeforeValidator(lambda name: POSES[name])]
-"""A pose, which a table names."""
+"""A pose, given by its name in a table."""
 
 PLACE: Final = slice(0, 3)
 ELBOW_OUT: Final = 3
@@ -106,13 +106,13 @@ class GestureForm:
     apex : HandPose
         The hand at the end of the stroke, at amplitude 1.
     stroke : tuple of float
-        The way of the wrist in the stroke (outward, up, forward), in arm lengths.
+        Path of the wrist in the stroke (outward, up, forward), in arm lengths.
     wind_up : tuple of float
-        Degrees by which pronation and flexion differ at the stroke's beginning.
+        Differences of pronation and flexion at the start of the stroke, in degrees.
     wind_up_shape : HandShape
-        The fingers at the stroke's beginning.
+        The fingers at the start of the stroke.
     one_hand, both_hands : bool
-        Whether one hand, or both, can do it.
+        Whether one hand, or both hands, can make it.
     """
 
     apex: HandPose
@@ -123,7 +123,7 @@ class GestureForm:
     both_hands: bool = True
 
     def fingers(self, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Return how one stroke ends, shape (6,): curls and spread, part way to a shape of kin."""
+        """Return curls and spread after a stroke, shape (6,), varied towards a related shape."""
         related = RELATED_SHAPES[self.apex.shape]
         target = related[int(rng.integers(len(related)))]
         blend = rng.uniform(0, _LARGEST_BLEND)
@@ -143,19 +143,19 @@ class GestureManner:
     forms : mapping of str to float
         Preference of each form of `FORMS`; need not sum to 1.
     rest : HandPose
-        Where the hands are before, after and in long pauses.
+        Pose of the hands before and after gestures and in long pauses.
     amplitude : float
-        Size of the gestures against the forms' own.
+        Size of the gestures relative to the forms.
     tempo : float
-        Speed of preparation, stroke and retraction against an unmoved speaker's.
+        Speed of preparation, stroke and retraction relative to a neutral speaker.
     least_gap : float
-        Seconds at least from one stroke to the next.
+        Shortest time from one stroke to the next, in seconds.
     both_hands : float
-        Probability that a gesture that could be made with both hands is.
+        Probability of using both hands if the gesture allows it.
     longest_hold : float
-        Seconds that a hand stays after its stroke at most.
+        Longest hold after a stroke, in seconds.
     elbows_out : float
-        Degrees by which the elbows are held off the body.
+        Angle in degrees by which the elbows are held off the body.
     """
 
     forms: Mapping[str, float]
@@ -170,7 +170,7 @@ class GestureManner:
 
 @dataclass(frozen=True, kw_only=True)
 class Posture:
-    """The posture of an emotion; all in degrees.
+    """The posture of an emotion, in degrees.
 
     Attributes
     ----------
@@ -200,21 +200,21 @@ class Liveliness:
     Attributes
     ----------
     nod : float
-        Degrees of the head's nod on the strongest accent.
+        The head's nod on the strongest accent, in degrees.
     head_drift : float
-        Degrees, root mean square, of the head's slow turning.
+        Root mean square of the head's slow turning, in degrees.
     sway : float
-        Size of the body's sway against an unmoved speaker's.
+        Size of the body's sway relative to a neutral speaker.
     restlessness : float
-        Speed of sway and drift against an unmoved speaker's.
+        Speed of sway and drift relative to a neutral speaker.
     breaths : float
-        Breaths a minute.
+        Breaths per minute.
     blinks : float
-        Blinks a minute (about 26 in conversation, 17 at rest: Bentivoglio et al. 1997).
+        Blinks per minute (about 26 in conversation, 17 at rest: Bentivoglio et al. 1997).
     looks_away : float
-        Degrees, root mean square, of the gaze's wandering.
+        Root mean square of the gaze's wandering, in degrees.
     tremor : float
-        Degrees of fine trembling.
+        Root mean square of the shoulders' trembling, in degrees.
     """
 
     nod: float = 6.0
@@ -234,11 +234,11 @@ class Face:
     Attributes
     ----------
     steady : mapping of str to float
-        Weights of ARKit actions that stay; a name without side means both sides.
+        Constant weights of ARKit actions; a name without a side means both sides.
     on_accent : mapping of str to float
         Weights added at the strongest accent.
     mouth_opening : float
-        How widely the mouth opens in speech.
+        Scale of the mouth's opening in speech.
     """
 
     steady: Mapping[str, float]
@@ -248,7 +248,7 @@ class Face:
 
 @dataclass(frozen=True, kw_only=True)
 class EmotionStyle:
-    """All that an emotion sets."""
+    """All parameters of an emotion."""
 
     gestures: GestureManner
     face: Face

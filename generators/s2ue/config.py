@@ -1,7 +1,7 @@
 """Sizes of a Speech2UnifiedExpressions network, and its default training.
 
-Bhattacharya et al. 2024. Its code was never released; where the paper is silent, values are those
-of the first author's earlier Speech2AffectiveGestures ("S2AG"), or chosen here. Each says so.
+Bhattacharya et al. 2024. Its code was never released. Values that the paper does not give are those
+of the first author's earlier Speech2AffectiveGestures ("S2AG"), or chosen here, as noted for each.
 """
 
 from __future__ import annotations
@@ -24,34 +24,35 @@ class NetworkConfig:
     speakers : int
         Length of the one-hot vector, the paper's K.
     words : int
-        Length of a word's vector, 300 of FastText.
+        Length of a word's vector, 300 for FastText.
     sound, bands : int
-        Channels of MFCC and of the spectrogram in a frame; the paper tells neither. S2AG has 37
+        Channels of MFCC and of the spectrogram in a frame; the paper gives neither. S2AG has 37
         MFCC, 31 times a second.
     frames, seeds : int
         T and T_s, 34 and 4.
     frame_rate : float
         15 frames per second.
     audio_width, text_width, speaker_width : int
-        D_a, D_w and D_k; as S2AG's.
+        D_a, D_w and D_k, as in S2AG.
     node_width, part_width : int
-        D_f and D_u, of a landmark or a bone; D_l and D_v, of an anatomical component; as S2AG's.
+        D_f and D_u, of a landmark or a bone; D_l and D_v, of an anatomical component; as in S2AG.
     face_width, pose_width : int
         Widths of the latents of seed face and seed pose; chosen. S2AG has 8 for the pose.
     hidden : int
         Width of encoders' and decoders' inner layers; chosen.
     reach : int
-        Frames of temporal convolutions on graphs, 9 as S2AG's.
+        Kernel size of temporal convolutions on graphs in frames, 9 as in S2AG.
     hops : int
-        Bones that are connected, or connected through a third one, are neighbours: 2.
+        Largest distance of neighbouring bones: 2, so bones connected by a third one are neighbours.
     faces, poses : bool
-        Whether it generates faces, and poses; without one of them is 'w/o Face Synthesis' and
-        'w/o Pose Synthesis'.
+        Whether it generates faces, and poses; False is 'w/o Face Synthesis' and 'w/o Pose
+        Synthesis'.
     face_graph, pose_graph : bool
-        Whether it has the higher graphs of components; without is 'w/o Face AC Graph' and
-        'w/o Pose AC Graph'.
+        Whether it has the graphs of anatomical components; False is 'w/o Face AC Graph' and 'w/o
+        Pose AC Graph'.
     synchronous : bool
-        Whether both are generated from one embedding; two networks are 'w/o Synchronous Synthesis'.
+        Whether both are generated from one embedding; False, with two networks, is 'w/o Synchronous
+        Synthesis'.
     """
 
     speakers: int
@@ -85,7 +86,7 @@ class NetworkConfig:
 
     @property
     def latents(self) -> tuple[int, int]:
-        """Shape of what is drawn of a speaker: for each network one latent."""
+        """Shape of a speaker's latents: one for each network."""
         return len(self.modalities), self.speaker_width
 
     def width_of(self, modalities: tuple[str, ...]) -> int:
@@ -98,22 +99,22 @@ class NetworkConfig:
 class LossWeights:
     """The weights of the losses; the paper gives no numbers.
 
-    All distances are means over frames and values, in units of how far the recordings' values
-    spread, so that faces count as much as poses do.
+    All distances are means over frames and values, divided by the spread of the recordings' values,
+    so that faces count as much as poses.
 
     Attributes
     ----------
     velocity, acceleration : float
-        λ_vel and λ_acc of equation 17, which multiply f and u, and their differences. Zero both is
+        λ_vel and λ_acc of equation 17, which multiply f and u, and their differences. Both zero is
         'w/o Vel.+Acc. Losses'.
     diversity, margin : float
-        Of the cross-speaker ranking loss (section 5.2.2); by how much nearer the own speaker's
-        motion is to lie.
+        Weight of the cross-speaker ranking loss (section 5.2.2), and the margin by which the own
+        speaker's motion should be nearer to the recording.
     adversarial : float
         Weight of equation 18; S2AG's 5 of 500. Zero is 'w/o Discriminator'.
     latent : float
-        Of the divergence of the speakers' latent from a normal one, which the paper does not name
-        and without which it could not be sampled; S2AG's 0.1 of 500.
+        Weight of the divergence of the speakers' latents from a standard normal. The paper does not
+        mention it, but without it latents could not be sampled; S2AG's 0.1 of 500.
     """
 
     velocity: float = 1.0
@@ -135,7 +136,7 @@ ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
         "without_synchrony": {"synchronous": False},
     }
 )
-"""The seven of Table 1, each by what differs of `NetworkConfig` or `LossWeights`."""
+"""The seven ablations of Table 1, as changes of `NetworkConfig` or `LossWeights`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,4 +153,4 @@ class S2uePreset(Preset):
 
 
 PRESETS: Final = read_presets(Path(__file__).with_name("presets.toml"), S2uePreset)
-"""By config."""
+"""Presets by config."""

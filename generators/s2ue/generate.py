@@ -30,14 +30,13 @@ from training.speech_features.word_vectors import (
 )
 
 TRANSITION_SHARE: Final = 0.4
-"""Of a window's new frames, over which it comes to where it would be without the one before."""
+"""Share of a window's new frames over which the transition from the previous window ends."""
 
 _DECAY: Final = 0.3
-"""By how much less each shared frame is held where the window before has it than the one before."""
+"""Ratio of the weights with which adjacent shared frames are held at the previous window's."""
 
 _BENDING: Final = 0.01
-"""What bending costs of the way from one window to the next, beside being off at the first frame
-that they share."""
+"""Weight of the transition's bending, relative to the error at the first shared frame."""
 
 
 class S2ue(NetworkGenerator[S2ueSettings]):
@@ -51,8 +50,8 @@ class S2ue(NetworkGenerator[S2ueSettings]):
     ) -> tuple[MotionClip, dict[str, str]]:
         """Return motion and its facts.
 
-        They are the speaker, the device, the checkpoint's hash, whose vectors words had, how
-        windows lie, and under ``stand_ins`` what took the place of something real.
+        The facts are the speaker, the device, the checkpoint's hash, the word vectors, the windows,
+        and under ``stand_ins`` all substitutes.
         """
         rate = self._network.network.config.frame_rate
         frames = max(1, round(speech.audio.duration * rate))
@@ -60,50 +59,50 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         transcript = find_transcript(folder, segment.name, segment.transcript, speech.audio)
         words = word_rows(transcript, self._vectors, frames, rate) if transcript else None
         sound = at_speech_rate(speech.audio)
-        motion = self.stream([sound], seed=seed, words=words, speaking=segment.speaker)
+        motion = self.stream([sound], seed=seed, words=words, speaker=segment.speaker)
         facts = self._facts(segment.speaker, transcript)
         return self.clip_of(concatenate_parts(motion, frames, on_part)), facts
 
     def stream(
         self,
-        pieces: Iterable[NDArray[np.float32]],
+        chunks: Iterable[NDArray[np.float32]],
         *,
         seed: int,
         words: NDArray[np.float32] | None = None,
-        speaking: str | None = None,
+        speaker: str | None = None,
     ) -> Iterator[NDArray[np.float64]]:
         """Yield motion of live speech as soon as it is final.
 
-        How the speech is cut into pieces changes nothing. A frame is settled at the latest when a
-        window of motion behind it, 34 frames, and a tenth of a second more have been heard.
+        The division into chunks does not matter. A frame is final, at the latest, a window of
+        motion (34 frames) and a tenth of a second later.
 
         Parameters
         ----------
-        pieces : iterable of ndarray
+        chunks : iterable of ndarray
             Samples at 16 kHz, in order.
         seed : int
-            Not negative.
+            Random seed, at least 0.
         words : ndarray, shape (frames, width), optional
             See `training.speech_features.word_vectors.word_rows`; by default the words are unknown.
-        speaking : str, optional
-            The speaker, whose motion it is unless the settings name another.
+        speaker : str, optional
+            Speaker of the speech, and of the motion unless the settings name another.
 
         Yields
         ------
         ndarray, shape (some frames, values)
-            15 a second; `clip_of` makes clips of them.
+            Motion at 15 frames per second; `clip_of` converts it to clips.
         """
         network, speakers = self._network.network, self._network.speakers
         config = network.config
         chance = np.random.default_rng(seeded_stream(seed))
         noise = self._settings.variation * chance.standard_normal(config.latents)
-        name = self._name(speaking)
+        name = self._name(speaker)
         person = (
             speakers.one_hot([name])[0]
             if name in speakers.names
             else chance.dirichlet(np.ones(len(speakers.names)))
         )
-        windows = stream_windows(pieces, config.frame_rate, config.frames, config.seeds)
+        windows = stream_windows(chunks, config.frame_rate, config.frames, config.seeds)
         tensors = (torch.from_numpy(x.astype(np.float32)) for x in (person, noise))
         return synthesise_windows(windows, words, network, *(x.to(self._device) for x in tensors))
 
@@ -112,19 +111,19 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         check_finite(values, self._settings.checkpoint)
         return bone_and_landmark_clip(values, self._network.network.config.frame_rate, self._face)
 
-    def _name(self, speaking: str | None) -> str:
-        """Return the speaker to move as: one of its speakers, or a mixture of them."""
+    def _name(self, speaker: str | None) -> str:
+        """Return the speaker to move as: one of the network's speakers, or a mixture of them."""
         speakers, chosen = self._network.speakers, self._settings.speaker
         if chosen == MIXED_SPEAKER:
             return MIXED_SPEAKER
-        return speakers.names[speakers.resolve(chosen, speaking, self._settings.checkpoint) - 1]
+        return speakers.names[speakers.resolve(chosen, speaker, self._settings.checkpoint) - 1]
 
-    def _facts(self, speaking: str, transcript: tuple[Word, ...]) -> dict[str, str]:
-        config, name = self._network.network.config, self._name(speaking)
+    def _facts(self, speaker: str, transcript: tuple[Word, ...]) -> dict[str, str]:
+        config, name = self._network.network.config, self._name(speaker)
         stand_ins = ["no words, as there is no transcript"] if not transcript else []
         if transcript and isinstance(self._vectors, StandIn):
             stand_ins.append(self._vectors.description)
-        if self._settings.speaker is None and name != speaking:
+        if self._settings.speaker is None and name != speaker:
             stand_ins.append(f"speaker {name} in place of the segment's")
         return {
             "speaker": name,
@@ -166,8 +165,8 @@ def synthesise_windows(
 ) -> Iterator[NDArray[np.float64]]:
     """Yield values of motion (some frames, 27 + 3 L) as soon as they are final.
 
-    Of each window the first frames are what the one before ended with; from there it goes over
-    smoothly to where it would be by itself. The first one begins at rest, as recordings do.
+    Each window starts with the last frames of the previous one and makes a smooth transition to its
+    own motion. The first one starts at rest, like recordings.
 
     Parameters
     ----------
@@ -176,7 +175,7 @@ def synthesise_windows(
     words : ndarray, shape (frames, width), optional
         The vector of the word in each frame of the speech; None if the words are unknown.
     network : Network
-        In evaluation mode.
+        The network, in evaluation mode.
     person, noise : Tensor
         See `generators.s2ue.model.Network.synthesise`, for a single window.
     """
@@ -202,15 +201,15 @@ def synthesise_windows(
 
 
 def _transition_matrix(frames: int, seeds: int) -> NDArray[np.float64]:
-    """Return the matrix from the distance of two windows to the transition between them.
+    """Return the matrix from the difference of two windows to the transition between them.
 
-    The transition is the least-squares curve that begins near the first window, ends on the
+    The transition is the least-squares curve that starts near the first window, ends on the
     second, and bends little, so that position and velocity blend.
 
     Returns
     -------
     ndarray, shape (frames, seeds)
-        Times the distances of the shared frames, what is added to the second window.
+        Multiplied with the differences of the shared frames, it is added to the second window.
     """
     count = seeds + round(TRANSITION_SHARE * (frames - seeds))
     anchors = np.diag(np.append(_DECAY ** np.arange(seeds), np.zeros(count - seeds)))

@@ -12,17 +12,17 @@ from training.spaces.bones_and_landmarks import joint_tensors, split_motion
 
 
 def phoneme_loss(output: Tensor, target: Tensor, spread: Tensor) -> Tensor:
-    """Return equation 16 of lips (B, T, lips, 3): their places and their steps."""
+    """Return equation 16 of lips (B, T, lips, 3): errors of positions and of their changes."""
     return _distance(output, target, spread) + _distance(_steps(output), _steps(target), spread)
 
 
 def reconstruction_losses(
     network: Network, output: Tensor, target: Tensor, weights: LossWeights
 ) -> dict[str, Tensor]:
-    """Return equation 17 of values (B, T, 27 + 3 L), ``reconstruction``, and its parts.
+    """Return equation 17 of values (B, T, 27 + 3 L) as ``reconstruction``, and its parts.
 
-    Landmarks are the neutral face and their shifts (equation 1), so that places of landmarks and
-    shifts are equally far apart. What the network does not tell does not count.
+    Landmarks are the neutral face plus shifts (equation 1), so distances of landmarks equal
+    distances of shifts. Modalities that the network does not generate do not count.
     """
     outputs, targets = split_motion(output), split_motion(target)
     spread = dict(zip(("face", "pose", "joints"), network.spread, strict=True))
@@ -48,8 +48,8 @@ def diversity_loss(
 ) -> Tensor:
     """Return the cross-speaker ranking loss of section 5.2.2.
 
-    Motion as the recorded speaker lies nearer to the recording than motion as another one, by a
-    margin, each window for itself.
+    In each window, motion as the recorded speaker should be nearer to the recording than motion as
+    another speaker, by a margin.
     """
     distances = [
         (network.normalised(motion) - network.normalised(target)).abs().mean(dim=(1, 2))
@@ -68,10 +68,10 @@ def _steps(values: Tensor) -> Tensor:
 
 
 def generator_loss(synthesised: Tensor) -> Tensor:
-    """Return -log c of the logits of synthesised motion."""
+    """Return -log c from the logits of synthesised motion."""
     return functional.softplus(-synthesised).mean()
 
 
 def discriminator_loss(recorded: Tensor, synthesised: Tensor) -> Tensor:
-    """Return, of logits, -log c of recorded, -log(1 - c) of synthesised motion."""
+    """Return -log c of recorded plus -log(1 - c) of synthesised motion, from logits."""
     return functional.softplus(-recorded).mean() + functional.softplus(synthesised).mean()

@@ -29,16 +29,16 @@ from training.speakers import SpeakerEncoder, Speakers
 from training.weights_file import NetworkKind
 
 Motion = Mapping[str, Tensor]
-"""``face`` (B, T, L, 3) and ``pose`` (B, T, 9, 3), those that there are."""
+"""``face`` (B, T, L, 3) and ``pose`` (B, T, 9, 3), or one of them."""
 
 Latents = list[tuple[Tensor, Tensor]]
-"""Of each network mean and logarithm of the variance of who speaks, (B, D_k)."""
+"""For each network, mean and log variance of the speaker's latent, (B, D_k)."""
 
 
 def expression_encoders(
     config: NetworkConfig, face: FaceLandmarks, group: Sequence[str], frames: tuple[int, int]
 ) -> nn.ModuleDict:
-    """Return the encoders of faces and poses; generator and discriminator have each their own."""
+    """Return encoders of faces and poses; generator and discriminator each have their own."""
     parts = components_of(face.actions)
     higher = component_graph(len(parts), pose=False)
     graphs = {
@@ -59,7 +59,7 @@ def expression_encoders(
 
 
 class Synthesis(nn.Module):
-    """Motion of some modalities from one embedding of all that is given (section 3.3.3)."""
+    """Generates some modalities of motion from one embedding of all inputs (section 3.3.3)."""
 
     def __init__(self, config: NetworkConfig, face: FaceLandmarks, group: tuple[str, ...]) -> None:
         super().__init__()
@@ -85,7 +85,7 @@ class Synthesis(nn.Module):
     def forward(
         self, sound: Tensor, words: Tensor, person: Tensor, noise: Tensor, seeds: Motion
     ) -> tuple[dict[str, Tensor], tuple[Tensor, Tensor]]:
-        """Return normalised motion, and mean and variance of the speaker's latent.
+        """Return normalised motion, and mean and log variance of the speaker's latent.
 
         Parameters
         ----------
@@ -112,7 +112,7 @@ class Synthesis(nn.Module):
 
 
 class Discriminator(nn.Module):
-    """Whether motion of some modalities is recorded, by its expressions."""
+    """Classifies motion of some modalities as recorded or synthesised."""
 
     def __init__(self, config: NetworkConfig, face: FaceLandmarks, group: tuple[str, ...]) -> None:
         super().__init__()
@@ -126,7 +126,7 @@ class Discriminator(nn.Module):
         )
 
     def forward(self, motion: Motion) -> Tensor:
-        """Return logits of being recorded, (B, 1), of normalised motion."""
+        """Return logits, (B, 1), for normalised motion being recorded."""
         latents = [encode(motion[name]) for name, encode in self.encoders.items()]
         logits: Tensor = self.classes(torch.cat(latents, dim=-1))
         return logits
@@ -147,13 +147,13 @@ class PhonemePredictor(nn.Module):
         )
 
     def forward(self, spectrogram: Tensor) -> Tensor:
-        """Return normalised landmarks of the lips, (B, T, lips, 3), of (B, T, bands)."""
+        """Return normalised landmarks of the lips, (B, T, lips, 3), for (B, T, bands)."""
         features = self.backbone(spectrogram.transpose(1, 2)).transpose(1, 2)
         return as_points(self.full(features))
 
 
 class Network(nn.Module):
-    """All networks, and what of the recordings they stand on.
+    """All networks, with the statistics of their recordings.
 
     Generator and discriminator are one network each or, without synchrony, one for faces and one
     for poses.
@@ -161,14 +161,14 @@ class Network(nn.Module):
     Parameters
     ----------
     config : NetworkConfig
-        Their sizes.
+        Sizes of the networks.
     face : FaceLandmarks
         The landmarks.
 
     Attributes
     ----------
     lips : list of int
-        Landmarks that the phoneme predictor predicts: of the lips all but their corners.
+        Landmarks of the phoneme predictor: those of the lips without their corners.
     """
 
     mean: Tensor
@@ -196,24 +196,24 @@ class Network(nn.Module):
             self.register_buffer(name, torch.stack([torch.zeros(width), torch.ones(width)]))
 
     def normalised(self, values: Tensor) -> Tensor:
-        """Return values of motion as the networks see them."""
+        """Return normalised values of motion."""
         return (values - self.mean) / self.deviation
 
     def synthesise(
         self, sound: Tensor, words: Tensor, person: Tensor, noise: Tensor, seeds: Tensor
     ) -> tuple[Tensor, Latents]:
-        """Return values of motion (B, T, 27 + 3 L), and the latents of who speaks.
+        """Return values of motion (B, T, 27 + 3 L), and the speakers' latents.
 
-        What the network does not generate, as the face without faces, is the recordings' mean.
+        A modality that the network does not generate is the recordings' mean.
 
         Parameters
         ----------
         sound, words : Tensor
-            (B, T, 84) MFCC; (B, T, 300) vectors of words.
+            (B, T, 84) MFCC; (B, T, 300) word vectors.
         person : Tensor
             (B, K), one-hot, or shares of several speakers.
         noise : Tensor
-            (B, networks, D_k): how far from its mean each network's latent of who speaks is.
+            (B, networks, D_k): noise of each network's latent, in standard deviations.
         seeds : Tensor
             (B, T_s, 27 + 3 L), values of motion of the first frames.
         """
@@ -228,7 +228,7 @@ class Network(nn.Module):
         return self.mean + self.deviation * values, latents
 
     def predict_lips(self, spectrogram: Tensor) -> Tensor:
-        """Return shifts of the lips' landmarks, (B, T, lips, 3), metres."""
+        """Return shifts of the lips' landmarks, (B, T, lips, 3), in metres."""
         lips: Tensor = self.phonemes((spectrogram - self.spectrum[0]) / self.spectrum[1])
         mean, deviation = (
             as_points(s[BONE_VALUES:])[self.lips] for s in (self.mean, self.deviation)
@@ -236,7 +236,7 @@ class Network(nn.Module):
         return mean + deviation * lips
 
     def with_lips(self, values: Tensor, spectrogram: Tensor) -> Tensor:
-        """Return motion whose lips, but for the corners, are those of the phoneme predictor."""
+        """Return motion with the lips, except their corners, from the phoneme predictor."""
         if not self.config.faces:
             return values
         face = as_points(values[..., BONE_VALUES:]).clone()
@@ -251,19 +251,19 @@ class Network(nn.Module):
 
 _NETWORK: Final = NetworkKind(
     name="s2ue",
-    wanted="a Speech2UnifiedExpressions network of the default body's face",
+    wanted="a Speech2UnifiedExpressions network for the default body's face",
     remedy="Give one that 'motionjury train s2ue' wrote",
 )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class S2ueNetwork:
-    """A network with all that its motion depends on, as one file holds it.
+    """A network with all that its motion depends on: the content of its file.
 
     Attributes
     ----------
     network : Network
-        In evaluation mode, on the CPU.
+        The network, in evaluation mode, on the CPU.
     speakers : Speakers
         Its speakers.
     vectors : str
@@ -297,7 +297,7 @@ def load_network(path: Path, face: FaceLandmarks) -> S2ueNetwork:
     Raises
     ------
     InputError
-        If the file holds another network, or one of other landmarks than `face` has.
+        If the file holds another network, or one for other landmarks than those of `face`.
     """
     with _NETWORK.reading(path) as file:
         config = NetworkConfig(**file.facts["config"])

@@ -39,21 +39,21 @@ from training.speakers import Speakers, latent_loss
 from training.speech_features.word_vectors import StandIn, WordVectors, load_word_vectors
 
 STRIDE: Final = 10
-"""Frames from one window of a take to the next, as the TED Gesture data is cut."""
+"""Frames from one training window to the next, as in the TED Gesture data set."""
 
 MOST_HELD_OUT: Final = 256
-"""Largest number of windows by which held-out takes are measured."""
+"""Largest number of windows for validation."""
 
 _MOST_STATISTICS_WINDOWS: Final = 4_000
-"""Largest number of windows by which the spread of values is estimated."""
+"""Largest number of windows for estimating the spread of values."""
 
 _SMALLEST_DEVIATION: Final = 1e-5
-"""Smallest deviation of values, that of constant ones."""
+"""Smallest standard deviation of values, used for constant ones."""
 
 _Settings = TypeVar("_Settings", NetworkConfig, LossWeights)
 FloatArray = NDArray[np.float64]
 _Batch = Mapping[str, Tensor]
-"""Windows of ``motion``, ``sound``, ``spectrum`` and ``words``, and one-hot each ``person``."""
+"""Windows of ``motion``, ``sound``, ``spectrum`` and ``words``, and one-hot ``person``."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,7 +67,7 @@ class S2ueTask(WindowTask):
     weights : LossWeights
         Weights of the losses.
     training, held_out : Windows
-        Of the features ``motion``, ``sound``, ``spectrum`` and ``words``.
+        Windows of the features ``motion``, ``sound``, ``spectrum`` and ``words``.
     face : FaceLandmarks
         The landmarks of the motion.
     speakers : Speakers
@@ -80,7 +80,7 @@ class S2ueTask(WindowTask):
     speakers: Speakers
 
     def network(self) -> Network:
-        """Return fresh networks, which know how the values of the recordings spread."""
+        """Return new networks with the statistics of the recordings."""
         network = Network(self.config, self.face)
         for name, v in self._statistics.items():
             network.get_buffer(name).copy_(torch.from_numpy(v.astype(np.float32)))
@@ -119,9 +119,10 @@ class S2ueTask(WindowTask):
         return {"loss": sum(weighted, start=parts["reconstruction"]), **parts}
 
     def validation(self, network: Network) -> Mapping[str, float]:
-        """Return equations 17 and 16 of held-out windows, as their speakers on the average.
+        """Return equations 17 and 16 of held-out windows, with the mean of each speaker's latent.
 
-        All of equation 17 counts, also losses not trained by, so that ablations are comparable.
+        All of equation 17 counts, even losses that are not trained, so that ablations are
+        comparable.
         """
         rows = evenly_spaced(len(self.held_out), MOST_HELD_OUT)
         batch = self._batch(self.held_out, rows)
@@ -142,7 +143,7 @@ class S2ueTask(WindowTask):
         return phoneme_loss(network.predict_lips(batch["spectrum"]), target, network.spread[0])
 
     def _other_speakers(self, person: Tensor) -> Tensor:
-        """Return one-hot vectors of speakers other than those."""
+        """Return one-hot vectors of speakers other than `person`."""
         count = len(self.speakers.names)
         offsets = torch.randint(1, count, (len(person),)).to(self.device)
         other_speakers = (person.argmax(dim=1) + offsets) % count
@@ -154,7 +155,7 @@ class S2ueTask(WindowTask):
 
     @cached_property
     def _statistics(self) -> Mapping[str, NDArray[np.floating[Any]]]:
-        """The buffers of a network: means and deviations over windows, evenly among all."""
+        """The buffers of a network: means and standard deviations over evenly spaced windows."""
         windows = self.training.batch(evenly_spaced(self.examples, _MOST_STATISTICS_WINDOWS))
         flat = {name: v.reshape(-1, v.shape[-1]).astype(float) for name, v in windows.items()}
         pose, face = np.split(flat["motion"], [BONE_VALUES], axis=1)
@@ -170,12 +171,12 @@ class S2ueTask(WindowTask):
 
 
 def _mean_and_deviation(values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return mean and standard deviation of each of values (N, values)."""
+    """Return the mean and standard deviation of each column of values (N, values)."""
     return values.mean(axis=0), np.maximum(values.std(axis=0), _SMALLEST_DEVIATION)
 
 
 def _spread(values: FloatArray) -> float:
-    """Return the spread of values (N, values) around their means, all together."""
+    """Return the root mean square deviation of values (N, values) from their means."""
     return float(np.maximum(np.sqrt(values.var(axis=0).mean()), _SMALLEST_DEVIATION))
 
 
@@ -214,7 +215,7 @@ def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
 
 
 def _with_changes(settings: _Settings, changes: Mapping[str, Any]) -> _Settings:
-    """Return settings with those of an ablation's changes that are theirs."""
+    """Return settings with those changes of an ablation that apply to them."""
     applicable = {name: value for name, value in changes.items() if hasattr(settings, name)}
     return replace(settings, **applicable)
 
@@ -235,5 +236,5 @@ def _describe(task: S2ueTask, vectors: WordVectors, trained: Trained[Network]) -
             f"Words were encoded by a {vectors.description}; give FastText's with --vectors."
         )
     if not transcribed:
-        warnings.append("It learned from sound alone: no recording has a transcript beside it.")
+        warnings.append("It learned from sound alone: no recording has a transcript.")
     return describe_training(task, trained, *sentences, warnings=warnings)

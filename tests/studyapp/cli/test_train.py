@@ -107,7 +107,10 @@ def test_a_network_trained_on_a_corpus_moves_like_its_speakers(
     assert "before the first step → now" in trained
     assert f"Wrote {out}." in trained
     more = run(*given, "--steps", 4)
-    assert "Weights are chosen by the least noise and reconstruction of held-out windows." in more
+    assert (
+        "Weights are those with the smallest noise and reconstruction loss of held-out windows."
+        in more
+    )
     other = run(*given, "--steps", 5, "--ablation", "reverse", status=1)
     assert "the run that was started here is another one" in other
 
