@@ -1,1 +1,1 @@
-"""Motion and speech to video: body, scene, frames, encoder, side-by-side pairs."""
+"""Rendering motion and speech as video: body, scene, frames, encoder, side-by-side pairs."""

@@ -1,4 +1,4 @@
-"""One motion clip: as a video with its speech, as lossless frames for pairs, as single pictures."""
+"""A motion clip as a video with its speech, as lossless frames for pairs, or as single pictures."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from renderer.shown_clip import as_shown, frame_at
 from renderer.video_jobs import ClipJob
 
 FRAMES_AT_ONCE: Final = 16
-"""Frames whose vertices are in memory together and that share one bounding box."""
+"""Number of frames whose vertices are in memory together and that share a bounding box."""
 
 
 class Stage:
@@ -77,7 +77,7 @@ class Stage:
                 yield canvas.video_frame(planes, box)
 
     def _shadows(self, clip: MotionClip, batch: NDArray[np.float32]) -> list[ContactShadow | None]:
-        """Return the shadow in each frame of `batch`; None where the ground is not shown."""
+        """Return the shadow in each frame of `batch`; None if the ground is not shown."""
         if self.look.framing != "full_body":
             return [None] * len(batch)
         ground = self._caster.ground(clip)
@@ -97,7 +97,7 @@ def write_clip_video(job: ClipJob, stage: Stage) -> None:
     job : ClipJob
         The clip and its speech.
     stage : Stage
-        Renders it; entered.
+        The stage that renders it; entered.
 
     Raises
     ------

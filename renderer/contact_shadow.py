@@ -1,7 +1,7 @@
-"""The soft shadow under a standing body, which shows viewers that it stands on the ground.
+"""The soft shadow under a standing body, which shows that it stands on the ground.
 
-One ellipse under each foot, which fades as the foot lifts, and a wide faint one under the body, on
-a ground that is itself not seen: the background stays plain.
+One ellipse under each foot fades as the foot lifts, and a wide, faint one is under the body. The
+ground itself is invisible: the background stays plain.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ ELLIPSES: Final = 3
 """Ellipses of a shadow: left foot, right foot, body."""
 
 _SOLE_HEIGHT: Final = 0.03
-"""Metres above its lowest point up to which a foot counts as its sole."""
+"""Height in metres above a foot's lowest point up to which it counts as its sole."""
 
 _FOOT_DARKNESS: Final = 0.48
 _FOOT_MARGIN: Final = 0.055  # metres that the shadow reaches beyond heel and toes
@@ -47,9 +47,9 @@ class ContactShadow:
     centres : ndarray, shape (3, 2)
         Positions of the ellipses, x and z in metres.
     axes : ndarray, shape (3, 2, 2)
-        Half axes of each in metres, one a column, x and z.
+        Half axes of the ellipses in metres, one per column, x and z.
     darkness : ndarray, shape (3,)
-        Share of the light that is missing at each centre; it falls smoothly to none at the rim.
+        Share of the light that is missing at each centre; it falls smoothly to zero at the rim.
     """
 
     ground: float
@@ -58,7 +58,7 @@ class ContactShadow:
     darkness: Floats
 
     def corners(self) -> Floats:
-        """Return the corners of a level rectangle round all ellipses, shape (4, 3)."""
+        """Return the corners of a level rectangle around all ellipses, shape (4, 3)."""
         half = np.linalg.norm(self.axes, axis=2)
         left, back = (self.centres - half).min(axis=0)
         right, front = (self.centres + half).max(axis=0)
@@ -87,7 +87,7 @@ class ShadowCaster:
         return ground_height(self._body.joints(clip.betas)) - self._thickness
 
     def shadow(self, vertices: Floats, ground: float) -> ContactShadow:
-        """Return the shadow of a body whose `vertices`, shape (V, 3), stand above `ground`."""
+        """Return the shadow of a body with `vertices`, shape (V, 3), above `ground`."""
         feet = [vertices[sole] for sole in self._soles]
         lifts = np.array([max(float(foot[:, 1].min()) - ground, 0.0) for foot in feet])
         middles = np.array([foot[:, [0, 2]].mean(axis=0) for foot in feet])
@@ -107,7 +107,7 @@ class ShadowCaster:
 
 
 def _sole(body: BodyModel, strongest: NDArray[np.intp], side: str) -> NDArray[np.intp]:
-    """Return the vertices of one foot that touch the ground, from heel to toes."""
+    """Return the vertices of one foot's sole, from heel to toes."""
     joints = [joint_index(f"{side}_{part}") for part in ("ankle", "foot")]
     foot = np.flatnonzero(np.isin(strongest, joints))
     height = body.template[foot, 1]

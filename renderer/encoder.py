@@ -1,6 +1,6 @@
-"""H.264 and AAC into one file through PyAV, the same bytes for the same input.
+"""Encoding H.264 and AAC into one file through PyAV, with equal bytes for equal input.
 
-Neither the size nor a bit rate of an MP4 file reveals what it shows.
+Neither the size nor a bit rate of an MP4 file reveals its content.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ SOUND_RATE: Final = 48000
 # With the codecs' flag of that name: no version texts, no random identifiers.
 _BITEXACT: Final = {"fflags": "+bitexact"}
 MP4_OPTIONS: Final = {**_BITEXACT, "movflags": "+faststart", "write_btrt": "0"}
-"""Options of MP4 files: they play while they load, and hold nothing about their creation.
+"""Options of MP4 files: they play while they load, and have no data about their creation.
 
 A box of bit rates would distinguish encoded files from copied ones."""
 
-# Without x264's macroblock tree, which makes other bytes of the same frames from run to run. One
-# figure before a plain background has no cuts or fades to look ahead for: as good, in 3/4 the time.
+# Without x264's macroblock tree, whose bytes differ from run to run. A figure in front of a plain
+# background has no cuts or fades to look ahead for: the same quality takes 3/4 of the time.
 _STREAM_OPTIONS: Final = {
     "crf": "18",
     "preset": "veryfast",
@@ -43,7 +43,7 @@ _HEADER: Final = 8
 """Bytes of a box header: four for its size, four for its type (ISO/IEC 14496-12, 4.2)."""
 _PATH_TO_RATES: Final = (b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsd", b"mp4a", b"esds")
 _BEFORE_BOXES: Final = {b"stsd": 8, b"mp4a": 28}
-"""Bytes of a box's own between its header and the boxes in it (ISO/IEC 14496-12, 8.5 and 12.2)."""
+"""Bytes between a box's header and its inner boxes (ISO/IEC 14496-12, 8.5 and 12.2)."""
 _DECODER: Final = 0x04
 """The descriptor of the sound's decoder (ISO/IEC 14496-1, 7.2.6.6)."""
 _BEFORE_RATES: Final = 5
@@ -66,7 +66,7 @@ def encoded_sound(container: Any, sound: Audio) -> list[Any]:
     Parameters
     ----------
     container : av.container.OutputContainer
-        Where they will be written.
+        The container of the stream.
     sound : Audio
         The sound, at `SOUND_RATE`.
     """
@@ -83,16 +83,16 @@ def encoded_sound(container: Any, sound: Audio) -> list[Any]:
 class VideoWriter:
     """Writes one video file frame by frame; use it as a context manager.
 
-    The file holds no time, place, name or source, and encoding runs on one thread, so that the
-    same frames give the same bytes.
+    The file has no date, name or source, and encoding runs on one thread, so that equal frames
+    give equal bytes.
 
     Parameters
     ----------
     path : Path
-        Where to write. With sound it is an MP4 whose index comes first, so that it plays while
-        it loads; without, a Matroska file of frames kept without loss.
+        The file. With sound it is an MP4 with its index first, so that it plays while it loads;
+        without, it is a Matroska file of lossless frames.
     width, height : int
-        Pixels, even.
+        Size in pixels, even.
     frame_rate : float
         Frames per second.
     sound : Audio or None
@@ -105,7 +105,7 @@ class VideoWriter:
         self._rate = Fraction(frame_rate).limit_denominator(1001)
         self._count = 0
         lossless = sound is None
-        self._heard_in = None if lossless else path
+        self._mp4 = None if lossless else path
         self._container: Any = av.open(
             str(path),
             "w",
@@ -137,8 +137,8 @@ class VideoWriter:
             self._container.mux(self._video.encode(None))
             self._mux_sound(until=None)
         self._container.close()
-        if error_type is None and self._heard_in is not None:
-            clear_bit_rates(self._heard_in)
+        if error_type is None and self._mp4 is not None:
+            clear_bit_rates(self._mp4)
 
     def write(self, frame: Any) -> None:
         """Add `frame`, an `av.VideoFrame` in yuv420p of the video's size."""
@@ -151,7 +151,7 @@ class VideoWriter:
         self._mux_sound(until=self._count / self._rate)
 
     def _mux_sound(self, until: Fraction | None) -> None:
-        """Write the sound up to `until` seconds, or the rest for None."""
+        """Write the sound up to `until` seconds, or all remaining sound for None."""
         while self._sound_packets:
             packet = self._sound_packets[0]
             if until is not None and packet.pts * packet.time_base > until:
@@ -168,7 +168,7 @@ def clear_bit_rates(video: Path) -> None:
     Parameters
     ----------
     video : Path
-        Changed in place; a file without sound is left unchanged.
+        The file, changed in place; a file without sound stays unchanged.
     """
     with video.open("r+b") as file:
         _clear_rates(file, 0, file.seek(0, 2), _PATH_TO_RATES)
@@ -192,7 +192,7 @@ def _clear_rates(file: BinaryIO, start: int, stop: int, path: tuple[bytes, ...])
 
 
 def _overwrite_rates(file: BinaryIO, start: int, stop: int) -> None:
-    """Write over the rates in the descriptors of an ``esds`` box."""
+    """Overwrite the rates in the descriptors of an ``esds`` box."""
     file.seek(start)
     content = file.read(stop - start)
     # Four bytes of version and flags, then the stream's descriptor: tag, length, name and flags.
@@ -208,9 +208,9 @@ def _overwrite_rates(file: BinaryIO, start: int, stop: int) -> None:
 
 
 def _descriptor(content: bytes, at: int) -> tuple[int, int]:
-    """Return the tag of the descriptor at `at`, and where it begins behind its length."""
+    """Return the tag of the descriptor at `at`, and the start of its content, after its length."""
     tag, at = content[at], at + 1
-    while content[at] & 0x80:  # a length has seven bits a byte, and the last byte no eighth
+    while content[at] & 0x80:  # a length has seven bits per byte; the last byte's eighth is 0
         at += 1
     return tag, at + 1
 

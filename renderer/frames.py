@@ -1,6 +1,6 @@
-"""Rendering of one mesh: from vertices to pixels.
+"""Rendering one mesh, from vertices to pixels.
 
-One offscreen OpenGL context draws a part of a square picture and reads it back once.
+An offscreen OpenGL context draws a part of a square picture and reads it back once.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ Floats = NDArray[np.float32]
 _SHADERS: Final = Path(__file__).parent / "shaders"
 _PLATFORM_CLASSES: Final = {"osmesa": "OSMesaPlatform", "egl": "EGLPlatform"}
 GROUND: Final = "ground"
-"""Name of the scene's node whose mesh, four corners, shows the shadow."""
+"""Name of the scene's node whose mesh, of four corners, shows the shadow."""
 
 PLANES: Final = 3
-"""A picture is drawn into as many buffers of one channel each."""
+"""Number of buffers of one channel each into which a picture is drawn."""
 
-_PLATFORM_BUFFER_SIZE: Final = 16  # of the buffer a context comes with, which nothing is drawn into
+_PLATFORM_BUFFER_SIZE: Final = 16  # of the context's own buffer, which is not used
 
 
 class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
-    """pyrender's renderer with our shaders, drawing opaque meshes into a kept framebuffer.
+    """pyrender's renderer with our shaders, drawing opaque meshes into a persistent framebuffer.
 
     pyrender's own forward pass multisamples, blends, sets camera and lights again for each frame,
-    and flushes, which on OSMesa copies the whole picture once more.
+    and flushes, which makes OSMesa copy the whole picture again.
     """
 
     def __init__(self, size: int) -> None:
@@ -51,13 +51,13 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
         self.shadow: ContactShadow | None = None
 
     def _forward_pass(self, scene: Any, flags: int, seg_node_map: Any = None) -> None:
-        """Draw the meshes of `scene`, upside down: the first row read back is then the top one."""
+        """Draw the meshes of `scene` upside down, so that the first row read back is the top."""
         gl = self._gl
-        # The picture is shifted so that the framebuffer holds the box.
+        # Shifts the picture so that the framebuffer holds the box.
         gl.glViewport(-self.box.left, -self.box.top, self.viewport_width, self.viewport_height)
         gl.glEnable(gl.GL_DEPTH_TEST)
         gl.glEnable(gl.GL_CULL_FACE)
-        gl.glFrontFace(gl.GL_CW)  # flipping the picture turns triangles round
+        gl.glFrontFace(gl.GL_CW)  # flipping the picture reverses triangles
         background = self.channels @ [*scene.bg_color[:3], 1.0]
         for plane in range(PLANES):
             gl.glClearBufferfv(gl.GL_COLOR, plane, np.full(4, background[plane], np.float32))
@@ -65,7 +65,7 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
         grounds = [node for node in scene.mesh_nodes if node.name == GROUND]
         meshes = [node for node in scene.mesh_nodes if node.name != GROUND]
         if self.shadow is not None:
-            # The body is always before the ground, even where a foot sinks in.
+            # The body always covers the ground, even if a foot sinks in.
             gl.glDepthMask(gl.GL_FALSE)
             self._draw(grounds, self._shadow_program(scene, self.shadow))
             gl.glDepthMask(gl.GL_TRUE)
@@ -105,7 +105,7 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
         return program
 
     def _program(self, name: str, **defines: int) -> tuple[Any, bool]:
-        """Return a shader program, bound, and whether it was compiled just now."""
+        """Bind and return a shader program, and whether it was just compiled."""
         program = self._program_cache.get_program(f"{name}.vert", f"{name}.frag", defines=defines)
         new = not program._in_context()
         if new:
@@ -119,10 +119,10 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
         return np.asarray(np.diag([1.0, -1.0, 1.0, 1.0]) @ lens @ view)
 
     def _set_camera_and_lights(self, program: Any, scene: Any) -> None:
-        """Hand camera and lights over, which stay the same for all frames.
+        """Set camera and lights, which are the same for all frames.
 
-        The lights go in the order of their names: pyrender takes them from a set, whose order,
-        and with it the rounding of their sum, differs from run to run.
+        The lights are ordered by name: pyrender takes them from a set, whose order, and therefore
+        the rounding of their sum, differs from run to run.
         """
         program.set_uniform("projection", self.projection(scene))
         program.set_uniform("cam_pos", scene.get_pose(scene.main_camera_node)[:3, 3])
@@ -144,13 +144,13 @@ class FrameRenderer:
     faces : ndarray, shape (F, 3)
         Triangles, counter-clockwise seen from outside.
     colours : ndarray, shape (V, 4)
-        sRGB colour of each vertex in [0, 1], and how much it gleams.
+        sRGB colour of each vertex in [0, 1], and its gloss.
     camera : Camera
         The camera.
     size : int
         Pixels along each side of the finished frame.
     background : tuple of int
-        Its background colour.
+        The frame's background colour.
     """
 
     def __init__(
@@ -209,7 +209,7 @@ class FrameRenderer:
         self._platform.delete_context()
 
     def box_around(self, points: Sequence[Floats]) -> PixelBox:
-        """Return the part of the picture that arrays of points, shape (..., 3), take up."""
+        """Return the part of the picture that contains arrays of points, shape (..., 3)."""
         projection = self._renderer.projection(self.scene)
         boxes = [PixelBox.around(part, projection, self.side) for part in points]
         return PixelBox.union(boxes)
@@ -231,9 +231,9 @@ class FrameRenderer:
         box : PixelBox or None
             The part to return; the whole picture for None.
         shadow : ContactShadow or None
-            What the body casts on the ground.
+            The body's shadow on the ground.
         channels : ndarray, shape (4, 4)
-            One of `renderer.picture`.
+            `renderer.picture.RGB` or `VIDEO`.
 
         Returns
         -------
@@ -267,7 +267,7 @@ class FrameRenderer:
         return self._pixels
 
     def _replace_attributes(self, primitive: Any, attributes: NDArray[np.float32]) -> None:
-        """Write the interleaved vertex attributes of a `primitive` that was already drawn."""
+        """Overwrite the interleaved vertex attributes of a `primitive` that was already drawn."""
         gl = self._gl
         gl.glBindBuffer(gl.GL_ARRAY_BUFFER, primitive._buffers[0])
         data = attributes.ctypes.data_as(ctypes.c_void_p)
@@ -279,7 +279,7 @@ class FrameRenderer:
         self._pixels = np.empty((PLANES, box.height, box.width), np.uint8)
         gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._framebuffer)
         colours = [gl.GL_COLOR_ATTACHMENT0 + number for number in range(PLANES)]
-        # A depth of floats is faster here than 24 bits, which share their word with a stencil.
+        # Float depth is faster here than 24 bits, which share their word with a stencil.
         formats = [gl.GL_R8] * PLANES + [gl.GL_DEPTH_COMPONENT32F]
         for buffer, buffer_format, attachment in zip(
             self._buffers, formats, [*colours, gl.GL_DEPTH_ATTACHMENT], strict=True

@@ -17,22 +17,22 @@ from motion.skeleton import JOINT_NAMES, forward_kinematics, joint_index
 from renderer.look import VIEWS, Look
 
 _FIELD_OF_VIEW: Final = 20.0
-"""Degrees; narrow, as of a portrait lens, so that hands held forward do not look larger."""
+"""Degrees; narrow, like a portrait lens, so that hands held forward do not look larger."""
 
 _CLOSE_FIELD_OF_VIEW: Final = 8.0
-"""Of a face, from as far away, for the same reason."""
+"""Degrees, for faces from the same distance, for the same reason."""
 
 _MARGIN: Final = 0.04
-"""Share of the picture's half that stays empty on each side."""
+"""Share of half the picture that stays empty on each side."""
 
 _STEP: Final = 0.02
-"""Metres in which cameras differ: so replacing a clip rarely means redrawing all."""
+"""Metres to which cameras are rounded, so that replacing a clip rarely means redrawing all."""
 
 _POSITION_PERCENTILE: Final = 99.5
-"""Percentile of a clip's positions that must be in the picture; a stray frame does not set it."""
+"""Percentile of a clip's positions that must be visible, so that stray frames do not count."""
 
 _CLIP_PERCENTILE: Final = 97
-"""Percentile of all clips for which that holds; one that wanders off does not shrink all others."""
+"""Percentile of clips that must fit, so that a clip that wanders off does not shrink all others."""
 
 _ABOVE_HEAD: Final = 0.19  # from the head joint to the top of the hair, in metres
 _BELOW_FOOT: Final = 0.09
@@ -55,14 +55,14 @@ _FEET, _ELBOWS = (
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """An upright camera; its `dataclasses.asdict` can be written as JSON.
+    """An upright camera; `dataclasses.asdict` makes it JSON.
 
     Attributes
     ----------
     eye, target : tuple of float
-        Its position and target, in metres.
+        Positions of the camera and of its target, in metres.
     field_of_view : float
-        Angle that the picture's height, and its width, covers, in degrees.
+        Angle of view along each side of the square picture, in degrees.
     """
 
     eye: tuple[float, float, float]
@@ -71,24 +71,24 @@ class Camera:
 
 
 def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Camera:
-    """Return the one level camera that sees what the look frames, in all of `clips`.
+    """Return the level camera that shows the look's framing in all of `clips`.
 
     Parameters
     ----------
     clips : iterable of MotionClip
-        Every clip that the study shows, as it is shown (frozen channels frozen). Leave the catch
-        motion out: it may throw its arms anywhere.
+        Every clip that the study shows, as it is shown (frozen channels frozen), except catch
+        motion, which may throw its arms anywhere.
     body : BodyModel
         The body that shows them.
     look : Look
-        Its framing sets what must be in the picture: all (``full_body``), what is above the
-        hips, and the hands wherever they are (``upper_body``), head and neck (``face``), or hands
-        and lower arms (``hands``). Its view says from which side.
+        Its framing sets the visible parts: the whole body (``full_body``), everything above the
+        hips and the hands wherever they are (``upper_body``), head and neck (``face``), or hands
+        and lower arms (``hands``). Its view sets the direction.
 
     Raises
     ------
     InputError
-        If there is no clip.
+        If there are no clips.
     """
     turn = VIEWS[look.view]
     points = [_rotated(_points_to_show(clip, body, look), -turn) for clip in clips]
@@ -103,7 +103,7 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
     field_of_view = _CLOSE_FIELD_OF_VIEW if look.framing == "face" else _FIELD_OF_VIEW
     slope = np.tan(np.radians(field_of_view / 2))
     halves = [_half_extent(part, middle, height, depth, slope) for part in points]
-    # Clip by clip, so that a condition that reaches far is not outvoted by those that do not.
+    # Clip by clip, so that a condition with wide gestures is not outvoted by the others.
     half = np.percentile(halves, _CLIP_PERCENTILE, method="higher")
     distance = np.ceil(half / _STEP) * _STEP / slope
     eye = (middle, height, round(float(depth + distance), 4))
@@ -122,14 +122,14 @@ def _rotated(points: NDArray[np.float64], turn: float) -> NDArray[np.float64]:
 def _half_extent(
     points: NDArray[np.float64], middle: float, height: float, depth: float, slope: float
 ) -> float:
-    """Return half of what a picture must show at `depth` for `points` to be just inside."""
+    """Return half the extent of the picture at `depth` that just contains `points`."""
     aside = np.maximum(np.abs(points[:, 0] - middle), np.abs(points[:, 1] - height))
     half = aside / (1 - _MARGIN) + slope * (points[:, 2] - depth)
     return float(np.percentile(half, _POSITION_PERCENTILE))
 
 
 def _rounded(metres: float | np.floating) -> float:
-    """Return the nearest step, so that clips a little different keep their camera."""
+    """Round to the nearest step, so that slightly different clips keep their camera."""
     return round(round(float(metres) / _STEP) * _STEP, 4)
 
 
@@ -151,7 +151,7 @@ def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> NDArray[np
         other_points = [crown, positions[:, _FEET].reshape(-1, 3) - [0, _BELOW_FOOT, 0]]
     else:
         other_points = [crown, positions[:, joint_index("pelvis")] - [0, 0.1, 0]]
-    # Repeated, so that few heads and hips are not outvoted by many fingers in a percentile.
+    # Repeated, so that many fingers do not outvote few heads and hips in a percentile.
     repeats = max(1, len(hands) // len(crown) // 2)
     return np.concatenate([fingers, *(np.repeat(sampled, repeats, 0) for sampled in other_points)])
 
@@ -171,8 +171,8 @@ def project(points: NDArray[np.floating], camera: Camera, size: int) -> NDArray[
     Returns
     -------
     ndarray, shape (..., 3)
-        Pixels from the left and from the top, and metres before the camera. Points behind it are
-        not a number.
+        Pixels from the left and from the top, and distance in front of the camera in metres. Points
+        behind the camera are NaN.
     """
     pose = look_at(np.array(camera.eye), np.array(camera.target))
     in_camera = (np.asarray(points, float) - pose[:3, 3]) @ pose[:3, :3]
@@ -184,7 +184,7 @@ def project(points: NDArray[np.floating], camera: Camera, size: int) -> NDArray[
 
 
 def look_at(eye: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the pose, shape (4, 4), of something at `eye` that looks at `target`, y up."""
+    """Return the pose, shape (4, 4), of a camera at `eye` that looks at `target`, y up."""
     back = eye - target
     back = back / np.linalg.norm(back)
     right = np.cross([0.0, 1.0, 0.0], back)

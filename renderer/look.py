@@ -1,7 +1,7 @@
 """The look of a study's stimuli: size, frame rate, camera, background, avatar, light.
 
-Avatars' files are made by `tools.avatars`. Versions are raised with every visible or audible
-change, and files of other versions are made again; tests compare the output of each.
+`tools.avatars` makes the avatars' files. Versions are incremented with every visible or audible
+change, and files of other versions are made again; tests compare the output of each version.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from typing import Final
 from motion.errors import InputError
 
 RENDERER_VERSION: Final = "3"
-"""Of the pixels and the sound of clips, pairs and dubbed videos, avatars' bodies among them."""
+"""Version of the pixels and the sound of clips, pairs and dubbed videos, including the avatars."""
 
 COPY_VERSION: Final = "1"
-"""Of copies for participants."""
+"""Version of copies for participants."""
 
 CELL_VERSION: Final = "1"
-"""Of the cells of contact sheets."""
+"""Version of the cells of contact sheets."""
 
 BODIES: Final = Path(__file__).parent / "bodies"
 
 Colour = tuple[int, int, int]
-"""sRGB, each in 0-255."""
+"""sRGB, each channel in 0-255."""
 
 BACKGROUND: Final[Colour] = (0xEC, 0xEC, 0xEE)
-"""The default background; participants' pages have the same."""
+"""The default background, also that of participants' pages."""
 
 FRAMINGS: Final = ("upper_body", "full_body", "face", "hands")
 
@@ -46,7 +46,7 @@ class Avatar:
     name : str
         The name in `study.toml`.
     description : str
-        One line that helps choosing.
+        A line that helps choose an avatar.
     has_face : bool
         Whether it has eyes, brows and a mouth, and shows facial expression.
     """
@@ -57,8 +57,8 @@ class Avatar:
 
     @property
     def body(self) -> Path:
-        """File of its body, in SMPL-X's ``.npz`` layout."""
-        # smplx recognises a model file by how its name starts.
+        """File of the avatar's body, in SMPL-X's ``.npz`` layout."""
+        # smplx recognises a model file by the beginning of its name.
         return BODIES / f"smplx_anny_{self.name}.npz"
 
 
@@ -97,13 +97,13 @@ FIRST_AVATAR: Final = _AVATARS[0].name
 
 
 def default_body(avatar: str = FIRST_AVATAR) -> Path:
-    """Return the file of the body of one of `AVATARS`, in SMPL-X's ``.npz`` layout."""
+    """Return the file of an avatar's body, in SMPL-X's ``.npz`` layout."""
     return AVATARS[avatar].body
 
 
 @dataclass(frozen=True, kw_only=True)
 class Light:
-    """A light so far away that it shines in one direction.
+    """A distant light, which shines in one direction.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class Light:
     colour : tuple of float
         Linear RGB in [0, 1].
     intensity : float
-        What it adds to a surface that faces it.
+        Light that it adds to a surface that faces it.
     """
 
     comes_from: tuple[float, float, float]
@@ -141,23 +141,23 @@ class Look:
     frame_rate : float
         Frames per second of the videos.
     framing : str
-        One of `FRAMINGS`: what of the body the picture shows.
+        One of `FRAMINGS`: the part of the body in the picture.
     view : str
-        One of `VIEWS`: from where.
+        One of `VIEWS`: the direction of the camera.
     background : tuple of int
         The colour behind the speaker.
     avatar : str
         One of `renderer.look.AVATARS`.
     expression_matrix : Path or None
-        A file that `motion.body.abilities` reads: turns the faces of clips into the body's
-        terms.
+        A file for `motion.body.abilities.read_expression_matrix`, which converts clips' faces to
+        the body's parameters.
     """
 
     size: int = 720
     frame_rate: float = 30.0
     framing: str = "upper_body"
-    # Not in the text form, by which videos are known as made: the camera says the one, and the
-    # other is added to it where it is not the usual one.
+    # View and background are not in the text form, which identifies finished videos: the camera
+    # includes the view, and a background other than the default is added to it.
     view: str = field(default="front", repr=False)
     background: Colour = field(default=BACKGROUND, repr=False)
     avatar: str = FIRST_AVATAR

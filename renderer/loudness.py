@@ -17,21 +17,21 @@ from motion.audio import Audio, read_audio
 from renderer.encoder import SOUND_RATE
 
 TARGET: Final = -23.0
-"""LUFS; what EBU R 128 asks for. Speech reaches it without its peaks being touched."""
+"""LUFS, as recommended by EBU R 128. Speech usually reaches it without limiting its peaks."""
 
 PEAK_CEILING: Final = -1.0
-"""dBTP that no sample, nor the curve between samples, rises above (EBU R 128, section k)."""
+"""Largest true peak in dBTP (EBU R 128, section k)."""
 
 SHORTEST: Final = 0.4
-"""Seconds of one measuring block (ITU-R BS.1770-5, annex 1); less has no loudness."""
+"""Seconds of one measuring block (ITU-R BS.1770-5, annex 1); shorter sound has no loudness."""
 
 _TOLERANCE: Final = 0.1
-_SILENCE: Final = -70.0  # the absolute gate; FFmpeg reports it where no block lies above
+_SILENCE: Final = -70.0  # the absolute gate; FFmpeg reports it if no block is above
 _OVERSAMPLING: Final = 4
 
 
 def at_common_loudness(audio: Audio) -> Audio:
-    """Return `audio` at the loudness that all videos share, changed in nothing but its gain.
+    """Return `audio` at the loudness that all videos share; only its gain changes.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def at_common_loudness(audio: Audio) -> Audio:
     -------
     Audio
         At `TARGET`, or as near below it as `PEAK_CEILING` allows. Sound without a measurable
-        loudness keeps its level. Its notes say whether the target is missed, and why.
+        loudness keeps its level. A note says why if the target is missed.
     """
     loudness = integrated_loudness(audio)
     if loudness is None:
@@ -59,15 +59,15 @@ def at_common_loudness(audio: Audio) -> Audio:
 
 
 def read_excerpt(speech: Path, start: float, end: float) -> Audio:
-    """Return what videos play of a recording, from `start` to `end` in seconds."""
+    """Return an excerpt of a recording as videos play it, from `start` to `end` in seconds."""
     return at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
 
 
 def integrated_loudness(audio: Audio) -> float | None:
-    """Return the gated loudness of the whole in LUFS; None where it is silent or too short.
+    """Return the integrated loudness in LUFS; None if it is silent or too short.
 
     Measured by FFmpeg's ``ebur128`` filter (ITU-R BS.1770, annex 1: K weighting, blocks of
-    400 ms, gates at -70 LUFS and 10 LU below what is louder).
+    400 ms, gates at -70 LUFS and 10 LU below the mean of the louder blocks).
     """
     if audio.duration < SHORTEST:
         return None
@@ -96,9 +96,9 @@ def integrated_loudness(audio: Audio) -> float | None:
 
 
 def true_peak(audio: Audio) -> float:
-    """Return the highest point of the curve through the samples in dBTP; -inf for silence.
+    """Return the true peak in dBTP; -inf for silence.
 
-    By fourfold oversampling (ITU-R BS.1770, annex 2).
+    Measured by fourfold oversampling (ITU-R BS.1770, annex 2).
     """
     oversampled = resample_poly(audio.samples, _OVERSAMPLING, 1)
     peak = max(float(np.abs(oversampled).max()), float(np.abs(audio.samples).max()))
@@ -107,8 +107,8 @@ def true_peak(audio: Audio) -> float:
 
 def _why_unmeasurable(audio: Audio) -> str:
     if audio.duration < SHORTEST:
-        return f"it lasts less than {SHORTEST:g} s, too short to have a loudness; left as it is"
-    return "it is silent; left as it is"
+        return f"it lasts less than {SHORTEST:g} s, too short to have a loudness; left unchanged"
+    return "it is silent; left unchanged"
 
 
 def _with_note(audio: Audio, note: str) -> Audio:

@@ -1,14 +1,14 @@
-"""Offscreen OpenGL for pyrender 0.1.45: import this before pyrender, and take pyrender from here.
+"""Offscreen OpenGL for pyrender 0.1.45; import pyrender from here.
 
-pyrender's last release pins PyOpenGL 3.1.0 and was written for older Pythons. What stands between
-the two and a machine with nothing but Mesa's software library is mended here, in place:
+pyrender's last release pins PyOpenGL 3.1.0 and was written for older Pythons. This module patches
+both so that they run on a machine that only has Mesa's software library:
 
-- PyOpenGL 3.1.0 does not know ``OSMesaCreateContextAttribs``, which pyrender calls;
-- it hands out a new pointer object for the current OSMesa context at every call, so that
-  pyrender's shader cache, keyed by it, never hits: each frame compiles its shader again and leaks;
-- it has no array handler for the ctypes argument type under the name Python 3.12 gave it;
-- pyrender imports its window viewer, hence pyglet and X11, whether or not a window is wanted;
-- its mesh bounds use ``np.infty``, which NumPy 2 no longer has.
+- PyOpenGL 3.1.0 does not bind ``OSMesaCreateContextAttribs``, which pyrender calls;
+- it returns a new pointer object for the current OSMesa context at every call. pyrender's shader
+  cache, which uses it as a key, never hits, so that each frame compiles its shader again and leaks;
+- it has no array handler for the ctypes argument type under its name in Python 3.12;
+- pyrender imports its window viewer, hence pyglet and X11, even if no window is needed;
+- its mesh bounds use ``np.infty``, which NumPy 2 has removed.
 """
 
 from __future__ import annotations
@@ -52,10 +52,10 @@ def _choose_platform() -> str:
 
 
 def _patch_osmesa() -> None:
-    """Give PyOpenGL 3.1.0 what pyrender asks of OSMesa."""
+    """Add the OSMesa functions that pyrender needs to PyOpenGL 3.1.0."""
     platform = importlib.import_module("OpenGL.platform")
     osmesa = importlib.import_module("OpenGL.osmesa")
-    # A plain address is equal and hashable from call to call, PyOpenGL's pointer objects are not.
+    # Plain addresses are equal and hashable; PyOpenGL's pointer objects are not.
     platform.PLATFORM.GetCurrentContext.restype = ctypes.c_void_p
     create = platform.PLATFORM.OSMesa.OSMesaCreateContextAttribs
     create.restype = osmesa.OSMesaContext
@@ -87,7 +87,7 @@ def _import_pyrender() -> Any:
     module = importlib.import_module("pyrender")
 
     def bounds(mesh: Any) -> Any:
-        """Return the box round all primitives, shape (2, 3)."""
+        """Return the bounding box of all primitives, shape (2, 3)."""
         boxes = np.array([primitive.bounds for primitive in mesh.primitives])
         return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
@@ -103,4 +103,4 @@ _patch_python_312()
 if PLATFORM == "osmesa":
     _patch_osmesa()
 pyrender: Final = _import_pyrender()
-"""The mended pyrender package."""
+"""The patched pyrender package."""

@@ -27,7 +27,7 @@ _LABEL_MARGIN: Final = 0.03
 _DARK: Final = (0x3C, 0x3C, 0x42)
 _LIGHT: Final = (0xFF, 0xFF, 0xFF)
 _MIN_GREY_FOR_DARK: Final = 0x8D
-"""Level of grey, of 255, from which dark letters stand out more than light ones."""
+"""Level of grey, of 255, from which dark letters have more contrast than light ones."""
 
 Planes = tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.uint8]]
 
@@ -40,7 +40,7 @@ def write_pair(job: PairJob) -> None:
     Raises
     ------
     InputError
-        If frames or speech cannot be read, or the two sides have not the same frames.
+        If frames or speech cannot be read, or the two sides have too few or too many frames.
     """
     size, rate = job.look.size, job.look.frame_rate
     sound = read_excerpt(job.speech, job.start, job.end)
@@ -56,14 +56,14 @@ def write_pair(job: PairJob) -> None:
                 writer.write(frame)
         if written != count:
             raise InputError(
-                f"the two sides share {written} frames, {count} are needed",
+                f"the two sides have {written} common frames, but {count} are needed",
                 where=f"{job.left} and {job.right}",
                 remedy="Render both clips again",
             )
 
 
 def composed_frames(left: Path, right: Path, look: Look) -> Iterator[Any]:
-    """Yield labelled frames, `av.VideoFrame`, of two lossless videos until one of them ends."""
+    """Yield labelled `av.VideoFrame`s of two lossless videos until one of them ends."""
     size = look.size
     labels = [_label(text, size, look.background) for text in LABELS]
     for sides in zip(_frames(left, size), _frames(right, size), strict=False):
@@ -127,7 +127,7 @@ class FrameCache:
     Parameters
     ----------
     folder : Path
-        Where the frames are; it need not exist.
+        Folder of the frames; it need not exist.
     limit : int
         Largest size in bytes, unless required frames are larger.
     """
@@ -137,7 +137,7 @@ class FrameCache:
         self._limit = limit
 
     def size(self) -> int:
-        """Return the bytes of all frames."""
+        """Return the size of all frames in bytes."""
         return sum(path.stat().st_size for path in self._files())
 
     def mark_used(self, frames: Path) -> None:
@@ -157,7 +157,7 @@ class FrameCache:
         Parameters
         ----------
         required : collection of Path
-            Frames from which pairs are still to be composed; they are not removed.
+            Frames that pairs still need; they are not removed.
         """
         files = [(path.stat(), path) for path in self._files()]
         excess = sum(stat.st_size for stat, _ in files) - self._limit
@@ -169,5 +169,5 @@ class FrameCache:
                 excess -= stat.st_size
 
     def _files(self) -> list[Path]:
-        """Return all finished frames; drafts have names that begin with a dot."""
+        """Return all finished frames; names of drafts start with a dot."""
         return [path for path in self._folder.glob("*.mkv") if not path.name.startswith(".")]

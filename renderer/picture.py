@@ -1,8 +1,7 @@
 """Parts of pictures, and their conversion to video frames.
 
-Only the part that a figure takes up is drawn, read back and converted, in three channels: red,
-green and blue, or a video's own. It is averaged down and put on the plain background in BT.709
-yuv420p.
+Only the part with the figure is drawn, read back and converted, in three channels: red, green and
+blue, or a video's own. It is downsampled and placed on the plain background in BT.709 yuv420p.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ VIDEO: Final = np.zeros((4, 4))
 """From red, green, blue and 1 to luma, blue and red difference, and 1, all from 0 to 1.
 
 Rec. ITU-R BT.709-6, items 3.2 to 3.4, in the 8-bit levels 16 to 235 and 16 to 240. It is linear, so
-that a vertex shader may apply it, and all that is left for later is to average.
+that a vertex shader can apply it and only averaging remains.
 """
 VIDEO[0, :3] = 219 / 255 * _LUMA
 VIDEO[1, :3] = 224 / 255 * ([0, 0, 1] - _LUMA) / (2 * (1 - _BLUE))
@@ -37,13 +36,13 @@ VIDEO[:3, 3] = np.array([16, 128, 128]) / 255
 VIDEO[3, 3] = 1
 
 SUPERSAMPLING: Final = 2
-"""Each side of a frame is drawn this many times larger, to be averaged down."""
+"""Factor by which each side of a frame is drawn larger before downsampling."""
 
 _STEP: Final = 16
-"""Boxes begin and end at multiples of this many pixels, so that their chroma samples do too."""
+"""Boxes start and end at multiples of this many pixels, so that their chroma samples do too."""
 
 _MARGIN: Final = 8
-"""Pixels of background around the figure, which downsampling mixes with its edge."""
+"""Pixels of background around the figure, which downsampling blends with its edge."""
 
 _PLANE_SCALES: Final = (1, 2, 2)
 """Pixels per sample of each yuv420p plane on each side."""
@@ -65,7 +64,7 @@ class PixelBox:
 
     @classmethod
     def union(cls, boxes: Sequence[PixelBox]) -> Self:
-        """Return the smallest box that holds all of `boxes`, of which there is at least one."""
+        """Return the smallest box that contains all of `boxes`; there must be at least one."""
         left, top = min(box.left for box in boxes), min(box.top for box in boxes)
         right = max(box.left + box.width for box in boxes)
         bottom = max(box.top + box.height for box in boxes)
@@ -82,14 +81,14 @@ class PixelBox:
         vertices : ndarray, shape (..., 3)
             Positions in metres, of one frame or of several.
         projection : ndarray, shape (4, 4)
-            From homogeneous positions to clip space, whose y runs down the picture.
+            Matrix from homogeneous positions to clip space, with y down.
         side : int
             Pixels along each side of the picture.
         """
         flat = projection[[0, 1, 3]].astype(np.float32)
         x, y, depth = flat[:, :3] @ vertices.reshape(-1, 3).T + flat[:, 3:]
         if depth.min() <= 0:
-            return cls.full(side)  # something is behind the camera, and projects anywhere
+            return cls.full(side)  # a vertex behind the camera may project anywhere
         left, right = _span(x / depth, side)
         top, bottom = _span(y / depth, side)
         return cls(left=left, top=top, width=right - left, height=bottom - top)
@@ -105,7 +104,7 @@ def _span(positions: NDArray[np.float32], side: int) -> tuple[int, int]:
 
 
 class Canvas:
-    """Makes video frames of `size` × `size` pixels from parts of pictures."""
+    """Converts parts of pictures to video frames of `size` × `size` pixels."""
 
     def __init__(self, size: int, background: Colour = BACKGROUND) -> None:
         self._size = size
@@ -114,15 +113,15 @@ class Canvas:
         self._background = np.round(colour[:3]).astype(int).tolist()
 
     def video_frame(self, planes: NDArray[np.uint8], box: PixelBox) -> Any:
-        """Return an `av.VideoFrame` with a picture in its place.
+        """Return an `av.VideoFrame` with a part of a picture at its position.
 
         Parameters
         ----------
         planes : ndarray, shape (3, height, width)
-            The picture in the channels `renderer.picture.VIDEO`, `frames.SUPERSAMPLING`
-            times as large as in the video on each side.
+            The picture in the channels `VIDEO`, `SUPERSAMPLING` times as large as in the video on
+            each side.
         box : PixelBox
-            Which part of the whole picture it is; the rest is background.
+            Position of the part in the whole picture; the remainder is background.
         """
         frame = av.VideoFrame(self._size, self._size, "yuv420p")
         for number, shrink in enumerate(_PLANE_SCALES):
@@ -135,7 +134,7 @@ class Canvas:
         return frame
 
     def _averaged(self, number: int, plane: NDArray[np.uint8], times: int) -> NDArray[np.uint8]:
-        """Return `plane` with the mean of each `times` × `times` pixels."""
+        """Return `plane` downsampled by the mean of each `times` × `times` pixels."""
         height, width = plane.shape
         smaller = self._reformatters[number].reformat(
             av.VideoFrame.from_numpy_buffer(plane, format="gray"),

@@ -14,7 +14,7 @@ from motion.placement import stand_on_ground
 from motion.resample import resample
 
 LENGTH_TOLERANCE: Final = 0.1
-"""Seconds by which motion and speech may differ; the last frame is repeated or left out."""
+"""Seconds by which motion and speech may differ; the motion is cut, or its last frame repeated."""
 
 
 def as_shown(
@@ -27,22 +27,22 @@ def as_shown(
 ) -> MotionClip:
     """Return `clip` as participants see it.
 
-    It has the video's rate and length, frozen channels are still, and its feet stay on the ground.
+    It has the video's frame rate and length, frozen channels, and its feet on the ground.
 
     Parameters
     ----------
     clip : MotionClip
         The motion of one condition for one segment.
     body : BodyModel
-        The body that stands on the ground.
+        The body that shows the motion.
     path : Path
-        Where it comes from, for messages.
+        The file of the motion, for messages.
     duration : float
-        Seconds of the segment's speech.
+        Duration of the segment's speech in seconds.
     frozen : tuple of str
-        Channels to hold still, as `motion.clip.freeze` names them.
+        Channels to hold still, see `motion.clip.freeze`.
     frame_rate : float
-        Frames per second to show it at.
+        Frames per second of the video.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def as_shown(
 
 
 def frame_at(clip: MotionClip, seconds: float) -> MotionClip:
-    """Return the one frame of `clip` that is shown at `seconds`, as a clip of its own.
+    """Return the frame of `clip` that is shown at `seconds`, as a clip of one frame.
 
     Raises
     ------
@@ -79,6 +79,6 @@ def frame_at(clip: MotionClip, seconds: float) -> MotionClip:
             f"there is no frame at {seconds:g} s of a motion of {clip.duration:.2f} s",
             remedy=f"Give a time from 0 to {clip.duration:.2f} s",
         )
-    # A moment given as the frame's own time must not fall to the frame before by rounding.
+    # A frame's own time must not be rounded down to the previous frame.
     index = min(int(seconds * clip.frame_rate + 1e-6), len(clip) - 1)
     return clip.frames(slice(index, index + 1))

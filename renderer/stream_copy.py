@@ -25,7 +25,7 @@ TICKS: Final = 90_000
 """Ticks per second of a copy's timestamps."""
 
 _SEI: Final = "filter_units=remove_types=6"
-"""Removes supplemental information, in which encoders name themselves (H.264, annex D)."""
+"""Removes supplemental information, which names the encoder (H.264, annex D)."""
 
 
 def end_of(video: Path) -> Fraction:
@@ -52,28 +52,28 @@ def end_of(video: Path) -> Fraction:
 
 
 def copy_video(source: Path, target: Path, *, lasts: Fraction, sound: bool) -> None:
-    """Write an MP4 with the encoded picture of `source`, its sound if wanted, and no metadata.
+    """Write an MP4 with the encoded picture of `source`, optionally its sound, and no metadata.
 
-    The index comes first, so that it plays while it loads. Nothing is encoded anew.
+    The index comes first, so that it plays while it loads. Nothing is encoded again.
 
     Parameters
     ----------
     source : Path
-        A video in H.264, with sound in AAC if it is to be kept.
+        A video in H.264, with sound in AAC if the copy has sound.
     target : Path
-        Where to write; appears whole, or not at all.
+        The copy; appears whole, or not at all.
     lasts : Fraction
-        Seconds that the copy lasts, at least those of `source` and rounded up to milliseconds; its
+        Duration of the copy in seconds, at least that of `source`; rounded up to milliseconds. The
         last picture is held until then.
     sound : bool
-        Whether it has sound.
+        Whether the copy has sound.
 
     Raises
     ------
     InputError
         If `source` cannot be read.
     """
-    # Whole milliseconds, in which the file's own length is counted.
+    # Whole milliseconds, the unit of the file's own duration.
     end = ceil(lasts * 1000) * (TICKS // 1000)
     options = {**MP4_OPTIONS, "video_track_timescale": str(TICKS)}
     try:
@@ -118,21 +118,21 @@ def _packets(original: Any, selected: list[Any], picture: Any, end: int) -> list
         packet.duration, packet.time_base = round(packet.duration * ticks), Fraction(1, TICKS)
     last_shown = max(pictures, key=lambda packet: packet.pts)
     last_shown.duration = end - last_shown.pts
-    # The file counts by decoding order, in which the last picture can be another one.
+    # The file's duration depends on decoding order, in which the last picture can be another one.
     pictures[-1].duration = end - (pictures[-1].dts - pictures[0].dts)
     return packets
 
 
 def _unreadable(video: Path) -> InputError:
     return InputError(
-        "this is not a video that can be played",
+        "the video cannot be played",
         where=video,
-        remedy="Bring it as H.264 and AAC in MP4",
+        remedy="Convert it to H.264 and AAC in MP4",
     )
 
 
 def write_dubbed(job: DubJob) -> None:
-    """Write a video whose encoded picture is that of another one, and only its speech differs.
+    """Write a video with the encoded picture of another one and a different speech.
 
     It appears whole, or not at all.
 
@@ -163,7 +163,7 @@ def _write(original: Any, copy: Any, sound: Audio) -> None:
         if packet.pts is not None:
             packet.stream = picture
             packets.append(packet)
-    # A muxer sorts by time only within 10 s; a longer file would reveal that it was dubbed.
+    # The muxer sorts by time only within 10 s; a longer file would reveal that it was dubbed.
     copy.mux(sorted(packets, key=lambda packet: packet.dts * Fraction(packet.time_base)))
 
 

@@ -1,4 +1,4 @@
-"""Videos to be made, as plain data, and what came of them."""
+"""Jobs of making videos, as plain data, and their outcomes."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from renderer.look import Look
 
 @dataclass(frozen=True, kw_only=True)
 class _VideoJob:
-    """What all jobs have.
+    """Common fields of all jobs.
 
     Attributes
     ----------
     name : str
-        Identifies its outcome.
+        Name that identifies the outcome.
     speech : Path
         The speech of the video.
     start, end : float
@@ -46,18 +46,18 @@ class ClipJob(_VideoJob):
     Attributes
     ----------
     motion : Path
-        The clip; it begins with the excerpt of the speech.
+        The clip, which starts with the excerpt of the speech.
     freeze : tuple of str
-        Channels to hold still, as `motion.clip.freeze` names them.
+        Channels to hold still, see `motion.clip.freeze`.
     body : Path or None
-        The body model; None for the default body.
+        The body model; None for the look's avatar.
     camera, look
-        What all stimuli of the study share.
+        Camera and look, which all stimuli of the study share.
     frames : Path or None
-        Where to write lossless frames; None if no pair is composed from them.
+        File for lossless frames; None if no pair is composed from them.
     video : Path or None
-        Where to write the video, ``round((end - start) * frame_rate)`` frames; None if only pairs
-        are shown.
+        File for the video, ``round((end - start) * frame_rate)`` frames; None if only pairs are
+        shown.
     """
 
     motion: Path
@@ -83,10 +83,10 @@ class DubJob(_VideoJob):
     picture : Path
         The video of a clip job.
     seconds : float
-        Length of the sound: silence follows a shorter excerpt, so that the length of a file does
-        not reveal its speech.
+        Length of the sound: a shorter excerpt is padded with silence, so that the length of a file
+        does not reveal its speech.
     video : Path
-        Where to write.
+        The file to write.
     """
 
     picture: Path
@@ -108,7 +108,7 @@ class PairJob(_VideoJob):
     left, right : Path
         Lossless frames of clip jobs.
     video : Path
-        Where to write.
+        The file to write.
     look : Look
         The study's look.
     """
@@ -136,11 +136,11 @@ class Outcome:
     name : str
         The job's name.
     error : str or None
-        Why it failed; None where it did not.
+        Why it failed; None if it succeeded.
     because_of : str or None
         The clip job whose failure made this one impossible.
     seconds : float
-        How long it took.
+        Duration of the job.
     """
 
     name: str

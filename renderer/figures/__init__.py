@@ -1,4 +1,5 @@
-"""Pictures and videos that a paper shows: they name the conditions, so participants never see them.
+"""Pictures and videos for papers; they name the conditions, so participants never see them.
 
-One kind of figure a module; all draw through `renderer.clip_video.Stage`, with the study's camera.
+Each module has one kind of figure; all draw with `renderer.clip_video.Stage` and the study's
+camera.
 """

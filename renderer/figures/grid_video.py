@@ -1,4 +1,4 @@
-"""A grid: two to nine clips of one speech side by side with captions, as one video."""
+"""A grid: one to nine clips of one speech side by side with captions, as one video."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Panel:
     Attributes
     ----------
     caption : str
-        The text under it.
+        The text under the clip.
     clip : MotionClip
         The clip that participants see, but with as many frames as the video.
     """
@@ -57,7 +57,7 @@ class GridLayout:
     Attributes
     ----------
     count : int
-        Panels, up to `MAX_PANELS`.
+        Number of panels, up to `MAX_PANELS`.
     size : int
         Pixels along each side of a panel, even.
     widened : bool
@@ -74,12 +74,13 @@ class GridLayout:
     def __post_init__(self) -> None:
         if not 0 < self.count <= MAX_PANELS:
             raise InputError(
-                f"{self.count} clips make no grid", remedy=f"Show 1 to {MAX_PANELS} conditions"
+                f"{self.count} clips do not fit into a grid",
+                remedy=f"Show 1 to {MAX_PANELS} conditions",
             )
 
     @property
     def columns(self) -> int:
-        """Panels in a row: 2 to 4 stay in one or two rows, 9 make three."""
+        """Panels per row: 1 to 3 are in one row, 4 in two rows, 9 in three."""
         return self.count if self.count <= 3 else math.ceil(math.sqrt(self.count))
 
     @property
@@ -94,7 +95,7 @@ class GridLayout:
 
     @property
     def footer_height(self) -> int:
-        """Pixels of the text under the whole, and of the clock below it; even."""
+        """Pixels of the text under all panels, and of the clock below it; even."""
         lines = 1 + (_TEXT_LINES * _LINE_SHARE if self.text else 0)
         return round(lines * self.caption_height / 2) * 2
 
@@ -131,24 +132,25 @@ def write_grid(
     Parameters
     ----------
     stage : Stage
-        Renders all clips; entered. Its look sets the panels' size and the frame rate.
+        The stage that renders all clips; entered. Its look sets the panels' size and the frame
+        rate.
     camera : Camera
         The camera of `stage`.
     panels : sequence of Panel
         The panels, all with the same number of frames.
     speech : Audio
-        The speech, heard at full speed only, at `renderer.encoder.SOUND_RATE`.
+        The speech at `renderer.encoder.SOUND_RATE`, which is heard at full speed only.
     speed : float
-        In (0, 1]; below 1 the video is silent, with a silent sound track so that it can be joined
-        to others, and says how fast it is.
+        Speed in (0, 1]. Below 1, the video shows its speed and has a silent sound track, so that it
+        can be joined to others.
     skeleton : {'over', 'beside'} or None
-        Where the skeleton is drawn, if it is.
+        Position of the skeleton; None for no skeleton.
     text : str
         The spoken text; empty if unknown.
     video : Path
-        Where to write an MP4 that plays while it loads; appears whole, or not at all.
+        The MP4 to write, which plays while it loads; appears whole, or not at all.
     on_frame : callable
-        Called with (frames done, frames in all) after each.
+        Called with (frames done, frames in all) after each frame.
     """
     rate = stage.look.frame_rate
     layout = GridLayout(
@@ -177,10 +179,9 @@ def write_grid(
 def _pictures(
     stage: Stage, camera: Camera, clip: MotionClip, skeleton: Place | None
 ) -> Iterator[Image.Image]:
-    """Yield the frames of one clip."""
     joints = joints_of(clip, stage.body) if skeleton is not None else None
     for number in range(len(clip)):
-        # Frame by frame, because the clips of a grid are drawn in turns by one stage.
+        # Frame by frame, because one stage draws the clips of a grid in turn.
         pixels = next(stage.pictures(clip.frames(slice(number, number + 1))))
         picture = Image.fromarray(pixels).reduce(SUPERSAMPLING).convert("RGB")
         if joints is not None and skeleton is not None:

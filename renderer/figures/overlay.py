@@ -22,13 +22,13 @@ VARIATION_COLOURS: Final = (
 
 _MIN_STRENGTH: Final = 0.28
 _SAME_DEPTH: Final = 0.05
-"""Metres in depth up to which two figures count as being in the same place."""
+"""Difference in depth up to which two figures count as being in the same place, in metres."""
 _EXTRA_DEPTH_OF_OLDEST: Final = 0.1
-"""Metres by which that grows to the oldest moment, so that older faces do not mix either."""
+"""Metres by which it grows up to the oldest moment, so that older faces do not mix either."""
 _DEPTH_STEP: Final = 0.02
-"""Metres by which depth may be off, since a triangle has one depth."""
+"""Tolerance of depths in metres, since a triangle has a single depth."""
 _OCCLUSION_DEPTH: Final = 0.04
-"""Metres in depth by which the nearer of two variations mostly covers the other."""
+"""Difference in depth at which the nearer of two variations mostly covers the other, in metres."""
 _VARIATION_STRENGTH: Final = 0.85
 _TINT_STRENGTH: Final = 0.75
 _LINE: Final = 1.6  # height of a line of text, in letters
@@ -47,8 +47,8 @@ def colours_for(count: int) -> tuple[str, ...]:
 def faded(moments: Sequence[CutOut]) -> CutOut:
     """Return one clip's figure at several moments in one picture, the oldest first and faintest.
 
-    Of two moments the nearer one covers the other, so that a hand before the body leaves its trail;
-    at nearly equal depth the latest is on top, so that faces stay sharp.
+    The nearer of two moments covers the other, so that a hand in front of the body leaves a trail.
+    At nearly equal depth, the later one is on top, so that faces stay sharp.
     """
     count = len(moments)
     pictures, depths = _stacked(moments)
@@ -72,8 +72,8 @@ def faded(moments: Sequence[CutOut]) -> CutOut:
 def blended(variations: Sequence[CutOut]) -> CutOut:
     """Blend the figures of several clips into one picture, giving none precedence.
 
-    Each has its colour of `VARIATION_COLOURS` where it differs from the others. Where several
-    overlap the nearer ones count more, and parts that all share keep their own colours.
+    Parts in which a variation differs have its colour of `VARIATION_COLOURS`; parts that all share
+    keep their own colours. If variations overlap, the nearer ones count more.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def draw_overlay(
     clear: bool,
     background: Colour = BACKGROUND,
 ) -> Plate:
-    """Return the overlay as a page: the picture, what each colour is, and a caption.
+    """Return the overlay as a page: the picture, a legend of the colours, and a caption.
 
     Parameters
     ----------
@@ -118,11 +118,11 @@ def draw_overlay(
     names : sequence of str
         Names of the variations, in the order of their colours; a single one needs no colour.
     caption : str
-        The moments.
+        The caption, which names the moments.
     clear : bool
-        Whether nothing is behind the figures, rather than the videos' background.
+        Whether the page is transparent behind the figures.
     background : tuple of int
-        That background.
+        Background of the figures if it is not.
     """
     line = pixels(LETTERS) * _LINE
     letters = font(pixels(LETTERS))
@@ -146,7 +146,7 @@ def draw_overlay(
 def _tinted(
     colours: NDArray[np.float32], tint: str, share: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """Return `colours`, shape (..., 3) in [0, 1], by a `share` in the hue of `tint`."""
+    """Return `colours`, shape (..., 3) in [0, 1], tinted by `share`."""
     light = colours @ np.array([0.299, 0.587, 0.114], np.float32)
     target = np.array(ImageColor.getrgb(tint), np.float32) / 255
     toned = np.clip(target * (0.45 + 1.1 * light[..., None]), 0, 1)

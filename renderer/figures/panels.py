@@ -1,6 +1,6 @@
 """Frames of several clips: the figure alone, cropped to a common box, or its face.
 
-What lips, brows and eyes do is too small to see in a study's own picture.
+Faces have their own camera because lips, brows and eyes are too small in a study's own picture.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from renderer.framing import Camera, look_at, project
 from renderer.picture import SUPERSAMPLING
 
 Box = tuple[float, float, float, float]
-"""Left, top, right and bottom of a part of a picture, in shares of its sides."""
+"""Left, top, right and bottom of a part of a picture, as shares of its sides."""
 
 NO_DEPTH: Final = np.float32(1e9)
-"""Depth where there is no figure, in metres."""
+"""Depth of pixels outside the figure, in metres."""
 
 _COLOUR_TOLERANCE: Final = 2
-"""By how much of 255 a pixel of the background may differ from it."""
+"""Largest difference of a background pixel from the background's colour, of 255."""
 
 _MARGIN: Final = 0.02
 FULL_BOX: Final[Box] = (0.0, 0.0, 1.0, 1.0)
@@ -43,7 +43,7 @@ class CutOut:
     Attributes
     ----------
     picture : Image
-        RGBA, clear where the figure is not.
+        RGBA, transparent outside the figure.
     depth : ndarray, shape (height, width), float32
         Distance of the figure from the camera at each pixel, in metres; `NO_DEPTH` elsewhere.
     """
@@ -66,14 +66,14 @@ def cut_out(stage: Stage, pose: MotionClip, camera: Camera) -> CutOut:
     Parameters
     ----------
     stage : Stage
-        Where it is drawn; entered.
+        The stage that draws it; entered.
     pose : MotionClip
-        One frame.
+        A clip of one frame.
     camera : Camera
         The camera of `stage`.
     """
     large = large_still(stage, pose)
-    # Colour alone does not mask the figure: its shadow on the floor is not part of it.
+    # Colour alone cannot mask the figure: its shadow on the floor is not part of it.
     depth = _depth(stage.body, pose, camera, large.width)
     in_figure = minimum_filter(depth, 3) < NO_DEPTH
     differs = (
@@ -81,7 +81,7 @@ def cut_out(stage: Stage, pose: MotionClip, camera: Camera) -> CutOut:
         > _COLOUR_TOLERANCE
     )
     large.putalpha(Image.fromarray(np.where(in_figure & differs, 255, 0).astype(np.uint8)))
-    # Averaged with colours weighed by alpha, so that the background's colour leaves no rim.
+    # Averaged with colours weighted by alpha, so that the background's colour leaves no rim.
     picture = large.convert("RGBa").reduce(SUPERSAMPLING).convert("RGBA")
     blocks = depth.reshape(picture.height, SUPERSAMPLING, picture.width, SUPERSAMPLING)
     return CutOut(picture, blocks.min(axis=(1, 3)))
@@ -96,7 +96,7 @@ def box_around(body: BodyModel, pose: MotionClip, camera: Camera) -> Box:
 
 
 def _depth(body: BodyModel, pose: MotionClip, camera: Camera, size: int) -> NDArray[np.float32]:
-    """Return the depth at each pixel of a square picture, each triangle as one flat step."""
+    """Return the depth at each pixel of a square picture; each triangle has one depth."""
     corners = project(body.vertices(pose)[0], camera, size)[body.faces]
     depths = corners[..., 2].mean(axis=1)
     image = Image.new("F", (size, size), float(NO_DEPTH))
@@ -142,7 +142,7 @@ def aspect_of(box: Box) -> float:
 
 
 _FACE_MARGIN: Final = 0.17
-"""Metres from between the eyes to the edge of the picture for a still head."""
+"""Metres from the point between the eyes to the edge of the picture, for a still head."""
 _BELOW_EYES: Final = 0.03
 
 
@@ -176,11 +176,11 @@ def face_camera(clips: Iterable[MotionClip], body: BodyModel, camera: Camera) ->
     Parameters
     ----------
     clips : iterable of MotionClip
-        At least one.
+        The clips, at least one.
     body : BodyModel
-        The body that they are put on.
+        The body that shows them.
     camera : Camera
-        Sets the distance and the side; the result is moved up or down and sideways.
+        Camera with the distance and direction; the result is moved vertically and sideways.
     """
     low, high = _range_of_faces(clips, body)
     middle, extent = (low + high) / 2, (high - low) / 2
@@ -198,7 +198,7 @@ def face_camera(clips: Iterable[MotionClip], body: BodyModel, camera: Camera) ->
 
 
 def _range_of_faces(clips: Iterable[MotionClip], body: BodyModel) -> NDArray[np.float64]:
-    """Return the smallest and the largest position between the eyes, shape (2, 3)."""
+    """Return the smallest and largest coordinates of the point between the eyes, shape (2, 3)."""
     eyes = [joint_index("left_eye"), joint_index("right_eye")]
     points = np.concatenate([joints_of(clip, body)[:, eyes].mean(axis=1) for clip in clips])
     return np.stack([points.min(axis=0), points.max(axis=0)])

@@ -1,6 +1,6 @@
 """A printed page: pictures with text around them, as PNG and PDF.
 
-Text in pictures has the font that comes with matplotlib: no system font is needed.
+Text has matplotlib's own font, so that no system font is needed.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ INK: Final = "#222226"
 FAINT_INK: Final = "#6a6a72"
 
 DOTS_PER_INCH: Final = 300
-"""Resolution that journals ask for."""
+"""Resolution that journals require."""
 POINTS_PER_INCH: Final = 72
 LETTERS: Final = 8.0
-"""Points; as large as captions in two-column papers."""
+"""Font size in points, that of captions in two-column papers."""
 ENDINGS: Final = (".pdf", ".png")
 
-# Text stays text in a PDF, in letters that a reader can search and an author can edit.
+# TrueType keeps text in a PDF searchable and editable.
 _STYLE: Final[dict[Any, Any]] = {"pdf.fonttype": 42, "font.family": "DejaVu Sans"}
-# Without them, the same figure has the same bytes.
+# Without dates, equal figures have equal bytes.
 _NO_DATES: Final = {
     ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
     ".png": {"Software": None},
@@ -45,7 +45,7 @@ def font(size: float) -> ImageFont.FreeTypeFont:
 
 
 def fitted(text: str, letters: ImageFont.FreeTypeFont, width: float) -> str:
-    """Return `text` in one line, cut with an ellipsis to `width` pixels."""
+    """Return `text` in one line, shortened with an ellipsis to `width` pixels."""
     text = _printable(text)
     if letters.getlength(text) <= width:
         return text
@@ -72,8 +72,8 @@ def wrapped(text: str, letters: ImageFont.FreeTypeFont, width: float, lines: int
 
 
 def _printable(text: str) -> str:
-    """Return `text` in one line without signs that no font can draw."""
-    return "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
+    """Return `text` in one line without unprintable characters."""
+    return "".join(letter for letter in " ".join(text.split()) if letter.isprintable())
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Plate:
 
     @classmethod
     def of(cls, width: int, height: int, *, clear: bool) -> Plate:
-        """Return an empty page, white or `clear`."""
+        """Return an empty page, transparent if `clear`, otherwise white."""
         figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
         figure.patch.set_facecolor("none" if clear else "white")
         return cls(width, height, figure)
@@ -114,7 +114,7 @@ class Plate:
         self.figure.text(x / self.width, 1 - y / self.height, text, **options)
 
     def save(self, paths: Sequence[Path]) -> None:
-        """Write the page to each of `paths`, by its ending one of `ENDINGS`."""
+        """Write the page to each of `paths`, in the format of its ending, one of `ENDINGS`."""
         for path in paths:
             check_ending(path)
         for path in paths:
@@ -126,7 +126,7 @@ class Plate:
 
 
 def check_ending(path: Path) -> None:
-    """Raise `InputError` if figures cannot be written in the format of `path`'s extension."""
+    """Raise `InputError` if figures cannot be written in the format of the ending of `path`."""
     if path.suffix.lower() not in ENDINGS:
         raise InputError(
             f"figures are written as {' or '.join(ENDINGS)}",

@@ -1,7 +1,7 @@
 """A contact sheet: every stimulus of a study at a glance, as one HTML page.
 
-Each cell is one small picture of a rendered video: some of its moments, where the figure was, and
-how much it moved.
+Each cell is a small picture of a rendered video: some of its moments, a map of the figure's
+positions, and a curve of its movement.
 """
 
 from __future__ import annotations
@@ -49,11 +49,11 @@ class SheetCell:
     Attributes
     ----------
     picture : bytes or None
-        Made by `draw_cell`; None if there is no readable video.
+        The picture of `draw_cell`; None if there is no readable video.
     remark : str
-        Points worth a look, or why there is no picture.
+        Remarks on the video, or why there is no picture.
     video : str
-        Address of the video from the HTML page; empty where there is none.
+        Address of the video, relative to the HTML page; empty if there is none.
     """
 
     picture: bytes | None
@@ -70,17 +70,18 @@ class Sheet:
     title : str
         The study's title.
     facts : str
-        What all videos share, in words.
+        The common properties of all videos, in words.
     conditions : tuple of str
-        Columns.
+        The conditions, one per column.
     roles : mapping of str to str
         A condition's role in the study, if it should be shown.
     segments : tuple of Segment
-        Rows.
+        The segments, one per row.
     cells : mapping of (segment, condition) to SheetCell
-        By name.
+        The cells, by names of segment and condition.
     motion : mapping of str to str
-        Address, relative to the HTML page, of a page that shows a segment's motion in 3D.
+        For each segment, the address of a page that shows its motion in 3D, relative to the HTML
+        page.
     """
 
     title: str
@@ -93,7 +94,7 @@ class Sheet:
 
 
 def sheet_page(sheet: Sheet) -> str:
-    """Return the sheet as one HTML page that needs no other file but those that it links to."""
+    """Return the sheet as an HTML page that needs no other files than those that it links to."""
     templates = Environment(
         loader=PackageLoader("renderer", "figures"),
         undefined=StrictUndefined,
@@ -113,14 +114,15 @@ def _data_address(picture: bytes) -> str:
 _LUMA_WEIGHTS: Final = np.array([0.2126, 0.7152, 0.0722], np.float32)
 """Weights of RGB in a pixel's lightness."""
 _FIGURE_CONTRAST: Final = 10
-"""Of 255: pixels that differ by this much from the background belong to the figure."""
+"""Difference from the background, of 255, above which pixels belong to the figure."""
 _STILL_CHANGE: Final = 2.5
-"""Of 255: encoding alone changes no pixel of the thumbnail by more between frames."""
+"""Largest change of a thumbnail's pixels between frames by encoding alone, of 255."""
 _STILL_SECONDS: Final = 1.0
 _JUMP_CHANGE: Final = 30.0
 _RESTLESS_CHANGE: Final = 20.0
-"""Of 255, mean change of the figure's small pixels from frame to frame at 30 frames a second.
-Gesturing speakers have a median of 1 to 5 and rarely pass 20; a clip broken on purpose has 40."""
+"""Mean change of the figure's thumbnail pixels between frames at 30 frames per second, of 255.
+Gesturing speakers have a median of 1 to 5 and rarely exceed 20; a deliberately broken clip has
+40."""
 _EMPTY_SHARE: Final = 0.02
 _OUTSIDE_SHARE: Final = 0.02
 _RATE: Final = 30.0
@@ -133,11 +135,11 @@ class Glance:
     Attributes
     ----------
     times : tuple of float
-        The moments in seconds, `MOMENTS` of them, evenly spread.
+        The moments in seconds, `MOMENTS` of them, evenly spaced.
     pictures : ndarray, shape (MOMENTS, SIDE, SIDE, 3), uint8
         RGB at these moments.
     presence : ndarray, shape (SIDE, SIDE), float32
-        In which share of the frames the figure was at each place.
+        Share of the frames in which the figure was at each place.
     movement : ndarray, shape (T - 1,), float32
         Mean change of the figure's pixels from frame to frame, of 255.
     remarks : tuple of str
@@ -152,7 +154,7 @@ class Glance:
 
 
 def glance_at(video: Path, look: Look | None = None) -> Glance:
-    """Return a summary of a video of a figure before a plain background.
+    """Return a summary of a video of a figure in front of a plain background.
 
     Parameters
     ----------
@@ -214,7 +216,7 @@ def _small_frames(container: av.container.InputContainer) -> Iterator[NDArray[np
 
 
 def _stillness(is_still: NDArray[np.bool_], rate: float) -> Iterator[str]:
-    """Yield when nothing moves for `_STILL_SECONDS` or longer."""
+    """Yield remarks on times without motion, `_STILL_SECONDS` or longer."""
     if is_still.all():
         yield "never moves"
         return
@@ -225,7 +227,7 @@ def _stillness(is_still: NDArray[np.bool_], rate: float) -> Iterator[str]:
 
 
 def _restlessness(movement: NDArray[np.float64], rate: float) -> Iterator[str]:
-    """Yield whether all of it jerks, or where it jumps."""
+    """Yield a remark if the motion jerks throughout or jumps."""
     if not len(movement):
         return
     if np.median(movement) > _RESTLESS_CHANGE:
@@ -234,13 +236,13 @@ def _restlessness(movement: NDArray[np.float64], rate: float) -> Iterator[str]:
     jumps = np.flatnonzero(movement > _JUMP_CHANGE)
     if len(jumps):
         times = ", ".join(f"{(jump + 1) / rate:.1f}" for jump in jumps[:3])
-        yield f"jumps at {times} s" + (f" and {len(jumps) - 3} times more" * (len(jumps) > 3))
+        yield f"jumps at {times} s" + (f" and {len(jumps) - 3} more times" * (len(jumps) > 3))
 
 
 def _absence(figure: NDArray[np.bool_], *, cropped: bool) -> Iterator[str]:
-    """Yield whether the figure is missing or reaches over an edge; the lower one always may.
+    """Yield remarks if the figure is missing or extends beyond an edge other than the lower one.
 
-    Where only a part of it is framed, it may reach over any.
+    If only a part of the body is framed, it may extend beyond any edge.
     """
     is_empty = figure.mean(axis=(1, 2)) < _EMPTY_SHARE
     if is_empty.any():
@@ -251,11 +253,11 @@ def _absence(figure: NDArray[np.bool_], *, cropped: bool) -> Iterator[str]:
 
 
 def draw_cell(glance: Glance) -> bytes:
-    """Return the picture of a video's cell as a WebP file that holds the remarks too.
+    """Return the picture of a video's cell as a WebP file, which also holds the remarks.
 
-    Its moments run in rows with their seconds; the last tile is darker the longer the figure was
-    there; the curve below is the movement over time, on one scale for all cells, so that a still
-    figure has a flat one.
+    Rows show the moments with their times. The last tile is darker where the figure was longer. The
+    curve below is the movement over time, on the same scale in all cells: a still figure has a flat
+    curve.
     """
     image = Image.new("RGB", _CELL, BACKGROUND)
     pen = ImageDraw.Draw(image)
@@ -287,7 +289,7 @@ def _presence(glance: Glance) -> Image.Image:
 
 
 def _draw_curve(pen: ImageDraw.ImageDraw, glance: Glance) -> None:
-    """Draw the movement as an area along the bottom, by its root, so that little shows too."""
+    """Draw the square root of the movement along the bottom, so that small movements show, too."""
     width, height = _CELL
     room = _CURVE - 4
     pen.rectangle((0, height - _CURVE, width, height), fill=(255, 255, 255))
@@ -295,5 +297,5 @@ def _draw_curve(pen: ImageDraw.ImageDraw, glance: Glance) -> None:
         return
     columns = np.arange(width) * len(glance.movement) // width
     share = np.sqrt(np.minimum(glance.movement[columns] / _FULL_CURVE, 1))
-    for x, tall in enumerate(share):
-        pen.line((x, height - 1, x, height - 1 - round(float(tall) * room)), fill=_CURVE_COLOUR)
+    for x, level in enumerate(share):
+        pen.line((x, height - 1, x, height - 1 - round(float(level) * room)), fill=_CURVE_COLOUR)

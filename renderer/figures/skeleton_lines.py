@@ -18,10 +18,10 @@ SIDE_COLOURS: Final = {"left": (0xD5, 0x5E, 0x00), "right": (0x00, 0x72, 0xB2)}
 """Vermilion and blue of Okabe and Ito's palette, for any kind of colour vision."""
 
 SIDE_MARKS: Final = {"left": "●", "right": "■"}
-"""The form of each side's joints."""
+"""The shape of each side's joints."""
 
 Place = Literal["over", "beside"]
-"""On the body, or in a separate picture on the right."""
+"""Position of the skeleton: on the body, or in a separate picture on the right."""
 
 _MIDDLE_COLOUR: Final = (0x30, 0x30, 0x36)
 _HALO: Final = (0xFF, 0xFF, 0xFF)
@@ -67,7 +67,7 @@ def with_skeleton(
         ``over`` draws on the body; ``beside`` returns a picture twice as wide, with the
         skeleton alone on its right.
     key : bool
-        Whether a corner explains the colours.
+        Whether a key in the corner explains the colours.
     """
     size = picture.width
     lines = _skeleton_picture(project(joints, camera, size)[:, :2], size, key=key)

@@ -27,7 +27,7 @@ from renderer.figures.plate import (
 from renderer.figures.skeleton_lines import SIDE_COLOURS, SIDE_MARKS
 
 MAX_MOMENTS: Final = 16
-"""Moments that remain legible in one figure."""
+"""Largest number of moments that is legible in one figure."""
 
 _STEP: Final = 0.01
 _SYLLABLE: Final = 0.06
@@ -50,9 +50,9 @@ class Moment:
     Attributes
     ----------
     seconds : float
-        From the segment's start.
+        Time from the segment's start.
     word : str
-        The key word spoken there; empty where none was given.
+        The key word spoken at that time; empty if none was given.
     """
 
     seconds: float
@@ -60,7 +60,7 @@ class Moment:
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Read ``2.4``, or ``word=2.4`` with the key word spoken there."""
+        """Parse ``2.4``, or ``word=2.4`` with the key word spoken at that time."""
         word, _, number = text.rpartition("=")
         try:
             return cls(seconds=float(number), word=word.strip())
@@ -71,12 +71,12 @@ class Moment:
 
     @property
     def label(self) -> str:
-        """The key word, or the time where there is none."""
+        """The key word, or the time if there is none."""
         return self.word or f"{self.seconds:.1f} s"
 
 
 def even_moments(duration: float, count: int) -> tuple[Moment, ...]:
-    """Return `count` moments spread evenly over `duration` seconds, away from both ends."""
+    """Return `count` moments evenly spaced over `duration` seconds, away from both ends."""
     return tuple(
         Moment(seconds=round(duration * (place + 0.5) / count, 3)) for place in range(count)
     )
@@ -85,9 +85,9 @@ def even_moments(duration: float, count: int) -> tuple[Moment, ...]:
 def loud_moments(speech: Audio, count: int) -> tuple[Moment, ...]:
     """Return the loudest syllable in each of `count` equal parts of `speech`, in order.
 
-    Gestures fall on stressed syllables, and those are loud; one for each part keeps the whole
-    speech in view. They lie at least half a part from each other, so that no syllable is shown
-    twice; a part without one gives its middle.
+    Gestures coincide with stressed syllables, which are loud; one from each part covers the whole
+    speech. They are at least half a part apart, so that no syllable is shown twice. A part without
+    a syllable gives its middle.
     """
     step = max(1, round(_STEP * speech.sample_rate))
     length = len(speech.samples) // step * step
@@ -113,11 +113,11 @@ class StripLayout:
     inches : float
         Width of the page.
     rows : tuple of str
-        Names of the conditions, top to bottom.
+        Names of the conditions, from top to bottom.
     moments : tuple of Moment
-        Left to right; at least one.
+        The moments, from left to right; at least one.
     aspect : float
-        Height of a panel over its width.
+        Height of a panel divided by its width.
     wave : bool
         Whether the speech's waveform is drawn under the panels.
     skeleton : bool
@@ -133,7 +133,7 @@ class StripLayout:
 
     @property
     def margin(self) -> int:
-        """Pixels on the left for the names, which are written upwards."""
+        """Pixels on the left for the names, which are written vertically."""
         return round(pixels(LETTERS) * _LINE) + _GAP
 
     @property
@@ -216,7 +216,7 @@ def draw_strip(
 
 
 def _fit_texts(texts: Sequence[str], room: float) -> tuple[list[str], float]:
-    """Return `texts`, cut where they must be, and the points at which each fits `room` pixels."""
+    """Return `texts`, shortened if necessary, and the font size at which all fit `room` pixels."""
     longest = max(font(pixels(LETTERS)).getlength(text) for text in texts)
     size = min(LETTERS, max(_SMALLEST_LETTERS, LETTERS * _TEXT_SHARE * room / longest))
     return [fitted(text, font(pixels(size)), _CUT_SHARE * room) for text in texts], size
@@ -271,13 +271,13 @@ def _draw_time(
 
 
 def _envelope(samples: np.ndarray) -> np.ndarray:
-    """Return the largest amplitude in each of `_WAVE_COLUMNS` parts, the loudest being 1."""
+    """Return the largest amplitude in each of `_WAVE_COLUMNS` parts, scaled to at most 1."""
     parts = np.array_split(np.abs(samples), min(_WAVE_COLUMNS, len(samples)))
     peaks = np.array([part.max() for part in parts])
     return peaks / max(float(peaks.max()), 1e-9)
 
 
 def _tick_step(duration: float, room: float) -> float:
-    """Return seconds between at most ten ticks, whose numbers have space in `room` pixels."""
+    """Return the seconds between at most ten ticks whose labels fit into `room` pixels."""
     limit = min(10, room / pixels(2.5 * LETTERS))
     return next((step for step in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20) if duration / step <= limit), 60)

@@ -1,1 +1,1 @@
-"""Rendering many videos: jobs, the processes or hosts that run them, and their outcomes."""
+"""Rendering many videos by processes on one or several hosts."""

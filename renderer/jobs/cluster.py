@@ -1,7 +1,7 @@
 """Rendering on a Dask cluster, named by the address of its scheduler.
 
-Scheduler and workers need the same Motion Jury, the same paths to the study and the body, and one
-thread a worker. Dask itself gives a dead worker's job to another one.
+Scheduler and workers need the same version of Motion Jury, the same paths to the study and the
+body, and one thread per worker. Dask itself gives a dead worker's job to another one.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ START_COMMAND: Final = (
     "LP_NUM_THREADS=0 MALLOC_TRIM_THRESHOLD_=268435456 MALLOC_MMAP_THRESHOLD_=33554432 "
     "dask worker {address} --nthreads 1 --nworkers -1"
 )
-"""The command of workers. Dask's own malloc settings cost a tenth of the frames per second."""
+"""The command that starts workers. Dask's own malloc settings make rendering 10% slower."""
 
 _CONNECT_TIMEOUT: Final = 8.0
 _WORKER_TIMEOUT: Final = 10.0
@@ -43,7 +43,7 @@ class ClusterWorkers:
     ----------
     address : str
         Address of the scheduler, such as ``tcp://node1:8786``.
-    needed : sequence of Path
+    required_files : sequence of Path
         Absolute paths of files and folders that every worker must see.
     """
 
@@ -52,18 +52,18 @@ class ClusterWorkers:
         self._fitness = (RENDERER_VERSION, sys.version_info[:2], tuple(required_files))
         self._running: dict[str, tuple[int, Job, Any]] = {}
         self._ended: SimpleQueue[str] = SimpleQueue()
-        # Dask blames a worker's death on jobs that waited there too, so no job is given up
-        # at the first time.
+        # Dask also blames a worker's death on jobs that were waiting there, so each job is retried
+        # once.
         self._retried: set[int] = set()
         self._client: Any = None
 
     def __enter__(self) -> Self:
-        """Connect, and look at every worker.
+        """Connect, and check every worker.
 
         Raises
         ------
         InputError
-            If Dask is not installed, the address does not answer, or a worker is unfit.
+            If Dask is not installed, the address does not answer, or a worker is unsuitable.
         """
         self._client = _connected(self._address)
         try:
@@ -74,18 +74,18 @@ class ClusterWorkers:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Cancel jobs that no worker has started; a video that is being written is finished."""
+        """Cancel jobs that no worker has started; videos that are being written are finished."""
         if self._client.status == "running":
             self._client.cancel([future for _, _, future in self._running.values()])
         self._client.close()
 
     def room(self) -> bool:
-        """Return whether a worker is idle; workers may come and go, so one job may always wait."""
+        """Return whether a worker is idle; one job may always wait, since workers come and go."""
         self._check_connection()
         return len(self._running) < max(1, self._count_workers())
 
     def begin(self, number: int, job: Job) -> None:
-        """Have `job` done by any worker."""
+        """Submit `job` to any worker."""
         self._submit(number, job, priority=-number)
 
     def _submit(self, number: int, job: Job, priority: float) -> None:
@@ -105,7 +105,7 @@ class ClusterWorkers:
         Raises
         ------
         InputError
-            If the scheduler, or all workers for more than two minutes, are gone.
+            If the scheduler is gone, or all workers are gone for more than two minutes.
         """
         without_workers = 0.0
         while True:
@@ -155,12 +155,12 @@ class ClusterWorkers:
         return InputError(
             "the connection to the cluster was lost",
             where=self._address,
-            remedy="Start its scheduler again; the same command goes on where it stopped",
+            remedy="Start its scheduler again; the same command resumes where it stopped",
         )
 
     def _no_worker(self) -> InputError:
         return InputError(
-            "the cluster has no worker",
+            "the cluster has no workers",
             where=self._address,
             remedy=f"Start some with '{START_COMMAND.format(address=self._address)}'",
         )
@@ -206,7 +206,7 @@ def _outcome_of(future: Any, job: Job) -> Outcome:
 
 
 def _killed(future: Any) -> bool:
-    """Tell whether workers died over a job, as often as Dask allows."""
+    """Return whether as many workers died on a job as Dask allows."""
     from distributed import KilledWorker
 
     return isinstance(_problem(future), KilledWorker)
@@ -214,8 +214,8 @@ def _killed(future: Any) -> bool:
 
 def _problem(future: Any) -> BaseException | None:
     """Return a job's exception; None if there is none, or the job was lost or cancelled."""
-    problem: BaseException | None = future.exception() if future.status == "error" else None
-    return problem
+    exception: BaseException | None = future.exception() if future.status == "error" else None
+    return exception
 
 
 def find_misfit(
@@ -252,17 +252,17 @@ def find_misfit(
 def do_cluster_job(
     job: Job, version: str, python: tuple[int, int], required_files: Sequence[Path]
 ) -> Outcome:
-    """Do `job` if this worker, which may have joined late, is fit for it."""
+    """Do `job` if this worker, which may have joined late, is suitable."""
     from distributed import get_worker
 
     worker = get_worker()
     unfit = find_misfit(version, python, required_files, worker)
     if unfit is not None:
-        return Outcome(name=job.name, error=f"worker {worker.address} was left: {unfit}")
+        return Outcome(name=job.name, error=f"worker {worker.address} cannot render: {unfit}")
     return do_job(job, _stages())
 
 
 @cache
 def _stages() -> Stages:
-    """Return this process's one stage; it ends with the process."""
+    """Return this process' stages, which last as long as the process."""
     return Stages()

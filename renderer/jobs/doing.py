@@ -1,4 +1,4 @@
-"""How a process does rendering jobs, one after the other."""
+"""Doing rendering jobs in one process, one after the other."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Stages:
 def do_job(job: Job, stages: Stages) -> Outcome:
     """Do `job` and return its outcome.
 
-    Errors other than in input or by the operating system are raised.
+    Errors in the input or of the operating system are part of the outcome; others are raised.
     """
     began = time.perf_counter()
     error = None

@@ -1,7 +1,6 @@
-"""Making many videos: by processes of this machine, or by a cluster.
+"""Making many videos, by processes of this machine or by a cluster.
 
-A job that fails, or takes its process down with it again and again, is reported; the others go
-on.
+A job that fails or repeatedly crashes its process is reported; the others continue.
 """
 
 from __future__ import annotations
@@ -35,12 +34,12 @@ ONE_THREAD: Final = {
 }
 """Environment of a rendering process, read by the libraries when they load.
 
-One thread for drawing and one for encoding in one process per core is faster than one process with
-many threads.
+One process per core, each with one thread for drawing and one for encoding, is faster than one
+process with many threads.
 """
 
 _ATTEMPTS: Final = 2
-"""Number of processes that may die over one job before it is given up."""
+"""Number of processes that may crash on one job before it is abandoned."""
 
 _END_TIMEOUT: Final = 10.0
 
@@ -57,29 +56,29 @@ def run_jobs(
     Parameters
     ----------
     jobs : sequence of ClipJob, DubJob and PairJob
-        What to make. They are begun in this order, but none before its clips; give each
-        segment's pairs right after its clips, and its frames are soon no longer needed.
+        The jobs. They are started in this order, but none before its clips. If each segment's pairs
+        follow its clips, its frames are soon no longer needed.
     processes : int
-        How many to do at once on this machine, at least 1.
+        Number of jobs at once on this machine, at least 1.
     cluster : str or None
         Address of a Dask scheduler whose workers do the jobs instead.
     on_done : callable
-        Called in this process with each outcome as it comes.
+        Called in this process with each outcome.
 
     Returns
     -------
     list of Outcome
-        In the order of `jobs`. What needs a clip that failed is not tried.
+        Outcomes in the order of `jobs`. Jobs whose clip failed are not tried.
 
     Raises
     ------
     InputError
         If the cluster cannot be used.
     ModuleNotFoundError
-        If clips are to be drawn on this machine, which has no pyrender.
+        If clips are to be drawn on this machine, but pyrender is not installed.
     KeyboardInterrupt
         When interrupted. Processes of this machine are ended first, and no half-written file is
-        left; workers of a cluster finish the video they are at.
+        left; workers of a cluster finish their current video.
     """
     if not jobs:
         return []
@@ -95,7 +94,7 @@ def _workers(
     jobs: Sequence[Job], processes: int, cluster: str | None
 ) -> LocalWorkers | ClusterWorkers:
     if cluster is None:
-        # Otherwise each clip's process would die of it, one after the other.
+        # Otherwise each clip's process would fail, one after the other.
         if any(isinstance(job, ClipJob) for job in jobs) and find_spec("pyrender") is None:
             raise ModuleNotFoundError("No module named 'pyrender'", name="pyrender")
         return LocalWorkers(processes)
@@ -106,7 +105,7 @@ def _workers(
 
 
 def _required_files(jobs: Sequence[Job]) -> list[Path]:
-    """Return files by which to check that a machine sees the study; one speech is enough."""
+    """Return files that show whether a machine sees the study; one recording is enough."""
     clips = [job for job in jobs if isinstance(job, ClipJob)]
     files = {jobs[0].speech, *(job.body for job in clips)}
     files |= {job.look.expression_matrix for job in clips}
@@ -140,10 +139,10 @@ def _run_in_order(
 
 
 class JobOrder:
-    """The jobs of one run, by their number in the order they were given.
+    """The order of the jobs of one run, each identified by its index.
 
-    A pair whose clip is among the jobs waits for it, and so does a clip that gets another speech;
-    existing clips are not waited for.
+    A pair or a dubbed video waits for its clips if they are among the jobs; other clips exist
+    already.
     """
 
     def __init__(self, jobs: Sequence[Job]) -> None:
@@ -160,7 +159,7 @@ class JobOrder:
                 self._ready.append(number)
 
     def next(self) -> int | None:
-        """Return the first job that may be begun, and count it as begun; None if there is none."""
+        """Return the first job that is ready, and remove it; None if there is none."""
         return heapq.heappop(self._ready) if self._ready else None
 
     def succeeded(self, number: int) -> None:
@@ -171,7 +170,7 @@ class JobOrder:
                 heapq.heappush(self._ready, waiting)
 
     def failed(self, number: int) -> list[int]:
-        """Return the jobs that can no longer be done; they will not be begun."""
+        """Return the jobs that can no longer be done; they will not be started."""
         blocked = self._waiting_for.pop(number, [])
         for waiting in blocked:
             for clip in self._awaited.pop(waiting):
@@ -199,7 +198,7 @@ class _Worker:
         return cls(process, own_end)
 
     def bury(self) -> str:
-        """Release what a dead process leaves; return how it ended."""
+        """Clean up after a dead process; return how it ended."""
         self.process.join(_END_TIMEOUT)
         self.pipe.close()
         code = self.process.exitcode
@@ -209,7 +208,7 @@ class _Worker:
 class LocalWorkers:
     """Up to `processes` processes; each is started when it is first needed.
 
-    All are ended when the ``with`` block is left, however that happens.
+    All are ended at the end of the ``with`` block, even after an exception.
     """
 
     def __init__(self, processes: int) -> None:
@@ -239,7 +238,7 @@ class LocalWorkers:
         """Give `job` to an idle process, or to a new one."""
         while self._idle:
             worker = self._idle[-1]
-            # Busy before it is no longer idle: `__exit__` ends it wherever an exception comes.
+            # Busy before it is no longer idle, so that `__exit__` always finds it.
             self._busy[worker.pipe] = worker, number, job
             self._idle.pop()
             try:
@@ -254,7 +253,7 @@ class LocalWorkers:
     def _begin_in_new_process(self, number: int, job: Job) -> None:
         worker = _Worker.started()
         self._busy[worker.pipe] = worker, number, job
-        with suppress(ConnectionError):  # one that died at once is found when it is waited for
+        with suppress(ConnectionError):  # if it died at once, `ended` notices
             worker.pipe.send(job)
 
     def ended(self) -> Sequence[tuple[int, Outcome]]:
@@ -286,7 +285,7 @@ class LocalWorkers:
 
 @contextmanager
 def _environment(changes: dict[str, str]) -> Iterator[None]:
-    """Set environment variables for as long as the block runs."""
+    """Set environment variables during the block."""
     previous = {name: os.environ.get(name) for name in changes}
     os.environ.update(changes)
     try:
@@ -300,7 +299,7 @@ def _environment(changes: dict[str, str]) -> Iterator[None]:
 
 
 def work(pipe: Connection) -> None:
-    """Do the jobs that come through `pipe`, one after the other, until it is closed."""
+    """Do the jobs from `pipe`, one after the other, until it is closed."""
     # Ctrl-C reaches all processes of a terminal; the parent decides, and ends this one by
     # SIGTERM, which must unwind the stack so that temporary files are removed.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -5,7 +5,7 @@
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in vec4 color_0;  // sRGB colour; alpha is how much it gleams
+layout(location = 2) in vec4 color_0;  // sRGB colour; alpha is the gloss
 
 struct DirectionalLight {
     vec3 color;
@@ -19,7 +19,7 @@ uniform vec3 ambient_light;
 uniform int n_directional_lights;
 uniform DirectionalLight directional_lights[MAX_LIGHTS];
 
-uniform mat4 channels;  // from red, green and blue to what is drawn
+uniform mat4 channels;  // from red, green and blue to the drawn channels
 
 out vec3 shade;
 
@@ -30,7 +30,7 @@ void main()
     gl_Position = projection * vec4(position, 1.0);
     vec3 n = normalize(normal);
     vec3 to_eye = normalize(cam_pos - position);
-    vec3 albedo = color_0.rgb * color_0.rgb;  // gamma 2: as good to the eye as 2.2, and cheaper
+    vec3 albedo = color_0.rgb * color_0.rgb;  // gamma 2 looks like 2.2 and is cheaper
     vec3 light = ambient_light * (0.8 + 0.2 * n.y);
     float gleam = 0.0;
     for (int i = 0; i < n_directional_lights; i++) {

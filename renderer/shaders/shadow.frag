@@ -1,7 +1,6 @@
 #version 330 core
 
-// What is left of the background's light on the ground, under ellipses that darken towards their
-// centres.
+// The background's light on the ground, under ellipses that are darkest at their centres.
 
 in vec2 place;
 

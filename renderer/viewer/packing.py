@@ -1,8 +1,8 @@
 """Compact encodings for browsers: an avatar's body, a motion clip, and the integers of both.
 
-What follows each other differs little, in motion as on a mesh. So the differences are kept, and
-those that are small have a first byte only: the others are all zero, which deflate makes nothing
-of. Browsers inflate by themselves.
+Consecutive values of motion and of meshes differ little. So differences are stored, most of which
+need only their low byte; deflate compresses the zero high bytes to almost nothing. Browsers can
+inflate without a library.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from motion.skeleton import PARENTS
 from renderer.look import default_body
 
 LARGEST: Final = 32_767
-"""Largest integer that an array may hold; the smallest is its opposite."""
+"""Largest integer of packed values; the smallest is its negative."""
 
 
 def quantise(values: NDArray[np.floating], step: float) -> tuple[NDArray[np.int16], float]:
-    """Return `values` in steps, and the step.
+    """Return `values` as integer multiples of a step, and the step.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def quantise(values: NDArray[np.floating], step: float) -> tuple[NDArray[np.int1
     Returns
     -------
     (ndarray of int16, float)
-        The packed values, in the same shape, and the step; packed times step is within half a step.
+        The quantised values, in the same shape, and the step; errors are at most half a step.
     """
     step = max(step, float(np.abs(values).max(initial=0)) / LARGEST)
     return np.round(values / step).astype(np.int16), step
@@ -50,11 +50,10 @@ def quantise(values: NDArray[np.floating], step: float) -> tuple[NDArray[np.int1
 def pack(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[np.integer]]) -> bytes:
     """Return facts and arrays as zlib data.
 
-    Inside are the length of a header as four bytes, lowest first; the header in JSON, with the
+    The content is the length of a header as four bytes, little-endian; the header in JSON, with the
     facts and, under ``arrays``, name, rows and columns of each array; then the arrays. Each is
-    written column after column as differences modulo 65,536 from the row before, those below zero
-    folded between the others (0, -1, 1, -2 … become 0, 1, 2, 3 …): all low bytes, then all high
-    ones.
+    written column by column as differences from the previous row modulo 65,536, zigzag-encoded (0,
+    -1, 1, -2 … become 0, 1, 2, 3 …): all low bytes, then all high bytes.
 
     Parameters
     ----------
@@ -75,7 +74,7 @@ def pack(facts: Mapping[str, Any], arrays: Mapping[str, NDArray[np.integer]]) ->
 
 
 _STEP: Final = 5e-5
-"""Metres: five hundredths of a millimetre."""
+"""Step of vertices in metres: 0.05 mm."""
 _FACE_STEP: Final = 2e-5
 _NORMAL_STEP: Final = 1 / 127
 
@@ -88,10 +87,10 @@ def avatar_body(avatar: str) -> BodyModel:
 
 @lru_cache(maxsize=2)
 def packed_avatar(avatar: str) -> bytes:
-    """Return an avatar's body, to be read by ``viewer.js``.
+    """Return an avatar's body in the format of ``viewer.js``.
 
-    Each vertex follows the four joints that it follows most. Of each expression only those
-    vertices are kept that it moves.
+    Each vertex has its four largest skin weights. Each expression has only the vertices that it
+    moves.
     """
     body = avatar_body(avatar)
     no_betas = np.zeros(0)
@@ -127,28 +126,28 @@ def packed_avatar(avatar: str) -> bytes:
 
 
 TURN_STEP: Final = 8e-4
-"""Radians. A rotation is never further off than its axis-angle vector, which is at most half a
-step off along each axis: 0.0397 degrees."""
+"""Step of axis-angle vectors in radians. The error of a rotation is at most that of its vector,
+half a step along each axis: 0.0397 degrees."""
 
 _SHIFT_STEP: Final = 1e-4
 _WEIGHT_STEP: Final = 0.004
 
 
 def track(clip: MotionClip, body: BodyModel) -> bytes:
-    """Return the track of `clip` on `body`, to be read by ``viewer.js``.
+    """Return the track of `clip` on `body` in the format of ``viewer.js``.
 
     Parameters
     ----------
     clip : MotionClip
         The motion.
     body : BodyModel
-        Converts the clip's face.
+        The body, which converts the clip's face.
 
     Returns
     -------
     bytes
-        Made by `pack`: joints' axis-angle vectors, shape (T, 165), the body's translation,
-        (T, 3), and weights of the body's expressions, (T, E), each in steps that the facts tell.
+        Data of `pack`: joints' axis-angle vectors, shape (T, 165), the body's translation, (T, 3),
+        and weights of the body's expressions, (T, E), each in the steps given by the facts.
     """
     turns = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_rotvec()
     weights = body.expression_weights(clip)

@@ -1,4 +1,4 @@
-"""Figures of a page in which motion plays, what they need, and a page that needs no other file."""
+"""Figures that play motion in a page, their scripts and data, and a page of its own for them."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ from renderer.look import Look
 from renderer.viewer.packing import avatar_body, packed_avatar, track
 
 MAX_CLIPS: Final = 6
-"""Clips side by side; more of them are too small to judge."""
+"""Largest number of clips side by side; more would be too small to judge."""
 
 SCRIPTS: Final = ("three.min.js", "viewer.js")
-"""Scripts of a page, in this order."""
+"""Scripts of a page, in loading order."""
 
 STYLE: Final = "viewer.css"
 
 FILES: Final = Path(str(files("renderer.viewer")))
-"""The folder of scripts and style, for servers that send them."""
+"""The folder of scripts and style, for servers."""
 
 _COMPRESSION: Final = 0.6
-"""Of MP3, from 0 to 1: speech stays clear at about 6 kB a second."""
+"""Compression of MP3, from 0 to 1: speech stays clear at about 6 kB per second."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -48,9 +48,9 @@ class Scene:
     Attributes
     ----------
     name : str
-        Its title, next to the start button.
+        Title of the scene, on the start button.
     clips : mapping of str to MotionClip
-        By caption; at most `MAX_CLIPS`.
+        Clips by caption; at most `MAX_CLIPS`.
     speech : Audio or None
         The speech, as long as the clips.
     """
@@ -61,7 +61,7 @@ class Scene:
 
 
 def viewed_body(look: Look) -> BodyModel:
-    """Return the avatar of `look`, with the matrix that faces may need for it."""
+    """Return the avatar of `look`, with its expression matrix, if any."""
     matrix = look.expression_matrix
     return replace(
         avatar_body(look.avatar),
@@ -72,23 +72,23 @@ def viewed_body(look: Look) -> BodyModel:
 def packed_scene(
     scene: Scene, body: BodyModel, look: Look, keep: Callable[[bytes], str]
 ) -> dict[str, Any]:
-    """Return a scene as ``viewer.js`` reads it, in JSON values.
+    """Return a scene in the format of ``viewer.js``, as JSON values.
 
     Parameters
     ----------
     scene : Scene
         The scene.
     body : BodyModel
-        What `viewed_body` returns.
+        The body of `viewed_body`.
     look : Look
-        What the camera sees at first.
+        The look, which sets the initial view.
     keep : callable
-        Takes a clip's track, or the speech as MP3, and returns where ``viewer.js`` finds it.
+        Stores a clip's track, or the speech as MP3, and returns its address for ``viewer.js``.
 
     Raises
     ------
     InputError
-        If there is no clip, or more than `MAX_CLIPS`.
+        If there are no clips, or more than `MAX_CLIPS`.
     """
     if not 0 < len(scene.clips) <= MAX_CLIPS:
         raise InputError(
@@ -106,19 +106,19 @@ def packed_scene(
 
 
 def data_address(data: bytes) -> str:
-    """Return a data address."""
+    """Return the ``data:`` address of `data`."""
     return f"data:;base64,{base64.b64encode(data).decode()}"
 
 
 class MotionFigures:
-    """Figures of one page. They share one avatar, and what several show is embedded once.
+    """Figures of one page. They share one avatar, and equal data are embedded once.
 
     Parameters
     ----------
     look : Look
-        The avatar, the matrix that its face may need, and the initial view.
+        The avatar, its expression matrix, and the initial view.
     avatar : str
-        Where the avatar is found already; empty for one that is embedded.
+        Address of the avatar; empty to embed it.
     """
 
     def __init__(self, look: Look, *, avatar: str = "") -> None:
@@ -135,12 +135,12 @@ class MotionFigures:
         scene : Scene
             The scene.
         at_once : bool
-            Whether it loads with the page rather than on a click; of the page's first figure.
+            Whether it loads with the page rather than on a click; only for the first figure.
 
         Raises
         ------
         InputError
-            If there is no clip, or more than `MAX_CLIPS`.
+            If there are no clips, or more than `MAX_CLIPS`.
         """
         facts = packed_scene(scene, self._body, self._look, self._embed)
         return Markup(
@@ -153,7 +153,7 @@ class MotionFigures:
         )
 
     def sources(self) -> Markup:
-        """Return the elements that hold what the figures made so far show; scripts come after."""
+        """Return the elements with the data of all figures made so far, which precede scripts."""
         return Markup("\n").join(
             Markup('<script type="application/octet-stream" id="{}">{}</script>').format(*each)
             for each in self._embedded.items()
@@ -194,12 +194,12 @@ def policy_hash(script: str) -> str:
 
 
 AVATAR_SCRIPT: Final = "avatar.js"
-"""Of pages that share it: makes the element that would otherwise hold the avatar in each of
-them."""
+"""Script of pages that share an avatar; it creates the element that would otherwise be embedded in
+each of them."""
 
 
 def write_shared_files(folder: Path, look: Look) -> None:
-    """Write what pages in `folder` share: the viewer and the avatar of `look`."""
+    """Write the files that pages in `folder` share: the viewer and the avatar of `look`."""
     for name in (*SCRIPTS, STYLE):
         write_text(folder / name, (FILES / name).read_text("utf-8"))
     properties = {
@@ -219,7 +219,7 @@ def write_motion_page(
     *,
     shares: bool = False,
 ) -> None:
-    """Write a page that shows scenes, one below the other, and needs no server.
+    """Write a page of scenes, one below the other, that needs no server.
 
     Parameters
     ----------
@@ -228,11 +228,11 @@ def write_motion_page(
     title : str
         Its heading.
     scenes : sequence of Scene
-        The first one is open.
+        The scenes; the first one loads with the page.
     look : Look
         The same as for `MotionFigures`.
     shares : bool
-        Whether it uses the files that `write_shared_files` writes to its folder.
+        Whether it uses the files of `write_shared_files` in its folder.
     """
     figures = MotionFigures(look, avatar=f"#{AVATAR_SCRIPT}" if shares else "")
     elements = [figures.figure(scene, at_once=not number) for number, scene in enumerate(scenes)]

@@ -1,18 +1,18 @@
-/* Plays motion that one can turn around: each figure.motion-viewer of a page.
+/* Plays the motion of each figure.motion-viewer of a page, in 3D.
 
-   Its data-scene holds JSON, or the address that sends it: the clips and the speech in base64, as
-   "data:" addresses or as "#id" of an element. The avatar is such an "#id" as well, or data-avatar
-   is its address. Where nothing can be played, "problem" says why in place of all that; "notes" say
-   what is not there. What the data hold is written by renderer/viewer. All clips of a figure run on one
-   clock, which is the speech where there is any. */
+   Its data-scene is JSON, or the address of JSON: the clips and the speech in base64, as "data:"
+   addresses or as "#id" of an element. The avatar is such an "#id", too, or its address is in
+   data-avatar. If nothing can be played, JSON has only a "problem"; "notes" name missing parts.
+   renderer/viewer writes the data. All clips of a figure share a clock, which is the speech if there
+   is any. */
 "use strict";
 (() => {
 const SKELETON = 0x0072b2;
-const NARROW = 500;  // pixels, in which at most two figures stand side by side, else three
+const NARROW = 500;  // pixels below which two figures are side by side, otherwise three
 const LARGEST_ANGLE = 0.56 * Math.PI;  // from straight above to a little below the ground
 let running = null;
 
-/* Reading what was packed */
+/* Reading packed data */
 
 async function fetched(address) {
   const answer = await fetch(address);
@@ -35,9 +35,9 @@ async function unpacked(source) {
     .pipeThrough(new DecompressionStream("deflate"));
   const bytes = new Uint8Array(await new Response(inflated).arrayBuffer());
   const length = new DataView(bytes.buffer).getUint32(0, true);
-  const found = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));
+  const content = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));
   let offset = 4 + length;
-  for (const [name, rows, columns] of found.arrays) {
+  for (const [name, rows, columns] of content.arrays) {
     const count = rows * columns, values = new Int32Array(count);
     for (let column = 0, at = offset; column < columns; column++) {
       let value = 0;
@@ -47,10 +47,10 @@ async function unpacked(source) {
         values[row * columns + column] = value;
       }
     }
-    found[name] = { values, rows, columns };
+    content[name] = { values, rows, columns };
     offset += 2 * count;
   }
-  return found;
+  return content;
 }
 
 const inSteps = (numbers, step) => Float32Array.from(numbers.values, value => value * step);
@@ -149,7 +149,7 @@ class Performer {
     Object.assign(this.material, { transparent: shown, opacity: shown ? 0.35 : 1, needsUpdate: true });
   }
 
-  /* Pose the body as in the frame that a video shows after so many seconds. */
+  /* Pose the body as in the frame that a video shows at this time. */
   pose(seconds) {
     const frame = Math.min(Math.floor(seconds * this.clip.rate + 1e-6), this.frames - 1);
     if (frame === this.frame) return;
@@ -193,7 +193,7 @@ function litScene(background) {
   return scene;
 }
 
-/* The clock: the speech where there is any */
+/* Clocks: the speech, or the time if there is none */
 
 class Clock {
   constructor(seconds) {
@@ -244,9 +244,9 @@ class SpeechClock {
 /* One figure of the page */
 
 function element(name, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(name), properties);
-  made.append(...children);
-  return made;
+  const node = Object.assign(document.createElement(name), properties);
+  node.append(...children);
+  return node;
 }
 
 class Player {
@@ -275,7 +275,7 @@ class Player {
     this.resized.observe(this.stage);
     this.resize();
     this.draw = this.draw.bind(this);
-    this.asked = requestAnimationFrame(this.draw);
+    this.request = requestAnimationFrame(this.draw);
   }
 
   build(scene) {
@@ -326,7 +326,7 @@ class Player {
     this.controls.update();
   }
 
-  /* Keep height and distance, and look from so many degrees to the figures' left. */
+  /* Move the camera by an angle to the figures' left, at the same height and distance. */
   turnTo(degrees) {
     const { position } = this.camera, { target } = this.controls, angle = degrees * Math.PI / 180;
     const distance = Math.hypot(position.x - target.x, position.z - target.z);
@@ -345,9 +345,9 @@ class Player {
     this.drawn = "";
   }
 
-  /* Draw what has changed since the last time: motion is made for fewer pictures than a screen shows. */
+  /* Draw only if something has changed: motion has fewer frames per second than a screen. */
   draw() {
-    this.asked = requestAnimationFrame(this.draw);
+    this.request = requestAnimationFrame(this.draw);
     const { now, paused, seconds } = this.clock;
     this.button.textContent = paused ? "Play" : "Pause";
     if (document.activeElement !== this.scrubber || !paused) this.scrubber.value = now;
@@ -364,7 +364,7 @@ class Player {
   }
 
   render() {
-    this.renderer.setScissorTest(true);  // a restored context has forgotten it
+    this.renderer.setScissorTest(true);  // a restored context has lost it
     const width = this.stage.clientWidth / this.columns, height = this.stage.clientHeight / this.rows;
     this.performers.forEach((performer, number) => {
       const column = number % this.columns, row = Math.floor(number / this.columns);
@@ -376,7 +376,7 @@ class Player {
   }
 
   stop() {
-    cancelAnimationFrame(this.asked);
+    cancelAnimationFrame(this.request);
     this.clock.pause();
     this.resized.disconnect();
     this.controls.dispose();
@@ -395,11 +395,11 @@ async function start(figure, { plays = false } = {}) {
     tell(figure, "This browser cannot draw in three dimensions (WebGL 2 is off or missing), so the motion cannot be shown here. Another browser, or another computer, can show it.");
     return;
   }
-  const before = figure.cloneNode(true), { scene: told, avatar: address } = figure.dataset;
+  const before = figure.cloneNode(true), { scene: source, avatar: address } = figure.dataset;
   const button = figure.querySelector(".start");
   Object.assign(button, { textContent: "Loading …", disabled: true });
   try {
-    const scene = told.startsWith("{") ? JSON.parse(told) : await (await fetched(told)).json();
+    const scene = source.startsWith("{") ? JSON.parse(source) : await (await fetched(source)).json();
     if (scene.problem) return tell(figure, scene.problem);
     const sources = [scene.avatar ?? address, ...scene.clips.map(clip => clip.source)];
     const [avatar, ...clips] = await Promise.all(sources.map(unpacked));

@@ -203,7 +203,7 @@ def test_a_pair_on_a_dark_background_matches_its_golden_picture(
 def test_missing_or_broken_frames_are_refused_without_a_partial_file(
     studio: Studio, moving: Path, tmp_path: Path
 ) -> None:
-    with pytest.raises(InputError, match="share 24 frames, 27 are needed"):
+    with pytest.raises(InputError, match="have 24 common frames, but 27 are needed"):
         studio.compose(moving, moving, tmp_path / "pair.mp4", end=0.25 + 0.9)
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(InputError, match="missing"):

@@ -143,7 +143,7 @@ def test_a_scheduler_without_workers_and_a_lost_one_are_reported(
                 run_jobs([clip_job], processes=1, cluster=address)
         with (
             _workers(address, tmp_path, count=1),
-            pytest.raises(InputError, match=r"connection .* was lost.*goes on where it stopped"),
+            pytest.raises(InputError, match=r"connection .* was lost.*resumes where it stopped"),
         ):
             run_jobs(
                 clips_and_pairs(clip_job, 2),

@@ -204,7 +204,7 @@ def test_failed_videos_hidden_faces_and_silence_are_reported_and_the_others_made
     assert len(made) == 5 and not {*broken} & {*made}
     face, sound = sorted(count.notes)
     assert face.startswith("ground_truth: the clip's face is given as SMPL-X expression")
-    assert sound == "the speech of segment take_01: it is silent; left as it is"
+    assert sound == "the speech of segment take_01: it is silent; left unchanged"
 
 
 def frames_of(folder: StudyFolder) -> list[Path]:
