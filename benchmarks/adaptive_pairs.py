@@ -1,8 +1,8 @@
 """Adaptive pairs compared with even and random ones: a figure, and its numbers.
 
 ``python -m benchmarks.adaptive_pairs FIGURE.png`` simulates tournaments of conditions with known
-strengths, plots how well their order and their strengths are known after each number of answers,
-and prints the same. The last lines are ``name: value``.
+strengths, plots how well their order and strengths are known after each number of answers, and
+prints the same numbers. The last lines are ``name: value``.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ from studyapp.study.design.adaptive import Pair, most_informative_pairs, posteri
 from studyapp.study.design.allocation import shuffled
 
 Choice = Literal["adaptive", "even", "random"]
-"""How pairs are chosen: by what an answer is worth; all in turn along a ring in random order, as
-``comparisons = "all_pairs"`` does; or each by itself, any as likely as another."""
+"""How pairs are chosen: by the value of an answer; in turn along a ring in random order, as
+``comparisons = "all_pairs"`` does; or independently and uniformly at random."""
 
 CHOICES: Final[tuple[Choice, ...]] = ("adaptive", "even", "random")
 
 TRIALS: Final = 12
-"""Pairs that each participant answers."""
+"""Pairs per participant."""
 
 CONDITIONS: Final = 10
 STRENGTH_SDS: Final = (1.0, 2.0)
-"""How far apart conditions are, in logits: of one kind, or from a still figure to a recording."""
+"""Spreads of the strengths, in logits: similar systems, or from a still figure to a recording."""
 PARTICIPANTS: Final = 60
 REPETITIONS: Final = 60
 SHOWN_AT: Final = (5, 10, 20, 40, 60)
@@ -50,27 +50,27 @@ _COLOURS: Final[Mapping[Choice, str]] = MappingProxyType(
 _TITLES: Final = ("How well the order is known (Kendall's τ)", "Error of the strengths (logits)")
 
 Curves = Mapping[Choice, NDArray[np.float64]]
-"""By choice: tournaments × participants × (τ, error)."""
+"""Tournaments × participants × (τ, error), by choice."""
 
 
 def tournament(
     strengths: NDArray[np.float64], *, choice: Choice, participants: int, seed: int
 ) -> Iterator[tuple[float, float]]:
-    """Yield what is known after each of `participants`, who answer `TRIALS` pairs each.
+    """Yield the accuracy after each of `participants`, who answer `TRIALS` pairs each.
 
-    They answer as a Bradley–Terry model says. All ways of choosing pairs are given the same
-    conditions and as many answers, and are judged by the same posterior.
+    Their answers follow a Bradley–Terry model. All ways of choosing pairs get the same conditions
+    and as many answers, and are judged by the same posterior.
 
     Parameters
     ----------
     strengths : ndarray, shape (C,)
-        What is to be found out, in logits.
+        The true strengths, in logits.
     choice : {'adaptive', 'even', 'random'}
         How pairs are chosen.
     participants : int
-        How many come.
+        Number of participants.
     seed : int
-        Of the pairs and of the answers.
+        Seed of the pairs and the answers.
 
     Yields
     ------
@@ -116,7 +116,7 @@ def simulate(
     participants: int = PARTICIPANTS,
     conditions: int = CONDITIONS,
 ) -> Curves:
-    """Return the knowledge after each participant of many tournaments, choice by choice.
+    """Return the accuracy after each participant of many tournaments, by choice.
 
     Returns
     -------
@@ -133,13 +133,13 @@ def simulate(
 
 
 def answers_needed(curve: NDArray[np.float64]) -> int | None:
-    """Return after how many answers the mean τ of a choice reaches `KNOWN`; None if never."""
+    """Return the number of answers at which a choice's mean τ reaches `KNOWN`; None if never."""
     reached = np.flatnonzero(curve[..., 0].mean(axis=0) >= KNOWN)
     return int(reached[0] + 1) * TRIALS if reached.size else None
 
 
 def draw(curves: Mapping[float, Curves], path: Path) -> None:
-    """Draw means with bands of two standard errors, a row for each spread of strengths."""
+    """Draw means with bands of two standard errors, one row per spread of strengths."""
     with mpl.rc_context({"font.size": 9}):
         figure = Figure(figsize=(9, 3.2 * len(curves)), layout="constrained")
         axes = figure.subplots(len(curves), 2, squeeze=False)

@@ -1,8 +1,8 @@
 """Speed of AMUSE's released sizes on this machine, compared with a plain implementation.
 
 ``python -m benchmarks.amuse`` runs both for the same ten seconds in turns and takes medians,
-because other work on the machine varies. The plain way attends with torch's matrix products one by
-one, as the release does, and asks the denoiser with layers that are not fused. Weights are random:
+because other work on the machine varies. The plain implementation computes attention with separate
+matrix products, as the release does, and the denoiser with unfused layers. Weights are random:
 speed does not depend on them.
 """
 
@@ -24,7 +24,7 @@ from training.layers.transformers import pack
 
 
 def speech_model(attention: str) -> SpeechModel:
-    """Return a speech model of the released size that attends in this way."""
+    """Return a speech model of the released size with this implementation of attention."""
     torch.manual_seed(1)
     model = SpeechModel(SpeechConfig()).eval().requires_grad_(False)
     for encoder in (model.content, model.emotion, model.style):
@@ -35,7 +35,7 @@ def speech_model(attention: str) -> SpeechModel:
 def compared(
     what: str, fast: Callable[[], Tensor], plain: Callable[[], Tensor], rounds: int, frames: int
 ) -> None:
-    """Print the speed of both, and the difference of their outputs."""
+    """Print the speed of both, and the difference between their outputs."""
     output, other = fast(), plain()
     difference = float((output - other).abs().max() / other.abs().max())
     turns = in_turns({"here": fast, "plain": plain}, rounds)

@@ -1,9 +1,9 @@
 """Speed of DiffSHEG's full network on this machine, compared with a plain loop.
 
 ``python -m benchmarks.diffsheg`` samples the same windows in turns, round after round, and takes
-medians, because other work on the machine varies. The plain loop asks the network in full at each
+medians, because other work on the machine varies. The plain loop runs the whole network at each
 evaluation, with all of torch's threads. Weights are random: speed does not depend on them. Rates
-are by the clock and in frames of the motion; hearing is not counted.
+are frames of motion per second of wall-clock time; speech features are not counted.
 """
 
 from __future__ import annotations
@@ -42,14 +42,14 @@ PLAIN: Final = "plain loop"
 
 @dataclass(frozen=True)
 class Turn:
-    """One turn of one way: seconds by the clock, and of all processors together."""
+    """One turn of one implementation: wall-clock seconds, and those of all processors together."""
 
     wall: float
     processors: float
 
 
 def random_network() -> Denoiser:
-    """Return a network of the released size and seeded weights."""
+    """Return a network of the released size with seeded weights."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(SEED)
         denoiser = Denoiser(BEAT).eval().requires_grad_(False)
@@ -70,7 +70,7 @@ def random_speech(frames: int) -> SpeechFrames:
 
 
 def plain_loop(denoiser: Denoiser, person: Tensor) -> Sampler:
-    """Return what asks the whole network at each evaluation."""
+    """Return a sampler that runs the whole network at each evaluation."""
 
     def eps(x_t: Tensor, place: int, speech: SpeechFrames) -> Tensor:
         t = torch.tensor([SAMPLING.timesteps[place]])
@@ -85,7 +85,7 @@ def plain_loop(denoiser: Denoiser, person: Tensor) -> Sampler:
 
 
 def moved(sampler: Sampler, speech: SpeechFrames) -> Tensor:
-    """Return the motion to `speech`."""
+    """Return the motion for `speech`."""
     pieces = stream(
         [speech],
         sampler,
@@ -98,7 +98,7 @@ def moved(sampler: Sampler, speech: SpeechFrames) -> Tensor:
 
 
 def timed(work: Callable[[], object]) -> Turn:
-    """Return how long `work` takes."""
+    """Return the time that `work` takes."""
     wall, processors = time.perf_counter(), time.process_time()
     work()
     return Turn(time.perf_counter() - wall, time.process_time() - processors)
@@ -148,7 +148,7 @@ def compare(ways: dict[str, Sampler], speech: SpeechFrames, threads: int, rounds
 
 
 def streams_in_real_time(sampler: Sampler, speech: SpeechFrames) -> int:
-    """Return how many streams at once, each with one thread, are no slower than their speech."""
+    """Return how many concurrent streams, each with one thread, keep up with their speech."""
     streams = 0
     with torch_threads(1):
         while timed(partial(_together, sampler, speech, streams + 1)).wall <= _seconds(speech):

@@ -1,8 +1,8 @@
 """How well the analysis recovers the truth of many rehearsals of the pairwise template.
 
 ``python -m benchmarks.rehearsal_recovery`` simulates rehearsals of the template with its own
-population, without the server in between, and prints the analysis' results; ``--write
-docs/rehearsal.md`` puts the tables into that page. The same numbers come every time.
+population, without a server, and prints the analysis' results; ``--write docs/rehearsal.md`` puts
+the tables into that page. The numbers are the same every time.
 """
 
 from __future__ import annotations
@@ -54,9 +54,9 @@ class Simulated:
     table : AnswerTable
         All answers.
     known : dict of str to KnownFacts
-        What the study knows of each participant.
+        The study's records of each participant.
     kinds : dict of str to Kind
-        What kind of rater each is.
+        Each participant's kind of rater.
     """
 
     table: AnswerTable
@@ -66,14 +66,14 @@ class Simulated:
 
 @dataclass
 class Tally:
-    """What was found of one question over all rehearsals.
+    """Results for one question over all rehearsals.
 
     Attributes
     ----------
     truth, found, widths : list of float
-        By rehearsal: the true share, the share found, and half the width of its interval.
+        By rehearsal: the true share, the estimated share, and half the width of its interval.
     inside, right, wrong : int
-        How many intervals hold the truth, and how many exclude one half on the right and on the
+        How many intervals contain the truth, and how many exclude one half on the right and on the
         wrong side.
     """
 
@@ -100,7 +100,7 @@ def template_study() -> tuple[PairwiseStudy, tuple[Segment, ...]]:
     text = render_template("pairwise")
     study = parse_text(text, where="pairwise.toml")
     if not isinstance(study, PairwiseStudy):
-        raise TypeError("the template is of another protocol")
+        raise TypeError("the template has another protocol")
     return study, tuple(
         Segment(
             name=f"{emotion}-{number}",
@@ -118,7 +118,7 @@ def template_study() -> tuple[PairwiseStudy, tuple[Segment, ...]]:
 def simulated(
     study: PairwiseStudy, segments: Sequence[Segment], population: Population, seed: int
 ) -> Simulated:
-    """Return what a rehearsal stores: every place is taken until somebody finishes."""
+    """Return what a rehearsal stores; every place is offered again until somebody finishes."""
     rows: list[dict[str, str]] = []
     known: dict[str, KnownFacts] = {}
     kinds: dict[str, Kind] = {}
@@ -168,7 +168,7 @@ def simulated(
 
 
 def _holders(population: Population, seed: int, place: str) -> Iterator[Rater]:
-    """Yield the holders of a place in order, until somebody finishes."""
+    """Yield a place's holders in order, until somebody finishes."""
     name, again = place, 0
     while True:
         rater = Rater(population=population, seed=seed, name=name)
@@ -180,7 +180,7 @@ def _holders(population: Population, seed: int, place: str) -> Iterator[Rater]:
 
 
 def measure(rehearsals: int = REHEARSALS) -> list[str]:
-    """Return the lines of the tables over so many rehearsals."""
+    """Return the lines of the tables over `rehearsals`."""
     study, segments = template_study()
     population = default_population(study)
     kept: dict[str, Tally] = {}
@@ -268,7 +268,7 @@ def _kind_line(
     help="A page whose tables are replaced.",
 )
 def main(rehearsals: int, page: Path | None) -> None:
-    """Print what rehearsals of the pairwise template recover."""
+    """Print how well rehearsals of the pairwise template recover the truth."""
     lines = "\n".join(measure(rehearsals))
     click.echo(lines)
     if page is not None:

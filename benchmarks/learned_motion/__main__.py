@@ -1,7 +1,7 @@
 """Compare trained DiffSHEG and AMUSE with the others: ``python -m benchmarks.learned_motion``.
 
-Makes a corpus, trains feature networks and both systems on it, moves to its test takes, measures,
-and writes a page. Everything is in one folder, and an interrupted run resumes.
+Makes a corpus, trains feature networks and both systems on it, generates motion for its test takes,
+measures it and writes a page. Everything is in one folder, and an interrupted run resumes.
 """
 
 from __future__ import annotations
@@ -57,29 +57,29 @@ PRESETS: Final = ("report", "amuse", "beat")
 
 SPEAKERS: Final = 6
 SENTENCES: Final = 96
-"""Passages that all speakers speak: with fewer, a network memorises whole sentences before it finds
-the strokes in unheard speech."""
+"""Passages that all speakers speak; with fewer, a network memorises whole sentences before it
+learns strokes that generalise."""
 
 EDITED: Final = 32
-"""Test takes that are moved to in each of the other seven emotions."""
+"""Test takes for which motion is generated in each of the other seven emotions."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the missing steps, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--folder", type=Path, default=Path("build/learned-motion"))
-    parser.add_argument("--write", type=Path, help="the page; printed where left out")
-    parser.add_argument("--sentences", type=int, default=SENTENCES, help="that each speaker says")
-    parser.add_argument("--seeds", type=int, default=3, help="how many networks of each system")
+    parser.add_argument("--write", type=Path, help="the page; printed by default")
+    parser.add_argument("--sentences", type=int, default=SENTENCES, help="sentences per speaker")
+    parser.add_argument("--seeds", type=int, default=3, help="networks of each system")
     parser.add_argument(
         "--ablations",
         nargs="*",
         default=ABLATIONS,
         choices=ABLATIONS,
-        help="of AMUSE, one seed each",
+        help="ablations of AMUSE, one seed each",
     )
-    parser.add_argument("--steps", type=int, help="of each network, in place of the config's")
-    parser.add_argument("--evaluator-steps", type=int, help="of each feature network")
+    parser.add_argument("--steps", type=int, help="steps of each network instead of the config's")
+    parser.add_argument("--evaluator-steps", type=int, help="steps of each feature network")
     args = parser.parse_args(arguments)
     text = compare(args)
     if args.write is None:
@@ -89,7 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def compare(args: argparse.Namespace) -> str:
-    """Return the page of a comparison, making what its folder lacks."""
+    """Return the page of a comparison, creating what its folder lacks."""
     root: Path = args.folder
     corpus, cache = root / "corpus", root / "features"
     wanted = CorpusRequest(

@@ -1,4 +1,4 @@
-"""The study folder whose conditions are compared: the corpus' test takes and their conditions."""
+"""The study folder whose conditions are compared on the corpus' test takes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ UNTRAINED: Final = "untrained"
 
 
 def segment_of(take: Take, audio: Audio) -> Segment:
-    """Return the whole of a take's speech as a segment."""
+    """Return a take's whole speech as a segment."""
     return Segment(
         name=take.name,
         wav=take.speech.name,
@@ -41,18 +41,18 @@ def write_study(
     *,
     seed: int,
 ) -> StudyFolder:
-    """Write the study; motion that is there already stays.
+    """Write the study; existing motion stays.
 
     Parameters
     ----------
     root : Path
-        Its folder.
+        The study's folder.
     takes : sequence of Take
         Takes whose speech is used.
     generators : mapping of condition to mapping
-        Each learned one's name and files, as a study tells them.
+        Name and files of each learned generator, as in a study file.
     seed : int
-        Of all generators.
+        Seed of all generators.
     """
     folder = StudyFolder(root)
     folder.speech.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""The measurements of every condition, and their conclusions."""
+"""The measurements of every condition, and the conclusions from them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Followings:
     Attributes
     ----------
     own, swapped : mapping of str to MeanFollowed
-        Their own speech, and that of another take.
+        With their own speech, and with that of another take.
     """
 
     own: Mapping[str, MeanFollowed]
@@ -47,7 +47,7 @@ def followings(
 ) -> dict[str, Followings]:
     """Return how well each condition follows speech, its own and another's.
 
-    Both are measured over the same frames of each clip: as many as both speeches last.
+    Both are measured over the same frames of each clip, up to the end of the shorter speech.
     """
     swap = assign_partners([one for one in folder.segments() if one.name in speech], seed)
     scores_of_system = {}
@@ -71,14 +71,14 @@ SIDES: Final = ("own", "swapped")
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """One of the things a trained network must do, and whether it does.
+    """A requirement for trained networks, and whether they meet it.
 
     Attributes
     ----------
     claim : str
-        What it must do.
+        The requirement.
     holds : bool
-        Whether all trained networks do.
+        Whether all trained networks meet it.
     evidence : str
         The numbers.
     """
@@ -98,11 +98,11 @@ def verdicts(
     Parameters
     ----------
     distances : mapping of condition to float
-        FGD.
-    found : mapping of condition to Followings
-        Of all conditions.
+        FGD of each condition.
+    scores_of_system : mapping of condition to Followings
+        How well each condition follows speech.
     trained : sequence of str
-        The trained networks' conditions.
+        Conditions of trained networks.
     """
     scores = ", ".join(f"{distances[name]:.3g}" for name in trained)
     judged = [
@@ -158,9 +158,9 @@ def verdicts(
 
 
 def edit_verdicts(way: str, edited: Sequence[Edited]) -> list[Verdict]:
-    """Return the claims about edits of the emotion, one `Edited` for each trained network.
+    """Return the claims about edits of the emotion, given one `Edited` per trained network.
 
-    `way` says how the emotion is given: `BY_NAME` or `BY_RECORDING`.
+    `way` is how the emotion is given: `BY_NAME` or `BY_RECORDING`.
     """
     return [
         Verdict(
@@ -189,7 +189,7 @@ def written(value: MeanFollowed) -> str:
 
 
 def score_of(metrics: StudyMetrics, condition: str, beginning: str) -> float:
-    """Return the score of a condition whose metric's name begins so; NaN where there is none."""
+    """Return a condition's score by the beginning of the metric's name; NaN if missing."""
     for score in metrics.conditions:
         if score.condition == condition and score.name.startswith(beginning):
             return score.value

@@ -1,4 +1,4 @@
-"""What becomes of motion when AMUSE is given another emotion (EmoEdit of Table 1, Fig. A.12)."""
+"""AMUSE's motion when it is given another emotion (EmoEdit of Table 1, Fig. A.12)."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ class Edited:
     Attributes
     ----------
     confusion : EmotionConfusion
-        A row for each emotion that was told, a column for each that the motion was taken for.
+        A row for each emotion given, a column for each emotion recognized.
     speaker_before, speaker_after : float
-        Share of clips that are taken for their own speaker's, unedited and edited.
+        Share of clips attributed to their own speaker, unedited and edited.
     speed : float
         Correlation of the wrists' speed before and after the edit, from the same noise.
     strokes_before, strokes_after : MeanFollowed
@@ -60,7 +60,7 @@ class Edited:
 
     @property
     def accuracy(self) -> float:
-        """Share of edited clips that are taken for the emotion that was told."""
+        """Share of edited clips whose emotion is recognized as the one given."""
         counts = np.array(self.confusion.counts)
         return float(np.trace(counts) / counts.sum())
 
@@ -73,12 +73,12 @@ Told = Callable[[Take, str], str | Path]
 
 
 def by_name(_: Take, emotion: str) -> str:
-    """Tell an emotion by its name: the mean latent that the speech model learned of it."""
+    """Give an emotion by its name: the mean latent that the speech model learned for it."""
     return emotion
 
 
 def by_recording(takes: Sequence[Take], spoken: Mapping[str, str]) -> Told:
-    """Tell an emotion by another of `takes`: of the same speaker, who says something else."""
+    """Give an emotion by another of `takes`, in which the same speaker says something else."""
 
     def recording(take: Take, emotion: str) -> Path:
         return next(
@@ -105,17 +105,17 @@ def edit(
     Parameters
     ----------
     network : Network
-        One of AMUSE's.
+        A network of AMUSE.
     root : Path
-        Where the networks' files lie.
+        Folder of the networks' files.
     takes : sequence of Take
         Takes whose speech is used.
     speech, spoken : mapping of take
-        What is known of them, see `benchmarks.learned_motion.truth`.
+        The truth about them, see `benchmarks.learned_motion.truth`.
     judges : mapping of str to Path
-        Networks that tell ``emotion`` and ``speaker`` from motion.
+        Networks that classify motion by ``emotion`` and ``speaker``.
     told : Told
-        What stands in for the speech's own emotion.
+        Replaces the emotion of the speech.
     """
     emotion, speaker = (load_evaluator(judges[name]) for name in ("emotion", "speaker"))
 

@@ -1,6 +1,6 @@
-"""How well clips follow their own speech, and how well the same clips follow another's.
+"""How well clips follow their own speech, compared with another take's.
 
-A clip that owes nothing to its speech follows another one's as well as its own.
+A clip that does not depend on its speech follows another's as well as its own.
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ RESAMPLES: Final = 10_000
 BEATS: Final[BeatSettings] = AMUSE
 JAW: Final = ARKIT_NAMES.index("jawOpen")
 EDGE: Final = 1.0
-"""Seconds at both ends that do not count: all takes begin and end in silence and at rest, so that
-each would follow any other there."""
+"""Seconds at both ends that do not count: all takes begin and end silent and at rest, where each
+would follow any other."""
 _FEWEST: Final = 1.0
-"""Seconds: of less, correlations are chance alone."""
+"""Seconds; correlations over less are due to chance."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Speech:
-    """What is known of a take's speech.
+    """The truth about a take's speech.
 
     Attributes
     ----------
     wrist_speed, jaw_open : ndarray, shape (T,)
-        The process' own curves without chance, at the clips' frame rate.
+        The process' own curves without noise, at the clips' frame rate.
     onsets : ndarray, shape (N,)
-        When sounds begin, in seconds.
+        Onsets of sounds, in seconds.
     strokes : ndarray, shape (M,)
-        When the process lets strokes arrive, in seconds.
+        Ends of the process' strokes, in seconds.
     """
 
     wrist_speed: FloatArray
@@ -57,7 +57,7 @@ class Speech:
 
 @dataclass(frozen=True, kw_only=True)
 class Followed:
-    """How well one clip follows a speech; NaN where that is not defined.
+    """How well one clip follows a speech; NaN where undefined.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ MEASURES: Final = ("wrist_speed", "jaw_open", "beats", "strokes")
 
 
 def follow(clip: MotionClip, speech: Speech) -> Followed:
-    """Return how well `clip` follows `speech`, over the time that both last but for `EDGE`."""
+    """Return how well `clip` follows `speech` while both last, without `EDGE` at either end."""
     rate = clip.frame_rate
     edge = round(EDGE * rate)
     inside = slice(edge, min(len(clip), len(speech)) - edge)
@@ -133,12 +133,12 @@ class MeanFollowed:
 def mean_followed(
     scores: Mapping[str, Followed], groups: Mapping[str, str], measure: str
 ) -> MeanFollowed:
-    """Return the mean over takes, drawing whole groups again for its interval.
+    """Return the mean over takes, with an interval from resampling whole groups.
 
     Parameters
     ----------
     scores : mapping of take to Followed
-        Of one condition.
+        Scores of one condition.
     groups : mapping of take to str
         Takes of one text by one speaker resemble each other and are drawn together.
     measure : str

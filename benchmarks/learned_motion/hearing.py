@@ -1,4 +1,4 @@
-"""What AMUSE's speech model distinguishes in unheard speech (Tables A.1 and A.2)."""
+"""What AMUSE's speech model distinguishes in speech of test takes (Tables A.1 and A.2)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from training.speech_features.spectra import ROWS_PER_SECOND
 
 @torch.inference_mode()
 def heard_apart(takes: TakeFolder, network: Path, cache: Path) -> Mapping[str, float]:
-    """Return `SpeechTask.validation` of a speech model, of the takes for testing."""
+    """Return `SpeechTask.validation` of a speech model on the test takes."""
     speech = load_speech(network)
     feature = speech_filterbank(speech.model.config.bands)
     prepared = prepare(takes, (feature,), cache, frame_rate=ROWS_PER_SECOND)

@@ -1,4 +1,4 @@
-"""The networks that are compared, DiffSHEG's and AMUSE's, and those that judge them."""
+"""The compared networks of DiffSHEG and AMUSE, and the networks that judge them."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from training.run.records import RunFolder
 SYSTEMS: Final = ("diffsheg", "amuse")
 
 ABLATIONS: Final = ("without_alignment", "disjoint", "without_prior", "mfcc")
-"""Of AMUSE: appendix C.3, Table A.4 and both of Table A.3."""
+"""Ablations of AMUSE: appendix C.3, Table A.4 and both of Table A.3."""
 
 STEPS: Final = MappingProxyType({"diffsheg": 1_500})
-"""In place of the config's, so that all networks are trained within an hour and a half."""
+"""Steps instead of the config's, which train all networks within an hour and a half."""
 
 JUDGES: Final[tuple[tuple[str, Kind, Channels], ...]] = (
     ("gesture", "motion", "gesture"),
@@ -43,16 +43,16 @@ JUDGES: Final[tuple[tuple[str, Kind, Channels], ...]] = (
 
 @dataclass(frozen=True, kw_only=True)
 class Network:
-    """A network that is trained on the corpus.
+    """A network trained on the corpus.
 
     Attributes
     ----------
     system : {'diffsheg', 'amuse', 'amuse-speech'}
-        Which.
+        The system that it belongs to.
     seed : int
-        Of its training.
+        Seed of its training.
     ablation : str or None
-        What is left out of it.
+        Its ablation, if any.
     """
 
     system: str
@@ -61,7 +61,7 @@ class Network:
 
     @property
     def name(self) -> str:
-        """How its file and its condition are called."""
+        """Name of its file and its condition."""
         left_out = f"_{self.ablation}" if self.ablation else ""
         return f"{self.system}{left_out}_{self.seed}".replace("-", "_")
 
@@ -74,12 +74,12 @@ class Network:
         return Network(system="amuse-speech", seed=self.seed, ablation=left_out)
 
     def files(self, folder: Path) -> dict[str, Path]:
-        """Return the files of its generator, by the keys of a study."""
+        """Return the files of its generator, by a study's keys."""
         hears_by = {} if self.hears_by is None else {"speech_model": self.hears_by.file(folder)}
         return {"checkpoint": self.file(folder), **hears_by}
 
     def file(self, folder: Path) -> Path:
-        """Return where its weights lie below a folder."""
+        """Return the path of its weights in a folder."""
         return folder / f"{self.name}.safetensors"
 
 
@@ -93,13 +93,13 @@ def train_network(
     takes : TakeFolder
         The corpus.
     network : Network
-        Which one.
+        The network.
     folder : Path
-        For its weights.
+        Folder for its weights.
     cache : Path
-        For what is computed of the takes.
+        Folder for the takes' features.
     steps : int, optional
-        In place of the config's.
+        Steps instead of the config's.
     """
     out = network.file(folder)
     if out.exists():
@@ -129,7 +129,7 @@ def train_network(
 
 
 def write_untrained(trained: Path, out: Path) -> None:
-    """Write the network with which the training of DiffSHEG's network `trained` began."""
+    """Write the initial state of DiffSHEG's network `trained`."""
     network = load_network(trained, "beat", None)
     with torch.random.fork_rng():
         torch.manual_seed(network.training["config"]["seed"])
@@ -144,12 +144,12 @@ def write_untrained(trained: Path, out: Path) -> None:
 def train_evaluators(
     takes: Sequence[Take], clips: Mapping[str, Path], folder: Path, *, steps: int | None
 ) -> dict[str, Path]:
-    """Train the feature networks on recorded clips unless their files are there already.
+    """Train the feature networks on recorded clips unless their files exist.
 
     Returns
     -------
     dict of str to Path
-        By name, as in `JUDGES`; ``speaker`` takes whoever moves for an emotion.
+        Files by name, as in `JUDGES`; ``speaker`` is trained with speakers as emotions.
     """
     networks_by_name = {}
     for name, kind, channels in JUDGES:

@@ -26,7 +26,7 @@ SCORES: Final = (
     ("beat alignment − chance", "beat alignment above chance (amuse)"),
     ("emotion named", "gesture emotion accuracy"),
 )
-"""Columns, and how the metric's name begins."""
+"""Columns, and beginnings of the metrics' names."""
 
 FOLLOWED: Final = (
     ("wrist_speed", "wrist speed"),
@@ -48,25 +48,25 @@ HEARD: Final = MappingProxyType(
         "xsty": "another's style",
     }
 )
-"""What is told of a speech model, and the titles of columns."""
+"""Results of a speech model, and the titles of their columns."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Findings:
-    """All that is measured.
+    """All measurements.
 
     Attributes
     ----------
     metrics : StudyMetrics
-        Of all conditions.
+        Metrics of all conditions.
     followed : mapping of condition to Followings
-        In the order of the tables.
+        How well they follow speech, in the order of the tables.
     judged : mapping of system to sequence of Verdict
-        What is asked of trained networks.
+        Requirements for trained networks.
     heard : mapping of condition to mapping
-        What speech models hear apart; see `heard_apart`.
+        What speech models distinguish; see `heard_apart`.
     edited : mapping of str to mapping of condition to Edited
-        What edits of the emotion do, by `BY_NAME` and `BY_RECORDING`.
+        Effects of edits of the emotion, by `BY_NAME` and `BY_RECORDING`.
     """
 
     metrics: StudyMetrics
@@ -77,7 +77,7 @@ class Findings:
 
 
 def page(findings: Findings, facts: Sequence[str]) -> str:
-    """Return the page of all findings; `facts` are sentences that say how they were made."""
+    """Return the page of all findings; `facts` are sentences on how they were made."""
     metrics, heard = findings.metrics, findings.heard
     sides = [f"{title}, {whose}" for _, title in FOLLOWED for whose in ("own", "swapped")]
     return rendered(
@@ -134,7 +134,7 @@ GIVEN: Final = MappingProxyType(
         "says something else in one of the other seven emotions",
     }
 )
-"""What stands in for a speech's own emotion."""
+"""What replaces the emotion of the speech."""
 
 
 def _edited(edited: Mapping[str, Edited]) -> str:
@@ -156,7 +156,7 @@ def _edited(edited: Mapping[str, Edited]) -> str:
 
 
 def _of_all_seeds(edited: Mapping[str, Edited]) -> str:
-    """Return the confusion of Figure A.12, counts of all seeds."""
+    """Return the confusion of Figure A.12, summed over seeds."""
     counts = sum(np.array(entry.confusion.counts) for entry in edited.values())
     recognised = next(iter(edited.values())).confusion
     return _confusion(replace(recognised, counts=tuple(map(tuple, np.asarray(counts).tolist()))))

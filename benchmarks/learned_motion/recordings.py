@@ -1,4 +1,4 @@
-"""The corpus' recorded motion as clips of our body, made as a network's motion is made."""
+"""The corpus' recorded motion as clips of our body, processed like a network's motion."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from training.features import beat_expression, beat_gesture
 from training.spaces.beat import beat_clip
 
 FRAME_RATE: Final = 15
-"""Frames per second of everything that is measured: the network's own, so that none is invented."""
+"""Frames per second of all measurements: the network's own, so that no frames are interpolated."""
 
 
 def recorded_clip(take: Take) -> MotionClip:

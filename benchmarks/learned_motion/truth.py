@@ -1,4 +1,4 @@
-"""What the corpus knows of its takes."""
+"""The corpus' truth about its takes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def speeches(corpus: Path, takes: Sequence[Take]) -> dict[str, Speech]:
 
 
 def spoken(corpus: Path, takes: Sequence[Take]) -> dict[str, str]:
-    """Return who says what in each take; takes of one text by one speaker share it."""
+    """Return speaker and text of each take, which takes of one text by one speaker share."""
     return {take.name: f"{take.speaker}: {_truth(corpus, take).text}" for take in takes}
 
 

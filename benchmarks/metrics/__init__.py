@@ -1,1 +1,1 @@
-"""Speed of metrics, compared with textbook formulas and over many clips."""
+"""Speed of metrics, compared with textbook formulas and on many clips."""

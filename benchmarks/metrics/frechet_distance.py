@@ -1,7 +1,7 @@
-"""How fast metrics are: ``python -m benchmarks.metrics.frechet_distance`` prints name and value.
+"""Speed of the Fréchet distance: ``python -m benchmarks.metrics.frechet_distance``.
 
-The Fréchet distance is timed in turns with the textbook's, which takes scipy's matrix square root
-of the product of both covariances; both run in one process on the same samples.
+Prints ``name: value`` lines. It is timed in turns with the textbook's, which takes scipy's matrix
+square root of the product of both covariances, in one process on the same samples.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from analysis.metrics.frechet import frechet_of_samples
 FloatArray = NDArray[np.float64]
 
 SHAPES: Final = ((72, 240), (72, 256), (200, 300), (1000, 32), (2000, 300))
-"""Samples and dimensions: AMUSE's 72 clips among them."""
+"""Samples and dimensions, AMUSE's 72 clips among them."""
 
 _TURNS: Final = 11
-"""The least of as many times counts: other work of a machine only ever adds."""
+"""Repetitions, of which the fastest counts: other work of a machine only adds time."""
 
 
 def textbook_frechet(samples: FloatArray, others: FloatArray) -> float:
-    """Return the Fréchet distance by a matrix square root of the product of covariances."""
+    """Return the Fréchet distance by the matrix square root of the covariances' product."""
     shift = samples.mean(axis=0) - others.mean(axis=0)
     first, second = np.cov(samples, rowvar=False), np.cov(others, rowvar=False)
     root = np.real(sqrtm(first @ second))
@@ -35,7 +35,7 @@ def textbook_frechet(samples: FloatArray, others: FloatArray) -> float:
 
 
 def main() -> None:
-    """Print milliseconds, their ratio, and each distance of a sample from itself."""
+    """Print milliseconds, their ratio, and the distance of a sample from itself by both."""
     chance = np.random.default_rng(0)
     for count, dimensions in SHAPES:
         samples, others = chance.standard_normal((2, count, dimensions))
@@ -51,7 +51,7 @@ def main() -> None:
 
 
 def _least(*functions: Callable[[], object]) -> list[float]:
-    """Return the smallest time of each function in seconds, called in turns."""
+    """Return each function's fastest time in seconds; they are called in turns."""
     seconds: list[list[float]] = [[] for _ in functions]
     for _ in range(_TURNS):
         for taken, function in zip(seconds, functions, strict=True):

@@ -1,10 +1,10 @@
-"""How fast metrics are over a great many clips: ``python -m benchmarks.metrics.many_clips``.
+"""Speed of metrics on a great many clips: ``python -m benchmarks.metrics.many_clips``.
 
-Makes a folder of recordings and of generated motion for them, measures it as ``motionjury metrics``
-does, with nothing kept from before and then with what the first run kept, and prints
-``name: value`` lines: seconds, and processor seconds, which other work of the machine does not add
-to. The motion is the rule-based generator's to a few made sounds, each shifted in time and scaled
-anew for every clip, and the sounds are shifted for every segment, so that no two are equal.
+Makes a folder of recordings and generated motion, measures it as ``motionjury metrics`` does, first
+without a cache and then with the first run's, and prints ``name: value`` lines: wall-clock seconds,
+and processor seconds, to which other work of the machine does not add. The motion is the rule-based
+generator's for a few synthetic sounds, shifted in time and scaled differently for every clip; the
+sounds are shifted for every segment, so that no two are equal.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from motion.segment import EMOTIONS, Segment, write_segments
 from studyapp.results.metrics import measure_folders
 
 CONDITIONS: Final = ("ours", "theirs", "older", "static-like")
-"""Generated conditions beside the recordings."""
+"""Generated conditions, besides the recordings."""
 
 _SAMPLE_RATE: Final = 16000
 _FRAME_RATE: Final = 30.0
@@ -61,9 +61,9 @@ def make_folders(root: Path, segments: int, seconds: float, patterns: int) -> No
     root : Path
         Gets ``recorded``, ``generated`` and ``speech``.
     segments : int
-        Clips of each condition, and recordings.
+        Number of recordings, and of clips of each condition.
     seconds : float
-        Length of each.
+        Length of a clip.
     patterns : int
         Clips that the generator makes; all others are variations of them.
     """
@@ -105,20 +105,20 @@ def make_folders(root: Path, segments: int, seconds: float, patterns: int) -> No
 
 
 def peak_memory() -> float:
-    """Return the peak memory of any one process of this run, in MiB."""
+    """Return the largest peak memory of any process of this run, in MiB."""
     own_peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     others = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
     return max(own_peak, others) / 1024
 
 
 def processor_seconds() -> float:
-    """Return the processor time that this process and its finished children have used."""
+    """Return the processor time used by this process and its finished children."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(usage.ru_utime + usage.ru_stime for usage in used)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Make the folders, measure them twice and print how long it took."""
+    """Make the folders, measure them twice and print the times."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--clips", type=int, default=10_000)
     parser.add_argument("--seconds", type=float, default=10.0)
@@ -160,7 +160,7 @@ def _measured(root: Path, presets: Sequence[str], args: argparse.Namespace) -> S
 
 
 def _varied(clip: MotionClip, chance: np.random.Generator, amount: float) -> MotionClip:
-    """Return the clip with another start, with larger or smaller gestures, and a little noise."""
+    """Return the clip with another start, larger or smaller gestures, and a little noise."""
     shift = int(chance.integers(len(clip)))
     size = 1 + amount * chance.uniform(-0.5, 0.5)
     poses = np.roll(clip.poses, shift, axis=0) * np.float32(size)
@@ -174,7 +174,7 @@ def _varied(clip: MotionClip, chance: np.random.Generator, amount: float) -> Mot
 
 
 def _write(path: Path, clip: MotionClip) -> None:
-    """Write a clip without compressing it, which would take most of the time."""
+    """Write a clip uncompressed; compression would take most of the time."""
     path.parent.mkdir(parents=True, exist_ok=True)
     face = {} if clip.arkit is None else {"arkit": clip.arkit}
     np.savez(

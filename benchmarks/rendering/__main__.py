@@ -1,8 +1,8 @@
 """Rendering speed on this machine, compared with alternatives.
 
 ``python -m benchmarks.rendering`` measures everything in turns, round after round, on the same mesh
-and motion, and takes medians, because other work on the machine varies. Rates are by the clock. One
-of our processes uses one thread; the others use as many as they take.
+and motion, and takes medians, because other work on the machine varies. Rates are by wall-clock
+time. Each of our processes uses one thread; the alternatives use as many as they choose.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ from renderer.video_jobs import ClipJob, Job, PairJob
 SECONDS: Final = 4.0
 ROUNDS: Final = 3
 PEER_FRAMES: Final = 30
-"""Frames of the plain loop, which is slow and loses some 3 MB with each."""
+"""Frames of the plain loop, which is slow and leaks some 3 MB with each."""
 
 _CLIPS_PER_PROCESS: Final = 3
-"""The first loads libraries, body and shaders, and is not counted."""
+"""Runs that load libraries, body and shaders, and are not counted."""
 
 _STIMULI, _STIMULUS_SECONDS = 200, 10.0
 
@@ -60,7 +60,7 @@ _LABELS: Final = {
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """What is measured: a motion, its files, and how it looks."""
+    """What is measured: a motion, its files, and its look."""
 
     folder: Path
     look: Look
@@ -69,11 +69,11 @@ class Setting:
 
     @property
     def frame_count(self) -> int:
-        """Frames of one video."""
+        """Number of frames of one video."""
         return round(SECONDS * self.look.frame_rate)
 
     def clip_job(self, name: str) -> ClipJob:
-        """Return a job that makes the frames of the clip, called `name`."""
+        """Return a job that renders the clip's frames into a file called `name`."""
         return ClipJob(
             name=name, motion=self.folder / "clip.npz", speech=self.folder / "speech.wav",
             start=0.0, end=SECONDS, freeze=(), body=self.body, camera=self.camera, look=self.look,
@@ -81,7 +81,7 @@ class Setting:
         )  # fmt: skip
 
     def pair_job(self, name: str, side: str) -> PairJob:
-        """Return a job that puts the rendered clip `side` beside itself."""
+        """Return a job that pairs the rendered clip `side` with itself."""
         frames = self.folder / f"{side}.mkv"
         return PairJob(
             name=name, left=frames, right=frames, speech=self.folder / "speech.wav",
@@ -90,7 +90,7 @@ class Setting:
 
 
 def main() -> None:
-    """Measure, and print a table and then one ``name: value`` a line."""
+    """Measure, and print a table and then ``name: value`` lines."""
     look = Look()
     body = default_body()
     clip = gesturing_clip(SECONDS, look.frame_rate)
@@ -120,7 +120,7 @@ def main() -> None:
 
 
 def _one_process_per_core(setting: Setting) -> dict[str, float]:
-    """Return frames per second of all cores together, and the largest process's peak in MB."""
+    """Return frames per second of all cores together, and the largest process' peak in MB."""
     cores = os.cpu_count() or 1
     names = [f"clip{number}" for number in range(cores * _CLIPS_PER_PROCESS)]
     clips: list[Job] = [setting.clip_job(name) for name in names]
@@ -141,7 +141,7 @@ def _one_process_per_core(setting: Setting) -> dict[str, float]:
 
 
 def _our_tasks(setting: Setting, stage: Stage, silence: Audio) -> dict[str, Callable[[], Measured]]:
-    """Return what one of our processes does, and encoding alone, by name."""
+    """Return the tasks of one of our processes, and encoding alone, by name."""
     clip, pair = setting.clip_job("one"), setting.pair_job("two", "one")
     count, look = setting.frame_count, setting.look
     single = [*stage.video_frames(gesturing_clip(SECONDS, look.frame_rate))]
@@ -166,7 +166,7 @@ def _encode(setting: Setting, frames: list[object], width: int, silence: Audio) 
 
 
 def _x264_pair(setting: Setting, silence: Audio) -> Measured:
-    """Encode the very frames that a pair is composed of, already in memory."""
+    """Encode the frames that a pair is composed of, which are already in memory."""
     job = setting.pair_job("two", "one")
     frames: list[object] = [*composed_frames(job.left, job.right, setting.look)]
     return timed(len(frames), lambda: _encode(setting, frames, 2 * setting.look.size, silence))
@@ -176,7 +176,7 @@ def _print(
     runs: dict[str, list[Measured]],
     all_cores: list[dict[str, float]],
 ) -> None:
-    """Print the table, then the values that others read."""
+    """Print the table, then the values for other programs."""
     print(f"{'medians of ' + str(ROUNDS):46} frames/s  CPU ms/frame  peak MB")
     for name, measured in runs.items():
         memory = median(run.peak_mb for run in measured)
@@ -222,7 +222,7 @@ def _print(
 
 
 def _pair(frames: Measured, composed: Measured) -> float:
-    """Return frames per second of a pair without any rendered frames."""
+    """Return frames per second of a pair whose sides are not yet rendered."""
     return 1 / (2 / frames.rate + 1 / composed.rate)
 
 

@@ -1,4 +1,4 @@
-"""One run of something, measured."""
+"""The cost of one run."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """What one run cost.
+    """The cost of one run.
 
     Attributes
     ----------
     rate : float
-        Frames per second by the clock.
+        Frames per second of wall-clock time.
     milliseconds : float
-        Processor time of all threads for one frame.
+        Processor time of all threads per frame.
     peak_mb : float
-        The largest memory that a process of its own took; not a number where it had none.
+        Peak memory of its process; NaN if it had no process of its own.
     """
 
     rate: float
@@ -27,7 +27,7 @@ class Measured:
 
 
 def timed(frames: int, task: Callable[[], object]) -> Measured:
-    """Return the cost of `task`, which makes a number of `frames`, in this process."""
+    """Return the cost of `task`, which makes `frames` frames in this process."""
     wall, busy = time.perf_counter(), time.process_time()
     task()
     wall, busy = time.perf_counter() - wall, time.process_time() - busy

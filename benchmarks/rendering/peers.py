@@ -1,6 +1,6 @@
-"""A plain loop that draws such pairs, in a process of its own with the threads it takes by itself.
+"""A plain loop that draws pairs, in its own process with as many threads as it chooses.
 
-It is given the posed mesh, so that skinning is not counted for it; it is counted for us.
+It is given the posed mesh: skinning is not counted for it, but for us.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def write_posed_mesh(path: Path, body: BodyModel, camera: Camera, look: Look, fr
 
 
 def peers(posed_mesh: Path) -> dict[str, Callable[[], Measured]]:
-    """Return the plain loop, as pyrender is released and with its cache mended: a call is a run."""
+    """Return the plain loop, with pyrender as released and with its cache repaired."""
     plain = [sys.executable, "-m", "benchmarks.rendering.stock_loop", str(posed_mesh)]
     commands = {"plain loop": plain, "mended loop": [*plain, "--mended"]}
     return {name: partial(_run, command) for name, command in commands.items()}

@@ -1,4 +1,4 @@
-"""The motion that everything is measured with."""
+"""The motion used in all measurements."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from motion.skeleton import joint_index
 
 
 def gesturing_clip(seconds: float, frame_rate: float) -> MotionClip:
-    """Return a clip in which arms, head and jaw move all the time."""
+    """Return a clip in which arms, head and jaw move constantly."""
     time_of = np.arange(round(seconds * frame_rate)) / frame_rate
     poses = np.zeros((len(time_of), 55, 3), np.float32)
     for side, sign in (("left", -1.0), ("right", 1.0)):

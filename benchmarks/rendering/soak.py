@@ -1,7 +1,7 @@
 """Whether memory stays flat: ``python -m benchmarks.rendering.soak`` renders one long clip.
 
-Everything that a clip's job does is done: skinned, drawn, kept without loss and encoded. Prints the
-resident memory at a tenth of the frames and at the end, 10,000 if not said otherwise.
+The clip is skinned, drawn, stored without loss and encoded, as a clip's job does. Prints the
+resident memory after a tenth of the frames and at the end; by default there are 10,000 frames.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ FRAMES: Final = 10_000
 
 
 def main() -> None:
-    """Render, and print ``name: value``, one a line."""
+    """Render, and print ``name: value`` lines."""
     frames = int(sys.argv[1]) if len(sys.argv) > 1 else FRAMES
     look = Look(framing="full_body")
     clip = gesturing_clip(frames / look.frame_rate, look.frame_rate)
@@ -42,7 +42,7 @@ def main() -> None:
 
 
 def resident_mb(clip: MotionClip, look: Look) -> tuple[float, float]:
-    """Return this process's memory in MB after a tenth of `clip`, and after all of it."""
+    """Return this process' memory in MB after a tenth of `clip`, and after all of it."""
     body = default_body()
     camera = frame_clips([clip], read_body(body), look)
     silence = Audio(np.zeros(round(clip.duration * SOUND_RATE), np.float32), SOUND_RATE)

@@ -1,9 +1,9 @@
-"""A pair of clips through pyrender as research code uses it, in a process of its own.
+"""A pair of clips drawn with pyrender as research code uses it, in its own process.
 
 ``python -m benchmarks.rendering.stock_loop FILE [--mended]`` draws both sides, each frame with a
 new mesh in a new scene and pyrender's own renderer, collects all pictures, then encodes them side
-by side. pyrender's shader cache is as released unless ``--mended`` is given; other fixes, without
-which it does not start here, are always in place. Skinning is not counted. Prints one line of JSON.
+by side. ``--mended`` repairs pyrender's shader cache; other fixes, without which it does not start
+here, are always in place. Skinning is not counted. Prints one line of JSON.
 """
 
 from __future__ import annotations
@@ -47,22 +47,22 @@ def main() -> None:
 
 
 def _peak_mb() -> float:
-    """Return this process's largest memory; `resource` would count the parent's before it."""
+    """Return this process' peak memory; `resource` would include the parent's."""
     status = Path("/proc/self/status").read_text()
     return int(status.split("VmHWM:")[1].split()[0]) / 1024
 
 
 class _FreshPointer(ctypes.c_void_p):
-    """A pointer that equals no other one, as later releases of PyOpenGL give for a context.
+    """A pointer that equals no other, as later releases of PyOpenGL give for a context.
 
-    The pinned release's own pointer cannot be a key at all, so that pyrender needs a later one.
+    The pinned release's pointer cannot be a key, which pyrender needs.
     """
 
     __hash__ = object.__hash__
 
 
 def _undo_shader_cache_mend() -> None:
-    """Name the current context by a new object at every call, so that no cache ever hits."""
+    """Return a new object for the current context at every call, so that no cache ever hits."""
     if PLATFORM == "osmesa":
         platform = importlib.import_module("OpenGL.platform")
         platform.PLATFORM.GetCurrentContext.restype = _FreshPointer

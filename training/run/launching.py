@@ -85,10 +85,10 @@ def run_in_processes(count: int, command: Sequence[str]) -> int:
         if failed is None:
             return 0
         _end(started)
-        errors = error_outputs[failed]
-        if errors is not None:
-            errors.seek(0)
-            sys.stderr.write(errors.read().decode(errors="replace"))
+        output = error_outputs[failed]
+        if output is not None:
+            output.seek(0)
+            sys.stderr.write(output.read().decode(errors="replace"))
         return _status(started[failed].returncode)
 
 
