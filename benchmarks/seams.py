@@ -1,7 +1,7 @@
 """Acceleration where one window of generated motion joins the next, relative to elsewhere.
 
-Generators that make motion window after window, such as DiffSHEG by outpainting (Chen et al. 2024,
-section 3.5), may jerk at the borders. A clip's provenance says where those are.
+Motion that is generated window by window, as by DiffSHEG's outpainting (Chen et al. 2024, section
+3.5), may jerk at the borders. A clip's provenance records where those are.
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ _SEED: Final = 1
 
 @dataclass(frozen=True, kw_only=True)
 class Windows:
-    """How a motion is made up of windows.
+    """The windows of a motion.
 
     Attributes
     ----------
     frames : int
-        Of a window.
+        Frames of a window.
     overlap : int
-        Frames that a window shares with the one before.
+        Frames that a window shares with the previous one.
     frame_rate : float
-        Frames per second in which both are counted.
+        Frames per second of both counts.
     """
 
     frames: int
@@ -50,17 +50,17 @@ class Windows:
 
     @property
     def step(self) -> int:
-        """Frames from the beginning of one window to that of the next."""
+        """Frames from the start of one window to the start of the next."""
         return self.frames - self.overlap
 
 
 def windows_of(clip: MotionClip) -> Windows:
-    """Return how the motion of `clip` is made up, as its provenance says.
+    """Return the windows of the motion of `clip`, from its provenance.
 
     Raises
     ------
     InputError
-        If it does not say.
+        If its provenance does not record them.
     """
     facts = clip.provenance
     try:
@@ -85,17 +85,16 @@ def seam_acceleration(values: FloatArray, windows: Windows, *, of: str) -> Metri
     values : ndarray, shape (T, N, D)
         N points of D coordinates in any unit, at the windows' frame rate.
     windows : Windows
-        Where they begin.
+        The windows of the motion.
     of : str
-        What the points are, for the result's name.
+        Description of the points, for the result's name.
 
     Returns
     -------
     MetricResult
-        Mean norm of the second differences that reach into a window's shared frames or the step
-        to them or from them, over the mean norm of all others; 1 where seams do not show. Its
-        interval is a bootstrap over windows. NaN where there are fewer than two seams, or nothing
-        moves elsewhere.
+        Mean norm of the second differences that involve a window's shared frames or the step into
+        or out of them, over the mean norm of all others; 1 if seams are invisible. Its interval is
+        a bootstrap over windows. NaN with fewer than two seams or no motion elsewhere.
     """
     sizes = np.linalg.norm(np.diff(values, n=2, axis=0), axis=2).mean(axis=1)
     # Difference k is centred on frame k + 1.
@@ -124,12 +123,12 @@ def seam_acceleration(values: FloatArray, windows: Windows, *, of: str) -> Metri
 
 
 def seams_of_clip(clip: MotionClip) -> Iterator[MetricResult]:
-    """Yield `seam_acceleration` of arms and head, of fingers, and of the face where there is one.
+    """Yield `seam_acceleration` of arms and head, of fingers, and of the face if there is one.
 
     Raises
     ------
     InputError
-        If the clip does not say where its windows begin.
+        If the clip's provenance does not record its windows.
     """
     windows = windows_of(clip)
     positions = joint_motion(clip, windows.frame_rate).relative
@@ -145,14 +144,14 @@ def seams_of_clip(clip: MotionClip) -> Iterator[MetricResult]:
 
 
 def _ratio(sums: FloatArray) -> FloatArray:
-    """Return mean at seams over mean elsewhere, of counts and sums in rows (4, ...)."""
+    """Return the mean at seams over the mean elsewhere, from rows of counts and sums (4, ...)."""
     at_seams, size_there, elsewhere, size_elsewhere = sums
     mean_at_seams = size_there / np.maximum(at_seams, 1)
     return np.asarray(mean_at_seams * elsewhere / np.maximum(size_elsewhere, 1e-300))
 
 
 def main() -> None:
-    """Print the seams of the clips that are named on the command line."""
+    """Print the seams of the clips named on the command line."""
     for path in map(Path, sys.argv[1:]):
         for seam in seams_of_clip(read_clip(path)):
             low, high = seam.interval or (math.nan, math.nan)

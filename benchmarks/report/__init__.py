@@ -1,1 +1,1 @@
-"""How long a report of a million answers takes."""
+"""Time and memory for a report of a million answers."""

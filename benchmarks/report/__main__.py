@@ -1,7 +1,7 @@
-"""How long a report of a million answers takes, and what memory: ``python -m benchmarks.report``.
+"""Time and memory for a report of a million answers: ``python -m benchmarks.report``.
 
-Prints ``name: value`` lines: seconds of the processor, seconds by the clock, and the most memory
-held, of a process of its own for each protocol's table and for a study's database.
+Prints ``name: value`` lines: processor seconds, wall-clock seconds and peak memory of a separate
+process for each protocol's table and for a study's database.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A study whose database holds very many answers, written at once rather than one by one."""
+"""A study whose database holds very many answers, written in bulk."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ RATE: Final = 8000
 
 NOON: Final = datetime(2026, 1, 1, 12, tzinfo=UTC)
 ROWS: Final = 100_000
-"""Rows that are written at once."""
+"""Rows per insert."""
 
 _QUESTION: Final = '[[questions]]\nname = "{name}"\ntitle = "{name}"\ntext = "Which is better?"\n'
 
@@ -111,7 +111,7 @@ def _study_session(person: int) -> dict[str, Any]:
 
 
 def _write_trials(connection: Connection, people: range, chance: np.random.Generator) -> None:
-    """Write the trials of some people with all that belongs to them."""
+    """Write the trials of some people with their videos and answers."""
     first = people.start * TRIALS
     count = len(people) * TRIALS
     left = chance.integers(0, len(CONDITIONS), count)

@@ -1,4 +1,4 @@
-"""Answers by the million, made by chance: as a platform's table, and in a study's database."""
+"""Millions of random answers, as a platform's table and in a study's database."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ def made_table(protocol: str, answers: int, seed: int = 1) -> pd.DataFrame:
     Parameters
     ----------
     protocol : {'pairwise', 'rating', 'ranking', 'mismatch'}
-        Whose columns.
+        Determines the columns.
     answers : int
-        Rows; everybody answers about all segments, so that it is rounded up to whole participants.
+        Number of rows, rounded up to whole participants, who answer about all segments.
     seed : int
-        Of all chance.
+        Seed of all random choices.
     """
     chance = np.random.default_rng(seed)
     shown = len(CONDITIONS) if protocol in ("rating", "ranking") else 1

@@ -1,12 +1,11 @@
-"""Speech2UnifiedExpressions: its rate, its seams, and its ablations as in the paper's Table 1.
+"""Speech2UnifiedExpressions: its speed, its seams, and its ablations as in the paper's Table 1.
 
-``python -m benchmarks.s2ue speed`` moves a minute of noise to motion by a network of the tiny size,
-from samples to clip, with one thread. ``python -m benchmarks.s2ue seams CHECKPOINT SPEECH…``
-compares accelerations at the seams of windows with those elsewhere. ``python -m benchmarks.s2ue
-draws CORPUS FOLDER NETWORK…`` tells whether draws of the speaker change face and body together.
-``python -m benchmarks.s2ue table CORPUS FOLDER`` trains the full model and the seven ablations on a
-synthetic corpus, each for the same steps, and measures them on windows of test takes whose seeds
-are recorded.
+``python -m benchmarks.s2ue speed`` generates motion for a minute of noise with a tiny network, from
+samples to clip, on one thread. ``python -m benchmarks.s2ue seams CHECKPOINT SPEECH…`` compares
+accelerations at the seams of windows with those elsewhere. ``python -m benchmarks.s2ue draws CORPUS
+FOLDER NETWORK…`` measures whether draws of the speaker change face and body together. ``python -m
+benchmarks.s2ue table CORPUS FOLDER`` trains the full model and the seven ablations on a synthetic
+corpus for the same number of steps, and measures them on windows of test takes with recorded seeds.
 """
 
 from __future__ import annotations
@@ -37,13 +36,13 @@ def main() -> None:
     smooth.add_argument("speech", type=Path, nargs="+")
     drawn = kinds.add_parser("draws")
     drawn.add_argument("corpus", type=Path)
-    drawn.add_argument("folder", type=Path, help="where the table was made")
+    drawn.add_argument("folder", type=Path, help="the table's folder")
     drawn.add_argument("networks", type=Path, nargs="+")
     tables = kinds.add_parser("table")
     tables.add_argument("corpus", type=Path)
     tables.add_argument("folder", type=Path)
     tables.add_argument("--steps", type=int, default=150)
-    tables.add_argument("--seeds", type=int, default=3, help="trainings of each variant")
+    tables.add_argument("--seeds", type=int, default=3, help="training runs of each variant")
     tables.add_argument("--only", nargs="+", choices=list(ABLATIONS), default=list(ABLATIONS))
     tables.add_argument("--write", type=Path, metavar="FILE", help="a page with marks for it")
     args = parser.parse_args()

@@ -19,12 +19,11 @@ _SHUFFLES: Final = 200
 
 
 def drawn_together(trained: S2ueNetwork, windows: Windows) -> float:
-    """Return how far draws of the speaker's latent that change the body alike change the face so.
+    """Return how similarly draws of the speaker's latent change body and face.
 
-    All windows are told from `DRAWS` draws, each with the same speech and recorded seeds. Between
-    any two draws, posture differs and expression differs: the RV coefficient of both, less what
-    shuffled draws have. 1 where the same draws are alike in both, 0 where face and body are drawn
-    by themselves.
+    All windows are generated from `DRAWS` draws with the same speech and recorded seeds. The result
+    is the RV coefficient of the draws' differences in posture and in expression, minus that of
+    shuffled draws: 1 if the same draws are similar in both, 0 if face and body vary independently.
     """
     network, config = trained.network, trained.network.config
     rows = np.arange(len(windows))
@@ -49,7 +48,7 @@ def drawn_together(trained: S2ueNetwork, windows: Windows) -> float:
 
 
 def alike(body: FloatArray, face: FloatArray) -> float:
-    """Return how similar the same draws are in body and face, each (draws, values)."""
+    """Return how similarly body and face, each (draws, values), vary between draws."""
     first, second = ((values - values.mean(axis=0)) for values in (body, face))
     first, second = first @ first.T, second @ second.T
     chance = np.random.default_rng(1)

@@ -1,4 +1,4 @@
-"""The columns of the table, how much motion jerks between windows, and frames a second."""
+"""The columns of the table, acceleration at the seams of windows, and frames per second."""
 
 from __future__ import annotations
 
@@ -52,9 +52,9 @@ FloatArray = NDArray[np.float64]
 RATE: Final = 15.0
 SEEDS: Final = 4
 FEATURES: Final = 32
-"""Of the autoencoders behind FGD and FLD."""
+"""Training of the autoencoders behind FGD and FLD."""
 VALUES: Final = {"pose": slice(BONE_VALUES), "face": slice(BONE_VALUES, None)}
-"""Where each part lies among the values of motion."""
+"""Slice of each part in the values of motion."""
 
 PARTS: Final = (
     ("pose", "FGD", (("MAJE", MAJE), ("MAcE-P", MACE_POSES))),
@@ -68,7 +68,7 @@ _RATE: Final = 15.0
 
 
 class Measure:
-    """The columns of the table, for windows of motion."""
+    """Computes the columns of the table for windows of motion."""
 
     def __init__(self, recorded: Windows, learned: Windows, face: FaceLandmarks) -> None:
         self._neutral = face.neutral.astype(np.float64)
@@ -82,7 +82,7 @@ class Measure:
         }
 
     def __call__(self, values: FloatArray, *, face: bool, pose: bool) -> Mapping[str, float]:
-        """Return the columns; NaN of what is not told."""
+        """Return the columns; NaN for a part that the network does not generate."""
         row_values = dict.fromkeys(COLUMNS, float("nan"))
         told, recorded = self._points(values), self._points(self.recorded)
         for number, (part, distance, errors) in enumerate(PARTS):
@@ -118,7 +118,7 @@ class Measure:
 
 
 def _encoder(seen: NDArray[np.float32]) -> nn.Module:
-    """Return the encoder of an autoencoder that rebuilds windows of motion."""
+    """Return the encoder of an autoencoder for windows of motion."""
     torch.manual_seed(1)
     values = torch.from_numpy(seen)
     spread = values.std(dim=(0, 1)).clamp(min=1e-5)
@@ -137,7 +137,7 @@ def _encoder(seen: NDArray[np.float32]) -> nn.Module:
 
 
 class _Normal(nn.Module):
-    """Values of mean 0 and deviation 1, flat."""
+    """Values of mean 0 and standard deviation 1, flattened."""
 
     def __init__(self, mean_: torch.Tensor, spread: torch.Tensor) -> None:
         super().__init__()
@@ -150,7 +150,7 @@ class _Normal(nn.Module):
 
 
 def seams(checkpoint: Path, speech: Sequence[Path]) -> Iterator[MetricResult]:
-    """Yield `seams_of_clip` of the motion to files that are spoken one after the other."""
+    """Yield `seams_of_clip` of the motion for speech files, joined in order."""
     audio = Audio(np.concatenate([read_audio(path).samples for path in speech]), SPEECH_RATE)
     segment = Segment(
         name="all", wav="all.wav", start=0, end=audio.duration, speaker="all", emotion="neutral"
@@ -161,7 +161,7 @@ def seams(checkpoint: Path, speech: Sequence[Path]) -> Iterator[MetricResult]:
 
 
 def speed(rounds: int) -> None:
-    """Print how many frames a second the tiny network makes on one thread."""
+    """Print the frames per second of the tiny network on one thread."""
     face = FaceLandmarks.of_default_body()
     torch.manual_seed(1)
     network = Network(NetworkConfig(speakers=4, **PRESETS["tiny"].sizes), face)

@@ -1,4 +1,4 @@
-"""How well a face moves with its body: canonical correlation, learned from recordings."""
+"""Synchrony of face and body: canonical correlation, learned from recordings."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ COMPONENTS: Final = 8
 """Principal components of the face, and of the body, that are compared."""
 
 _LEAST: Final = 1e-6
-"""Of the longest component, what one has at least that is more than rounding."""
+"""Share of the largest component's variance below which a component is rounding error."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FaceBodySynchrony:
-    """The one direction of faces and the one of bodies that go together most in recordings.
+    """The directions of face and body that correlate most in recordings.
 
-    It is FaceSync (Slaney & Covell 2000), which finds whether a voice is a face's, with the body in
-    place of the voice: canonical correlation of both, here of their first principal components.
-    Only what changes within a window counts, so that a face does not match a body by a posture or
-    an expression that both hold. Directions come from recordings alone and are the same for all
-    measurements. Face and body that have nothing to do with each other score 0 on the average; the
-    ceiling is not 1, but what recordings score that nothing was learned from.
+    This is FaceSync (Slaney & Covell 2000), which tests whether a voice belongs to a face, with the
+    body instead of the voice: the canonical correlation of both, here of their first principal
+    components. Only changes within a window count, so a constant posture or expression does not
+    make a face match a body. The directions come from recordings alone and are the same for all
+    measurements. An unrelated face and body score 0 on average; the ceiling is not 1, but the score
+    of held-out recordings.
 
     Attributes
     ----------
@@ -57,9 +57,9 @@ class FaceBodySynchrony:
         Parameters
         ----------
         faces : ndarray
-            Whose faces move.
+            Windows with the faces.
         bodies : ndarray, optional
-            Whose bodies move; the same where left out.
+            Windows with the bodies; by default `faces`.
 
         Returns
         -------
@@ -75,12 +75,12 @@ class FaceBodySynchrony:
 
 
 def _within(windows: FloatArray) -> FloatArray:
-    """Return how windows differ from their own means."""
+    """Return the windows minus their own means."""
     return np.asarray(windows - windows.mean(axis=1, keepdims=True))
 
 
 def _whitening(values: FloatArray) -> FloatArray:
-    """Return what leads from values (N, values) to their principal components of variance 1."""
+    """Return the matrix from values (N, values) to their principal components of variance 1."""
     _, lengths, axes = np.linalg.svd(values, full_matrices=False)
     count = min(COMPONENTS, int((lengths > _LEAST * lengths[0]).sum()))
     return np.asarray(axes[:count].T / (lengths[:count] / np.sqrt(len(values))))

@@ -34,15 +34,15 @@ def table(
     Parameters
     ----------
     corpus : Path
-        What 'motionjury corpus' made.
+        A corpus made by 'motionjury corpus'.
     folder : Path
-        Keeps features and networks: an interrupted call resumes.
+        Holds features and networks: an interrupted call resumes.
     steps : int
-        Of each training.
+        Steps of each training run.
     seeds : int
-        Trainings of each variant, whose mean and range the cells hold.
+        Training runs of each variant; cells hold their mean and range.
     ablations : sequence of str
-        Those of `generators.s2ue.config.ABLATIONS` that stand beside the full model.
+        Members of `generators.s2ue.config.ABLATIONS` to compare with the full model.
     """
     takes, face = read_takes(corpus), FaceLandmarks.of_default_body()
     recorded = windows_of(takes, folder, "test", stride=34)
@@ -71,7 +71,7 @@ def table(
 
 
 def windows_of(takes: TakeFolder, folder: Path, split: Split, *, stride: int) -> Windows:
-    """Return windows of a corpus, with what networks are told of them; `folder` keeps it."""
+    """Return windows of a corpus with the networks' inputs, which are cached in `folder`."""
     face = FaceLandmarks.of_default_body()
     features = bone_features(takes.kind, face, StandIn(), RATE, faces=True)
     prepared = prepare(takes, features, folder / "features", frame_rate=RATE)
@@ -79,7 +79,7 @@ def windows_of(takes: TakeFolder, folder: Path, split: Split, *, stride: int) ->
 
 
 def _recordings(windows: Windows) -> Mapping[str, FloatArray]:
-    """Return bodies to the recorded faces: their own, and of takes that are others'."""
+    """Return recorded bodies for the recorded faces: their own, and those of other takes."""
     chance = np.random.default_rng(1)
     motion = windows.batch(np.arange(len(windows)))["motion"].astype(np.float64)
     takes = [windows.take_of(row) for row in range(len(windows))]
@@ -113,7 +113,7 @@ def _train(
 
 
 def _moved(trained: S2ueNetwork, windows: Windows) -> FloatArray:
-    """Return motion of all windows (windows, T, values), from recorded seeds."""
+    """Return generated motion for all windows (windows, T, values), from recorded seeds."""
     network, config = trained.network, trained.network.config
     rows = np.arange(len(windows))
     told = {name: torch.from_numpy(entry) for name, entry in windows.batch(rows).items()}
@@ -140,7 +140,7 @@ def _row(name: str, rows_of_seeds: Sequence[Found]) -> str:
 
 
 def _cell(values: Sequence[float]) -> str:
-    """Return the mean of seeds and, of several, the least and the largest."""
+    """Return the mean over seeds, with the range if there are several."""
     if np.isnan(values).any():
         return "–"
     middle, low, high = (f"{entry:.3g}" for entry in (mean(values), min(values), max(values)))

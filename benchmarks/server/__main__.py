@@ -1,21 +1,21 @@
-"""How fast the study's server is: ``python -m benchmarks.server``.
+"""Speed of the study's server: ``python -m benchmarks.server``.
 
-A real server, as ``motionjury serve`` starts it, on SQLite and on PostgreSQL, both writing every
-answer through to the disk. Simulated participants take whole study sessions over the loopback: the
-pages, the videos, the reports of what was played, the answers. Each sends its next request as soon
-as the last is answered. Prints a table, then ``name: value``.
+A real server, as ``motionjury serve`` starts it, runs on SQLite and on PostgreSQL, both writing
+every answer through to the disk. Simulated participants take whole study sessions over the
+loopback: pages, videos, watch reports, answers. Each sends its next request as soon as the last is
+answered. Prints a table, then ``name: value`` lines.
 
-First all of them arrive at once; speed is measured from the first trial on. The processor time of a
-request is that of a whole study session of 30 trials, the arrival included, divided by its
-requests. It is that of the server's workers, from the kernel; that of PostgreSQL's own processes is
-separate. What the simulated participants use of the same processors is shown too.
+First all participants arrive at once; speed is measured from the first trial on. The processor time
+of a request is that of a whole study session of 30 trials, arrival included, divided by its
+requests. It is the kernel's count for the server's workers; PostgreSQL's processes and the
+simulated participants are listed separately.
 
-How much longer others wait while one floods the server with reports is measured in real time, on a
+The delay that one participant's flood of reports causes others is measured in real time, on a
 separate server (`benchmarks.server.report_flood`).
 
-Two more cases look at arrivals, each a first page and the start that follows it. In one, people
-arrive and take part in real time: they read, watch and answer as long as people do. In the other,
-newcomers come to two server processes one after the other, as fast as they get places.
+Two more cases measure arrivals, each a first page and the following start. In one, people arrive
+and take part in real time: they read, watch and answer at a human pace. In the other, newcomers
+come to two server processes one after the other, as fast as they get places.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ Milliseconds = NDArray[np.float64]
 
 CONCURRENCIES: Final = (1, 8, 32, 128)
 STATED: Final = ("sqlite", 32)
-"""The row that the last lines state."""
+"""The row that the last lines report."""
 
 SLOW_READERS: Final = 100
 BESIDE: Final = 8
@@ -61,8 +61,8 @@ ARRIVAL: Final[tuple[Kind, ...]] = ("consent", "start")
 SHAPE: Final = StudyShape(places=5000)
 PRESENTATIONS: Final = SHAPE.trials + SHAPE.practice + SHAPE.catch
 SITTING: Final = PRESENTATIONS * (2 + 2 * (1 + math.ceil(SHAPE.seconds / REPORT_EVERY)))
-"""Requests of a study session after its arrival: for each trial its page and its answers, and for
-each of its two videos the file and the reports."""
+"""Requests of a study session after its arrival: page and answers of each trial, file and reports
+of each of its two videos."""
 
 WARM_UP_SECONDS: Final = 2.0
 
@@ -74,10 +74,9 @@ class Row:
     Attributes
     ----------
     requests_per_s : float
-        Answered in each second.
+        Requests answered per second.
     p50_ms, p99_ms, stored_p99_ms : float
-        Quantiles of how long a request took, and one that waits until something is stored, in
-        milliseconds.
+        Quantiles of the duration of a request, and of one that waits for storage, in milliseconds.
     server_cpu_ms, database_cpu_ms, client_cpu_ms : float
         Processor time per request, in milliseconds.
     errors : int
@@ -164,9 +163,9 @@ def measured(
     *,
     slow: int = 0,
 ) -> Row:
-    """Return what `concurrency` participants saw for `seconds`.
+    """Return the measurement of `concurrency` participants over `seconds`.
 
-    Beside them, `slow` others read slowly.
+    Meanwhile, `slow` others read slowly.
     """
 
     async def run() -> Row:
@@ -228,7 +227,7 @@ def arrival_lines(server: StudyServer, database: FreshDatabase, seconds: float) 
 
 
 def _used(server: StudyServer, database: FreshDatabase) -> Milliseconds:
-    """Return the processor time of server, database and this process so far."""
+    """Return the processor time used so far by server, database and this process."""
     seconds = (server.cpu_seconds(), database.cpu_seconds(), time.process_time())
     return 1000 * np.array(seconds)
 

@@ -1,8 +1,8 @@
-"""How long participants wait while a job of the desk renders.
+"""Participants' waiting times while a job of the desk renders.
 
-``python -m benchmarks.server.job_beside`` serves one study and renders another as the desk does. In
-turns of equal length the job is stopped or runs. The ratio is that of the participants' slowest
-requests (p99), turn by turn.
+``python -m benchmarks.server.job_beside`` serves one study and renders another as the desk does.
+The job is stopped and runs in turns of equal length. The ratio compares the p99 of the
+participants' requests, turn by turn.
 """
 
 from __future__ import annotations
@@ -44,14 +44,14 @@ FRAME_RATE: Final = 30.0
 
 
 def job_waits(backend: Backend, seconds: float) -> dict[int, Waits]:
-    """Return how long participants waited, by how many took part at once.
+    """Return participants' waiting times, by the number of concurrent participants.
 
     Parameters
     ----------
     backend : Backend
-        The database of the study that is served.
+        Database of the served study.
     seconds : float
-        How long each turn takes.
+        Length of each turn.
     """
     with tempfile.TemporaryDirectory(prefix="bench-") as name:
         served, rendered = Path(name, "served"), Path(name, "rendered")
@@ -89,7 +89,7 @@ async def _take_part(port: int, count: int, seconds: float, ledger: Ledger) -> N
 
 
 def write_unrendered_study(folder: Path) -> None:
-    """Write a study whose motion is made and whose videos are not."""
+    """Write a study with motion but without videos."""
     study = StudyFolder(folder)
     speech = folder / "speech"
     speech.mkdir(parents=True)
@@ -118,7 +118,7 @@ def write_unrendered_study(folder: Path) -> None:
 
 @contextmanager
 def rendering(jobs: Path) -> Iterator[Sequence[int]]:
-    """Render a study as the desk does, and give the processes that do it."""
+    """Render a study as the desk does, and yield the processes that do it."""
     before = children(os.getpid())
     begin(jobs, KIND, kind=KIND)
     (job,) = set(children(os.getpid())).difference(before)
@@ -127,7 +127,7 @@ def rendering(jobs: Path) -> Iterator[Sequence[int]]:
     try:
         yield processes
         if not job_standings(jobs)[KIND].is_running:
-            raise RuntimeError("the job has ended too early: " + job_log(jobs, KIND, most=2000))
+            raise RuntimeError("the job ended too early: " + job_log(jobs, KIND, most=2000))
     finally:
         _send(processes, signal.SIGKILL)
 

@@ -1,8 +1,8 @@
 """Killing the server at random moments while participants answer: nothing may be lost or doubled.
 
-Participants send what was not acknowledged again, as a page's script does. At the end every study
-session must have come to its completion code, and every answer that was ever acknowledged must be
-in the database, once and as it was sent.
+Participants repeat unacknowledged requests, as a page's script does. At the end every study session
+must have reached its completion code, and every acknowledged answer must be in the database, once
+and as it was sent.
 """
 
 from __future__ import annotations
@@ -31,24 +31,24 @@ from tests.support.studies.fabricated_study import StudyShape, write_fabricated_
 
 POLL_SECONDS: Final = 0.01
 QUESTIONS: Final = 2
-"""Of each trial of a fabricated study."""
+"""Answers to each trial of a fabricated study."""
 
 FINISH_SECONDS: Final = 120.0
-"""How long the participants may take to finish after the last kill."""
+"""Seconds that participants have to finish after the last kill."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Strain:
-    """How hard a server is strained.
+    """The strain on a server.
 
     Attributes
     ----------
     sessions : int
-        Study sessions that are taken at the same time.
+        Concurrent study sessions.
     trials : int
-        Trials in each of them, all told.
+        Trials of each session, of all kinds.
     kills : int
-        How often something is killed.
+        Number of kills.
     seed : int
         Seed of kills and answers.
     """
@@ -61,18 +61,18 @@ class Strain:
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What came of it.
+    """The result of a soak.
 
     Attributes
     ----------
     killed : mapping of str to int
-        What was killed how often.
+        Number of kills by what was killed.
     sent_again : int
-        Requests whose fate was unknown.
+        Requests that were repeated because their outcome was unknown.
     acknowledged : int
-        Answers that the server said it had stored.
+        Answers that the server acknowledged as stored.
     problems : tuple of str
-        What must not be; empty where all is well.
+        Problems found; empty if all is well.
     """
 
     killed: Counter[str]
@@ -82,7 +82,7 @@ class Outcome:
 
 
 def kill_soak(backend: Backend, strain: Strain) -> Outcome:
-    """Kill a server on `backend` as `strain` says, and return what came of it."""
+    """Kill a server on `backend` as `strain` specifies, and return the outcome."""
     shape = StudyShape(
         places=strain.sessions,
         trials=strain.trials - 1,
@@ -125,7 +125,7 @@ async def _strained(
     kinds = ["worker", "worker", "arbiter", *(["database"] if crash else [])]
     answers = strain.sessions * strain.trials * QUESTIONS
     for number in range(strain.kills):
-        # Spread over the answers: on a fast machine all would otherwise be given before most kills.
+        # Kills are spread over the answers: a fast machine would answer all before most kills.
         due = (number + chance.random()) / strain.kills * answers
         while len(ledger.acknowledged) < due and not all(task.done() for task in sessions):
             await asyncio.sleep(POLL_SECONDS)
@@ -150,7 +150,7 @@ async def _session(port: int, ledger: Ledger, seed: str) -> None:
     chance = random.Random(seed)  # noqa: S311 - it must be repeatable, not secret
     async with Wire(HOST, port) as wire:
         visitor = Visitor(wire=wire, ledger=ledger, chance=chance, patient=True)
-        # What stranded them is in the ledger.
+        # The ledger records why.
         with suppress(StrandedError):
             await visitor.take_part()
 

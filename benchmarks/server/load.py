@@ -1,4 +1,4 @@
-"""Many simulated participants at once, in no time or in people's, and what others do meanwhile."""
+"""Many concurrent simulated participants, as fast as possible or at a human pace."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.support.servers.wire import Wire
 
 @asynccontextmanager
 async def beside(others: Iterable[Coroutine[None, None, None]]) -> AsyncIterator[None]:
-    """Let others run during the block, and stop them at its end."""
+    """Run `others` during the block, and stop them at its end."""
     tasks = [asyncio.create_task(other) for other in others]
     try:
         yield
@@ -38,9 +38,9 @@ class Arrived:
 
 
 async def arrive(port: int, *, count: int, seed: int, ledger: Ledger) -> list[Arrived]:
-    """Let `count` participants come at once, and bring each to the first trial.
+    """Let `count` participants arrive at once, and bring each to the first trial.
 
-    What they see is noted in `ledger`; those who could not begin are not returned.
+    Results go to `ledger`; participants who could not begin are not returned.
     """
 
     async def arrival(number: int) -> Arrived | None:
@@ -48,7 +48,7 @@ async def arrive(port: int, *, count: int, seed: int, ledger: Ledger) -> list[Ar
         with suppress(StrandedError):
             address = await visitor.enrol()
             page = await visitor.begin(address)
-            # Until all have come the server may close it, just as the next request is sent.
+            # The server may close the connection before all have arrived.
             visitor.wire.close()
             return Arrived(visitor=visitor, address=address, page=page)
         return None
@@ -60,7 +60,7 @@ async def arrive(port: int, *, count: int, seed: int, ledger: Ledger) -> list[Ar
 async def judge(arrived: list[Arrived], *, ledger: Ledger, seconds: float) -> None:
     """Let everybody who has `arrived` take trials for `seconds` or until they finish.
 
-    What they see is noted in `ledger`; that they are cut short at the end is no error.
+    Results go to `ledger`; being cut short at the end is not an error.
     """
     async with beside(_trials(arrival, ledger) for arrival in arrived):
         await asyncio.sleep(seconds)
@@ -69,7 +69,7 @@ async def judge(arrived: list[Arrived], *, ledger: Ledger, seconds: float) -> No
 
 
 async def keep_arriving(port: int, *, at_once: int, seconds: float, ledger: Ledger) -> None:
-    """Let newcomers come for `seconds`, each as soon as one of those `at_once` has a place."""
+    """Let newcomers arrive for `seconds`, `at_once` at a time, each as soon as one has a place."""
     end = time.perf_counter() + seconds
 
     async def one_after_the_other(number: int) -> None:
@@ -108,6 +108,6 @@ def _chance(seed: int, number: int) -> random.Random:
 
 
 async def _trials(arrived: Arrived, ledger: Ledger) -> None:
-    # What went wrong is in the ledger.
+    # The ledger records what went wrong.
     with suppress(StrandedError):
         await replace(arrived.visitor, ledger=ledger).go_on(arrived.address, arrived.page)

@@ -1,4 +1,4 @@
-"""What must never be in a server's log."""
+"""Secrets that must never appear in a server's log."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Final
 SECRETS: Final = {
     "a traceback": re.compile(r"^Traceback|^  File \"", re.MULTILINE),
     "a participant's address": re.compile(r"/(take|media)/"),
-    # 24 random bytes in base 64; names of files and modules are shorter or hold other signs.
+    # 24 random bytes in base64; names of files and modules are shorter or have other characters.
     "a token": re.compile(r"(?<![A-Za-z0-9_-])[A-Za-z0-9_-]{32}(?![A-Za-z0-9_-])"),
     "a network address": re.compile(r"\b\d{1,3}(\.\d{1,3}){3}\b"),
     "a password": re.compile(r"://[^/\s:]+:[^*@\s]+@"),
@@ -22,7 +22,7 @@ def secrets_in(log: Path, *, allowed: tuple[str, ...] = ()) -> tuple[str, ...]:
     Parameters
     ----------
     allowed : tuple of str
-        Kinds of `SECRETS` that are not looked for.
+        Kinds of `SECRETS` to ignore.
     """
     text = log.read_text(encoding="utf-8", errors="replace")
     secrets = []

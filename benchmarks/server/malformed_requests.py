@@ -1,4 +1,4 @@
-"""Requests that no browser sends: bytes drawn at random, each worse than the one before."""
+"""Random requests that no browser sends."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ HEADERS: Final = (
 
 @dataclass(frozen=True, kw_only=True)
 class Known:
-    """Real names, so that malformed requests get past the entrance.
+    """Real tokens, with which malformed requests get past the first checks.
 
     Attributes
     ----------
@@ -90,8 +90,7 @@ class Known:
 def malformed_requests(count: int, known: Known, seed: int) -> Iterator[bytes]:
     """Yield `count` requests, the same ones for the same `seed`.
 
-    None of them is one that a participant could rightly send: with a real page's address comes
-    something that must be refused.
+    None is valid: a request to a real page's address has content that must be refused.
     """
     chance = random.Random(seed)  # noqa: S311 - it must be repeatable, not secret
     makers = (_lost, _start, _answers, _watched, _form, _media, _not_http)
@@ -109,7 +108,7 @@ def _lost(known: Known, chance: random.Random) -> bytes:
 
 
 def _start(known: Known, chance: random.Random) -> bytes:
-    """Start without consent, or as nobody."""
+    """Start without consent or identity."""
     visit = chance.choice((b"short", b"x" * 65, b"with%20blank" * 3, b"\xff" * 30, b""))
     fields = [b"visit=" + visit]
     if chance.random() < 0.5:
@@ -128,7 +127,7 @@ def _answers(known: Known, chance: random.Random) -> bytes:
         for _ in range(chance.randrange(4))
     ]
     fields += _drawn(TEXTS, chance, chance.randrange(2))
-    # Never two good answers: the other question is always missing, unknown or out of range.
+    # Never two valid answers: the other one is always missing, unknown or out of range.
     fields.append(b"unknown" + str(chance.randrange(99)).encode() + b"=1")
     where = chance.choice(("answers", "answers/", "unplayable/x", "answers?x=%ff"))
     path = f"{chance.choice(known.pages)}/{where}".encode()
@@ -136,7 +135,7 @@ def _answers(known: Known, chance: random.Random) -> bytes:
 
 
 def _watched(known: Known, chance: random.Random) -> bytes:
-    """Report what cannot have been played."""
+    """Report playback that cannot have happened."""
     numbers: tuple[object, ...] = (-1, 1e300, "1", None, True, [], {}, 10**30, float("nan"))
     report: object = {
         "batch": chance.choice((*numbers, 0)),
@@ -160,7 +159,7 @@ def _watched(known: Known, chance: random.Random) -> bytes:
 
 
 def _form(known: Known, chance: random.Random) -> bytes:
-    """Send a form that is not asked for."""
+    """Send a form that is not due."""
     stage = chance.choice(("demographics", "closing", "consent", "eligibility", "%00"))
     path = f"{chance.choice(known.pages)}/form/{stage}".encode()
     fields = b"&".join(b"form:" + text for text in _drawn(TEXTS, chance, 3))
@@ -168,7 +167,7 @@ def _form(known: Known, chance: random.Random) -> bytes:
 
 
 def _media(known: Known, chance: random.Random) -> bytes:
-    """Ask for a video in ways that a player does not."""
+    """Request a video in ways that a player does not."""
     token = chance.choice((*known.videos, "nobody", "..", "%00", "a" * 3000))
     end = chance.choice((".mp4", ".mp4/", ".mov", "", ".mp4%00", ".mp4?x=" + "y" * 4000))
     return _request(chance.choice(METHODS), f"/media/{token}{end}".encode(), b"", chance)

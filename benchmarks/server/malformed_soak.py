@@ -1,4 +1,4 @@
-"""Sending malformed requests to the server: none may make it fail, or leave anything behind."""
+"""Sending malformed requests to the server: none may make it fail or change anything stored."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ AS_HTTP_ASKS: Final = (501, 505)
 """Expected statuses for an unknown method or version of HTTP."""
 
 NO_ANSWER: Final = 0
-"""The server has closed the connection without a word."""
+"""The server closed the connection without an answer."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What came of it.
+    """The result of a soak.
 
     Attributes
     ----------
     answers : mapping of int to int
-        How often each status was answered; 0 where the connection was closed without one.
+        Number of answers by status; 0 if the connection was closed without an answer.
     problems : tuple of str
-        What must not be; empty where all is well.
+        Problems found; empty if all is well.
     """
 
     answers: Counter[int]
@@ -83,9 +83,9 @@ def _stored(url: str) -> dict[str, str]:
 
 
 async def _participants(port: int) -> Known:
-    """Bring a few participants to their first trial, and return the names that they know.
+    """Bring a few participants to their first trial, and return the tokens that they know.
 
-    They have fetched its videos: when one is first sent is stored.
+    They have fetched its videos, whose first request is stored.
     """
     pages, trials, videos = [], [], []
     ledger = Ledger()
@@ -123,9 +123,9 @@ async def _status(port: int, request: bytes) -> int:
         async with asyncio.timeout(ANSWER_SECONDS):
             with suppress(ConnectionError):
                 writer.write(request)
-                # Nothing more follows: a server that waits for the rest learns so.
+                # Tell a server that waits for the rest that nothing follows.
                 writer.write_eof()
-                # A line that says "go on" (100) comes before the answer itself.
+                # An interim "100 Continue" may precede the answer.
                 while (line := await reader.readline()) != b"":
                     if line.startswith(b"HTTP/") and not line.startswith(b"HTTP/1.1 1"):
                         return int(line.split(b" ")[1])

@@ -1,8 +1,8 @@
-"""How long others wait while a participant floods the server with watch reports.
+"""Waiting times of others while a participant floods the server with watch reports.
 
 Participants take part in real time. In turns of equal length, another participant does nothing, or
-sends the largest possible reports without a pause, from a separate process. The ratio is that of
-the others' slowest answers (p99), turn by turn. To measure it alone: ``python -m
+sends the largest possible reports without a pause, from a separate process. The ratio compares the
+p99 of the others' answers, turn by turn. To measure it alone: ``python -m
 benchmarks.server.report_flood``.
 """
 
@@ -37,16 +37,16 @@ PAIRS: Final = 12
 """Turns without the flood, each followed by one with it."""
 
 BEFORE: Final = 20.0
-"""Seconds after which everybody is somewhere in a trial: it takes about as long."""
+"""Seconds, about as long as a trial, after which everybody is somewhere in one."""
 
 STORED: Final[tuple[Kind, ...]] = ("answers", "watched")
-"""Requests that are acknowledged once their content is stored: answers, and what was played."""
+"""Requests that are acknowledged once stored: answers and watch reports."""
 
 
 def report_flood_waits(folder: Path, database: FreshDatabase, seconds: float) -> Waits:
     """Serve the study in `folder`, and measure it in turns of `seconds`."""
     log = folder / "said"
-    # The clock runs as it does for people: nobody may send more than a page would.
+    # Real time: nobody may send more than a page would.
     with (
         study_server(folder, log, database_url=database.url, speed=1.0) as server,
         _flooder(server.port) as flooding,
@@ -89,7 +89,7 @@ async def _taking_part(arrived: list[Arrived], ledger: Ledger) -> AsyncIterator[
 
 @contextmanager
 def _flooder(port: int) -> Iterator[Event]:
-    """Give what lets a participant flood the server at `port` while it is set."""
+    """Yield an event; while it is set, a participant floods the server at `port`."""
     context = multiprocessing.get_context("spawn")
     flooding = context.Event()
     process = context.Process(target=_flood, args=(port, flooding), daemon=True)
@@ -119,7 +119,7 @@ async def _send_reports(port: int, flooding: Event) -> None:
         ]
         while True:
             for address, body in reports:
-                # In this process nothing else is waiting.
+                # Nothing else waits in this process.
                 flooding.wait()
                 with suppress(LostConnectionError):
                     await wire.post(address, body, "application/json", accept="application/json")
@@ -132,7 +132,7 @@ def _largest_report(video: SeenVideo, batch: int) -> bytes:
 
 
 def main() -> None:
-    """Measure on both databases, and print what others wait for without the flood and with it."""
+    """Measure on both databases, and print others' waiting times without and with the flood."""
     options = read_options("Measure what a flood of reports costs others.", seconds=4.0)
     for backend in options.database:
         with tempfile.TemporaryDirectory(prefix="bench-") as name:

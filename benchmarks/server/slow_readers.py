@@ -1,4 +1,4 @@
-"""Participants with very slow lines: they keep reading a video, a few bytes at a time."""
+"""Participants with very slow connections, who read a video a few bytes at a time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ EVERY_SECONDS: Final = 0.25
 
 SEGMENT_BYTES: Final = 1400
 BUFFER_BYTES: Final = 4096
-"""As on a line through the net; the loopback would take a whole video at once."""
+"""Buffer as on an internet connection; the loopback would take a whole video at once."""
 
 
 @asynccontextmanager

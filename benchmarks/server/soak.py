@@ -1,8 +1,8 @@
 """Straining the study's server: ``python -m benchmarks.server.soak``.
 
-Kills its workers, the process that starts them and the database's server at random moments while
-study sessions are taken, on SQLite and on PostgreSQL; then sends malformed requests. Prints
-``name: value``, and ends with status 1 if anything is lost, doubled, stored or fails.
+Kills its workers, the process that starts them and the database's server at random moments during
+study sessions, on SQLite and on PostgreSQL; then sends malformed requests. Prints ``name: value``
+lines, and ends with status 1 if anything fails, is lost or doubled, or is wrongly stored.
 """
 
 from __future__ import annotations

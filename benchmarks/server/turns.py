@@ -1,4 +1,4 @@
-"""How much longer requests take under a load, in pairs of turns without and with it."""
+"""Slowdown of requests under a load, in pairs of turns without and with it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Waits:
     Attributes
     ----------
     without, beside : list of list of float
-        Of each turn without the load, and of the following one with it.
+        Durations of each turn without the load, and of the following one with it.
     """
 
     without: list[list[float]] = field(default_factory=list)
@@ -26,15 +26,15 @@ class Waits:
 
     @property
     def ratio(self) -> float:
-        """How many times as long the p99 is beside it: the median over all pairs of turns.
+        """The p99 with the load over that without it: the median over all pairs of turns.
 
-        Other short load on the machine affects few pairs.
+        Other brief load on the machine affects few pairs.
         """
         pairs = zip(self.without, self.beside, strict=True)
         return float(np.median([_p99_ms(beside) / _p99_ms(without) for without, beside in pairs]))
 
     def print(self, where: str, what: str, *, total: str) -> None:
-        """Print the p99 without `what` and beside it, and under the name `total` their ratio."""
+        """Print the p99 without and with `what`, and under the name `total` their ratio."""
         for name, turns in (("without", self.without), ("beside", self.beside)):
             p99 = np.median([_p99_ms(turn) for turn in turns])
             print(f"{where}_{name}_{what}_p99_ms: {p99:.1f}")
@@ -43,10 +43,12 @@ class Waits:
 
 
 def read_options(description: str, *, seconds: float) -> argparse.Namespace:
-    """Read the length of a turn, and which databases are measured."""
+    """Read the length of a turn and the databases to measure."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--seconds", type=float, default=seconds, help="of each turn")
-    parser.add_argument("--database", choices=BACKENDS, action="append", help="of both, only this")
+    parser.add_argument(
+        "--database", choices=BACKENDS, action="append", help="measure only this one"
+    )
     options = parser.parse_args()
     options.database = options.database or BACKENDS
     return options

@@ -1,8 +1,8 @@
 """Speed of the statistics compared with others: ``python -m benchmarks.statistics``.
 
-Prints ``name: value`` lines. Both sides of every ratio run one after the other in one run; times
-are those of the processor, so that other work on the machine counts little. What is not installed
-to compare with is skipped, with the reason.
+Prints ``name: value`` lines. Both sides of every ratio run in turn in the same run; times are
+processor times, on which other work on the machine has little effect. Comparisons with software
+that is not installed are skipped, with the reason.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from benchmarks.statistics.beside_r import beside_r, fitted, made_answers, why_n
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description="Measure the statistics beside R and choix.")
+    parser = argparse.ArgumentParser(description="Compare the statistics with R and choix.")
     parser.add_argument("--side", type=int, default=100, help="participants, and items, of clmm")
     parser.add_argument("--large-side", type=int, default=1000, help="the same, without R")
     parser.add_argument("--votes", type=int, default=1_000_000)

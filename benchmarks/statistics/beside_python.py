@@ -1,4 +1,4 @@
-"""Bradley-Terry strengths compared with choix, and our bootstrap with one that gathers by index."""
+"""Bradley-Terry strengths compared with choix, and our bootstrap with a gather by index."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Floats = NDArray[np.float64]
 def timed(work: Callable[[], Found], *, turns: int = 1) -> tuple[Found, float]:
     """Return what `work` returns, and its processor time in seconds.
 
-    The least of `turns` counts: other work of a machine only ever adds. `turns` is at least 1.
+    The fastest of `turns` (at least 1) counts: other work of a machine only adds time.
     """
     least = float("inf")
     for _ in range(turns):
@@ -40,14 +40,14 @@ def timed(work: Callable[[], Found], *, turns: int = 1) -> tuple[Found, float]:
 
 @dataclass(frozen=True, kw_only=True)
 class BesideChoix:
-    """The same strengths by both.
+    """Comparison of the same strengths with choix.
 
     Attributes
     ----------
     seconds, seconds_choix : float
-        Processor time of each; ours includes the clustered errors, which choix has not.
+        Processor time of each; ours includes clustered errors, which choix lacks.
     strengths_apart : float
-        Largest difference of a log strength.
+        Largest difference between log strengths.
     """
 
     seconds: float
@@ -61,12 +61,12 @@ class BesideChoix:
 
 
 def why_not_choix() -> str:
-    """Return that choix is missing, or an empty text."""
+    """Return why choix cannot be used, or an empty text."""
     return "" if importlib.util.find_spec("choix") else "choix is not installed"
 
 
 def made_votes(count: int) -> Votes:
-    """Return votes without ties, which choix does not know."""
+    """Return votes without ties, which choix does not support."""
     chance = np.random.default_rng(0)
     strengths = chance.normal(0, 0.7, CONDITIONS)
     left = chance.integers(CONDITIONS, size=count)
@@ -83,8 +83,8 @@ def made_votes(count: int) -> Votes:
 
 
 def beside_choix(votes: Votes, *, turns: int = 5) -> BesideChoix:
-    """Find the strengths of `votes` here and by choix."""
-    # A copy each time: votes remember what was counted of them.
+    """Compute the strengths of `votes` here and with choix."""
+    # A copy each time, because votes cache their counts.
     ours, seconds = timed(lambda: bradley_terry(replace(votes), left_effect=False), turns=turns)
     won = votes.outcome > 0
     pairs = np.column_stack(
@@ -101,14 +101,14 @@ def beside_choix(votes: Votes, *, turns: int = 5) -> BesideChoix:
 
 @dataclass(frozen=True, kw_only=True)
 class BesideGather:
-    """The same bootstrap by both.
+    """Comparison of the same bootstrap with a gather.
 
     Attributes
     ----------
     seconds, seconds_gather : float
         Processor time of each.
     deviations_apart : float
-        Relative difference of the spreads of their means; it falls with the number of resamples.
+        Relative difference of their means' standard deviations; it falls with more resamples.
     """
 
     seconds: float
@@ -122,7 +122,7 @@ class BesideGather:
 
 
 def by_gather(table: Floats, resamples: int) -> Floats:
-    """Return means of drawn rows and columns of `table`, gathered one resample after another."""
+    """Return means of drawn rows and columns of `table`, gathered resample by resample."""
     chance = np.random.default_rng(0)
     rows, columns = table.shape
     return np.array(
@@ -137,7 +137,7 @@ def by_gather(table: Floats, resamples: int) -> Floats:
 def beside_gather(
     participants: int, items: int, *, resamples: int = 10_000, turns: int = 3
 ) -> BesideGather:
-    """Draw `resamples` of a study in which every participant answered about every item."""
+    """Resample a study in which every participant answered about every item."""
     chance = np.random.default_rng(0)
     table = chance.normal(0, 0.6, (participants, 1)) + chance.normal(0, 0.45, items)
     table = table + chance.normal(size=table.shape)

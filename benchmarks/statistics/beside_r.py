@@ -38,16 +38,16 @@ HAS_ORDINAL: Final = 'quit(status = !requireNamespace("ordinal", quietly = TRUE)
 
 @dataclass(frozen=True, kw_only=True)
 class BesideR:
-    """The same model by both.
+    """Comparison of the same model with R.
 
     Attributes
     ----------
     seconds, seconds_r : float
         Processor time of each.
     estimates_apart : float
-        Largest difference of an estimate, thresholds included.
+        Largest difference between estimates, thresholds included.
     effect_error_apart : float
-        Relative difference of the standard error of the effect `s`; thresholds' are left out.
+        Relative difference of the standard error of the effect `s`, without the thresholds'.
     log_likelihood_apart : float
         Difference of the log-likelihoods.
     """
@@ -74,7 +74,7 @@ class BesideR:
 
 
 def why_not_r() -> str:
-    """Return what is missing of R, or an empty text."""
+    """Return why R cannot be used, or an empty text."""
     program = shutil.which("Rscript")
     if program is None:
         return "R is not installed"
@@ -83,7 +83,7 @@ def why_not_r() -> str:
 
 
 def made_answers(participants: int, items: int) -> Preferences:
-    """Return the answers that are fitted, with an effect and differences between all groups."""
+    """Return answers to fit, with an effect and differences between all groups."""
     design = Design(
         participants=participants, items=items, effect=0.4, participant_sd=0.6, item_sd=0.45
     )
@@ -91,7 +91,7 @@ def made_answers(participants: int, items: int) -> Preferences:
 
 
 def fitted(answers: Preferences, *, effect: bool = True) -> OrdinalFit:
-    """Fit the report's model, or the one without the effect that it is compared with."""
+    """Fit the report's model, or the reduced one without the effect."""
     random = [
         RandomEffect(name=name, groups=groups, multiplier=answers.side)
         for name, groups in (("participant", answers.participants), ("item", answers.items))

@@ -1,4 +1,4 @@
-"""``python -m benchmarks.validity``; separate, so that its processes can import the rest."""
+"""``python -m benchmarks.validity``; separate because its processes import the rest."""
 
 from benchmarks.validity.benchmark import main
 

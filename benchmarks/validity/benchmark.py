@@ -1,8 +1,8 @@
-"""How the report's numbers fare: ``python -m benchmarks.validity``.
+"""Validity of the report's numbers: ``python -m benchmarks.validity``.
 
-Simulates studies with known truth and prints, for every headline number and beside the tests of
-papers, how often it finds an effect that is not there, how often its 95% interval contains the
-truth, and how often it finds an effect that is there, each with its Monte-Carlo error.
+Simulates studies with known truth and prints, for every headline number and for the tests in
+papers, the rate of false positives, the coverage of the 95% interval, and the power, each with its
+Monte-Carlo error.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from benchmarks.validity.realised import Realised, Row, Tally, tally
 from benchmarks.validity.studies import Design
 
 BLOCK: Final = 20
-"""Studies that one process simulates in a turn."""
+"""Studies per task of one process."""
 
 
 def measure(
@@ -76,9 +76,9 @@ def _count(experiment: Experiment, studies: int) -> int:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Simulate, and print the tables with their verdicts, and the last lines."""
+    """Simulate, and print the tables, their verdicts, and the last lines."""
     parser = argparse.ArgumentParser(description="Simulate studies with a known truth.")
-    parser.add_argument("--studies", type=int, default=600, help="of each design and effect")
+    parser.add_argument("--studies", type=int, default=600, help="studies per design and effect")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     names = [experiment.name for experiment in EXPERIMENTS]
@@ -124,7 +124,7 @@ def _simulated(
 
 @contextmanager
 def _processes(count: int) -> Iterator[Executor | None]:
-    """Give processes of one thread each; None for this one alone."""
+    """Yield processes of one thread each; None for this process alone."""
     if count < 2:
         yield None
         return

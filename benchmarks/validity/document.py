@@ -1,4 +1,4 @@
-"""The simulated studies' table as a document: one section a kind of study."""
+"""The simulated studies' table as a document with one section per kind of study."""
 
 from __future__ import annotations
 
@@ -46,16 +46,16 @@ _COLUMNS: Final = ("number", "people × segments, SDs", "false +", "covered", "p
 
 
 def write_section(path: Path, name: str, section: str) -> None:
-    """Put the section of one kind of study into the document, and leave all others as they are.
+    """Put the section of one kind of study into the document, and keep all others.
 
     Parameters
     ----------
     path : Path
-        Made where it does not exist.
+        The document, created if missing.
     name : str
-        Of the kind of study.
+        Name of the kind of study.
     section : str
-        What was found.
+        Its results.
     """
     text = path.read_text("utf-8") if path.exists() else ""
     sections = {
@@ -67,7 +67,7 @@ def write_section(path: Path, name: str, section: str) -> None:
 
 
 def document(sections: Mapping[str, str]) -> str:
-    """Return the document of sections by heading; it says which kinds of studies are missing."""
+    """Return the document of sections by heading, with a list of missing kinds of studies."""
     names = [experiment.name for experiment in EXPERIMENTS]
     missing = [name for name in names if _heading(name) not in sections]
     outcome = [sections[_heading(name)] for name in names if name not in missing]
@@ -82,7 +82,7 @@ def _heading(name: str) -> str:
 def section(name: str, rows: Sequence[Row], *, studies: int, seed: int) -> str:
     """Return the results of one kind of study, in Markdown.
 
-    `studies` says how many were simulated of each design and effect, and `seed` what drew them.
+    `studies` is the number of simulated studies per design and effect, `seed` their seed.
     """
     numbers: dict[str, list[Row]] = {}
     for row in rows:

@@ -38,14 +38,13 @@ class Experiment:
     Attributes
     ----------
     name : str
-        For the table.
+        Name in the table.
     protocol : Protocol
-        What is simulated and concluded.
+        The kind of study.
     designs : tuple of Design
-        Their effect is the protocol's to set.
+        Designs, whose effects the protocol sets.
     share : float
-        Of the studies asked for, how many are simulated: those that take long get fewer, those
-        that are quick more.
+        Simulated studies per requested study: fewer for slow kinds, more for quick ones.
     """
 
     name: str
@@ -60,7 +59,7 @@ def _designs(
     few: Sequence[int] = FEW,
     spreads: Sequence[tuple[float, float]] = SPREADS,
 ) -> tuple[Design, ...]:
-    """Return studies of one size in which answers vary more and more, and some with few items."""
+    """Return studies of one size with increasingly varied answers, and some with few items."""
     crossed = [
         Design(participants=22, items=items, effect=0.0, participant_sd=p, item_sd=i)
         for p, i in spreads

@@ -16,10 +16,10 @@ LEVEL: Final = 0.05
 """Nominal false-positive rate."""
 
 MOST_FALSE: Final = 0.065
-"""Above this false-positive rate a number is no headline."""
+"""A number with a higher false-positive rate is not a headline."""
 
 LEAST_COVERED: Final = 0.93
-"""Below this coverage of a 95% interval a number is no headline."""
+"""A number whose 95% interval has lower coverage is not a headline."""
 
 CONSERVATIVE: Final = 0.03
 """Below this false-positive rate a test is called conservative."""
@@ -27,18 +27,18 @@ CONSERVATIVE: Final = 0.03
 
 @dataclass(frozen=True, kw_only=True)
 class Tally:
-    """What was counted over some studies of one design.
+    """Counts over some studies of one design.
 
     Attributes
     ----------
     studies : int
         Simulated studies.
     tested, significant : int
-        Those with a p value, and those with one below `LEVEL`.
+        Studies with a p value, and studies with one below `LEVEL`.
     bounded, covered : int
-        Those with an interval, and those whose interval contains the truth.
+        Studies with an interval, and studies whose interval contains the truth.
     silent : int
-        Those with neither.
+        Studies with neither.
     """
 
     studies: int = 0
@@ -61,7 +61,7 @@ class Share:
     Attributes
     ----------
     value, error : float
-        The share, and its Monte-Carlo standard error; NaN where it is of no study.
+        The share, and its Monte-Carlo standard error; NaN without studies.
     """
 
     value: float
@@ -72,23 +72,23 @@ class Share:
         """Return `part` of `whole`."""
         if not whole:
             return cls(value=math.nan, error=math.nan)
-        # One study more of each kind: a share of 0 or 1 is not known without error.
+        # One more study of each kind, because a share of 0 or 1 has an error too.
         likely = (part + 1) / (whole + 2)
         return cls(value=part / whole, error=math.sqrt(likely * (1 - likely) / whole))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Realised:
-    """What one number of the report is worth in one design.
+    """The validity of one number of the report in one design.
 
     Attributes
     ----------
     false_positives : Share
-        Of studies without an effect, those that find one; NaN without tests.
+        Share of studies without an effect that find one; NaN without tests.
     coverage : Share
-        Of studies with an effect, those whose interval contains the truth; NaN without intervals.
+        Share of studies with an effect whose interval contains the truth; NaN without intervals.
     power : Share
-        Of studies with an effect, those that find it.
+        Share of studies with an effect that find it.
     silent : float
         Share of all studies for which the report gives no number.
     """
@@ -111,7 +111,7 @@ class Realised:
 
     @property
     def verdict(self) -> str:
-        """What may be called what: see `MOST_FALSE`, `LEAST_COVERED` and `CONSERVATIVE`."""
+        """The verdict by `MOST_FALSE`, `LEAST_COVERED` and `CONSERVATIVE`."""
         false, covered = self.false_positives, self.coverage
         broken = [
             abs(share.value - limit) < 2 * share.error
@@ -137,9 +137,9 @@ class Row:
     experiment : str
         The kind of study.
     design : Design
-        Its size, and how much opinions vary.
+        Its size, and the variation of opinions.
     number : str
-        Which number of the report.
+        Name of the report's number.
     naive : bool
         Whether it treats answers as independent, as papers do.
     realised : Realised
@@ -154,7 +154,7 @@ class Row:
 
     @property
     def size(self) -> str:
-        """Participants x items, and the spread between each, in logits."""
+        """Participants x items, and the spread between them, in logits."""
         design = self.design
         spreads = f"{design.participant_sd:g}/{design.item_sd:g}"
         process = "" if design.process == "normal tastes" else f", {design.process}"
@@ -162,7 +162,7 @@ class Row:
 
 
 def overall(rows: Sequence[Row]) -> str:
-    """Return the verdict on one number over all designs: the worst, and where it was found."""
+    """Return the verdict on one number over all designs: the worst, and its designs."""
     for verdict in ("not a headline", "not a headline (within error)", "conservative"):
         where = [row.size for row in rows if row.realised.verdict == verdict]
         if where:
@@ -176,7 +176,7 @@ def tally(
     truths: Mapping[str, float],
     generators: Iterable[np.random.Generator],
 ) -> dict[str, Tally]:
-    """Simulate one study with each of `generators` and count, by name of conclusion."""
+    """Simulate one study with each of `generators` and count by conclusion."""
     tallies: dict[str, Tally] = {}
     for generator in generators:
         for name, conclusion in protocol.conclude(design, generator).items():

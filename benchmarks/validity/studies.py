@@ -29,19 +29,18 @@ class Design:
     Attributes
     ----------
     participants, items : int
-        How many of each.
+        Number of each.
     effect : float
-        How much better the first condition is than the second, in logits; 0 for not at all.
-        Others are as good as the second.
+        How much better the first condition is than the second, in logits. Others are as good as the
+        second.
     participant_sd, item_sd : float
         How much that difference varies between participants and between items, in logits.
     process : str
-        How answers come about: with tastes that follow a normal law, as in a rehearsal; with heavy
-        tails (t with 3 degrees of freedom); with a taste of each participant for each item
-        besides; with tastes that drift while a participant answers; with participants of whom
-        some answer much more often than others, about a third of all answers coming from one; or
-        as on a leaderboard, with three answers of each participant about conditions of which some
-        are shown much more often than others.
+        How answers arise: with normally distributed tastes, as in a rehearsal; with heavy tails (t
+        with 3 degrees of freedom); with an additional taste of each participant for each item; with
+        tastes that drift while a participant answers; with very unequal numbers of answers, a third
+        of them from one participant; or as on a leaderboard, with three answers per participant
+        about conditions of which some are shown much more often than others.
     """
 
     participants: int
@@ -66,7 +65,7 @@ class Preferences:
     towards_first : ndarray of int, shape (N,)
         -2 (clearly the second condition) to 2 (clearly the first).
     side : ndarray, shape (N,)
-        1 where the first condition stood on the right, -1 where on the left.
+        1 where the first condition was on the right, -1 where on the left.
     participants, items : ndarray of int, shape (N,)
         Participant and item of each answer.
     """
@@ -89,12 +88,12 @@ class Preferences:
 
 @dataclass(frozen=True, kw_only=True)
 class Judgements:
-    """What participants think of every condition, before it becomes an answer.
+    """Participants' opinions of every condition, before they become answers.
 
     Attributes
     ----------
     worth : ndarray, shape (N, conditions)
-        Of each condition for one participant and item, in logits, without noise.
+        Worth of each condition for one participant and item, in logits, without noise.
     participants, items : ndarray of int, shape (N,)
         Participant and item of each judgement.
     """
@@ -111,7 +110,7 @@ def crossed(design: Design) -> tuple[Codes, Codes]:
 
 
 def asked(design: Design, generator: np.random.Generator) -> tuple[Codes, Codes]:
-    """Return the participant and the item of each answer, as the process of `design` has them."""
+    """Return the participant and the item of each answer under the process of `design`."""
     if design.process == "unequal exposure":
         often = np.arange(1, design.participants + 1) ** -1.2
         people = np.sort(
@@ -167,7 +166,7 @@ def preferences(
     Parameters
     ----------
     shifts : ndarray, shape (items,), optional
-        How much the effect is larger for each item, in logits.
+        Increase of the effect for each item, in logits.
     """
     people, items = asked(design, generator)
     latent = (
@@ -188,19 +187,19 @@ def preferences(
 def judgements(
     design: Design, conditions: int, generator: np.random.Generator, *, differ: bool = True
 ) -> Judgements:
-    """Return what one study's participants think of several conditions.
+    """Return the opinions of one study's participants about several conditions.
 
     Parameters
     ----------
     differ : bool
-        Whether participants and items differ in what they do for which condition, so that the
-        difference between any two conditions varies as `design` says; else all agree.
+        Whether participants and items differ by condition, so that the difference between any two
+        conditions varies as in `design`; else all agree.
     """
     people, items = asked(design, generator)
     worth = np.zeros((people.size, conditions))
     worth[:, 0] = design.effect
     if differ:
-        # A difference of two conditions varies twice as much as one of them.
+        # A difference between two conditions has twice the variance of one of them.
         scale = 1 / math.sqrt(2)
         worth += tastes(design, generator, people, items, width=conditions, scale=scale)
     return Judgements(worth=worth, participants=people, items=items)
@@ -209,8 +208,7 @@ def judgements(
 def ratings(judged: Judgements, design: Design, generator: np.random.Generator) -> Codes:
     """Return a rating of 1 to 5 for each judgement and condition, shape (N, conditions).
 
-    Participants differ in how kindly they rate, and items in how well they are liked, as much as
-    in their tastes.
+    Participants differ in leniency, and items in popularity, as much as in their tastes.
     """
     level = design.participant_sd * generator.standard_normal(design.participants)
     liked = design.item_sd * generator.standard_normal(design.items)
@@ -262,8 +260,8 @@ def true_outcomes(design: Design) -> tuple[float, float, float]:
 def true_rating_difference(design: Design, *, tastes: bool = True) -> float:
     """Return the mean rating of the first condition minus that of the second.
 
-    Of all participants and items that `design` draws from, as `judgements` and `ratings` make
-    them.
+    It is over all participants and items that `design` draws from, as `judgements` and `ratings`
+    make them.
     """
     return true_mean_rating(design, tastes=tastes) - true_mean_rating(
         replace(design, effect=0.0), tastes=tastes
@@ -272,7 +270,7 @@ def true_rating_difference(design: Design, *, tastes: bool = True) -> float:
 
 def true_mean_rating(design: Design, *, tastes: bool = True) -> float:
     """Return the mean rating of the first condition over all participants and items."""
-    # A level, and half of what a difference of two conditions varies by.
+    # The variance of a level, and half that of a difference between two conditions.
     spread = design.spread * math.sqrt(1.5 if tastes else 1.0)
     nodes, weights = hermegauss(61)
     above = expit((design.effect + spread * nodes)[:, None] - np.array(RATING_THRESHOLDS))

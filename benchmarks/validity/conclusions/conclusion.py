@@ -17,7 +17,7 @@ from benchmarks.validity.studies import Design
 Floats = np.typing.NDArray[np.float64]
 
 EFFECT: Final = 0.4
-"""Of the studies that have one, in logits."""
+"""Effect of the studies that have one, in logits."""
 
 Z_95: Final = float(stats.norm.ppf(0.975))
 
@@ -29,7 +29,7 @@ class Conclusion:
     Attributes
     ----------
     p_value : float
-        Of there being no effect; NaN where the report gives none.
+        P value of the null hypothesis; NaN where the report gives none.
     low, high : float
         Ends of the 95% interval; NaN where the report gives none.
     """
@@ -48,11 +48,11 @@ class Protocol:
     conclude : callable
         Simulates one study of a design and returns its conclusions by name.
     truths : callable
-        From a design to what is true, by the names of the conclusions that have intervals.
+        Returns the truths of a design, by the names of the conclusions that have intervals.
     naive : tuple of str
-        Those conclusions that treat answers as independent, as papers do.
+        Conclusions that treat answers as independent, as papers do.
     effects : (float, float)
-        Of the studies in which there is nothing to find, and of those in which there is.
+        Effects of the studies without and with something to find.
     """
 
     conclude: Callable[[Design, np.random.Generator], Mapping[str, Conclusion]]
@@ -92,11 +92,11 @@ def of_two_way(strengths: Floats, value: TwoWayErrors | None) -> Conclusion:
 
 
 def of_ranks(strengths: Floats, value: TwoWayErrors | None, *, effect: float) -> Conclusion:
-    """Return whether rank intervals tell conditions apart, and whether all hold the truth.
+    """Return whether rank intervals separate conditions, and whether all contain the truth.
 
-    The first condition is the best where there is an effect; all others are equally good, so that
-    each of them may have any of their ranks. The interval is 1 to 1 where all ranks are inside,
-    2 to 2 where one is not; the truth of it is 1.
+    With an effect, the first condition is the best; all others are equally good and may share their
+    ranks in any order. The interval is 1 to 1 if all true ranks are inside, else 2 to 2; its truth
+    is 1.
     """
     if value is None or not np.isfinite(strengths).all():
         return Conclusion(p_value=math.nan)
@@ -111,4 +111,4 @@ def of_ranks(strengths: Floats, value: TwoWayErrors | None, *, effect: float) ->
 
 
 RANKS_HOLD: Final = 1.0
-"""The truth of the interval that `of_ranks` gives."""
+"""The truth of the interval of `of_ranks`."""

@@ -29,7 +29,7 @@ WORTHS_TOGETHER: Final = "all worths together"
 
 
 def conclude_verdicts(design: Design, generator: np.random.Generator) -> Mapping[str, Conclusion]:
-    """Return the decisions on one study of pairs, one of many conditions, and one of rankings."""
+    """Return the decisions on one study each of pairs, many conditions and rankings."""
     study = preferences(design, generator)
     share = clustered_mean(study.wins, study.participants, study.items)
     judged = judgements(design, len(SYSTEMS), generator)
@@ -66,7 +66,7 @@ def _of(
 
 
 def _table(columns: Mapping[str, Codes]) -> pd.DataFrame:
-    """Return answers as the report reads them: names as categories."""
+    """Return answers as the report reads them, with names as categories."""
     names: dict[str, Sequence[str]] = dict.fromkeys(("left", "right", "condition"), SYSTEMS)
 
     def named(column: str, values: Codes) -> pd.Categorical:

@@ -71,7 +71,7 @@ def conclude_net_preference(
 
 
 def conclude_mismatch(design: Design, generator: np.random.Generator) -> Mapping[str, Conclusion]:
-    """Return how far a motion's own speech is found to fit better than another's."""
+    """Return how much better a motion's own speech is found to fit than another's."""
     study = preferences(design, generator)
     return {OWN_SHARE: of_mean(clustered_mean(study.wins, study.participants, study.items))}
 
@@ -93,8 +93,8 @@ def conclude_heterogeneity(
 ) -> Mapping[str, Conclusion]:
     """Return whether emotions and segments are found to differ in their preferences.
 
-    Where there is an effect, every second one of `EMOTIONS` is preferred by so much more. Segments
-    differ in any study in which items do, so that only the others tell false positives.
+    With an effect, every second one of `EMOTIONS` is preferred by that much more. Segments differ
+    whenever items do, so only the other studies measure false positives.
     """
     emotion = np.arange(design.items) % EMOTIONS
     shifts = np.where(emotion % 2, design.effect, -design.effect)

@@ -26,7 +26,7 @@ from benchmarks.validity.studies import Codes, Design, judgements, ranks
 RANKED: Final = ("a", "b", "c", "d", "e")
 
 SETTLED: Final = 20_000
-"""Rankings from which a truth without a formula is taken."""
+"""Rankings from which a truth without a formula is estimated."""
 
 MEAN_RANK: Final = "mean rank, two-way clustered"
 FIRST: Final = "share of first places, two-way clustered"

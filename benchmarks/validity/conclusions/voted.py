@@ -22,7 +22,7 @@ from benchmarks.validity.studies import Design, judgements, true_outcomes, votes
 VOTED: Final = ("a", "b", "c", "d")
 
 EXPECTED: Final = 3_000
-"""Votes for each two conditions, divided as they are expected, from which the truth is taken."""
+"""Votes per pair of conditions, divided as expected, from which the truth is estimated."""
 
 STRENGTH: Final = "Bradley-Terry strength, two-way clustered"
 RANKS: Final = "Bradley-Terry ranks of all conditions"
