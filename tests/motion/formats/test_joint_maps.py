@@ -66,7 +66,7 @@ def test_a_skeleton_without_legs_and_fingers_suffices() -> None:
 
 def test_an_unknown_skeleton_is_refused_with_its_unmapped_joints() -> None:
     names = [name for name in JOINT_MAPS["beat"].values() if name != "LeftForeArm"]
-    complaint = "'beat', leaves LeftFourArm, Tail unmapped.*nothing for left_elbow.*--joints FILE"
+    complaint = "'beat', leaves LeftFourArm, Tail unmapped.*no joint for left_elbow.*--joints FILE"
     with pytest.raises(InputError, match=complaint):
         choose_joint_map([*names, "LeftFourArm", "Tail"])
 

@@ -69,7 +69,7 @@ def test_incomplete_takes_of_beat_are_named_and_skipped(tmp_path: Path) -> None:
         "2_scott_0_10_10.bvh: the motion has no sound": "Put 2_scott_0_10_10.wav next to it",
         "2_scott_0_11_11.wav: the sound has no motion": "Put 2_scott_0_11_11.bvh next to it",
         "2_scott_0_12_12.wav: the file is empty": "Copy it again",
-        "a walk.bvh: the file is not named": "such as 2_scott_0_9_9",
+        "a walk.bvh: the file's name is not in BEAT's format": "such as 2_scott_0_9_9",
         "again/2_scott_0_9_9.bvh: take 2_scott_0_9_9 exists twice": "Rename or remove",
     }
     assert len(result.skipped) == len(messages)
