@@ -87,7 +87,7 @@ def test_a_finished_run_is_not_trained_again(finished: Path, whole: dict[str, by
 
 
 def test_the_number_of_steps_may_be_raised_but_not_lowered(finished: Path) -> None:
-    with pytest.raises(InputError, match="made 23 steps, more than the 10 wanted"):
+    with pytest.raises(InputError, match="made 23 steps, more than the 10 requested"):
         train(Line(), replace(CONFIG, steps=10), RunFolder(finished))
     assert train(Line(), replace(CONFIG, steps=30), RunFolder(finished)).steps == 30
 
