@@ -113,7 +113,7 @@ def test_recordings_without_a_known_speaker_for_validation_are_refused(
         replace(take, speaker="eve") if take.split == "validation" else take
         for take in TOY_SPEECH.takes
     )
-    with pytest.raises(InputError, match="no recording for validation is by a speaker"):
+    with pytest.raises(InputError, match="no recording for validation has both a speaker"):
         learn(1, tmp_path / "out.safetensors", replace(TOY_SPEECH, takes=strangers))
 
 
