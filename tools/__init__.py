@@ -1,1 +1,1 @@
-"""Generators of files in this repository: docs pages, message catalogues."""
+"""Programs that generate files of this repository, such as docs pages and message catalogues."""

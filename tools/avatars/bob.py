@@ -35,7 +35,7 @@ _TUCK: Final = 0.10
 """Share of its distance by which the hair curves inwards at the tips."""
 
 _PARTING: Final = 12.0
-"""Degrees to the body's left of the middle at which it parts."""
+"""Degrees of the parting to the body's left of the middle."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,7 +62,7 @@ class _Skull:
 
 
 def bob(sitter: Sitter, length: float) -> Piece:
-    """Return the hair, `length` metres from the eyes' height down to the tips."""
+    """Return the hair, which falls `length` metres from eye level to the tips."""
     skull = _Skull.of(sitter)
     reach = PchipInterpolator(*np.array(_REACH, dtype=float).T)
     turn = np.linspace(-1, 1, _COLUMNS)

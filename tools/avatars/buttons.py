@@ -29,11 +29,11 @@ def buttons(
     sitter : Sitter
         The person.
     cloth : Patch
-        What they are sewn onto.
+        The cloth under them.
     places : sequence of (float, float)
-        Where: metres aside (the body's left is positive) and height in stance.
+        Metres to the body's left of the middle, and height in stance.
     radius : float
-        In metres.
+        Radius in metres.
     """
     surface = sitter.raised(cloth, TIGHTS)
     normals = cloth.take(sitter.outwards(TIGHTS))

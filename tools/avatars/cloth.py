@@ -1,6 +1,6 @@
 """Cloth: MakeHuman's tights around the body, smoothed, cut, raised and hemmed.
 
-The tights follow the body without its relief, so that nothing of it shows through.
+The tights follow the body without its details, so that none shows through.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ Measure = Callable[[Array], Array]
 TIGHTS: Final = "helper-tights"
 _SMOOTHING_ROUNDS: Final = 6
 _LINED: Final = 0.03
-"""Metres from an opening from which the other side of the cloth leads down to the skin."""
+"""Metres from an opening within which the inside of the cloth leads down to the skin."""
 
 _CLOSED: Final = -0.022
-"""How far off the body that other side ends: below skin and trousers, so that no hole shows."""
+"""Metres off the body at which that inside ends: below skin and trousers, so that no hole shows."""
 
 
 def fabric(sitter: Sitter) -> Patch:
@@ -40,14 +40,14 @@ def fabric(sitter: Sitter) -> Patch:
 
 
 def cut_along(sitter: Sitter, cloth: Patch, measures: Sequence[Measure]) -> Patch:
-    """Return the part of `cloth` where every measure of its vertices' places is positive."""
+    """Return the part of `cloth` where every measure of its vertices is positive."""
     for measure in measures:
         cloth = cloth.cut(measure(cloth.take(sitter.person.vertices)))
     return cloth
 
 
 def from_edge(sitter: Sitter, cloth: Patch) -> Array:
-    """Return how far from the nearest border of `cloth` its vertices lie, in metres."""
+    """Return the distance of the vertices of `cloth` from its nearest border, in metres."""
     at = cloth.take(sitter.person.vertices)
     border = at[boundary_edges(cloth.faces)]
     along = [border[:, 0] + share * (border[:, 1] - border[:, 0]) for share in (0, 0.33, 0.67)]
@@ -56,16 +56,16 @@ def from_edge(sitter: Sitter, cloth: Patch) -> Array:
 
 
 def thick(sitter: Sitter, cloth: Patch, depth: float) -> tuple[Patch, NDArray[np.bool_]]:
-    """Return `cloth` with a rim `depth` metres deep, and its other side near the openings.
+    """Return `cloth` with a rim `depth` metres deep, and its inside near the openings.
 
-    Whoever looks into a sleeve sees that side close around the arm.
+    Through the opening of a sleeve one sees the inside close around the arm.
 
     Returns
     -------
     cloth : Patch
         Its own faces come first.
     added : ndarray of bool, shape (F,)
-        Which faces are new.
+        Marks the new faces.
     """
     inner = lining(cloth.touching(from_edge(sitter, cloth) < _LINED), depth)
     border = cloth.take(sitter.person.vertices)[np.unique(boundary_edges(cloth.faces))]

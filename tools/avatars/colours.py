@@ -1,4 +1,4 @@
-"""What colour each vertex has: its material's, darker where little light comes."""
+"""The colour of each vertex: its material's, darkened where little light reaches it."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _GLEAM: Final = {
     "limbus": 0.05, "pupil": 0.25, "hair": 0.05, "nails": 0.12, "shoes": 0.04, "glasses": 0.2,
     "buttons": 0.1,
 }  # fmt: skip
-"""How much each material mirrors the lights; none where not named."""
+"""Gloss of each material; others have none."""
 
 _SHADE_STRENGTH: Final = 0.45
 _LEAST_SHADE: Final = {"teeth": 0.9, "tongue": 0.7}
-"""What a closed mouth hides from the sky is not dark when the mouth opens."""
+"""Least brightness of materials that a closed mouth hides from the sky."""
 
 _DIRECTIONS: Final = 72
 _CELL: Final = 0.004
@@ -36,16 +36,16 @@ _CORNERS: Final = (
 
 
 def baked_colours(recipe: Recipe, pieces: Sequence[Piece], shade: Array) -> NDArray[np.uint8]:
-    """Return each vertex's sRGB colour and how much it gleams, each in 0-255, shape (V, 4).
+    """Return each vertex's sRGB colour and gloss, each in 0-255, shape (V, 4).
 
     Parameters
     ----------
     recipe : Recipe
-        Whose palette gives the colours.
+        The recipe with the palette.
     pieces : sequence of Piece
-        All of the body, V vertices together.
+        The whole body, V vertices together.
     shade : ndarray, shape (V,)
-        How bright each vertex is where light comes from everywhere, in [0, 1].
+        Brightness of each vertex under light from everywhere, in [0, 1].
 
     Raises
     ------
@@ -75,7 +75,7 @@ def _srgb(palette: Mapping[str, str], material: str, recipe: Recipe) -> Array:
     if material not in palette:
         raise InputError(
             f"avatar {recipe.name} has no colour for {material}",
-            remedy="Add it to its palette in tools/avatars/recipes.py",
+            remedy="Add one to its palette in tools/avatars/recipes.py",
         )
     return np.array(list(bytes.fromhex(palette[material][1:])), dtype=float)
 
@@ -83,8 +83,8 @@ def _srgb(palette: Mapping[str, str], material: str, recipe: Recipe) -> Array:
 def open_sky(vertices: Array, faces: NDArray[np.int64]) -> Array:
     """Return the share of the hemisphere over each vertex that nothing blocks.
 
-    From each of many directions the surface is splatted into a grid of depths; a vertex that lies
-    deeper than its cell is in the shadow of something else.
+    From each of many directions the surface is splatted into a depth grid; a vertex deeper than its
+    cell is in shadow.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def open_sky(vertices: Array, faces: NDArray[np.int64]) -> Array:
     Returns
     -------
     ndarray, shape (V,)
-        0 where the vertex sees nothing, 1 where it sees all; weighed by the cosine.
+        Visible share, weighted by the cosine: 0 if all is blocked, 1 if nothing is.
     """
     normals = vertex_normals(vertices, faces)
     samples = np.einsum("kc,fcd->fkd", _CORNERS, vertices[faces]).reshape(-1, 3)
@@ -115,7 +115,7 @@ def open_sky(vertices: Array, faces: NDArray[np.int64]) -> Array:
         mine = np.round((vertices @ axes - low) / _CELL - 0.5).astype(int)
         mine = np.maximum(mine, 0)
         facing = np.maximum(normals @ direction, 0.0)
-        # Seen at a slant, one cell of the surface itself spans a range of depths.
+        # At a slant, the surface itself spans a range of depths in one cell.
         slant = np.minimum(
             np.sqrt(np.maximum(1 - facing**2, 0)) / np.maximum(facing, 1e-3), _MOST_SLANT
         )

@@ -24,7 +24,7 @@ _RINGS: Final = (
     ("sclera", 28.5, 84.0, 3),
 )
 _CORNEA: Final = 0.06
-"""How far the iris bulges out, as a share of the radius."""
+"""Bulge of the iris as a share of the radius."""
 
 
 def eyeballs(sitter: Sitter) -> list[Piece]:
@@ -77,7 +77,7 @@ def _ring(sitter: Sitter, side: str, material: str, start: float, end: float, co
 
 
 def _looks(sitter: Sitter, side: str, offsets: Array) -> Array:
-    """Return what each facial action does to the eyeball: it turns as Anny's own turns."""
+    """Return each facial action's offsets of the eyeball, which turns as Anny's own does."""
     indices = np.unique(sitter.person.parts[f"helper-{side[0]}-eye"])
     ball = sitter.person.vertices[indices] - sitter.joint(f"{side}_eye")
     moves = np.zeros((len(ARKIT_NAMES), len(offsets), 3))

@@ -37,7 +37,7 @@ _BEARD_TRIANGLES: Final = 800
 
 
 def brows(sitter: Sitter, thickness: float) -> Piece:
-    """Return both eyebrows, `thickness` times as thick as middling ones."""
+    """Return both eyebrows, `thickness` times as thick as average."""
     eye = sitter.joint("left_eye")
     line = PchipInterpolator(*np.array([row[:2] for row in _SHAPE]).T)
     half = PchipInterpolator(*np.array([(row[0], row[2]) for row in _SHAPE]).T)
@@ -74,7 +74,7 @@ def beard(sitter: Sitter) -> Piece:
 
 
 def _within(sitter: Sitter, patch: Patch) -> Array:
-    """Return how far inside the beard each vertex is, in metres; negative outside."""
+    """Return each vertex's depth inside the beard, in metres; negative outside."""
     at = patch.take(sitter.person.vertices)
     lips = mask(sitter, "lips") > 0.5
     mouth = sitter.person.vertices[lips & (np.abs(sitter.person.vertices[:, 0]) < 0.03)]

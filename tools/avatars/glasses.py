@@ -1,4 +1,4 @@
-"""Glasses: two rims, a bridge and temples to the ears; nothing in the rims, to see the eyes."""
+"""Glasses: two rims without lenses, so that the eyes show, a bridge, and temples to the ears."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _HALF_HEIGHT: Final = 0.0185
 _BEFORE_EYES: Final = 0.027
 _BELOW_EYES: Final = 0.002
 _WRAP: Final = 0.16
-"""How far the rims curve back at the sides, in metres per metre."""
+"""Backward curve of the rims at the sides, in metres per metre."""
 
 _WIRE: Final = 0.0013
 _SIDES: Final = 4
@@ -55,7 +55,7 @@ def glasses(sitter: Sitter) -> Piece:
 
 
 def _ear(sitter: Sitter, outward: float) -> Array:
-    """Return where a temple rests on an ear."""
+    """Return the point where a temple rests on an ear."""
     at = sitter.person.vertices[(mask(sitter, "ears") > 0.5)]
     mine = at[at[:, 0] * outward > 0]
     top = mine[mine[:, 1] > mine[:, 1].max() - 0.010]
@@ -87,7 +87,7 @@ def _tube(line: Array) -> tuple[Array, NDArray[np.int64]]:
 
 
 def _as_piece(tubes: list[tuple[Array, NDArray[np.int64]]]) -> Piece:
-    """Return all tubes as one piece that the head carries."""
+    """Return all tubes as one piece attached to the head."""
     starts = np.cumsum([0, *(len(vertices) for vertices, _ in tubes)])
     vertices = np.concatenate([vertices for vertices, _ in tubes])
     faces = np.concatenate([part + start for (_, part), start in zip(tubes, starts, strict=False)])

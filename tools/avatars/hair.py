@@ -49,20 +49,20 @@ _COILS: Final = 0.06
 
 @dataclass(frozen=True, kw_only=True)
 class Cut:
-    """How hair on the scalp is cut.
+    """The cut of hair on the scalp.
 
     Attributes
     ----------
     hairline : tuple
         Height above the eyes, in metres, by degrees round the head from the front.
     sides, top, front : float
-        How far it stands off at the sides, on top, and what is added above the forehead, metres.
+        Thickness at the sides and on top, and what is added above the forehead, in metres.
     edge : float
-        Metres from the hairline over which it rises to that.
+        Metres from the hairline over which it rises to that thickness.
     waves : float
-        How uneven it is, as a share of its thickness.
+        Unevenness as a share of its thickness.
     parting : float or None
-        Metres from the middle to the body's left at which it parts.
+        Metres of the parting to the body's left of the middle.
     """
 
     hairline: Line
@@ -107,7 +107,7 @@ def head_centre(sitter: Sitter) -> Array:
 
 
 def _lift(sitter: Sitter, scalp: Patch, cut: Cut) -> Array:
-    """Return how far the hair stands off at each vertex of the scalp."""
+    """Return the thickness of the hair at each vertex of the scalp."""
     at = scalp.take(sitter.person.vertices) - head_centre(sitter)
     inwards = np.clip(_above(sitter, scalp, cut) / cut.edge, 0, 1)
     rounded = np.sqrt(1 - (1 - inwards) ** 2)
@@ -124,7 +124,7 @@ def _lift(sitter: Sitter, scalp: Patch, cut: Cut) -> Array:
 
 
 def _strands(sitter: Sitter) -> Array:
-    """Return how much lighter each source vertex's hair is, so that it does not look moulded."""
+    """Return how much lighter the hair is at each source vertex, so that it looks less moulded."""
     at = sitter.person.vertices - head_centre(sitter)
     across = np.arctan2(at[:, 0], np.maximum(at[:, 1] + 0.06, 1e-3))
     wave = np.sin(17 * across + 1.3 * np.sin(30 * at[:, 2])) * np.sin(41 * across + 25 * at[:, 2])
@@ -132,7 +132,7 @@ def _strands(sitter: Sitter) -> Array:
 
 
 def _above(sitter: Sitter, patch: Patch, cut: Cut) -> Array:
-    """Return how far above the hairline the patch's vertices are, in metres; ears are below."""
+    """Return the height of the patch's vertices above the hairline, in metres; ears are below."""
     at = patch.take(sitter.person.vertices) - head_centre(sitter)
     angle = np.degrees(np.arctan2(np.abs(at[:, 0]), at[:, 2]))
     line = PchipInterpolator(*np.array(cut.hairline).T)(angle)

@@ -29,8 +29,8 @@ def arms(sitter: Sitter, sleeve: float) -> list[Piece]:
     sitter : Sitter
         The person.
     sleeve : float
-        Where sleeves end: 0 at the shoulder, 1 at the elbow, 2 at the wrist. Skin begins deep in
-        the sleeve, wherever one looks in from, and lies low enough there not to poke through.
+        End of the sleeves: 0 at the shoulder, 1 at the elbow, 2 at the wrist. Skin begins deep in
+        the sleeve, out of sight, and is low enough there not to poke through.
     """
     at = sitter.person.vertices
     along = np.maximum(sitter.along_arm(at, "left"), sitter.along_arm(at, "right"))
@@ -53,7 +53,7 @@ def arms(sitter: Sitter, sleeve: float) -> list[Piece]:
 
 
 def _palm(sitter: Sitter) -> Array:
-    """Return how far each source vertex belongs to a palm or a finger's inside, in [0, 1]."""
+    """Return to what degree each source vertex is on a palm or a finger's inside, in [0, 1]."""
     normals = sitter.outwards("body")
     result = np.zeros(len(normals))
     for side, outward in (("left", 1.0), ("right", -1.0)):

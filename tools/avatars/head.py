@@ -21,17 +21,17 @@ _TONGUE_TRIANGLES: Final = 120
 _FEATURE_IMPORTANCE: Final = 6.0
 _UNSEEN_IMPORTANCE: Final = 0.15
 _TUCKED_IN: Final = 0.015
-"""Metres by which skin under cloth lies deeper than it should, so as not to poke through."""
+"""Metres by which skin under cloth is lowered, so that it does not poke through."""
 
 _BLUSH: Final = (
-    # where: aside, above and in front of the eyes' middle; how wide; how strong
+    # offset aside, above and in front of the eyes' middle; width; strength
     ((0.042, -0.040, 0.0), 0.020, 0.55), ((0.0, -0.046, 0.03), 0.014, 0.45),
     ((0.0, -0.115, 0.0), 0.016, 0.20), ((0.075, -0.03, -0.09), 0.022, 0.45),
 )  # fmt: skip
 
 
 def head(sitter: Sitter, neckline: Neckline) -> list[Piece]:
-    """Return head and neck down into the neckline, and all that a mouth has inside."""
+    """Return head and neck down into the neckline, and the inside of the mouth."""
     body = sitter.patch("body")
     at = body.take(sitter.person.vertices)
     below = neckline.depth(sitter, at)
@@ -61,7 +61,7 @@ def head(sitter: Sitter, neckline: Neckline) -> list[Piece]:
 
 
 def _teeth(sitter: Sitter) -> Patch:
-    """Return the fronts of the teeth: their backs are never seen."""
+    """Return the fronts of the teeth; their backs are never visible."""
     rows = sitter.patch("helper-upper-teeth", "helper-lower-teeth")
     at = rows.take(sitter.person.vertices)
     corners = at[rows.faces]
@@ -73,7 +73,7 @@ def _teeth(sitter: Sitter) -> Patch:
 
 
 def _importance(sitter: Sitter) -> Array:
-    """Return how much an error counts at each source vertex: most around eyes and mouth."""
+    """Return the weight of an error at each source vertex, largest around eyes and mouth."""
     at = sitter.person.vertices
     eyes = sitter.joint("left_eye")
     mouth = np.array([0.0, eyes[1] - 0.07, eyes[2] + 0.02])
@@ -87,7 +87,7 @@ def _importance(sitter: Sitter) -> Array:
 
 
 def _blush(sitter: Sitter) -> Array:
-    """Return how red each source vertex of the face is: cheeks, nose, chin and ears."""
+    """Return the redness of each source vertex: cheeks, nose, chin and ears."""
     eyes = (sitter.joint("left_eye") + sitter.joint("right_eye")) / 2
     at = (sitter.person.vertices - eyes) * [1, 1, 0.6]
     at[:, 0] = np.abs(at[:, 0])

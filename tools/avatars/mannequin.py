@@ -1,4 +1,4 @@
-"""Neutral figures in a close-fitting suit, all of one colour: without a face, and with one."""
+"""Neutral figures in a close-fitting suit of one colour, without and with a face."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _SMOOTHED_BY: Final = (1.6, 1.8)
 
 _SMOOTHING_ROUNDS: Final = 14
 _SHRUNK_BY: Final = 0.010
-"""Metres by which smoothing draws the trunk in, given back."""
+"""Metres by which smoothing shrinks the trunk, and by which it is raised again."""
 
 _SUIT_TRIANGLES: Final = 3600
 _NECKLINE: Final = Neckline(rise=0.002)
@@ -54,7 +54,7 @@ def mannequin(sitter: Sitter, fabric: Patch) -> list[Piece]:
 
 
 def grey_person(sitter: Sitter, fabric: Patch) -> list[Piece]:
-    """Return all pieces of somebody in the same suit who has a face, and no hair."""
+    """Return all pieces of a person in the same suit, with a face and without hair."""
     return [
         *head(sitter, _NECKLINE),
         *eyeballs(sitter),
@@ -65,7 +65,7 @@ def grey_person(sitter: Sitter, fabric: Patch) -> list[Piece]:
 
 
 def _suit(sitter: Sitter, fabric: Patch) -> Piece:
-    """Return what covers it from neck to wrists and ankles."""
+    """Return the suit, from neck to wrists and ankles."""
     ankle = sitter.joint("left_ankle")[1]
     cloth = cut_along(
         sitter,
@@ -83,7 +83,7 @@ def _suit(sitter: Sitter, fabric: Patch) -> Piece:
 
 
 def _smooth_trunk(sitter: Sitter, cloth: Patch) -> Patch:
-    """Return `cloth` without relief on the trunk; smoothing limbs would make them thin."""
+    """Return `cloth` with a smooth trunk; smoothing would make limbs thin."""
     at = cloth.take(sitter.person.vertices)
     along = np.maximum(sitter.along_arm(at, "left"), sitter.along_arm(at, "right"))
     hips = sitter.joint("left_hip")[1]
@@ -145,7 +145,7 @@ def _head(sitter: Sitter) -> Piece:
 
 
 def _reach(at: Array, origin: Array, directions: Array, rise: float) -> Array:
-    """Return how far the surface at points `at` lies from `origin` in `directions`, in metres."""
+    """Return the distance from `origin` to the surface at points `at` by direction, in metres."""
     away = at - origin
     if rise > 0:
         length = np.linalg.norm(away, axis=1)
@@ -159,7 +159,7 @@ def _reach(at: Array, origin: Array, directions: Array, rise: float) -> Array:
     length = np.linalg.norm(flat, axis=1)
     outer = length > 0.03
     ring = flat[outer] / length[outer, None]
-    # Height counts too, so that points of the same level decide.
+    # Height counts too, so that points at the same level determine the distance.
     where = np.column_stack([ring, 12 * away[level][outer, 1]])
     asked = np.column_stack([directions, np.zeros(len(directions))])
     distance, near = cKDTree(where).query(asked, k=5)
@@ -168,7 +168,7 @@ def _reach(at: Array, origin: Array, directions: Array, rise: float) -> Array:
 
 
 def _weights(sitter: Sitter, vertices: Array, at: Array, source: NDArray[np.int64]) -> Array:
-    """Return skin weights taken over from the body."""
+    """Return skin weights taken from the body."""
     distance, near = cKDTree(at).query(vertices, k=8)
     share = 1 / np.maximum(distance, 1e-3)
     share /= share.sum(axis=1, keepdims=True)
@@ -176,7 +176,7 @@ def _weights(sitter: Sitter, vertices: Array, at: Array, source: NDArray[np.int6
 
 
 def _without_jaw(weights: Array) -> Array:
-    """Return skin weights with the head's in place of the jaw's: there is no mouth to open."""
+    """Return skin weights with the jaw's moved to the head: there is no mouth to open."""
     result = weights.copy()
     result[:, joint_index("head")] += weights[:, joint_index("jaw")]
     result[:, joint_index("jaw")] = 0.0

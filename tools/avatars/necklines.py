@@ -1,4 +1,4 @@
-"""Where cloth ends at the neck."""
+"""The upper edge of cloth at the neck."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Neckline:
     slope : float
         Metres that it falls per metre forwards.
     opening : float
-        How deep, in metres, a V is cut into the front below the line.
+        Depth in metres of a V in the front below the line.
     width : float
         Half the V's width at the line, in metres.
     """
@@ -34,7 +34,7 @@ class Neckline:
     width: float = 0.0
 
     def depth(self, sitter: Sitter, vertices: Array) -> Array:
-        """Return how far, in metres, below the line `vertices` lie; negative above it."""
+        """Return the depth of `vertices` below the line, in metres; negative above it."""
         neck = sitter.joint("neck")
         height = vertices[:, 1] - neck[1] - self.rise
         below = -height - self.slope * (vertices[:, 2] - neck[2])

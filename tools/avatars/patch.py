@@ -1,8 +1,8 @@
 """A piece of surface whose vertices are blends of a source mesh's vertices.
 
-Cutting and refining only ever put a vertex between two others. So each vertex is a weighted mean
-of source vertices, and whatever the source has (positions, skin weights, facial actions) follows
-by one matrix product.
+Cutting and refining only insert vertices between two others. So each vertex is a weighted mean of
+source vertices, and the values of the source (positions, skin weights, facial actions) follow by
+one matrix product.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Patch:
     faces : ndarray, shape (F, 3)
         Triangles over the n vertices, counter-clockwise seen from outside.
     lift : ndarray, shape (n,)
-        How far each vertex stands off the source surface along its normal, in metres.
+        Height of each vertex above the source surface along its normal, in metres.
     """
 
     blend: sparse.csr_array
@@ -56,11 +56,11 @@ class Patch:
         return np.asarray(flat.reshape(len(self), *values.shape[1:]))
 
     def raised(self, lift: Array | float) -> Self:
-        """Return the patch standing `lift` further off the source surface."""
+        """Return the patch raised by `lift` further off the source surface."""
         return replace(self, lift=self.lift + lift)
 
     def keeping(self, faces: NDArray[np.bool_]) -> Self:
-        """Return the patch made of the marked `faces`, without the vertices left over."""
+        """Return the patch of the marked `faces`, without unused vertices."""
         used, flat = np.unique(self.faces[faces], return_inverse=True)
         return replace(
             self, blend=self.blend[used], faces=flat.reshape(-1, 3), lift=self.lift[used]
@@ -80,9 +80,9 @@ class Patch:
         Returns
         -------
         patch : Patch
-            No triangle of it has corners on both sides.
+            The new patch; none of its triangles has corners on both sides.
         field : ndarray
-            The field on its vertices; zero on the new ones.
+            The field at its vertices; zero at the new ones.
         """
         field = np.where(np.abs(field) < 1e-9, 1e-9, field)
         above = field > 0
@@ -162,7 +162,7 @@ def joined(first: Patch, second: Patch) -> Patch:
 
 
 def boundary_edges(faces: Indices) -> Indices:
-    """Return the directed edges, shape (E, 2), that only one of the triangles has."""
+    """Return the directed edges, shape (E, 2), that belong to only one triangle."""
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     size = int(faces.max()) + 1
     there = edges[:, 0] * size + edges[:, 1]
@@ -173,7 +173,7 @@ def boundary_edges(faces: Indices) -> Indices:
 def hemmed(patch: Patch, edges: Indices, depth: float) -> Patch:
     """Return the patch with a rim turned inwards by `depth` metres along boundary `edges`.
 
-    It gives cloth the look of having a thickness.
+    It makes cloth look thick.
     """
     loop, flat = np.unique(edges, return_inverse=True)
     start, end = flat.reshape(-1, 2).T
@@ -193,7 +193,7 @@ def hemmed(patch: Patch, edges: Indices, depth: float) -> Patch:
 
 
 def lining(patch: Patch, depth: float) -> Patch:
-    """Return the patch's other side, `depth` metres below it: what shows where cloth ends."""
+    """Return the patch's inside, `depth` metres below it, which shows where cloth ends."""
     return replace(patch, faces=patch.faces[:, ::-1], lift=patch.lift - depth)
 
 

@@ -1,4 +1,4 @@
-"""What the avatar is put together from: named pieces of surface, in Anny's stance."""
+"""Pieces of an avatar's surface, in Anny's stance."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MATERIALS: Final = (
     "lash", "hair", "beard", "nails", "sweater", "trim", "shirt", "collar", "jacket", "lapels",
     "buttons", "trousers", "shoes", "soles", "glasses", "bone", "left bone", "right bone",
 )  # fmt: skip
-"""What a vertex is made of; an avatar gives a colour to each that it has."""
+"""Materials of vertices; an avatar's palette has a colour for each that it uses."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,7 +29,7 @@ class Piece:
     material : str
         One of `MATERIALS`.
     vertices : ndarray, shape (n, 3)
-        In metres, in Anny's stance.
+        Positions in metres, in Anny's stance.
     faces : ndarray, shape (F, 3)
         Triangles.
     weights : ndarray, shape (n, 55)
@@ -37,7 +37,7 @@ class Piece:
     actions : ndarray, shape (52, n, 3)
         Offsets of each facial action in the order of `motion.clip.ARKIT_NAMES`.
     mixed : mapping of str to ndarray, shape (n,)
-        Further colours of the palette, and how much of each is mixed in, in [0, 1].
+        Shares of further colours of the palette, in [0, 1].
     """
 
     material: str

@@ -1,4 +1,4 @@
-"""The look of each avatar, as data; `tools.avatars.assembly` builds its body from this."""
+"""The look of each avatar as data, from which `tools.avatars.assembly` builds its body."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ class Recipe:
     phenotype : mapping of str to float
         Anny's labels (gender, age, muscle, weight, ...), each in [0, 1]; 0.5 where not given.
     details : mapping of str to float
-        MakeHuman's targets for single features by path, and how much of each is added.
+        Weights of MakeHuman's targets for single features, by path.
     at_rest : mapping of str to float
         ARKit weights of the face at rest; MakeHuman's own face looks sleepy.
     hair : str
         A cut of `tools.avatars.hair`, or ``bob``; empty for none.
     top : str
-        One of `tools.avatars.tops`, or ``suit``: all of one colour, hair left out.
+        One of `tools.avatars.tops`, or ``suit``: all of one colour, without hair.
     brow_thickness : float
-        1 for middling brows.
+        1 for average brows.
     glasses, beard : bool
         Whether it wears them.
     palette : mapping of str to str
@@ -180,7 +180,7 @@ RECIPES: Final = (
         name="skeleton",
         height=1.74,
         phenotype=_PLAIN,
-        # The sides have the colours that a skeleton laid over a figure gives them.
+        # The sides have the colours of a skeleton drawn over a figure.
         palette={"bone": "#74747c", "left bone": "#d55e00", "right bone": "#0072b2"},
     ),
 )  # fmt: skip

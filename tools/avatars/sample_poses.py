@@ -1,4 +1,4 @@
-"""A dozen poses and faces in which every avatar must look right."""
+"""A dozen poses and faces for checking how every avatar looks."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Turn = tuple[float, float, float]
 _LOWERED: Final[Mapping[str, Turn]] = {"both_shoulder": (-1.18, 0, 0), "both_elbow": (0, -0.25, 0)}
 _FINGERS: Final = ("index", "middle", "ring", "pinky")
 FIST: Final = 1.5
-"""Radians that each joint of a finger is bent in a fist."""
+"""Radians by which each joint of a finger is bent in a fist."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,10 +29,10 @@ class SamplePose:
     Attributes
     ----------
     turns : mapping of str to tuple
-        Radians by joint about z, then the turned y, then the turned x; for ``both_...`` the left
-        one's, mirrored for the right. Arms that are not named hang at the sides.
+        Radians by joint about z, then the rotated y, then the rotated x; ``both_...`` is the left
+        joint's, mirrored for the right. Arms that are not named hang at the sides.
     curled : mapping of str to float
-        Radians by which all joints of fingers are bent: ``left``, ``right``, ``left_index``, ...
+        Radians by which all finger joints are bent, by ``left``, ``right``, ``left_index``, ...
     face : mapping of str to float
         ARKit weights by name; ``...Both`` is both sides.
     """

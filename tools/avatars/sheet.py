@@ -1,4 +1,4 @@
-"""Contact sheets to look at: every avatar in a dozen poses, whole and close by.
+"""Contact sheets: every avatar in a dozen poses, whole and close up.
 
 ``python -m tools.avatars.sheet FOLDER [AVATAR ...]`` writes one picture per avatar and framing,
 and ``everyone.png`` with all of them at rest.
@@ -31,7 +31,7 @@ FRAMINGS: Final[Mapping[str, tuple[str, float, float]]] = MappingProxyType({
     "face": ("head", 0.36, 0.035), "left hand": ("left_middle1", 0.30, 0.0),
     "right hand": ("right_middle1", 0.30, 0.0),
 })  # fmt: skip
-"""What each sheet shows: the joint in its middle, the metres around it, how far it is moved up."""
+"""Framing of each sheet: a joint, the width in metres, and the centre's height above the joint."""
 
 _EVERYONE: Final = ("spine3", 0.92, 0.08)
 _FIELD_OF_VIEW: Final = 20.0
@@ -71,13 +71,13 @@ def avatar_sheet(body: Path, framing: str, *, size: int = 480, aside: float = 0.
     Parameters
     ----------
     body : Path
-        The body's file.
+        File of the body.
     framing : str
         One of `FRAMINGS`.
     size : int
-        Pixels along each side of one pose.
+        Width and height of one pose in pixels.
     aside : float
-        Radians that the camera stands to the body's left.
+        Radians by which the camera is turned to the body's left.
     """
     joint, width, above = FRAMINGS[framing]
     model = read_body(body)

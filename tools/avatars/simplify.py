@@ -1,9 +1,9 @@
-"""Fewer triangles, with as little change to the surface in many shapes as can be.
+"""Mesh simplification with as little change as possible to the surface in many shapes.
 
 Edges are collapsed in the order of the quadric error (Garland and Heckbert 1997, "Surface
 simplification using quadric error metrics"), summed over several shapes of the same mesh: the face
-with its mouth open, a bent finger. A vertex is only ever moved onto a neighbour, so that what
-remains are vertices of the source, with their skin weights and facial actions.
+with its mouth open, a bent finger. Vertices are only moved onto neighbours, so that all remaining
+ones are vertices of the source, with their skin weights and facial actions.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _BORDER_WEIGHT: Final = 4.0
-"""How much more leaving a border costs than leaving the surface."""
+"""Cost of leaving a border relative to leaving the surface."""
 
 _LENGTH_WEIGHT: Final = 3e-3
-"""How much long edges cost where the surface is flat, so that triangles stay even."""
+"""Cost of long edges where the surface is flat, so that triangles stay regular."""
 
 _SHARE_A_PASS: Final = 0.25
 _LEAST_COSINE: Final = 0.25
-"""A collapse may turn no triangle further than this, nor make one that thin."""
+"""A collapse may neither rotate a triangle beyond this cosine nor make it that thin."""
 
 
 def simplified(
@@ -38,26 +38,26 @@ def simplified(
     importance: Array | None = None,
     labels: Indices | None = None,
 ) -> tuple[Patch, Indices]:
-    """Return `patch` with about this many triangles.
+    """Return `patch` with about `triangles` triangles.
 
     Parameters
     ----------
     patch : Patch
-        What to simplify; its borders stay where they are.
+        The patch to simplify; its borders are kept.
     shapes : sequence of ndarray, shape (n, 3)
-        Where the patch's vertices are, in metres, in each shape that it takes; the first one
-        decides what a folded triangle is.
+        Positions of the patch's vertices in metres, in each of its shapes; the first one determines
+        whether a triangle is folded.
     triangles : int
-        How many may remain.
+        Number of remaining triangles.
     importance : ndarray, shape (n,), or None
-        How much an error at each vertex counts; 1 by default.
+        Weight of an error at each vertex; 1 by default.
     labels : ndarray, shape (F,), or None
-        Kinds of faces; the line between two kinds stays as a border does.
+        Kinds of faces; the line between two kinds is kept like a border.
 
     Returns
     -------
     patch : Patch
-        The simplified one.
+        The simplified patch.
     labels : ndarray
         The kinds of its faces.
     """
@@ -112,7 +112,7 @@ def _planes(normals: Array, points: Array) -> Array:
 
 
 def _feature_edges(faces: Indices, kinds: Indices) -> tuple[Indices, Indices]:
-    """Return edges on a border or between kinds, each once, and a face at each of them."""
+    """Return the edges on a border or between kinds, each once, and a face at each."""
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     owner = np.tile(np.arange(len(faces)), 3)
     unique, first, where, count = np.unique(
@@ -129,7 +129,7 @@ def _feature_edges(faces: Indices, kinds: Indices) -> tuple[Indices, Indices]:
 def _pass(
     places: Array, faces: Indices, kinds: Indices, quadrics: Array, scale: Array, wanted: int
 ) -> list[tuple[int, int]]:
-    """Return vertices to be moved onto neighbours, cheapest first, none beside another."""
+    """Return vertices to move onto neighbours, cheapest first; no two are adjacent."""
     size = places.shape[1]
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     edges = np.unique(np.concatenate([edges, edges[:, ::-1]]), axis=0)
@@ -173,7 +173,7 @@ def _faces_around(faces: Indices, size: int) -> list[Indices]:
 def _may_merge(
     at: Array, faces: Indices, mine: Indices, around: list[Indices], gone: int, kept: int
 ) -> bool:
-    """Return whether moving `gone` onto `kept` folds nothing over and pinches nothing."""
+    """Return whether moving `gone` onto `kept` neither folds nor pinches the surface."""
     shared = (mine == kept).any(axis=1)
     neighbours = np.intersect1d(mine, faces[around[kept]])
     if len(neighbours) - 2 != shared.sum():

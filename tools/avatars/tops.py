@@ -1,4 +1,4 @@
-"""What is worn above the trousers, by name."""
+"""Garments worn above the trousers, by name."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from tools.avatars.sitter import Sitter
 Array = NDArray[np.float64]
 
 _BAND: Final = 0.035
-"""Metres: how wide the bands of a sweater are at collar, cuffs and hem."""
+"""Width of a sweater's bands at collar, cuffs and hem, in metres."""
 
 _NARROW_BAND: Final = 0.016
 _LONG: Final = 1.985
-"""Where long sleeves end: 1 at the elbow, 2 at the wrist."""
+"""End of long sleeves: 1 at the elbow, 2 at the wrist."""
 
 _SHORT: Final = 0.60
 _CUFF_WIDTH: Final = 0.22
-"""Share of the forearm that the cuff takes."""
+"""Length of the cuff as a share of the forearm."""
 
 _V_NECK: Final = Neckline(rise=-0.006, opening=0.12, width=0.065)
 _STAND: Final = 0.026
-"""Metres that the collar stands up above the neckline before it folds."""
+"""Metres by which the collar rises above the neckline before it folds."""
 
 _LEAF: Final = 0.028
 _POINT: Final = 0.026
@@ -88,7 +88,7 @@ def shirt(sitter: Sitter, fabric: Patch, neckline: Neckline, hem: float) -> list
 def sweater_over_shirt(
     sitter: Sitter, fabric: Patch, neckline: Neckline, hem: float
 ) -> list[Piece]:
-    """Return a sweater with a V-neck, and the shirt that shows in it and folds over it."""
+    """Return a sweater with a V-neck, and the shirt that shows in it with its collar outside."""
     neck = sitter.joint("neck")
     front = cut_along(
         sitter,
@@ -108,12 +108,12 @@ def sweater_over_shirt(
 
 
 def collar(sitter: Sitter, fabric: Patch, neckline: Neckline, lift: float) -> list[Piece]:
-    """Return a collar that stands up from the neckline and folds over it, `lift` metres off."""
+    """Return a collar that rises from the neckline and folds over it, `lift` metres off."""
     line = Neckline(rise=neckline.rise, slope=neckline.slope)
     neck = sitter.joint("neck")
 
     def gap(at: Array) -> Array:
-        """Return how far beside the opening in front `at` lies."""
+        """Return the distance of `at` from the opening in front."""
         below = line.depth(sitter, at)
         half = 0.004 + 0.42 * np.clip(below + _STAND, 0, 1)
         return np.where(at[:, 2] > neck[2], np.abs(at[:, 0]) - half, 1.0)
@@ -123,7 +123,7 @@ def collar(sitter: Sitter, fabric: Patch, neckline: Neckline, lift: float) -> li
     tree = cKDTree(edge[np.linalg.norm(edge - neck, axis=1) < 0.2])
 
     def leaf_end(at: Array) -> Array:
-        """Return how far before the end of the leaf `at` lies; it has points in front."""
+        """Return the distance of `at` from the end of the leaf, which has points in front."""
         distance, _ = tree.query(at)
         point = np.exp(-(((np.abs(at[:, 0]) - 0.036) / 0.020) ** 2)) * (at[:, 2] > neck[2])
         distance = np.where(line.depth(sitter, at) > 0, distance, -distance)
@@ -154,7 +154,7 @@ def collar(sitter: Sitter, fabric: Patch, neckline: Neckline, lift: float) -> li
 
 
 def _inside_out(sitter: Sitter, stand: Patch) -> Piece:
-    """Return the inside of the collar's stand, which one sees across the neck."""
+    """Return the inside of the collar's stand, which is visible across the neck."""
     turned = Patch(blend=stand.blend, faces=stand.faces[:, ::-1], lift=stand.lift)
     return sitter.piece("collar", turned, part=TIGHTS, triangles=120)
 
@@ -165,7 +165,7 @@ def jacket(sitter: Sitter, fabric: Patch, neckline: Neckline, hem: float) -> lis
     neck = sitter.joint("neck")
 
     def front_edges(at: Array) -> Array:
-        """Return how far beside the curved opening below the buttons `at` lies."""
+        """Return the distance of `at` from the curved opening below the buttons."""
         half = 0.55 * np.clip(hem + 0.03 - at[:, 1], 0, 1)
         return np.where(at[:, 2] > neck[2], np.abs(at[:, 0]) - half + 0.004, 1.0)
 
@@ -198,7 +198,7 @@ def jacket(sitter: Sitter, fabric: Patch, neckline: Neckline, hem: float) -> lis
 
 
 def _plain_top(sitter: Sitter, fabric: Patch, neckline: Neckline) -> Piece:
-    """Return what shows of the top under the jacket."""
+    """Return the visible part of the top under the jacket."""
     neck = sitter.joint("neck")
     cloth = cut_along(
         sitter,
@@ -247,9 +247,9 @@ def _trimmed(
     *,
     rim: bool = True,
 ) -> list[Piece]:
-    """Return `cloth`, `thickness` metres thick, with the triangles `trim` of the second material.
+    """Return `cloth`, `thickness` metres thick, with the triangles `trim` in the second material.
 
-    Its rim is of that material too, unless `rim` says otherwise.
+    Its rim is in that material too if `rim`.
     """
     whole, added = thick(sitter, cloth, thickness)
     trimmed = added & rim
@@ -266,9 +266,9 @@ class Top:
     Attributes
     ----------
     neckline : Neckline
-        Above which the skin is bare.
+        The line above which the skin is bare.
     sleeve : float
-        Where sleeves end: 0 at the shoulder, 1 at the elbow, 2 at the wrist.
+        End of the sleeves: 0 at the shoulder, 1 at the elbow, 2 at the wrist.
     make : callable
         Makes its pieces from the person, the fabric, the neckline and the height of its hem.
     """

@@ -21,7 +21,7 @@ _FLARE: Final = 0.012
 
 
 def trousers(sitter: Sitter, fabric: Patch, hem: float) -> Piece:
-    """Return trousers that reach up under a top which ends at height `hem`, in metres."""
+    """Return trousers that reach up under a top whose hem is at height `hem`, in metres."""
     top, bottom = hem + _UNDER_TOP, sitter.joint("left_ankle")[1] + 0.01
     cloth = cut_along(
         sitter,
