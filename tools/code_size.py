@@ -1,4 +1,4 @@
-"""How large the product is: ``make size`` writes the table at the head of CONTRIBUTING.md."""
+"""The size of the product: ``make size`` writes the table at the head of CONTRIBUTING.md."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PRODUCT: Final = ("motion", "training", "generators", "renderer", "analysis", "s
 BEGIN: Final = "<!-- size -->"
 END: Final = "<!-- end of size -->"
 SMALL: Final = 60
-"""A smaller module with a single importer has to justify itself."""
+"""Code lines below which a module with a single importer needs a justification."""
 
 _LAYOUT: Final = {
     tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT,
@@ -27,7 +27,7 @@ _LAYOUT: Final = {
 
 
 def code_lines(source: str) -> int:
-    """Return the lines of Python code in `source`, without docstrings, comments and blanks."""
+    """Return the number of code lines in `source`, without docstrings, comments and blanks."""
     documented = {
         line
         for node in ast.walk(ast.parse(source))
@@ -46,7 +46,7 @@ def code_lines(source: str) -> int:
 
 
 def importers(sources: Mapping[str, str]) -> Counter[str]:
-    """Return how many other modules import each of `sources`, whose names have dots."""
+    """Return how many other modules import each of `sources`, by dotted name."""
     counted: Counter[str] = Counter()
     for name, source in sources.items():
         counted.update(

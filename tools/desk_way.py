@@ -1,4 +1,4 @@
-"""Take the pictures of docs/desk-way.md on the desk's whole way: ``python -m tools.desk_way``."""
+"""Take the pictures of docs/desk-way.md from the desk: ``python -m tools.desk_way``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tools.pictures import DOCS
 
 PICTURES: Final = DOCS / "desk-way"
 COLOURS: Final = 96
-"""Colours of a picture: pages have few, and this takes a third of the space."""
+"""Colours of a picture: pages have few, and a palette takes a third of the space."""
 
 SIZE: Final[ViewportSize] = {"width": 1100, "height": 700}
 

@@ -1,4 +1,4 @@
-"""Pages in Markdown: templates, tables, and the part of a page that a program writes."""
+"""Pages in Markdown: templates, tables, and generated parts of pages."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from motion.files import write_text
 
 
 def rendered(package: str, template: str, **facts: Any) -> str:
-    """Return the page that a template of a package makes of `facts`."""
+    """Return the page that a package's template renders from `facts`."""
     environment = Environment(
         loader=PackageLoader(package),
         undefined=StrictUndefined,
@@ -32,7 +32,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def marks(part: str) -> tuple[str, str]:
-    """Return the marks before and after a part that a program writes."""
+    """Return the marks before and after a generated part."""
     return f"<!-- {part}: begin -->", f"<!-- {part}: end -->"
 
 
@@ -48,7 +48,9 @@ def with_part(page: str, part: str, text: str) -> str:
     before, _, rest = page.partition(begin)
     _, mark, after = rest.partition(end)
     if not mark:
-        raise InputError("the page has no place for what is written", remedy=f"Put {begin} {end}")
+        raise InputError(
+            "the page has no marks for the generated part", remedy=f"Put {begin} {end}"
+        )
     return f"{before}{begin}\n{text}\n{end}{after}"
 
 

@@ -1,4 +1,4 @@
-"""Keep the translations complete: ``make messages`` finds every text that participants read."""
+"""Keeps the translations complete: ``make messages`` finds every text that participants read."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from studyapp.web.language import catalogue_path
 
 ROOT: Final = Path(__file__).parents[1]
 TRANSLATED: Final = ("de", "ja")
-"""Languages that have a catalogue; the texts themselves are in English."""
+"""Languages with a catalogue; the texts themselves are in English."""
 
 ROOMS: Final = ("study", "session", "recruitment", "web")
-"""Rooms of ``studyapp`` that say something to participants."""
+"""Rooms of ``studyapp`` with texts for participants."""
 
 PLURAL: Final = frozenset({"ngettext"})
 SINGLE: Final = frozenset({"_", "Message"})
@@ -41,7 +41,7 @@ class SourceText(NamedTuple):
     Attributes
     ----------
     file : str
-        From the repository's root.
+        Path from the repository's root.
     text : str or (str, str)
         The text, or the forms for one and for many.
     """
@@ -57,7 +57,7 @@ def source_texts() -> Iterator[SourceText]:
     Raises
     ------
     ValueError
-        If a call that says something to participants does not give its text as a literal.
+        If a call with a text for participants does not give it as a literal.
     """
     web = ROOT / "studyapp" / "web"
     for room in ROOMS:
@@ -109,7 +109,7 @@ def _literal(path: Path, call: ast.Call, place: int) -> str:
     if isinstance(argument, ast.Constant) and isinstance(argument.value, str):
         return argument.value
     raise ValueError(
-        f"{_named(path)}:{call.lineno}: the text {place + 1} of this call is no literal, "
+        f"{_named(path)}:{call.lineno}: the text {place + 1} of this call is not a literal, "
         "so it cannot be found and translated"
     )
 

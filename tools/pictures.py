@@ -33,7 +33,7 @@ PATIENCE = 180_000
 SEGMENT = "happiness"
 MOMENT = 2.6
 KEY_WORDS = ("house=0.62", "called=1.6", "summer=3.0", "breakfast=4.5", "enormous=5.6", "tree=6.2")
-"""When espeak-ng says each of them in the segment, in seconds."""
+"""Times at which espeak-ng says them in the segment, in seconds."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def spoken(database: Path) -> str:
 
 
 def picture_frames(folder: StudyFolder) -> None:
-    """Set one frame of every condition side by side."""
+    """Put one frame of every condition side by side."""
     frames = []
     clips = read_stimuli(folder.stimuli).clips
     for condition in dict.fromkeys(clip.condition for clip in clips):

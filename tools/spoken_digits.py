@@ -1,7 +1,7 @@
 """Record the digits of the sound check with espeak-ng, in every language of the pages.
 
 Usage: python -m tools.spoken_digits. It writes the files studyapp/web/digit_recordings/*/*.wav: 16
-kHz, mono, cut close, each at the loudness of the videos.
+kHz, mono, without silence at the ends, at the loudness of the videos.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from scipy.signal import resample_poly
 HERE = Path(__file__).resolve().parents[1] / "studyapp" / "web" / "digit_recordings"
 RATE = 16_000
 LOUDNESS = -23.0
-"""LUFS, as all videos have."""
+"""LUFS, the loudness of all videos."""
 
 QUIET = 0.01
-"""Share of the peak below which the ends are cut off."""
+"""Share of the peak below which samples at the ends are cut off."""
 
 EDGE_SECONDS = 0.02
 WORDS_PER_MINUTE = 130
@@ -36,7 +36,7 @@ WORDS = {
 
 
 def spoken(voice: str, word: str) -> NDArray[np.float64]:
-    """Return the speech of `voice`, at `RATE`."""
+    """Return `word` spoken by `voice`, at `RATE`."""
     command = ["espeak-ng", "-v", voice, "-s", str(WORDS_PER_MINUTE), "--stdout", word]
     audio = subprocess.run(command, check=True, capture_output=True).stdout
     samples, rate = soundfile.read(io.BytesIO(audio))
@@ -44,7 +44,7 @@ def spoken(voice: str, word: str) -> NDArray[np.float64]:
 
 
 def cut_close(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return `samples` without the silence at both ends, which fade in and out."""
+    """Return `samples` without silence at the ends, faded in and out."""
     loud = np.flatnonzero(np.abs(samples) > QUIET * np.abs(samples).max())
     edge = round(EDGE_SECONDS * RATE)
     trimmed = samples[max(0, loud[0] - edge) : loud[-1] + edge].copy()

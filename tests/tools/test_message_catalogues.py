@@ -124,5 +124,5 @@ def code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_text_that_cannot_be_extracted_is_refused(code: Path, written: str) -> None:
     code.write_text(written, "utf-8")
 
-    with pytest.raises(ValueError, match=r"code\.py:1: .* no literal"):
+    with pytest.raises(ValueError, match=r"code\.py:1: .* not a literal"):
         list(texts_of_code(code))

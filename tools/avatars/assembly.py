@@ -169,7 +169,7 @@ def _with_spare_vertices(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[A
 def sitter_for(recipe: Recipe) -> Sitter:
     """Return the undressed person of `recipe`."""
     person = _scaled(read_person(recipe.phenotype, recipe.details), recipe.height)
-    person = _awake(person, recipe.at_rest)
+    person = _at_rest(person, recipe.at_rest)
     joints = rest_joints_in_stance(person)
     return Sitter(person=person, joints=joints, weights=joint_weights(person, joints))
 
@@ -187,7 +187,7 @@ def _scaled(person: AnnyPerson, height: float) -> AnnyPerson:
     )
 
 
-def _awake(person: AnnyPerson, shown: Mapping[str, float]) -> AnnyPerson:
+def _at_rest(person: AnnyPerson, shown: Mapping[str, float]) -> AnnyPerson:
     """Return `person` with these facial actions at rest."""
     moved = person.vertices.copy()
     for name, weight in shown.items():

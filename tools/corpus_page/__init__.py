@@ -1,1 +1,1 @@
-"""Measures a synthetic corpus, for the tables of docs/corpus.md."""
+"""Measurements of a synthetic corpus for the tables of docs/corpus.md."""

@@ -26,9 +26,9 @@ _ALONE = "nobody speaks two texts of an emotion"
 
 
 def main() -> None:
-    """Measure the corpus that the command line names."""
+    """Measure the corpus named on the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path, help="what 'motionjury corpus' made")
+    parser.add_argument("folder", type=Path, help="a corpus made by 'motionjury corpus'")
     parser.add_argument(
         "--write", type=Path, metavar="FILE", help="a page with marks for the tables"
     )
@@ -65,10 +65,10 @@ def tables(takes: Sequence[MeasuredTake], size: int) -> Iterator[str]:
     yield ""
     yield "| wrists | mean | median | 95th percentile |"
     yield "|---|---|---|---|"
-    for whose, found_paces in (("here", paces(take.wrists for take in takes)), ("BEAT", BEAT)):
-        for pace in found_paces:
+    for source, speeds in (("here", paces(take.wrists for take in takes)), ("BEAT", BEAT)):
+        for pace in speeds:
             values = f"{pace.mean:.2f} | {pace.median:.2f} | {pace.high:.2f}"
-            yield f"| {pace.quantity}, {whose} | {values} |"
+            yield f"| {pace.quantity}, {source} | {values} |"
 
 
 def _number(value: float, why_not: str) -> str:

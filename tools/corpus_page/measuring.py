@@ -1,4 +1,4 @@
-"""What a corpus holds, measured on its files: how much, what speech decides, how fast hands are."""
+"""Measurements of a corpus' files: its size, how motion follows speech, how fast hands move."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from training.spaces.beat import body_values, face_values
 FloatArray = NDArray[np.float64]
 
 FRAME_RATE: Final = 15.0
-"""At which it is measured, as BEAT's networks see motion."""
+"""Frames per second of the measurements, the rate of motion in BEAT's networks."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,9 +40,9 @@ class Pace:
     Attributes
     ----------
     quantity : str
-        What it is, and its unit.
+        Name and unit.
     mean, median, high : float
-        The last is the 95th percentile.
+        Mean, median and 95th percentile.
     """
 
     quantity: str
@@ -55,7 +55,7 @@ BEAT: Final = (
     Pace(quantity="speed, m/s", mean=0.53, median=0.41, high=1.4),
     Pace(quantity="acceleration, m/s²", mean=3.6, median=3.0, high=8.7),
 )
-"""The same of a minute of BEAT's speaker 2 (take 2_scott_0_1_1), on the same figure."""
+"""The same for a minute of BEAT's speaker 2 (take 2_scott_0_1_1), on the same figure."""
 
 
 def paces(wrists: Iterable[FloatArray]) -> tuple[Pace, Pace]:
@@ -76,12 +76,12 @@ def paces(wrists: Iterable[FloatArray]) -> tuple[Pace, Pace]:
 
 
 def _pace(quantity: str, values: list[FloatArray]) -> Pace:
-    all_of_them = np.concatenate(values)
+    joined = np.concatenate(values)
     return Pace(
         quantity=quantity,
-        mean=float(all_of_them.mean()),
-        median=float(np.median(all_of_them)),
-        high=float(np.percentile(all_of_them, 95)),
+        mean=float(joined.mean()),
+        median=float(np.median(joined)),
+        high=float(np.percentile(joined, 95)),
     )
 
 
@@ -90,20 +90,20 @@ CURVES: Final = tuple(field.name for field in fields(MotionCurves))
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredTake:
-    """One take, as its files have it.
+    """Measurements of one take.
 
     Attributes
     ----------
     plan : PlannedTake
-        What it is.
+        Its place in the corpus.
     seconds : float
         Length of its speech.
     moved, drive : MotionCurves
-        What the motion does, and what of it the speech decides.
+        Curves of the motion, and their parts determined by the speech.
     pose, sound : ndarray
-        Mean and deviation of each value of the motion (384,), and of what is heard (10,).
+        Mean and standard deviation of each value of the motion (384,) and of the speech (10,).
     wrists : ndarray, shape (T, 2, 3)
-        Where they are, in metres, at `tools.corpus_page.measuring.FRAME_RATE`.
+        Positions of the wrists in metres, at `FRAME_RATE`.
     """
 
     plan: PlannedTake
@@ -117,22 +117,22 @@ class MeasuredTake:
 
 @dataclass(frozen=True, kw_only=True)
 class Decided:
-    """How far a curve of the motion follows the speech.
+    """How closely a curve of the motion follows the speech.
 
     Attributes
     ----------
     curve : str
         A field of `MotionCurves`.
     explained : float
-        Share of its variance that the drive explains, over all frames of all takes; NaN where it
-        never changes.
+        Share of its variance that the drive explains, over all frames of all takes; NaN if it never
+        changes.
     correlation : float
-        Mean over takes of the correlation with the drive; NaN where the curve never changes.
+        Mean over takes of the correlation with the drive; NaN if the curve never changes.
     of_other_speech : float
-        The same with the drive of another text of the same speaker and emotion; NaN where nobody
+        The same with the drive of another text of the same speaker and emotion; NaN if nobody
         speaks two.
     takes : int
-        Takes in which the curve changes; the means are over them.
+        Number of takes in which the curve changes, over which the means are taken.
     """
 
     curve: str
@@ -144,18 +144,18 @@ class Decided:
 
 @dataclass(frozen=True, kw_only=True)
 class ClassifierScore:
-    """How often a plain classifier names a property of a test take.
+    """How often a simple classifier identifies a property of test takes.
 
     Attributes
     ----------
     what : str
         The property, and what it is predicted from.
     share : float
-        Of test takes named rightly; NaN where there are none.
+        Share of test takes identified correctly; NaN without test takes.
     chance : float
         One over the number of classes.
     takes : int
-        Test takes.
+        Number of test takes.
     """
 
     what: str
@@ -172,7 +172,7 @@ def read_measured(
     Raises
     ------
     InputError
-        If the folder holds no corpus, one of another version, or a file cannot be read.
+        If the folder holds no corpus or one of another version, or a file cannot be read.
     """
     plans = list(planned_takes(read_request(folder)))
     takes = []
@@ -188,7 +188,7 @@ def _measured(folder: Path, plan: PlannedTake) -> MeasuredTake:
     motion = read_bvh(files.motion)
     body = body_values(motion)
     face = face_values(read_arkit_json(files.face, motion.frame_rate))
-    # The last frame of the face is held where rounding left it a frame shorter.
+    # The last frame of the face is repeated where rounding made it a frame shorter.
     face = face[np.minimum(np.arange(len(body)), len(face) - 1)]
     speech = read_audio(files.speech)
     return MeasuredTake(
@@ -197,7 +197,7 @@ def _measured(folder: Path, plan: PlannedTake) -> MeasuredTake:
         moved=curves_of(body, face, motion.frame_rate),
         drive=truth.drive,
         pose=_summary(np.concatenate([body, face], axis=1)),
-        sound=_summary(_heard(analyse(speech))),
+        sound=_summary(_columns(analyse(speech))),
         wrists=wrist_positions(_thinned(body, motion.frame_rate)),
     )
 
@@ -211,7 +211,7 @@ def minutes(takes: Sequence[MeasuredTake]) -> Mapping[Split, float]:
 
 
 def decided(takes: Sequence[MeasuredTake]) -> tuple[Decided, ...]:
-    """Return how far each curve follows the speech."""
+    """Return how closely each curve follows the speech."""
     return tuple(_decided(curve, takes) for curve in CURVES)
 
 
@@ -239,7 +239,7 @@ def _decided(curve: str, takes: Sequence[MeasuredTake]) -> Decided:
 
 
 def _mean(values: Sequence[float]) -> float:
-    """Return the mean of those that are numbers; NaN where none is."""
+    """Return the mean of the finite values; NaN if there are none."""
     numbers = [value for value in values if np.isfinite(value)]
     return float(np.mean(numbers)) if numbers else float("nan")
 
@@ -302,11 +302,11 @@ def _summary(values: FloatArray) -> FloatArray:
 
 
 def _thinned(values: FloatArray, frame_rate: float) -> FloatArray:
-    """Return the frames nearest to those at the rate at which the pace is measured."""
+    """Return the nearest frames at `FRAME_RATE`."""
     moments = np.arange(0, len(values), frame_rate / FRAME_RATE)
     return np.asarray(values[np.minimum(np.round(moments).astype(int), len(values) - 1)])
 
 
-def _heard(heard: SpeechCurves) -> FloatArray:
-    """Return what is heard of a take as columns."""
-    return np.stack([getattr(heard, field.name) for field in fields(SpeechCurves)], axis=1)
+def _columns(curves: SpeechCurves) -> FloatArray:
+    """Return the curves of a take's speech as columns."""
+    return np.stack([getattr(curves, field.name) for field in fields(SpeechCurves)], axis=1)

@@ -35,7 +35,7 @@ def schema() -> str:
 
 
 def main() -> None:
-    """Write both."""
+    """Write the table and the schema."""
     page = DOCS / "check.md"
     write_text(page, with_table(page.read_text(encoding="utf-8")))
     write_text(DOCS / "check.schema.json", schema())

@@ -1,4 +1,4 @@
-"""The calls of ``motionjury`` on a page, and whether the program would take them."""
+"""The calls of ``motionjury`` on a page, and a check that the program accepts them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ENDS = frozenset({"|", "||", "&&", ";", "&", ">", "<", "done", "(", ")"})
 
 
 def calls(page: str) -> list[list[str]]:
-    """Return the words behind every ``motionjury`` in the page's shell blocks."""
+    """Return the words after every ``motionjury`` in the page's shell blocks."""
     scripts = [block.body for block in fenced_blocks(page) if block.language in _SHELL]
     return [call for script in scripts for call in _calls_of(script)]
 
@@ -34,12 +34,12 @@ def _calls_of(script: str) -> Iterator[list[str]]:
 
 
 def check_call(words: list[str]) -> None:
-    """Read a call as the program would, without looking whether its files exist.
+    """Parse a call as the program would, without checking that its files exist.
 
     Raises
     ------
     click.UsageError
-        If the command, an option or one of its choices is not there, or something is missing.
+        If the command, an option or a choice does not exist, or something is missing.
     """
     command: click.Command = group
     context = click.Context(group, info_name=_PROGRAM)
@@ -67,6 +67,6 @@ def _check_value(param: click.Parameter, value: object, context: click.Context) 
     if isinstance(param.type, click.Choice) and not nothing:
         given = value if isinstance(value, list | tuple) else [value]
         for each in given:
-            # What a shell's variable will hold is not known here.
+            # The value of a shell variable is unknown here.
             if "$" not in str(each):
                 param.type.convert(each, param, context)

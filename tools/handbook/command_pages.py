@@ -35,7 +35,7 @@ def commands() -> dict[str, click.Context]:
     Returns
     -------
     dict of str to click.Context
-        Sorted; subcommands come right behind the command that they belong to.
+        Sorted; subcommands follow their command.
     """
     top = click.Context(group, info_name=_PROGRAM, **group.context_settings)
     contexts: dict[str, click.Context] = {}
@@ -73,7 +73,7 @@ def described(context: click.Context) -> str:
 
 
 def _typed(context: click.Context) -> str:
-    """Return the command with those before it, and their arguments."""
+    """Return the command with its parent commands and their arguments."""
     before = context.parent
     if before is None:
         return context.info_name or ""
@@ -101,17 +101,17 @@ def _options(context: click.Context) -> list[str]:
 
 
 def _cell(text: str) -> str:
-    """Return text for a table's cell, on one line and without a bar that would end it."""
+    """Return text for a table's cell, on one line and with bars escaped."""
     return " ".join(text.split()).replace("|", "\\|")
 
 
 def block(name: str, words: str) -> str:
-    """Return the part of a page that is written by the program."""
+    """Return a generated part of a page."""
     return f"<!-- from the code: {name} -->\n{words}\n<!-- end -->"
 
 
 def blocks(page: str) -> dict[str, str]:
-    """Return the parts of a page that the program writes, marks included, by what they are of."""
+    """Return the generated parts of a page, marks included, by name."""
     return {contexts["name"]: contexts[0] for contexts in _BLOCK.finditer(page)}
 
 
@@ -126,12 +126,12 @@ def pages(before: Mapping[str, str]) -> dict[str, str]:
     Parameters
     ----------
     before : mapping of str to str
-        The pages there are, by command; and `INDEX`.
+        The present pages by command, and `INDEX`.
 
     Returns
     -------
     dict of str to str
-        A page for each command, and the index. Pages of commands that are gone are not in it.
+        A page for each command, and the index, without pages of removed commands.
     """
     every = commands()
     tops = [name for name in every if " " not in name]
@@ -160,7 +160,7 @@ def _empty(name: str) -> str:
 
 
 def _replaced(page: str, words: Mapping[str, str]) -> str:
-    """Return `page` with its generated parts updated; a block of what is gone is taken out."""
+    """Return `page` with its generated parts updated and blocks of removed commands deleted."""
     text = _BLOCK.sub(
         lambda contexts: (
             block(contexts["name"], words[contexts["name"]]) if contexts["name"] in words else ""
@@ -179,7 +179,7 @@ def main() -> None:
             write_text(PAGES / f"{name}.md", page)
             click.echo(f"Wrote {PAGES / f'{name}.md'}")
     for gone in sorted(set(before) - set(pages(before))):
-        click.echo(f"{PAGES / f'{gone}.md'} is of no command: remove it.")
+        click.echo(f"{PAGES / f'{gone}.md'} belongs to no command: remove it.")
 
 
 if __name__ == "__main__":

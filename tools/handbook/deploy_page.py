@@ -1,6 +1,6 @@
-"""The files that ``docs/deploy.md`` shows: each block is what `motionjury deploy` writes.
+"""The files in ``docs/deploy.md``: each block is what `motionjury deploy` writes.
 
-A block says behind its language that it is a file, which one, and of which deployment.
+After its language, a block names the file and its deployment.
 
 ``make pages`` brings the page up to date.
 """
@@ -34,7 +34,7 @@ DEPLOYMENTS: Final[Mapping[str, Deployment]] = MappingProxyType(
         ),
     }
 )
-"""What the page deploys, by the word behind a file's name."""
+"""The page's deployments, by the word after a file's name."""
 
 
 def shown_files(page: str) -> list[Fenced]:
@@ -43,7 +43,7 @@ def shown_files(page: str) -> list[Fenced]:
 
 
 def up_to_date(page: str) -> str:
-    """Return the page with every file as it is written."""
+    """Return the page with every file up to date."""
     for block in reversed(shown_files(page)):
         name, deployment = (*block.words[1:], "")[:2]
         files = {file.name: file.text for file in deployed_files(DEPLOYMENTS[deployment])}

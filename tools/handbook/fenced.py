@@ -16,13 +16,13 @@ class Fenced:
     Attributes
     ----------
     language : str
-        The first word behind the fence, such as ``sh``.
+        The first word after the fence, such as ``sh``.
     words : tuple of str
-        The words behind it.
+        The words after the language.
     body : str
-        What is in it, up to the last line's end.
+        Its content, including the last newline.
     start, end : int
-        Where it is in the page, fences included.
+        Its position in the page, fences included.
     """
 
     language: str
@@ -50,11 +50,11 @@ def fenced_blocks(page: str) -> list[Fenced]:
 
 
 def follows(page: str, before: Fenced, after: Fenced) -> bool:
-    """Return whether nothing but white space is between two blocks."""
+    """Return whether only white space separates two blocks."""
     return not page[before.end : after.start].strip()
 
 
 def with_body(page: str, block: Fenced, body: str) -> str:
-    """Return the page with another text in a block."""
+    """Return the page with another body in a block."""
     info = " ".join((block.language, *block.words))
     return f"{page[: block.start]}```{info}\n{body}```{page[block.end :]}"

@@ -2,10 +2,10 @@
 
 - ``sh``: run, all lines as one script. ``sh elsewhere`` needs a server or an account and is not
   run; ``sh fails`` is expected to be refused.
-- ``text``, right behind such a block: what it printed, its first and last lines.
-  ``text 6+2`` keeps six and two.
-- ``toml FILE``: what a reader is told to set in FILE; ``toml FILE -conditions.ours`` takes the
-  section ``conditions.ours`` out first.
+- ``text``, right after such a block: the first and last lines of its output. ``text 6+2`` keeps
+  six and two.
+- ``toml FILE``: settings that the reader should make in FILE; ``toml FILE -conditions.ours``
+  removes the section ``conditions.ours`` first.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _KEPT: Final = re.compile(r"(\d+)\+(\d+)")
 LEFT_OUT: Final = "…"
 
 KEPT: Final = "14+3"
-"""Lines that are shown of a longer output, unless the page says how many."""
+"""Lines shown of a longer output by default."""
 
 ELSEWHERE: Final = "elsewhere"
 _FAILS: Final = "fails"
@@ -43,8 +43,7 @@ _IS_SERVED: Final = "/research/join/"
 def steady(output: str, folder: Path) -> list[str]:
     """Return the lines without what differs from run to run.
 
-    Progress and its rates are left out, one-time links are shortened, and `folder`, in which the
-    commands ran, is not named.
+    Progress and the path of `folder` are removed, and one-time links are shortened.
     """
     lines = []
     for line in output.splitlines():
@@ -60,7 +59,7 @@ def shortened(lines: list[str], kept: str) -> list[str]:
     Parameters
     ----------
     lines : list of str
-        All of them.
+        All lines.
     kept : str
         Numbers of first and last lines, such as ``6+2``.
     """
@@ -88,16 +87,16 @@ def run_page(
     page : str
         Markdown.
     folder : Path
-        Where they are run.
+        Folder in which they run.
     on_block : callable, optional
         Called with each script before it is run.
     since, until : str
-        Begin with these words of the page, and stop before those; run all of it by default.
+        Words of the page at which to begin, and before which to stop; by default all of it runs.
 
     Raises
     ------
     InputError
-        If a script fails that should not, or the other way round.
+        If a script fails unexpectedly, or succeeds when it should fail.
     """
     start = page.index(since) if since else 0
     end = page.index(until) if until else len(page)
@@ -146,7 +145,7 @@ def _run(block: Fenced, folder: Path) -> list[str]:
 
 
 def _served(arguments: list[str], folder: Path, environment: dict[str, str]) -> str:
-    """Return the output of a server once it listens, and interrupt it."""
+    """Return a server's output until it listens, and interrupt it."""
     server = subprocess.Popen(  # noqa: S603 — the pages are the project's own
         arguments,
         cwd=folder,

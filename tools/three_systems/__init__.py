@@ -1,1 +1,1 @@
-"""The study of all three learned systems on the synthetic corpus, and the page that shows it."""
+"""The study of all three learned systems on the synthetic corpus, and its page."""

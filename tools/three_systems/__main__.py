@@ -40,11 +40,11 @@ CORPUS: Final = (
     *("--speakers", "7", "--held-out-speakers", "1"),
 )
 LEARNED_FROM: Final = 12
-"""Takes of each emotion that feature networks learn from."""
+"""Takes of each emotion for training feature networks."""
 
 SIZE: Final = 360
 FRAME_RATE: Final = 15
-"""Of the videos: small, and as many frames as two of the three systems make."""
+"""Size and frame rate of the videos: small, and the frame rate of two of the three systems."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -54,13 +54,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument(
         "--write",
         type=Path,
-        help="the page whose measured part is written anew; printed where left out",
+        help="the page whose measured part is updated; printed by default",
     )
-    parser.add_argument("--corpus", type=Path, help="one that is there, in place of making one")
+    parser.add_argument("--corpus", type=Path, help="an existing corpus; made by default")
     for name in NETWORKS:
-        parser.add_argument(f"--{name}", type=Path, help="its network, in place of training one")
-    parser.add_argument("--steps", type=int, help="of each network, in place of its tiny config's")
-    parser.add_argument("--evaluator-steps", type=int, help="of each feature network")
+        parser.add_argument(f"--{name}", type=Path, help="its network; trained by default")
+    parser.add_argument(
+        "--steps", type=int, help="steps of each network instead of its tiny config's"
+    )
+    parser.add_argument("--evaluator-steps", type=int, help="steps of each feature network")
     parser.add_argument("--segments", type=int, default=2, help="of each emotion")
     parser.add_argument("--participants", type=int, default=60, help="simulated ones")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
@@ -88,10 +90,10 @@ def make(args: argparse.Namespace) -> tuple[Line, list[Network]]:
     corpus = root / "corpus" if args.corpus is None else args.corpus.resolve()
     if args.corpus is None:
         line.run("corpus", *places([corpus], root), *CORPUS)
-    wanted: dict[str, Path | None] = {
+    given: dict[str, Path | None] = {
         name: getattr(args, name.replace("-", "_")) for name in NETWORKS
     }
-    trained = networks(line, corpus, wanted, args.steps)
+    trained = networks(line, corpus, given, args.steps)
     takes = read_takes(corpus).takes
     study, recordings = StudyFolder(root / STUDY), StudyFolder(root / RECORDINGS)
     for folder, chosen in (
@@ -122,7 +124,7 @@ def make(args: argparse.Namespace) -> tuple[Line, list[Network]]:
 
 
 def _set(folder: StudyFolder, participants: int) -> None:
-    """State what differs from the template: few and small frames, and what checks ask for."""
+    """Write what differs from the template: few and small frames, and settings for the checks."""
     document: Any = tomlkit.parse(folder.definition.read_text("utf-8"))
     document["title"] = "Which speaker moves better?"
     document["participants"] = participants

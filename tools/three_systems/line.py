@@ -1,4 +1,4 @@
-"""Running commands one after the other, each once, and keeping what each took."""
+"""Running commands in order, each once, and recording their times."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _KEPT: Final = "times.json"
 
 @dataclass(frozen=True, kw_only=True)
 class Took:
-    """What a step took, over all its runs.
+    """The time of a step, over all its runs.
 
     Attributes
     ----------
     seconds : float
-        By the clock.
+        Wall-clock time.
     processor : float
-        Of all its processes.
+        Processor time of all its processes.
     """
 
     seconds: float
@@ -42,20 +42,20 @@ class Line:
     Attributes
     ----------
     folder : Path
-        Where they run, and where their times are recorded.
+        Folder in which they run and their times are recorded.
     """
 
     folder: Path
 
     def run(self, *words: str, of: str = "") -> None:
-        """Run ``motionjury`` with `words`, unless it has been run so.
+        """Run ``motionjury`` with `words` unless that was done already.
 
         Parameters
         ----------
         *words : str
             The command and its arguments.
         of : str
-            What it depends on besides its words; it is run again where that has changed.
+            What it depends on besides its words; a change makes it run again.
 
         Raises
         ------
@@ -71,7 +71,7 @@ class Line:
                 raise InputError(
                     f"'motionjury {' '.join(words)}' failed",
                     where=self.folder,
-                    remedy="Mend what it names above, and run this again: it goes on from there",
+                    remedy="Repair what it reports, and run this again: it continues from there",
                 )
 
     @contextmanager
@@ -114,13 +114,13 @@ class Line:
 
 
 def _processor_seconds() -> float:
-    """Return the processor time of this process and of those that it has waited for."""
+    """Return the processor time of this process and its finished children."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(entry.ru_utime + entry.ru_stime for entry in used)
 
 
 def places(paths: Sequence[Path], folder: Path) -> list[str]:
-    """Return paths as they are named from `folder`, where they lie in it."""
+    """Return the paths relative to `folder` if they are in it."""
     return [
         str(path.relative_to(folder) if path.is_relative_to(folder) else path) for path in paths
     ]

@@ -1,4 +1,4 @@
-"""The networks of the three systems, and those that metrics look through: given, or trained."""
+"""The networks of the three systems and the feature networks of metrics, given or trained."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ from tools.three_systems.line import Line, places
 from training.weights_file import read_weights
 
 NETWORKS: Final = ("amuse-speech", "amuse", "diffsheg", "s2ue")
-"""As `motionjury train` calls them. AMUSE's motion is learned with its speech model, which
-therefore comes first."""
+"""Names for `motionjury train`. AMUSE's motion network needs its speech model first."""
 
 EVALUATORS: Final[Mapping[str, Sequence[str]]] = MappingProxyType(
     {
@@ -27,7 +26,7 @@ EVALUATORS: Final[Mapping[str, Sequence[str]]] = MappingProxyType(
         "face": ("face",),
     }
 )
-"""Feature networks of all metrics of the three papers, and how they are asked for."""
+"""Feature networks of all metrics of the three papers, and their options."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,11 +36,11 @@ class Network:
     Attributes
     ----------
     name : str
-        As `motionjury train` calls it.
+        Its name for `motionjury train`.
     file : Path
         Its weights.
     is_given : bool
-        Whether it was brought, rather than trained by this page's command.
+        Whether it was given rather than trained by this page's command.
     """
 
     name: str
@@ -50,7 +49,7 @@ class Network:
 
     @property
     def training(self) -> Mapping[str, Any]:
-        """Its training, according to its file."""
+        """Its training as recorded in its file."""
         facts: Mapping[str, Any] = read_weights(self.file).facts["training"]
         return facts
 
@@ -58,13 +57,13 @@ class Network:
 def networks(
     line: Line, corpus: Path, given: Mapping[str, Path | None], steps: int | None
 ) -> list[Network]:
-    """Return the four networks of the three systems; those that are not given are trained."""
+    """Return the four networks of the three systems, training those that are not given."""
     trained: dict[str, Network] = {}
     for name in NETWORKS:
         file = given.get(name)
         if file is not None:
             if not file.is_file():
-                raise InputError("there is no such network", where=file, remedy="Check the path")
+                raise InputError("the network does not exist", where=file, remedy="Check the path")
             trained[name] = Network(name=name, file=file.resolve(), is_given=True)
             continue
         out = line.folder / "networks" / f"{name}.safetensors"
@@ -81,7 +80,7 @@ def networks(
 
 
 def evaluators(line: Line, recordings: str, into: Path, steps: int | None) -> None:
-    """Train the feature networks on a study's recordings, and put them into the folder `into`."""
+    """Train the feature networks on a study's recordings, and copy them into the folder `into`."""
     into.mkdir(parents=True, exist_ok=True)
     for name, kind in EVALUATORS.items():
         out = f"evaluators/{name}.safetensors"
@@ -91,5 +90,5 @@ def evaluators(line: Line, recordings: str, into: Path, steps: int | None) -> No
 
 
 def _of_steps(steps: int | None) -> list[str]:
-    """Return the option; by default a config's own steps."""
+    """Return the option for `steps`; by default the config's own apply."""
     return [] if steps is None else ["--steps", str(steps)]

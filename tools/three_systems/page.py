@@ -1,4 +1,4 @@
-"""What the page of the study of three systems shows of its report, in Markdown."""
+"""The measured part of the page of the study of three systems, in Markdown."""
 
 from __future__ import annotations
 
@@ -35,16 +35,16 @@ _SYSTEMS: Final[Mapping[str, str]] = {
 
 
 def measured(study: StudyFolder, took: Mapping[str, Took], networks: Sequence[Network]) -> str:
-    """Return what is measured: pictures and tables.
+    """Return the measured part: pictures and tables.
 
     Parameters
     ----------
     study : StudyFolder
         A study with its rehearsal and its report.
     took : mapping of step to Took
-        In their order.
+        Times of the steps in order.
     networks : sequence of Network
-        Which ones moved.
+        The networks used.
     """
     results = json.loads((study.report / "results.json").read_text("utf-8"))
     metrics = _Metrics.of(results)
@@ -68,11 +68,11 @@ class _Metrics:
     Attributes
     ----------
     scores : mapping of (condition, metric) to mapping
-        As `results.json` has them.
+        Scores as in `results.json`.
     taus : mapping of (metric, question) to mapping
         Kendall's τ with people.
     conditions, questions : tuple of str
-        In the order of `study.toml`.
+        Names in the order of `study.toml`.
     """
 
     scores: Mapping[tuple[str, str], Mapping[str, Any]]
@@ -82,7 +82,7 @@ class _Metrics:
 
     @classmethod
     def of(cls, results: Mapping[str, Any]) -> _Metrics:
-        """Return those of `results.json`."""
+        """Return the results in `results.json`."""
         return cls(
             scores={
                 (entry["condition"], entry["metric"]): entry
@@ -98,7 +98,7 @@ class _Metrics:
         )
 
     def row(self, column: TableColumn) -> list[str]:
-        """Return a metric's scores of all conditions and its agreement with each question."""
+        """Return a metric's scores for all conditions and its agreement with each question."""
         name = column.metric
         scores = [self.scores.get((entry, name), {}) for entry in self.conditions]
         unit = next((entry["unit"] for entry in scores if entry.get("unit")), "")
@@ -111,7 +111,7 @@ class _Metrics:
         ]
 
     def table(self, paper: str) -> str:
-        """Return the metrics of a paper."""
+        """Return the table of a paper's metrics."""
         head = ("metric", "better", *(f"`{entry}`" for entry in self.conditions))
         taus = (f"τ, {question}" for question in self.questions)
         return table((*head, *taus), map(self.row, PAPER_TABLES[paper]))

@@ -1,4 +1,4 @@
-"""Which takes of a corpus are shown and learned from, in a study and as strips of frames."""
+"""Selection of a corpus' takes for the study, the strips of frames and the feature networks."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def write_picture(strip: Path, to: Path) -> None:
 
 
 def shown_takes(takes: Sequence[RecordedTake], each: int) -> list[RecordedTake]:
-    """Return the shortest test takes of each emotion, of speakers that networks learn from."""
+    """Return the shortest test takes of each emotion, by speakers of the training takes."""
     known = {take.speaker for take in takes if take.split == "train"}
     test = [take for take in takes if take.split == "test" and take.speaker in known]
     seconds = {take.name: read_audio(take.speech, sample_rate=None).duration for take in test}
@@ -48,7 +48,7 @@ def shown_takes(takes: Sequence[RecordedTake], each: int) -> list[RecordedTake]:
 
 
 def learned_takes(takes: Sequence[RecordedTake], each: int) -> list[RecordedTake]:
-    """Return training takes for feature networks: so many of each emotion, of all speakers."""
+    """Return `each` training takes of each emotion for feature networks, of all speakers."""
     chosen = []
     for emotion in EMOTIONS:
         own = [take for take in takes if take.split == "train" and take.emotion == emotion]
@@ -58,7 +58,7 @@ def learned_takes(takes: Sequence[RecordedTake], each: int) -> list[RecordedTake
 
 
 def bring(folder: StudyFolder, takes: Iterable[RecordedTake]) -> None:
-    """Import takes whole as ground truth; those that are there stay."""
+    """Import whole takes as ground truth; existing ones stay."""
     there = folder.speech / "segments.csv"
     known = {segment.name for segment in folder.segments()} if there.exists() else set()
     for take in takes:

@@ -1,1 +1,1 @@
-"""Numbers as papers compute them, for comparison with valid ones, never for conclusions."""
+"""Numbers computed as in papers, only for comparison with valid ones."""

@@ -1,4 +1,4 @@
-"""What AMUSE prints of its perceptual study (Chhatre et al. 2024)."""
+"""The published numbers of AMUSE's perceptual study (Chhatre et al. 2024)."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class PrintedPreference:
     Attributes
     ----------
     other : str
-        What AMUSE was compared with.
+        The condition compared with AMUSE.
     criterion : str
         The question.
     ours, others : int
-        Preferences for AMUSE and for the other, weak or strong, in whole percent of the answers.
+        Weak or strong preferences for AMUSE and for the other, in whole percent of the answers.
     participants : int
-        Those analysed (appendix H, and Fig. 6).
+        Number of analysed participants (appendix H, and Fig. 6).
     """
 
     other: str
@@ -40,12 +40,12 @@ class PrintedPreference:
 
     @property
     def answers(self) -> int:
-        """How many answers the percentages are of."""
+        """Number of answers that the percentages refer to."""
         return self.participants * PAIRS
 
     @property
     def win_share(self) -> float:
-        """Of AMUSE, an answer 'equally preferred' counting one half for each side."""
+        """AMUSE's win share; an answer 'equally preferred' counts one half for each side."""
         return (100 + self.ours - self.others) / 200
 
 
@@ -70,7 +70,7 @@ TABLE_A5: Final = tuple(
     for criterion, rows in _PRINTED.items()
     for other, (ours, others) in zip(_PARTICIPANTS, rows, strict=True)
 )
-"""Table A.5, row by row, first for the emotion and then for synchronisation."""
+"""Table A.5 by row, first for emotion and then for synchronisation."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,13 +80,13 @@ class Claim:
     Attributes
     ----------
     quote, place : str
-        Its words, and where they stand.
+        The sentence and its place in the paper.
     criterion : str
-        The question it speaks of.
+        The question that it is about.
     others : tuple of str
-        What AMUSE is said to differ from.
+        Conditions from which AMUSE is claimed to differ.
     amuse_wins : bool
-        Whether AMUSE is said to be the better one.
+        Whether AMUSE is claimed to be better.
     """
 
     quote: str
@@ -96,7 +96,7 @@ class Claim:
     amuse_wins: bool
 
     def rests_on(self, printed: PrintedPreference) -> bool:
-        """Tell whether the sentence speaks of this row and criterion."""
+        """Return whether the sentence is about this row and criterion."""
         return printed.criterion == self.criterion and printed.other in self.others
 
 
@@ -109,4 +109,4 @@ CLAIMS: Final = tuple(
     for quote, others, wins in ((_BETTER, _BASELINES, True), (_GAP, (GROUND_TRUTH,), False))
     for criterion in (EMOTION, SYNCHRONISATION)
 )
-"""Each of two sentences, once for either question."""
+"""Two sentences, each once per question."""

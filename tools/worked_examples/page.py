@@ -1,4 +1,4 @@
-"""The worked examples in the docs: what published numbers and rules do and do not support.
+"""The page of worked examples: what published numbers and rules do and do not support.
 
 ``python -m tools.worked_examples.page FILE`` writes them.
 """
@@ -27,10 +27,10 @@ from tools.worked_examples.rebuilt import (
 from tools.worked_examples.spread import SharedAnswers, Spread
 
 _FAILING: Final = (0.02, 0.05, 0.10)
-"""Chances of an attentive participant to fail a catch trial."""
+"""Probabilities that an attentive participant fails a catch trial."""
 
 _GUESSING: Final = 1 - (2 / 5) ** 2
-"""Of one who answers two questions of five levels at random: two levels of each are right."""
+"""Probability for random answers to two questions of five levels, two of which are right."""
 
 
 def worked_examples() -> str:
@@ -89,7 +89,7 @@ def _row(row: Rebuilt) -> dict[str, Any]:
 
 
 def _insignificant(rebuilt: tuple[Rebuilt, ...]) -> list[str]:
-    """Return what even the largest possible difference of the counts does not make significant."""
+    """Return the rows that are not significant even with the largest possible counts."""
     return [
         f"{row.printed.other} in {row.printed.criterion} (p = {wording.p_value(row.binomial_p)})"
         for row in rebuilt
@@ -125,7 +125,7 @@ def _claim(claim: amuse_study.Claim, rebuilt: tuple[Rebuilt, ...]) -> dict[str, 
 
 
 def _verdict(counts: tuple[int, ...], tests: int) -> str:
-    """Return what becomes of a claim as more and more is taken into account."""
+    """Return the verdict on a claim under successively stricter analyses."""
     if min(counts) == tests:
         return "stands"
     if counts[0] < tests:
@@ -134,9 +134,9 @@ def _verdict(counts: tuple[int, ...], tests: int) -> str:
 
 
 def _excluded(failing: float) -> dict[str, str]:
-    """Return the probability, in percent, that somebody is excluded by each rule.
+    """Return the probability, in percent, that a participant is excluded by each rule.
 
-    `failing` is the chance to fail one catch trial; whether one is failed says nothing of the next.
+    `failing` is the probability of failing one catch trial, independently of the others.
     """
     failures = stats.binom(amuse_study.CATCH_TRIALS, failing)
     return {
@@ -159,7 +159,7 @@ def _percentage(printed: s2ue_study.PrintedPercentage) -> dict[str, str]:
 
 
 def _possible(percent: float, total: int) -> str:
-    """Return the count behind a percentage, or that there is none and what is nearest."""
+    """Return the count behind a percentage, or the nearest percentages if there is none."""
     counts = counts_behind(percent, total, s2ue_study.DECIMALS)
     if counts:
         return f"{counts[0]} of {total}"

@@ -1,4 +1,4 @@
-"""Printed percentages turned back into counts (AMUSE's table A.5), and their tests."""
+"""Counts reconstructed from printed percentages (AMUSE's Table A.5), and their tests."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tools.worked_examples.amuse_study import PAIRS, TABLE_A5, Claim, PrintedPre
 from tools.worked_examples.spread import SharedAnswers, Spread, with_spread
 
 _ROUNDING: Final = 1e-9
-"""A share in the very middle of two printed ones may have been rounded either way."""
+"""Tolerance: a share halfway between two printed ones may have been rounded either way."""
 
 SPREADS: Final = (
     Spread(participants=0.0, items=0.0),
@@ -22,7 +22,7 @@ SPREADS: Final = (
     Spread(participants=0.6, items=0.45),
     Spread(participants=1.0, items=0.8),
 )
-"""From no differences at all to large ones."""
+"""Spreads from none at all to large ones."""
 
 LEVEL: Final = 0.05
 
@@ -33,16 +33,16 @@ def counts_behind(percent: float, total: int, decimals: int = 0) -> range:
     Parameters
     ----------
     percent : float
-        As printed, 0 to 100.
+        The printed percentage, 0 to 100.
     total : int
-        What it is a percentage of, at least 1.
+        The total that it refers to, at least 1.
     decimals : int
         Digits printed after the point.
 
     Returns
     -------
     range
-        Empty where no count gives that percentage: it is impossible.
+        Empty if the percentage is impossible.
     """
     half = 0.5 * 10.0**-decimals + _ROUNDING
     low = max(math.ceil((percent - half) * total / 100), 0)
@@ -59,27 +59,27 @@ def printable_neighbours(percent: float, total: int, decimals: int = 0) -> tuple
 
 @dataclass(frozen=True, kw_only=True)
 class Rebuilt:
-    """One row and criterion as counts, with what may be made of them.
+    """One row and criterion as counts, with their tests.
 
     Attributes
     ----------
     printed : PrintedPreference
         The percentages.
     ours, others : range
-        Every count that is printed as its percentage.
+        All counts that are printed as the percentage.
     binomial_p : float
         Sign test of the counts nearest to the percentages.
     binomial_range : tuple of (float, float)
         Its smallest and largest p over all counts in `ours` and `others`.
     wilcoxon_p : float
-        Signed ranks of the nearest counts where half of either side's preferences are strong:
-        how many are is not printed.
+        Signed-rank test of the nearest counts, assuming that half of each side's preferences are
+        strong, which is not printed.
     binomial_holm : float
-        `binomial_p` corrected over all of the table.
+        `binomial_p` corrected over the whole table.
     shared : tuple of SharedAnswers
-        Under each of `SPREADS`.
+        Results under each of `SPREADS`.
     shared_holm : tuple of float
-        The p of each, corrected over all of the table.
+        The p of each, corrected over the whole table.
     """
 
     printed: PrintedPreference
@@ -94,7 +94,7 @@ class Rebuilt:
 
     @property
     def nearest(self) -> tuple[int, int]:
-        """Counts of preferences for AMUSE and for the other, nearest to the percentages."""
+        """Counts nearest to the percentages of preferences for AMUSE and for the other."""
         return _nearest(self.printed)
 
 
@@ -107,11 +107,11 @@ class Supported:
     claim : Claim
         The sentence.
     tests : int
-        On how many comparisons it rests.
+        Number of comparisons that it rests on.
     naive : int
-        How many of them the corrected sign test of pooled answers supports.
+        Number supported by the corrected sign test of pooled answers.
     shared : tuple of int
-        How many of them are supported under each of `SPREADS`, corrected.
+        Number supported under each of `SPREADS`, corrected.
     """
 
     claim: Claim
@@ -169,7 +169,7 @@ def _nearest(row: PrintedPreference) -> tuple[int, int]:
 
 
 def _pooled(ours: int, others: int, answers: int) -> tuple[float, float]:
-    """Return p of the sign test and of Wilcoxon's, half of either side's preferences strong."""
+    """Return p of the sign test and of Wilcoxon's, with half of each side's preferences strong."""
     sizes = (2, 1, 0, -1, -2)
     strong, also_strong = ours // 2, others // 2
     counts = (

@@ -1,4 +1,4 @@
-"""Percentages that S2UE prints of its user study (Bhattacharya et al. 2024, section 7)."""
+"""The published percentages of S2UE's user study (Bhattacharya et al. 2024, section 7)."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class PrintedPercentage:
     question : str
         The question.
     set_number : int
-        In which set.
+        Number of the set.
     percent : float
-        As printed, with two decimals.
+        The printed percentage, with two decimals.
     """
 
     question: str

@@ -1,13 +1,12 @@
 """The precision of a printed share when participants and items differ.
 
-A paper that prints only percentages does not say how much its participants and its items differ in
-their preferences. This computes, for any such spread, the interval that the same answers would have
-had.
+A paper that prints only percentages does not show how much participants and items differ in their
+preferences. This module computes, for any such spread, the interval that the same answers would
+have had.
 
-The answers are taken to follow a latent difference: a mean, plus a normal deviation of each
-participant, plus one of each item, plus a logistic one of each answer, with a zone in its middle
-that is answered 'no difference'. Mean and zone are chosen such that wins and losses are as
-printed, whatever the spread. Everybody answers about every item.
+The model is a latent difference: a mean, plus a normal deviation for each participant, one for each
+item, and a logistic one for each answer, with a middle zone that is answered 'no difference'. Mean
+and zone reproduce the printed wins and losses for every spread. Everybody answers about every item.
 """
 
 from __future__ import annotations
@@ -25,12 +24,12 @@ from scipy.special import expit
 _NODES, _WEIGHTS = hermegauss(61)
 _WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
 _FARTHEST: Final = 60.0
-"""No latent difference is so large, in logits."""
+"""Bound on latent differences, in logits."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spread:
-    """How much a preference varies, in logits.
+    """The variation of a preference, in logits.
 
     Attributes
     ----------
@@ -44,14 +43,14 @@ class Spread:
 
 @dataclass(frozen=True, kw_only=True)
 class SharedAnswers:
-    """What a printed win share is worth with some spread.
+    """The precision of a printed win share under some spread.
 
     Attributes
     ----------
     win_share : float
-        As printed, a tie counting one half.
+        The printed share, with a tie counting one half.
     low, high : float
-        The 95% interval to be expected.
+        The expected 95% interval.
     p_value : float
         Two-sided p of one half, from the same t distribution.
     design_effect : float
@@ -75,9 +74,9 @@ def with_spread(
     wins, losses : float
         Shares of all answers, each above 0 and together at most 1.
     participants, items : int
-        How many of each, at least two.
+        Number of each, at least two.
     spread : Spread
-        How much they differ.
+        The spread of their preferences.
 
     Notes
     -----
