@@ -49,7 +49,7 @@ def with_part(page: str, part: str, text: str) -> str:
     _, mark, after = rest.partition(end)
     if not mark:
         raise InputError(
-            "the page has no marks for the generated part", remedy=f"Put {begin} {end}"
+            "the page has no marks for the generated part", remedy=f"Add {begin} and {end}"
         )
     return f"{before}{begin}\n{text}\n{end}{after}"
 

@@ -83,7 +83,7 @@ def test_text_around_the_measurements_is_kept() -> None:
     page, (begin, end) = PAGE.read_text("utf-8"), marks("measured")
     before, after = page.split(begin)[0], page.split(end)[1]
     assert with_part(page, "measured", "new") == f"{before}{begin}\nnew\n{end}{after}"
-    with pytest.raises(InputError, match="no place"):
+    with pytest.raises(InputError, match="no marks"):
         with_part("another page", "measured", "new")
 
 
