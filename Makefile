@@ -15,7 +15,7 @@ setup: $(VENV)/.installed  ## Install the program with everything to make motion
 develop: setup $(VENV)/.developed  ## Install the additional needs of tests, checks and benchmarks.
 
 setup-browser: develop
-	@scripts/debian-packages chromium fonts-dejavu-core fonts-ipafont-gothic
+	@scripts/debian-packages chromium-headless-shell fonts-dejavu-core fonts-ipafont-gothic
 
 setup-engines: develop
 	@scripts/debian-packages firefox-esr webkit2gtk-driver xvfb gstreamer1.0-plugins-good gstreamer1.0-plugins-bad gstreamer1.0-libav
