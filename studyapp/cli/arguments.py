@@ -68,6 +68,30 @@ def refuse_options(options: Collection[str], context: str) -> None:
         )
 
 
+class StudyGroup(click.Group):
+    """A group of a study: within its folder, the folder may be left out."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Take a subcommand's name for what it is, not for a folder."""
+        return super().parse_args(
+            ctx, [".", *args] if args[:1] and args[0] in self.commands else args
+        )
+
+
+class StudyCommand(click.Command):
+    """A command of a study and one thing more: within its folder, the folder may be left out."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Put the working directory first where it is the study and only the other is given."""
+        names = [p.name for p in self.params if isinstance(p, click.Argument)]
+        values, _, _ = self.make_parser(ctx).parse_args([*args])
+        first, *others = (values.get(str(name)) for name in names)
+        is_alone = isinstance(first, str) and not any(isinstance(each, str) for each in others)
+        if is_alone and current_study() and not StudyFolder(Path(str(first))).definition.exists():
+            args = [".", *args]
+        return super().parse_args(ctx, args)
+
+
 FILE: Final = click.Path(dir_okay=False, path_type=Path)
 EXISTING_FILE: Final = click.Path(exists=True, dir_okay=False, path_type=Path)
 FOLDER: Final = click.Path(file_okay=False, path_type=Path)
@@ -108,9 +132,6 @@ joints_option = click.option(
 
 study_folder = click.argument("folder", type=existing_study, default=".")
 """An existing study folder; by default the working directory."""
-
-named_study_folder = click.argument("folder", type=existing_study)
-"""An existing study folder, without a default, for commands with further arguments."""
 
 optional_study_folder: Decorator = click.argument("folder", required=False, type=existing_study)
 """An existing study folder, or none."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from motion.errors import InputError, counted, listed
-from studyapp.cli.arguments import EXISTING_FILE, FOLDER, optional_study_folder
+from studyapp.cli.arguments import EXISTING_FILE, FOLDER, StudyCommand, optional_study_folder
 from studyapp.cli.output import progress
 from studyapp.clock import Clock
 from studyapp.custody.backup import back_up, check_archive
@@ -16,7 +16,7 @@ from studyapp.custody.restoration import restore
 from studyapp.study.folder import StudyFolder, format_size
 
 
-@click.command("backup")
+@click.command("backup", cls=StudyCommand)
 @optional_study_folder
 @click.argument("out", required=False, type=click.Path(path_type=Path))
 @click.option("--with-media", is_flag=True, help="Include speech, motion, networks and videos.")

@@ -7,7 +7,7 @@ from contextlib import closing
 import click
 
 from motion.errors import InputError, listed
-from studyapp.cli.arguments import named_study_folder
+from studyapp.cli.arguments import StudyCommand, study_folder
 from studyapp.clock import Clock
 from studyapp.custody.forgetting import StoredData, find_data, forget, has_forgotten
 from studyapp.database.engine import Database, database_url_of
@@ -18,8 +18,8 @@ from studyapp.results.answers import snapshot
 from studyapp.study.folder import StudyFolder
 
 
-@click.command("exclude")
-@named_study_folder
+@click.command("exclude", cls=StudyCommand)
+@study_folder
 @click.argument("participant")
 @click.option(
     "--reason",
@@ -87,8 +87,8 @@ def _copies(folder: StudyFolder) -> tuple[str, ...]:
     return (*tables, *(f"{name}/" for name in folders))
 
 
-@click.command("forget")
-@named_study_folder
+@click.command("forget", cls=StudyCommand)
+@study_folder
 @click.argument("participant")
 @click.option("--yes", is_flag=True, help="Erase without asking.")
 def forget_command(folder: StudyFolder, participant: str, yes: bool) -> None:

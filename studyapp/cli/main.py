@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 import sys
-from difflib import get_close_matches
 from errno import EDQUOT, ENOSPC
 from importlib import import_module, metadata
 from typing import Any, Final
@@ -56,7 +55,21 @@ _MOTION_PACKAGES: Final = {
 """Packages of the extra `motion`."""
 
 
-class _LazyCommands(click.Group):
+class LazyGroup(click.Group):
+    """A group that lists its subcommands without importing them."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Return the subcommand; an error suggests the nearest of those listed."""
+        try:
+            return super().resolve_command(ctx, args)
+        except click.NoSuchCommand as error:
+            names = self.list_commands(ctx)
+            raise click.NoSuchCommand(args[0], possibilities=names, ctx=ctx) from error
+
+
+class _LazyCommands(LazyGroup):
     """Imports a subcommand only when it is run, so that each starts fast."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -69,14 +82,6 @@ class _LazyCommands(click.Group):
         module = import_module(f"studyapp.cli.{module_name}_command")
         command: click.Command = getattr(module, f"{name}_command" if name else "command")
         return command
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        similar = get_close_matches(args[0], _COMMANDS, n=1)
-        if similar and args[0] not in _COMMANDS:
-            ctx.fail(f"No such command {args[0]!r}. Did you mean {similar[0]!r}?")
-        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):

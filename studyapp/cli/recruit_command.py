@@ -11,7 +11,7 @@ from typing import Final
 import click
 
 from motion.errors import InputError, counted, listed
-from studyapp.cli.arguments import EXISTING_FILE, FILE, named_study_folder, public_address
+from studyapp.cli.arguments import EXISTING_FILE, FILE, StudyGroup, public_address, study_folder
 from studyapp.cli.output import echo_table
 from studyapp.preflight.recruiting_checks import pay_findings
 from studyapp.recruitment import mturk, prolific
@@ -40,8 +40,8 @@ MOST_INVITATIONS = 10_000
 _ACTIONS: Final = {"pay": "pay", "look": "your decision", "wait": "wait", "settled": "–"}
 
 
-@click.group("recruit")
-@named_study_folder
+@click.group("recruit", cls=StudyGroup)
+@study_folder
 @click.pass_context
 def command(context: click.Context, folder: StudyFolder) -> None:
     """Recruit participants for the study FOLDER, and pay them on a recruiting site.

@@ -14,9 +14,9 @@ from renderer.look import AVATARS, FIRST_AVATAR, FRAMINGS, VIEWS, Look
 from studyapp.cli.arguments import (
     EXISTING_FILE,
     FOLDER,
+    StudyCommand,
     file_rate_option,
     joints_option,
-    named_study_folder,
     processes_option,
     public_address,
     study_folder,
@@ -147,8 +147,8 @@ def preview_command(
         click.echo(f"{page}, {page.stat().st_size / 1e6:.1f} MB; open it in a browser")
 
 
-@click.command("publish-media")
-@named_study_folder
+@click.command("publish-media", cls=StudyCommand)
+@study_folder
 @click.argument("bucket", required=False, metavar="[s3://BUCKET/FOLDER]")
 @click.option(
     "--endpoint",

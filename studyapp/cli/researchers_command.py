@@ -7,7 +7,7 @@ from typing import cast
 
 import click
 
-from studyapp.cli.arguments import public_address, study_folder
+from studyapp.cli.arguments import StudyGroup, public_address, study_folder
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
 from studyapp.researchers import credentials as second_factor
@@ -25,7 +25,7 @@ address = public_address(
 )
 
 
-@click.group("researchers")
+@click.group("researchers", cls=StudyGroup)
 @study_folder
 @click.pass_context
 def command(context: click.Context, folder: StudyFolder) -> None:

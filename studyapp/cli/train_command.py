@@ -23,6 +23,7 @@ from generators.registry import (
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.cli.arguments import FILE, FOLDER, Decorator, Number, device_option, together
+from studyapp.cli.main import LazyGroup
 from studyapp.cli.output import echo_note, echo_skipped, progress
 from studyapp.study.settings.study import GROUND_TRUTH
 from training.data.take import KINDS
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from analysis.evaluators.training import TrainedEvaluator
 
 
-class _Networks(click.Group):
+class _Networks(LazyGroup):
     """The evaluator, and every generator that learns, which is looked up when asked for."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:

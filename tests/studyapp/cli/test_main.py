@@ -39,16 +39,30 @@ def _refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 def test_the_nearest_command_is_suggested_for_a_misspelt_one(refused: Refused) -> None:
     status, error = refused("reprot")
     assert status == 2
-    assert "No such command 'reprot'. Did you mean 'report'?" in error
+    assert (
+        "No such command 'reprot'. (Did you mean one of: 'export', 'recruit', 'report'?)" in error
+    )
+    assert "Did you mean 'diffsheg'?" in refused("train", "diffshg")[1]
 
 
-@pytest.mark.parametrize("command", ["export", "report", "metrics", "generate"])
+@pytest.mark.parametrize(
+    ("command", "answer"),
+    [
+        *((name, "not valid TOML") for name in ("export", "report", "metrics", "generate")),
+        ("publish-media s3://bucket", "not valid TOML"),
+        ("recruit status", "not valid TOML"),
+        ("researchers reset Eve", "no researcher 'Eve'"),
+        ("exclude 1 --reason asleep", "no study session '1'"),
+        ("forget 1", "no database of answers"),
+        ("backup out.tar", "no database of answers"),
+    ],
+)
 def test_a_command_without_a_folder_uses_the_working_directory(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: str
+    refused: Refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: str, answer: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "study.toml").write_text("trials = [")
-    assert "not valid TOML" in refused(command)[1]
+    assert answer in refused(*command.split())[1]
 
 
 def test_bad_input_is_one_sentence_without_a_traceback(refused: Refused, tmp_path: Path) -> None:
