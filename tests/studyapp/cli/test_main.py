@@ -112,7 +112,7 @@ def test_a_full_or_failing_disk_is_reported_without_a_traceback_and_with_the_fil
 def test_a_closed_pipe_ends_a_command_without_a_word() -> None:
     reading, writing = os.pipe()
     os.close(reading)
-    command = [sys.executable, "-m", "studyapp.cli.main", "--help"]
+    command = [sys.executable, "-m", "studyapp.cli.main", "init", "--help"]
     with os.fdopen(writing, "w") as closed:
         done = subprocess.run(command, stdout=closed, stderr=subprocess.PIPE, check=False)
     assert done.stderr == b""
