@@ -84,8 +84,8 @@ def _time_for_workers_to_start(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @contextmanager
-def _workers(address: str, folder: Path, *, count: int) -> Iterator[None]:
-    arguments = ("worker", address, "--nthreads", "1", "--host", "127.0.0.1")
+def _workers(address: str, folder: Path, *options: str, count: int) -> Iterator[None]:
+    arguments = ("worker", address, "--nthreads", "1", "--host", "127.0.0.1", *options)
     started = [_dask(*arguments, log=folder / f"worker{number}.log") for number in range(count)]
     with _ended_afterwards(*started):
         yield
@@ -142,7 +142,7 @@ def test_a_scheduler_without_workers_and_a_lost_one_are_reported(
             with pytest.raises(InputError, match=r"no worker.*Start some with .*dask worker tcp"):
                 run_jobs([clip_job], processes=1, cluster=address)
         with (
-            _workers(address, tmp_path, count=1),
+            _workers(address, tmp_path, "--no-nanny", count=1),
             pytest.raises(InputError, match=r"connection .* was lost.*resumes where it stopped"),
         ):
             run_jobs(
