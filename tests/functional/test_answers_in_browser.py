@@ -97,7 +97,9 @@ def test_clicks_rank_from_best_to_worst_and_survive_a_reload(page: Page) -> None
     assert chosen(page) == "-5143"
 
 
-def test_dragging_a_card_moves_the_others(page: Page) -> None:
+def test_a_dragged_card_lands_where_it_is_dropped_and_moves_others_only_as_needed(
+    page: Page,
+) -> None:
     places = question(page).locator(".place")
     drag(page, "B", places.nth(2))
     expect_order(page, "3rd B")
@@ -111,6 +113,30 @@ def test_dragging_a_card_moves_the_others(page: Page) -> None:
     expect_order(page, "1st E, 2nd A, 4th B and 5th D")
     drag(page, "A", page.locator("header"))
     expect_order(page, "1st E, 2nd A, 4th B and 5th D")
+
+    _expect_every_drop_to_move_only_what_it_must(page)
+
+
+def _expect_every_drop_to_move_only_what_it_must(page: Page) -> None:
+    orders = sorted(set(permutations((0, 0, 0, 1, 2, 3, 4), 4)))
+    moves = [
+        (ranks, card, rank)
+        for ranks, card, rank in product(orders, range(4), range(5))
+        if ranks.count(0) < 4
+    ]
+    after = page.evaluate(
+        "moves => import('/static/order.js').then(({ placed }) =>"
+        " moves.map(([ranks, card, rank]) => placed(ranks, card, rank, false)))",
+        moves,
+    )
+    for (ranks, moved, rank), now in zip(moves, after, strict=True):
+        assert now[moved] == rank
+        ranked = [each for each in now if each]
+        assert len(set(ranked)) == len(ranked)
+        others = [card for card in range(4) if card != moved]
+        assert [card for card in others if not ranks[card]] == [c for c in others if not now[c]]
+        before = sorted((c for c in others if ranks[c]), key=ranks.__getitem__)
+        assert before == sorted((c for c in others if now[c]), key=now.__getitem__)
 
 
 def test_keys_move_the_focused_card(page: Page) -> None:
@@ -194,28 +220,6 @@ def test_all_videos_stay_in_view_and_enlarging_them_is_not_sent(page: Page) -> N
     assert video_sizes(page) == {small}
 
 
-def test_a_card_lands_where_it_is_dropped_without_displacing_others(page: Page) -> None:
-    orders = sorted(set(permutations((0, 0, 0, 1, 2, 3, 4), 4)))
-    moves = [
-        (ranks, card, rank)
-        for ranks, card, rank in product(orders, range(4), range(5))
-        if ranks.count(0) < 4
-    ]
-    after = page.evaluate(
-        "moves => import('/static/order.js').then(({ placed }) =>"
-        " moves.map(([ranks, card, rank]) => placed(ranks, card, rank, false)))",
-        moves,
-    )
-    for (ranks, moved, rank), now in zip(moves, after, strict=True):
-        assert now[moved] == rank
-        ranked = [each for each in now if each]
-        assert len(set(ranked)) == len(ranked)
-        others = [card for card in range(4) if card != moved]
-        assert [card for card in others if not ranks[card]] == [c for c in others if not now[c]]
-        before = sorted((c for c in others if ranks[c]), key=ranks.__getitem__)
-        assert before == sorted((c for c in others if now[c]), key=now.__getitem__)
-
-
 def line(page: Page, number: int = 0) -> Locator:
     return page.locator(".slider [type=range]").nth(number)
 
@@ -225,7 +229,9 @@ def field(page: Page, number: int = 0) -> Locator:
 
 
 @pytest.mark.parametrize("page", ["sliders"], indirect=True)
-def test_a_slider_has_no_value_before_it_is_moved_and_keeps_it_after_a_reload(page: Page) -> None:
+def test_a_slider_is_empty_keeps_its_value_and_starts_in_the_middle_or_at_an_end(
+    page: Page,
+) -> None:
     expect(line(page)).to_have_attribute("aria-valuetext", "nothing chosen yet")
     expect(page.locator(".bands .chosen")).to_have_count(0)
     line(page).focus()
@@ -241,9 +247,7 @@ def test_a_slider_has_no_value_before_it_is_moved_and_keeps_it_after_a_reload(pa
     expect(line(page)).to_have_value("85")
     expect(line(page)).to_have_attribute("aria-valuetext", "85, excellent")
 
-
-@pytest.mark.parametrize("page", ["sliders"], indirect=True)
-def test_a_sliders_first_key_starts_in_the_middle_or_at_an_end(page: Page) -> None:
+    # The first key starts in the middle or at an end.
     keys = {
         "ArrowLeft": ("50", "49"),
         "ArrowUp": ("50", "51"),
@@ -251,7 +255,7 @@ def test_a_sliders_first_key_starts_in_the_middle_or_at_an_end(page: Page) -> No
         "Home": ("0", "0"),
         "End": ("100", "100"),
     }
-    for number, (key, values) in enumerate(keys.items()):
+    for number, (key, values) in enumerate(keys.items(), start=1):
         for value in values:
             line(page, number).press(key)
             expect(field(page, number)).to_have_value(value)

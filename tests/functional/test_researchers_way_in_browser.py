@@ -6,8 +6,6 @@ With ``SCREENSHOTS=folder`` in the environment each page is also taken in every 
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -32,13 +30,13 @@ from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, wa
 from tests.functional.joining import NAME, join
 from tests.functional.page_checks import examination, photograph
 from tests.functional.taking_part import answer
+from tests.support.command_line import run
 from tests.support.researcher_accounts import PASSWORD
 from tests.support.studies.redefining import redefine
 from tests.support.studies.stored import opened
 
 pytestmark = IN_A_BROWSER
 
-MOTIONJURY = str(Path(sys.executable).with_name("motionjury"))
 PEOPLE = 10
 TRIALS, QUESTIONS = 2, 2
 REFRESHED_MS = 21_000
@@ -79,13 +77,7 @@ def study(tiny_study: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def export(study: Path) -> pd.DataFrame:
     """Run `motionjury export`, and return its participants."""
-    done = subprocess.run(
-        [MOTIONJURY, "export", str(study), "--out", str(study / "out" / "answers.csv")],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    run("export", study, "--out", study / "out" / "answers.csv")
     people = pd.read_csv(study / "out" / "answers_participants.csv", keep_default_na=False)
     return people.set_index("study_session")
 
