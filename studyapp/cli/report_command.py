@@ -22,7 +22,7 @@ from studyapp.cli.arguments import (
 )
 from studyapp.cli.output import sign_of_life
 from studyapp.researchers.audit import read_reason
-from studyapp.study.folder import StudyFolder
+from studyapp.study.folder import StudyFolder, format_size
 from studyapp.study.settings.exclusions import EXCLUSION_SECTIONS, Exclusion, ExclusionSection
 from studyapp.study.settings.sections import explain_errors
 
@@ -162,7 +162,8 @@ def command(
             exclude=[parse_exclusion(rule, where="--exclude").to_rule() for rule in rules],
         )
         page = report_table(results, out)
-    click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
+    size = f" ({format_size(page.stat().st_size)})" if with_motion else ""
+    click.echo(f"The report is {page}{size}, the results are {page.with_name('results.json')}")
 
 
 def _parse_scale(text: str, protocol: str) -> tuple[int, int]:
