@@ -43,7 +43,7 @@ class Speech:
     onsets : ndarray, shape (N,)
         Onsets of sounds, in seconds.
     strokes : ndarray, shape (M,)
-        Ends of the process' strokes, in seconds.
+        Arrival times of the process' strokes, in seconds.
     """
 
     wrist_speed: FloatArray

@@ -30,7 +30,7 @@ ABLATIONS: Final = ("without_alignment", "disjoint", "without_prior", "mfcc")
 """Ablations of AMUSE: appendix C.3, Table A.4 and both of Table A.3."""
 
 STEPS: Final = MappingProxyType({"diffsheg": 1_500})
-"""Steps instead of the config's, which train all networks within an hour and a half."""
+"""Steps instead of the configs', so that all networks are trained within an hour and a half."""
 
 JUDGES: Final[tuple[tuple[str, Kind, Channels], ...]] = (
     ("gesture", "motion", "gesture"),
