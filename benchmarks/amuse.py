@@ -65,13 +65,13 @@ def main() -> None:
         torch.randn(1, 1, motion.config.width),
     )
 
-    def moved() -> Tensor:
+    def sample() -> Tensor:
         return motion.prior.decode(motion.sample(noise, latents))[0]
 
-    def moved_plainly() -> Tensor:
+    def sample_plainly() -> Tensor:
         torch.backends.mha.set_fastpath_enabled(False)
         try:
-            return moved()
+            return sample()
         finally:
             torch.backends.mha.set_fastpath_enabled(True)
 
@@ -85,7 +85,7 @@ def main() -> None:
 
     with torch_threads(args.threads):
         print(f"{args.threads} threads, {args.rounds} turns, ten seconds of speech")
-        compared("Sampling in 50 steps, and decoding", moved, moved_plainly, args.rounds, 300)
+        compared("Sampling in 50 steps, and decoding", sample, sample_plainly, args.rounds, 300)
         for name, model in plain.items():
             compared(
                 f"Hearing by three encoders, plain attention: {name}",

@@ -78,13 +78,13 @@ def plain_loop(denoiser: Denoiser, person: Tensor) -> Sampler:
         return result
 
     def sample(windows: Sequence[Window], known: Tensor | None) -> list[Tensor]:
-        asked = ((partial(eps, speech=window.speech), window.noise) for window in windows)
-        return sample_windows(asked, SAMPLING, known)
+        inputs = ((partial(eps, speech=window.speech), window.noise) for window in windows)
+        return sample_windows(inputs, SAMPLING, known)
 
     return sample
 
 
-def moved(sampler: Sampler, speech: SpeechFrames) -> Tensor:
+def sampled_motion(sampler: Sampler, speech: SpeechFrames) -> Tensor:
     """Return the motion for `speech`."""
     pieces = stream(
         [speech],
@@ -113,7 +113,7 @@ def in_turns(works: Mapping[str, Callable[[], object]], rounds: int) -> dict[str
     return turns
 
 
-def asked(frames: int) -> int:
+def evaluations(frames: int) -> int:
     """Return the number of network evaluations for this many frames."""
     settled = BEAT.frames - SAMPLING.overlap
     later = -(-max(frames - BEAT.frames, 0) // settled)
@@ -126,12 +126,12 @@ def _steps_down(walk: Sequence[int]) -> int:
 
 def compare(ways: dict[str, Sampler], speech: SpeechFrames, threads: int, rounds: int) -> None:
     """Print the speed of both with this many threads."""
-    works = {name: partial(moved, sampler, speech) for name, sampler in ways.items()}
+    works = {name: partial(sampled_motion, sampler, speech) for name, sampler in ways.items()}
     with torch_threads(threads):
         turns = in_turns(works, rounds)
     print(
         f"\n{threads} thread{'s' * (threads > 1)}, {len(speech)} frames, "
-        f"{asked(len(speech))} evaluations, {rounds} turns"
+        f"{evaluations(len(speech))} evaluations, {rounds} turns"
     )
     for name, of_one in turns.items():
         rate = len(speech) / median(turn.wall for turn in of_one)
@@ -158,7 +158,7 @@ def streams_in_real_time(sampler: Sampler, speech: SpeechFrames) -> int:
 
 def _together(sampler: Sampler, speech: SpeechFrames, streams: int) -> None:
     with ThreadPoolExecutor(streams) as pool:
-        list(pool.map(partial(moved, sampler), [speech] * streams))
+        list(pool.map(partial(sampled_motion, sampler), [speech] * streams))
 
 
 def _seconds(speech: SpeechFrames) -> float:
@@ -177,7 +177,7 @@ def main() -> None:
     ways: dict[str, Sampler] = {AHEAD: WindowSampler(deepcopy(denoiser), person, SAMPLING)}
     print(f"computed ahead in {time.perf_counter() - began:.2f} s, once for a speaker")
     ways[PLAIN] = plain_loop(denoiser, person)
-    fast, plain = (moved(ways[name], speech) for name in (AHEAD, PLAIN))
+    fast, plain = (sampled_motion(ways[name], speech) for name in (AHEAD, PLAIN))
     print(
         f"motion apart by {float((fast - plain).abs().max() / plain.abs().max()):.1e} of its most"
     )

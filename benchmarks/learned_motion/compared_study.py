@@ -74,10 +74,10 @@ def _definition(root: Path, generators: Mapping[str, Mapping[str, str | Path]], 
         MISMATCHED: {"generator": MISMATCHED, "source": GROUND_TRUTH},
         RULE_BASED: {"generator": RULE_BASED},
     }
-    for condition, told in generators.items():
+    for condition, settings in generators.items():
         conditions[condition] = {
             key: os.path.relpath(value, root) if isinstance(value, Path) else value
-            for key, value in told.items()
+            for key, value in settings.items()
         }
     return tomlkit.dumps(
         {

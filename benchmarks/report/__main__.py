@@ -29,11 +29,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="Measure reports of very many answers.")
     parser.add_argument("--answers", type=int, default=ANSWERS)
     parser.add_argument("--only", choices=[*LAYOUTS, STUDY], help="measure this one alone")
-    asked = parser.parse_args(arguments)
-    print(f"answers: {asked.answers}", flush=True)
-    for name in [asked.only] if asked.only else [*LAYOUTS, STUDY]:
+    args = parser.parse_args(arguments)
+    print(f"answers: {args.answers}", flush=True)
+    for name in [args.only] if args.only else [*LAYOUTS, STUDY]:
         with tempfile.TemporaryDirectory() as folder:
-            _measure(name, asked.answers, Path(folder))
+            _measure(name, args.answers, Path(folder))
 
 
 def _measure(name: str, answers: int, folder: Path) -> None:

@@ -27,18 +27,18 @@ def drawn_together(trained: S2ueNetwork, windows: Windows) -> float:
     """
     network, config = trained.network, trained.network.config
     rows = np.arange(len(windows))
-    told = {name: torch.from_numpy(array) for name, array in windows.batch(rows).items()}
+    inputs = {name: torch.from_numpy(array) for name, array in windows.batch(rows).items()}
     people = torch.from_numpy(trained.speakers.one_hot(windows.speakers(rows)))
     means = []
     for draw in range(DRAWS):
         noise = torch.randn((1, *config.latents), generator=torch.Generator().manual_seed(draw))
         with torch.inference_mode():
             values, _ = network.synthesise(
-                told["sound"],
-                told["words"],
+                inputs["sound"],
+                inputs["words"],
                 people,
                 noise.expand(len(rows), -1, -1),
-                told["motion"][:, : config.seeds],
+                inputs["motion"][:, : config.seeds],
             )
         means.append(values[:, config.seeds :].mean(dim=1).double().numpy())
     draws = np.stack(means)

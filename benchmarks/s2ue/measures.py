@@ -84,7 +84,7 @@ class Measure:
     def __call__(self, values: FloatArray, *, face: bool, pose: bool) -> Mapping[str, float]:
         """Return the columns; NaN for a part that the network does not generate."""
         row_values = dict.fromkeys(COLUMNS, float("nan"))
-        told, recorded = self._points(values), self._points(self.recorded)
+        generated, recorded = self._points(values), self._points(self.recorded)
         for number, (part, distance, errors) in enumerate(PARTS):
             if (pose, face)[number]:
                 for column, settings in errors:
@@ -92,7 +92,7 @@ class Measure:
                         point_error(
                             *pair, frame_rate=RATE, settings=settings, scale=self._scales[number]
                         ).value
-                        for pair in zip(told[number], recorded[number], strict=True)
+                        for pair in zip(generated[number], recorded[number], strict=True)
                     )
                 row_values[distance] = self._distance(values, part)
         if face and pose:
@@ -183,9 +183,9 @@ def speed(rounds: int) -> None:
         for _ in range(rounds + 1):
             wall, processors = time.perf_counter(), time.process_time()
             values = np.concatenate(list(generator.stream([sound], seed=1)))
-            told = time.perf_counter() - wall
+            sampling = time.perf_counter() - wall
             generator.clip_of(values)
-            turns.append((told, time.perf_counter() - wall, time.process_time() - processors))
+            turns.append((sampling, time.perf_counter() - wall, time.process_time() - processors))
     for name, seconds in zip(
         ("motion, by the clock", "clip, by the clock", "clip, of processors"),
         zip(*turns[1:], strict=True),

@@ -62,8 +62,8 @@ def table(
         for seed in range(seeds):
             network = load_network(files[ablation, seed], face)
             config = network.network.config
-            moved = _moved(network, recorded)
-            rows_of_seeds.append(measure(moved, face=config.faces, pose=config.poses))
+            generated = _generated(network, recorded)
+            rows_of_seeds.append(measure(generated, face=config.faces, pose=config.poses))
         yield _row((ablation or "full model").replace("_", " "), rows_of_seeds)
     for name, values in _recordings(recorded).items():
         score = measure.synchrony(measure.recorded[:, SEEDS:], values[:, SEEDS:])
@@ -112,11 +112,11 @@ def _train(
     train_s2ue(request)
 
 
-def _moved(trained: S2ueNetwork, windows: Windows) -> FloatArray:
+def _generated(trained: S2ueNetwork, windows: Windows) -> FloatArray:
     """Return generated motion for all windows (windows, T, values), from recorded seeds."""
     network, config = trained.network, trained.network.config
     rows = np.arange(len(windows))
-    told = {name: torch.from_numpy(entry) for name, entry in windows.batch(rows).items()}
+    inputs = {name: torch.from_numpy(entry) for name, entry in windows.batch(rows).items()}
     people = trained.speakers.one_hot(windows.speakers(rows))
     noise = torch.randn(
         (len(rows), *config.latents),
@@ -124,13 +124,13 @@ def _moved(trained: S2ueNetwork, windows: Windows) -> FloatArray:
     )
     with torch.inference_mode():
         values, _ = network.synthesise(
-            told["sound"],
-            told["words"],
+            inputs["sound"],
+            inputs["words"],
             torch.from_numpy(people),
             noise,
-            told["motion"][:, : config.seeds],
+            inputs["motion"][:, : config.seeds],
         )
-        values = network.with_lips(values, told["spectrum"])
+        values = network.with_lips(values, inputs["spectrum"])
     return values.numpy().astype(np.float64)
 
 

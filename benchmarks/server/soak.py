@@ -17,11 +17,11 @@ from tests.support.servers.databases import BACKENDS
 
 def main() -> None:
     """Run the soak, print its outcome, and fail if there is a problem."""
-    asked = _arguments()
+    args = _arguments()
     problems: list[str] = []
     for backend in BACKENDS:
         strain = Strain(
-            sessions=asked.sessions, trials=asked.trials, kills=asked.kills, seed=asked.seed
+            sessions=args.sessions, trials=args.trials, kills=args.kills, seed=args.seed
         )
         killed = kill_soak(backend, strain)
         for what, count in sorted(killed.killed.items()):
@@ -29,13 +29,13 @@ def main() -> None:
         print(f"{backend}_requests_sent_again: {killed.sent_again}")
         print(f"{backend}_answers_acknowledged: {killed.acknowledged}", flush=True)
         problems += [f"{backend}: {problem}" for problem in killed.problems]
-    malformed = malformed_soak("sqlite", requests=asked.malformed, seed=asked.seed)
+    malformed = malformed_soak("sqlite", requests=args.malformed, seed=args.seed)
     for status, count in sorted(malformed.answers.items()):
         print(f"malformed_answered_{status}: {count}")
     problems += malformed.problems
     for problem in problems:
         print(problem, file=sys.stderr)
-    print(f"seed: {asked.seed}")
+    print(f"seed: {args.seed}")
     print(f"problems: {len(problems)}")
     sys.exit(1 if problems else 0)
 

@@ -28,10 +28,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--large-side", type=int, default=1000, help="the same, without R")
     parser.add_argument("--votes", type=int, default=1_000_000)
     parser.add_argument("--resamples", type=int, default=10_000)
-    asked = parser.parse_args(arguments)
-    _ordinal(asked.side, asked.large_side)
-    _bootstrap(asked.resamples)
-    _strengths(asked.votes)
+    args = parser.parse_args(arguments)
+    _ordinal(args.side, args.large_side)
+    _bootstrap(args.resamples)
+    _strengths(args.votes)
 
 
 def _ordinal(side: int, large: int) -> None:

@@ -78,8 +78,8 @@ def why_not_r() -> str:
     program = shutil.which("Rscript")
     if program is None:
         return "R is not installed"
-    asked = subprocess.run([program, "-e", HAS_ORDINAL], capture_output=True, check=False)  # noqa: S603
-    return "" if asked.returncode == 0 else "R has no package ordinal"
+    result = subprocess.run([program, "-e", HAS_ORDINAL], capture_output=True, check=False)  # noqa: S603
+    return "" if result.returncode == 0 else "R has no package ordinal"
 
 
 def made_answers(participants: int, items: int) -> Preferences:

@@ -86,21 +86,19 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument(
         "--write", type=Path, metavar="FILE", help="put the tables into this document"
     )
-    asked = parser.parse_args(arguments)
+    args = parser.parse_args(arguments)
     began = time.monotonic()
     rows: list[Row] = []
-    with _processes(asked.processes) as pool:
+    with _processes(args.processes) as pool:
         for experiment in EXPERIMENTS:
-            if experiment.name in asked.only:
-                measured_rows = measure(
-                    experiment, studies=asked.studies, seed=asked.seed, pool=pool
-                )
+            if experiment.name in args.only:
+                measured_rows = measure(experiment, studies=args.studies, seed=args.seed, pool=pool)
                 rows += measured_rows
-                count = _count(experiment, asked.studies)
-                text = section(experiment.name, measured_rows, studies=count, seed=asked.seed)
+                count = _count(experiment, args.studies)
+                text = section(experiment.name, measured_rows, studies=count, seed=args.seed)
                 print(text, flush=True)
-                if asked.write:
-                    write_section(asked.write, experiment.name, text)
+                if args.write:
+                    write_section(args.write, experiment.name, text)
     numbers: dict[tuple[str, str], list[Realised]] = {}
     for row in rows:
         numbers.setdefault((row.experiment, row.number), []).append(row.realised)
@@ -109,7 +107,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(f"{key}_most_false_positives: {max(r.false_positives.value for r in outcomes):.3f}")
         if not np.isnan(outcomes[0].coverage.value):
             print(f"{key}_least_coverage: {min(r.coverage.value for r in outcomes):.3f}")
-    print(f"studies: {asked.studies}")
+    print(f"studies: {args.studies}")
     print(f"seconds: {time.monotonic() - began:.0f}")
 
 

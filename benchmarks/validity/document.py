@@ -93,8 +93,8 @@ def section(name: str, rows: Sequence[Row], *, studies: int, seed: int) -> str:
         verdict = overall(measured_rows).replace(" x ", " × ")
         cells.append((f"**{number}**{naive}", "", "", "", "", "", f"**{verdict}**"))
         cells += map(_cells, measured_rows)
-    told = f"{studies:,} studies of each size without and with an effect, seed {seed}."
-    return f"## {_heading(name)}\n\n{told}\n\n{table((*_COLUMNS, 'verdict'), cells)}\n"
+    facts = f"{studies:,} studies of each size without and with an effect, seed {seed}."
+    return f"## {_heading(name)}\n\n{facts}\n\n{table((*_COLUMNS, 'verdict'), cells)}\n"
 
 
 def _cells(row: Row) -> Sequence[str]:

@@ -109,7 +109,7 @@ def crossed(design: Design) -> tuple[Codes, Codes]:
     return participants, np.tile(np.arange(design.items), design.participants)
 
 
-def asked(design: Design, generator: np.random.Generator) -> tuple[Codes, Codes]:
+def answered(design: Design, generator: np.random.Generator) -> tuple[Codes, Codes]:
     """Return the participant and the item of each answer under the process of `design`."""
     if design.process == "unequal exposure":
         often = np.arange(1, design.participants + 1) ** -1.2
@@ -168,7 +168,7 @@ def preferences(
     shifts : ndarray, shape (items,), optional
         Increase of the effect for each item, in logits.
     """
-    people, items = asked(design, generator)
+    people, items = answered(design, generator)
     latent = (
         design.effect
         + (0.0 if shifts is None else shifts[items])
@@ -195,7 +195,7 @@ def judgements(
         Whether participants and items differ by condition, so that the difference between any two
         conditions varies as in `design`; else all agree.
     """
-    people, items = asked(design, generator)
+    people, items = answered(design, generator)
     worth = np.zeros((people.size, conditions))
     worth[:, 0] = design.effect
     if differ:
