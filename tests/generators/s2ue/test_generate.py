@@ -121,7 +121,8 @@ def test_mismatched_vectors_and_networks_are_refused(
 ) -> None:
     (tmp_path / "other.vec").write_text("1 2\nhello 1 2\n")
     with pytest.raises(
-        InputError, match=r"of 300 numbers, and these are other\.vec \(sha256 \w+\) of 2"
+        InputError,
+        match=r"of width 300, but these vectors are other\.vec \(sha256 \w+\) of width 2",
     ):
         generator(checkpoint, vectors=tmp_path / "other.vec").generate(
             speech, seed=1, frame_rate=15
