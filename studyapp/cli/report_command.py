@@ -150,18 +150,21 @@ def command(
         from analysis.report.page import report_table
         from analysis.results.report import analyse_table
 
-        results = analyse_table(
-            responses,
-            protocol,
-            max_catch_failures=(
-                MAX_CATCH_FAILURES if max_catch_failures is None else max_catch_failures
-            ),
-            margin=margin,
-            family="all" if family is None else family,
-            scale=None if scale is None else _parse_scale(scale, protocol),
-            exclude=[parse_exclusion(rule, where="--exclude").to_rule() for rule in rules],
-        )
-        page = report_table(results, out)
+        with sign_of_life("report") as show:
+            show("comparing conditions")
+            results = analyse_table(
+                responses,
+                protocol,
+                max_catch_failures=(
+                    MAX_CATCH_FAILURES if max_catch_failures is None else max_catch_failures
+                ),
+                margin=margin,
+                family="all" if family is None else family,
+                scale=None if scale is None else _parse_scale(scale, protocol),
+                exclude=[parse_exclusion(rule, where="--exclude").to_rule() for rule in rules],
+            )
+            show("drawing figures and tables")
+            page = report_table(results, out)
     size = f" ({format_size(page.stat().st_size)})" if with_motion else ""
     click.echo(f"The report is {page}{size}, the results are {page.with_name('results.json')}")
 
