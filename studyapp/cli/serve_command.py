@@ -269,9 +269,8 @@ def deploy_command(
     else:
         kind, title = "desk", place.name
         # A desk has a host of its own, and keeps answers in the studies' own folders.
-        refuse_options(
-            {"--prefix": prefix or None, "--database": database != DATABASES[0]}, "a desk"
-        )
+        refused = {"--prefix": bool(prefix), "--database": database != DATABASES[0]}
+        refuse_options([name for name, is_refused in refused.items() if is_refused], "a desk")
     deployment = Deployment(
         kind=kind, title=title, folder=place, prefix=prefix, database=database, **options
     )

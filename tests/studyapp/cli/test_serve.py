@@ -76,7 +76,7 @@ def test_a_folder_of_studies_gets_the_files_of_a_desk(tiny_study: Path, tmp_path
     lab, host = tiny_study.parent, ("--host", "lab.example.org")
     there = ("--folder-there", "/srv/motionjury/lab")
 
-    run("deploy", lab, *host, *there, "--out", tmp_path / "server")
+    run("deploy", lab, *host, *there, "--database", "sqlite", "--out", tmp_path / "server")
 
     unit = (tmp_path / "server" / "serve.service").read_text("utf-8")
     assert 'motionjury desk "/srv/motionjury/lab" --port 8000' in unit
