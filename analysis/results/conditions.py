@@ -88,7 +88,7 @@ class RatingContrast(PairKey):
     difference : RatedDifference
         Mean difference of paired ratings; the headline.
     log_odds, odds_ratio : float
-        The odds that a is rated better than b in the mixed model, which is descriptive only.
+        Of a better rating for a than for b, in the mixed model, which is descriptive only.
     cliffs_delta : Estimate
         Dominance of the ratings of a over those of b.
     remark : str

@@ -210,7 +210,7 @@ class SegmentConcordance:
     estimate : float
         Kendall's W with ties, from 0 to 1; NaN if there is none.
     p_value : float
-        p-value of W being due to chance, by chi-square; approximate for few rankings.
+        p-value of W if all orders were random, by chi-square; approximate for few rankings.
     n, incomplete : int
         Number of rankings used, and of those left out because they do not place every condition.
     reason : str

@@ -164,7 +164,7 @@ def edit_verdicts(way: str, edited: Sequence[Edited]) -> list[Verdict]:
     """
     return [
         Verdict(
-            claim=f"another emotion {way} is recognized in the motion in most edits",
+            claim=f"another emotion {way} is recognised in the motion in most edits",
             holds=all(one.accuracy > 0.5 for one in edited),
             evidence=", ".join(f"{one.accuracy:.3g}" for one in edited),
         ),

@@ -42,7 +42,7 @@ class Edited:
     Attributes
     ----------
     confusion : EmotionConfusion
-        A row for each emotion given, a column for each emotion recognized.
+        A row for each emotion given, a column for each emotion recognised.
     speaker_before, speaker_after : float
         Share of clips attributed to their own speaker, unedited and edited.
     speed : float
@@ -60,7 +60,7 @@ class Edited:
 
     @property
     def accuracy(self) -> float:
-        """Share of edited clips whose emotion is recognized as the one given."""
+        """Share of edited clips whose emotion is recognised as the one given."""
         counts = np.array(self.confusion.counts)
         return float(np.trace(counts) / counts.sum())
 

@@ -43,7 +43,7 @@ PEER_FRAMES: Final = 30
 """Frames of the plain loop, which is slow and leaks some 3 MB with each."""
 
 _CLIPS_PER_PROCESS: Final = 3
-"""Runs that load libraries, body and shaders, and are not counted."""
+"""The first loads libraries, body and shaders, and is not counted."""
 
 _STIMULI, _STIMULUS_SECONDS = 200, 10.0
 

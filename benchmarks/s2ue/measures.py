@@ -52,7 +52,7 @@ FloatArray = NDArray[np.float64]
 RATE: Final = 15.0
 SEEDS: Final = 4
 FEATURES: Final = 32
-"""Training of the autoencoders behind FGD and FLD."""
+"""Features of the autoencoders behind FGD and FLD."""
 VALUES: Final = {"pose": slice(BONE_VALUES), "face": slice(BONE_VALUES, None)}
 """Slice of each part in the values of motion."""
 

@@ -16,7 +16,7 @@ COMPONENTS: Final = 8
 """Principal components of the face, and of the body, that are compared."""
 
 _LEAST: Final = 1e-6
-"""Share of the largest component's variance below which a component is rounding error."""
+"""Share of the largest singular value below which a component is rounding error."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

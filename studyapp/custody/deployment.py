@@ -102,7 +102,7 @@ class Deployment(BaseModel):
     Attributes
     ----------
     kind : str
-        ``study``, or ``desk`` for a folder of studies, whose files say `study` of the desk.
+        ``study``, or ``desk`` for a folder of studies; templates call either one `study`.
     title : str
         The study's title, made one line; a desk's is its folder's name.
     folder : PurePosixPath
