@@ -127,7 +127,7 @@ def test_instructions_follow_the_study_and_never_reveal_practice_trials(
     ("protocol", "added", "sentence"),
     [
         ("mismatch", "", "Answer the question under them."),
-        ("mismatch", ANOTHER, "Answer all questions under them."),
+        ("mismatch", ANOTHER + 'parts = ["fit"]\n', "Answer all questions under them."),
         ("ranking", "", "Put the videos in order, best first."),
         ("ranking", ANOTHER, "best first, separately for each question."),
         ("rating", "", "Answer the questions under each video."),
