@@ -18,9 +18,10 @@ from studyapp.desk.page import page, writing_files
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import log_change
 from studyapp.session.versions import definition_in_use
-from studyapp.study.settings.reading import parse_text, read_text
+from studyapp.study.settings.reading import parse_text, read_study, read_text
 from studyapp.study.study_file import ChangedMeanwhileError, replace_text, text_digest
 from studyapp.study.versioning import changeable_keys, design_changes
+from studyapp.web.participants.text_pages import text_pages
 from studyapp.web.research.pages import Page
 
 LINE: Final = re.compile(r"\bline (\d+)")
@@ -41,6 +42,17 @@ def settings(study: OpenedStudy) -> ResponseReturnValue:
     """Show the study file, to be edited."""
     text = read_text(study.folder.definition)
     return _page(study, text, digest=text_digest(text))
+
+
+def texts(study: OpenedStudy) -> ResponseReturnValue:
+    """Show the pages with the texts of the saved study file as participants see them."""
+    definition = read_study(study.folder.definition)
+    missing = None
+    try:
+        trials = definition.plan(definition.arms[0], 0, study.folder.segments_of(definition))
+    except InputError as error:
+        trials, missing = (), error
+    return page("texts", problem=missing, study=study, pages=text_pages(definition, trials))
 
 
 def save_settings(study: OpenedStudy) -> ResponseReturnValue:
@@ -133,6 +145,7 @@ def _findings(problem: InputError, line_count: int) -> Iterator[tuple[int, str, 
 
 
 PAGES: Final = (
+    Page("GET", "/texts", texts, Right.WATCH),
     Page("GET", "/settings", settings, Right.STEER),
     Page("POST", "/settings", save_settings, Right.STEER),
 )

@@ -55,6 +55,7 @@ class StudyWeb(Flask):
         self.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
         self.jinja_env.undefined = StrictUndefined
         self.jinja_env.trim_blocks = self.jinja_env.lstrip_blocks = True
+        self.jinja_env.globals.update(window_name=window_name, longest_text=MAX_TEXT_LENGTH)
 
     def log_exception(self, exc_info: Any) -> None:
         """Log a failure under the name of the page, with its traceback."""
@@ -116,9 +117,7 @@ def create_app(
         database_url = sqlite_url(files.tries)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
     app = StudyWeb()
-    app.jinja_env.globals.update(
-        window_name=window_name, longest_text=MAX_TEXT_LENGTH, is_test=is_test
-    )
+    app.jinja_env.globals["is_test"] = is_test
     site = StudySite(
         served=served,
         database=Database.open(url),

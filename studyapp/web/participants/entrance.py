@@ -78,19 +78,31 @@ class Entrant:
         """Return the page of a stage, with the problem of the submitted answers; or the preview."""
         site = study_site()
         study = site.study
-        return render_template(
-            f"{name}.html",
-            study=study,
-            sound=site.served.has_sound,
-            paragraphs=[text for text in study.page.consent.split("\n\n") if text.strip()],
+        return entrance_page(
+            name,
+            study,
+            has_sound=site.served.has_sound,
             visit=self.visit,
             recruiter=self.recruiter,
             answers=self.answers,
             problem=problem,
             problems={} if name == "preview" or not problem else problems_of(name, self.answers),
-            devices=_devices_needed(study),
             refused=_stated_device() not in study.page.devices,
         )
+
+
+def entrance_page(
+    name: Stage | Literal["preview"], study: Study, *, has_sound: bool, **values: object
+) -> str:
+    """Return a page of the entrance to `study`."""
+    return render_template(
+        f"{name}.html",
+        study=study,
+        sound=has_sound,
+        paragraphs=[text for text in study.page.consent.split("\n\n") if text.strip()],
+        devices=_devices_needed(study),
+        **values,
+    )
 
 
 @pages.get("/consent")

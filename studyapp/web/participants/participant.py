@@ -12,12 +12,18 @@ from pydantic import ValidationError
 from studyapp.session.answers import Fields, skip_unplayable, store_answers
 from studyapp.session.ending import screened_out_exit, withdraw, withdrawal_promise
 from studyapp.session.form_answers import find_problems, start_trials, store_form_answers
-from studyapp.session.participation import TRIES_BEFORE_LEAVING, leave_break, load_situation
+from studyapp.session.participation import (
+    TRIES_BEFORE_LEAVING,
+    Situation,
+    leave_break,
+    load_situation,
+)
 from studyapp.session.playback import record_watched
 from studyapp.session.refusal import IneligibleError, UnacceptableError
 from studyapp.session.trials import ShownTrial
 from studyapp.session.watch_evidence import read_report
 from studyapp.study.settings.questions import Stage
+from studyapp.study.settings.study import Study
 from studyapp.web.errors import note_and_explain, wants_json
 from studyapp.web.language import say
 from studyapp.web.participants.trial_page import frozen_words, trial_page
@@ -48,7 +54,8 @@ def form(token: str, stage: Stage) -> ResponseReturnValue:
         store_form_answers(site.database, site.served, token, stage, form_answers, site.clock)
     except UnacceptableError as refusal:
         problem = note_and_explain(refusal)
-        return form_page(token, stage, problem=problem, form_answers=form_answers), 422
+        page = form_page(site.study, token, stage, problem=problem, form_answers=form_answers)
+        return page, 422
     return redirect_to_current_page(token)
 
 
@@ -186,26 +193,40 @@ def current_page(
     """
     site = study_site()
     situation = load_situation(site.database, site.served, token, site.clock)
-    if situation.form is not None:
-        return form_page(token, situation.form)
-    if situation.trial is not None:
+    if situation.form is None and situation.trial is not None:
         return _trial_page(token, situation.trial, problem, trial_answers or {})
+    return situation_page(
+        site.study, token, situation, problem=problem, comprehension=comprehension
+    )
+
+
+def situation_page(
+    study: Study,
+    token: str,
+    situation: Situation,
+    *,
+    problem: str = "",
+    comprehension: Mapping[str, str] | None = None,
+) -> str:
+    """Return the page of a situation other than a trial; see `current_page`."""
+    if situation.form is not None:
+        return form_page(study, token, situation.form)
     if situation.sound_tries is not None:
         page = "sound_check"
     else:
         page = "break" if situation.offered_break is not None else situation.state
     return render_template(
         f"{page}.html",
-        study=site.study,
+        study=study,
         token=token,
         situation=situation,
         problem=problem,
         tries_before_leaving=TRIES_BEFORE_LEAVING,
         presentations=situation.presentations,
         practice=situation.practice,
-        frozen=frozen_words(site.study),
+        frozen=frozen_words(study),
         leaving=situation.exit,
-        questions=site.study.form.comprehension,
+        questions=study.form.comprehension,
         answers=comprehension or {},
         problems={} if comprehension is None else problems_of("comprehension", comprehension),
     )
@@ -250,10 +271,14 @@ FORM_FIELD: Final = "form:"
 
 
 def form_page(
-    token: str, stage: Stage, *, problem: str = "", form_answers: Mapping[str, str] | None = None
+    study: Study,
+    token: str,
+    stage: Stage,
+    *,
+    problem: str = "",
+    form_answers: Mapping[str, str] | None = None,
 ) -> str:
     """Return the page that asks the questions of `stage`."""
-    study = study_site().study
     return render_template(
         "form.html",
         study=study,

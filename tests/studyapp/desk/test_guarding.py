@@ -21,7 +21,7 @@ VALUES = {"study": "tiny", "token": "A" * 43, "filename": "viewer.js"}
 
 IN_A_STUDY: dict[Role, set[str]] = {
     "viewer": {
-        *("study_page", "open_study_pages", "take_part_as_test"),
+        *("study_page", "open_study_pages", "take_part_as_test", "texts"),
         *("job", "job_archive", "job_file"),
         *("material", "clip", "clip_video", "clip_scene", "segment_motion", "segment_scene"),
     },

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -144,3 +145,21 @@ def test_alarms_that_cannot_be_sent_are_announced_on_the_studys_page(
     assert "No alarm" not in ada.get(TINY).text
     file.write_text(file.read_text("utf-8") + '\n[alarms]\nmail = ["ada@example.org"]\n', "utf-8")
     assert "no mail server is named" in ada.get(TINY).text
+
+
+def test_texts_are_shown_as_participants_see_them_as_far_as_the_material_allows(
+    lab: Lab, joined: Joined
+) -> None:
+    viewer = joined("viewer")
+    shutil.rmtree(lab.folder / "tiny" / "videos")
+    (lab.folder / "tiny" / "stimuli.json").unlink()
+    frames = viewer.get(f"{TINY}texts").soup.select("iframe[sandbox='allow-same-origin']")
+    texts = {str(frame["title"]): str(frame["srcdoc"]) for frame in frames}
+    assert list(texts) == ["Consent", "Instructions"]
+    assert not any("<script" in text for text in texts.values())
+    assert "Gestures and speech" in texts["Consent"]
+    assert "pairs of short videos" in texts["Instructions"]
+    shutil.rmtree(lab.folder / "tiny" / "speech")
+    page = viewer.get(f"{TINY}texts")
+    assert [frame["title"] for frame in page.soup.select("iframe")] == ["Consent"]
+    assert "The instructions follow when the trials can be planned" in page.text
