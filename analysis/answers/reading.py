@@ -280,12 +280,12 @@ def _notes(
     # Of a ranking it is enough to ask for the place of one condition.
     if uninstructed and not (layout.answered_once and instructed.any()):
         yield (
-            f"{_rows(uninstructed)} left out as attention checks; the table does not say what they "
+            f"{_rows(uninstructed)} left out (attention checks): the table does not say what they "
             "ask for, so they exclude nobody by themselves."
         )
     if not layout.has_sides and (catch := int((kinds == "catch").sum())):
         yield (
-            f"{_rows(catch)} left out as catch trials; a {layout.protocol} has no correct side, "
+            f"{_rows(catch)} left out (catch trials): a {layout.protocol} has no correct side, "
             "so they exclude nobody by themselves."
         )
 

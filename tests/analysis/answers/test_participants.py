@@ -98,7 +98,7 @@ def test_attention_checks_without_an_instructed_answer_are_noted(
     checks = attention_rows("p01", "12", "22").drop(columns="instructed")
     answers = read_table(pd.concat([table, checks]), "pairwise", tmp_path)
     assert answers.notes == (
-        "2 rows are left out as attention checks; the table does not say what they ask for, so "
+        "2 rows are left out (attention checks): the table does not say what they ask for, so "
         "they exclude nobody by themselves.",
     )
 
