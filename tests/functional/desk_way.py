@@ -146,7 +146,7 @@ def _set(page: Page, size: int) -> Iterator[Stop]:
     yield Stop(page, "settings")
     text.fill(definition)
     press(page, "Save")
-    expect(page.get_by_role("status")).to_have_text("Saved.")
+    expect(page.get_by_role("status")).to_contain_text("Saved.")
     _back(page)
 
 
@@ -159,6 +159,11 @@ def _bring_in(page: Page, recordings: list[Path]) -> Iterator[Stop]:
     yield Stop(page, "bring-in")
     press(page, "Bring into the study")
     _end(page)
+    _back(page)
+    follow(page.get_by_role("link", name="Texts"))
+    instructions = page.get_by_role("heading", name="Instructions")
+    instructions.scroll_into_view_if_needed()
+    yield Stop(page, "texts")
     _back(page)
 
 

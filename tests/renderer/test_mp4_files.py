@@ -161,7 +161,7 @@ def test_an_unreadable_video_leaves_no_copy(tmp_path: Path, content: bytes) -> N
         lambda: end_of(broken),
         lambda: copy_video(broken, tmp_path / "copy.mp4", lasts=LASTS, sound=True),
     ):
-        with pytest.raises(InputError, match=r"broken.mp4: this is not a video"):
+        with pytest.raises(InputError, match=r"broken.mp4: the video cannot be played"):
             attempt()
     assert list(tmp_path.iterdir()) == [broken]
 

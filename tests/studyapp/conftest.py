@@ -98,6 +98,12 @@ def _fast_applications() -> Iterator[None]:
     with fast_applications(), pytest.MonkeyPatch.context() as patch:
         # The answers of these studies are beside them, or where a test says.
         patch.delenv("DATABASE_URL", raising=False)
+        yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _rendering_in_process() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
         patch.setattr(making, "LocalWorkers", InProcessWorker)
         for name, number in making.ONE_THREAD.items():
             patch.setenv(name, number)

@@ -47,7 +47,7 @@ def test_a_failed_write_leaves_the_old_file(
         "save_file",
         lambda tensors, draft, **rest: save_file(tensors, elsewhere, **rest),
     )
-    with pytest.raises(InputError, match=r"w\.safetensors: .*cannot be stored.*Make room"):
+    with pytest.raises(InputError, match=r"w\.safetensors: .*cannot be stored.*Free space"):
         write_weights(path, TENSORS, {"new": 1})
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
