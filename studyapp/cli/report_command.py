@@ -26,11 +26,12 @@ from studyapp.study.folder import StudyFolder, format_size
 from studyapp.study.settings.exclusions import EXCLUSION_SECTIONS, Exclusion, ExclusionSection
 from studyapp.study.settings.sections import explain_errors
 
+_NEEDED: Final = ("--responses", "--protocol", "--out")
 _TABLE_OPTIONS: Final = (
-    *("--responses", "--protocol", "--out", "--max-catch-failures"),
-    *("--margin", "--family", "--scale", "--exclude"),
+    *_NEEDED,
+    *("--max-catch-failures", "--margin", "--family", "--scale", "--exclude"),
 )
-"""Options of a table; it needs the first three."""
+"""Options of a table, with those that it needs."""
 
 
 @click.command("report")
@@ -139,10 +140,10 @@ def command(
             "a table, which has no rehearsal, no log of looks and no motion",
         )
         if responses is None or protocol is None or out is None:
-            missing = [name for name in _TABLE_OPTIONS[:3] if name not in given_options()]
+            missing = [name for name in _NEEDED if name not in given_options()]
             raise InputError(
                 "there is nothing to report"
-                if len(missing) == 3
+                if len(missing) == len(_NEEDED)
                 else f"{', '.join(missing)} is missing for the report of a table",
                 remedy="Give a study folder, or a table with --responses FILE --protocol NAME "
                 "--out DIR",

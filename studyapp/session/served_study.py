@@ -11,7 +11,7 @@ from typing import Any, Self
 from motion.errors import InputError, listed
 from motion.segment import Segment
 from studyapp.session.refusal import ConflictError
-from studyapp.study.design.trial import Arm, Content
+from studyapp.study.design.trial import Arm, Content, has_sound
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media, VideoFile
 from studyapp.study.settings.reading import parse_text, read_text
@@ -99,7 +99,7 @@ class ServedStudy:
     @cached_property
     def has_sound(self) -> bool:
         """Whether any video has sound."""
-        return any(shown.speech is not None for content in self.videos for shown in content)
+        return has_sound(self.videos)
 
     @cached_property
     def design(self) -> str:

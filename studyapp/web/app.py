@@ -55,7 +55,9 @@ class StudyWeb(Flask):
         self.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
         self.jinja_env.undefined = StrictUndefined
         self.jinja_env.trim_blocks = self.jinja_env.lstrip_blocks = True
-        self.jinja_env.globals.update(window_name=window_name, longest_text=MAX_TEXT_LENGTH)
+        self.jinja_env.globals.update(
+            window_name=window_name, longest_text=MAX_TEXT_LENGTH, is_test=False
+        )
 
     def log_exception(self, exc_info: Any) -> None:
         """Log a failure under the name of the page, with its traceback."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal, Protocol, Self, get_args
@@ -36,6 +36,11 @@ class Stimulus:
 
 Content = tuple[Stimulus, ...]
 """What one video shows: one stimulus, or two side by side with one sound."""
+
+
+def has_sound(contents: Iterable[Content]) -> bool:
+    """Tell whether any of the videos has sound."""
+    return any(shown.speech is not None for content in contents for shown in content)
 
 
 Kind = Literal["practice", "main", "repeat", "catch", "attention"]

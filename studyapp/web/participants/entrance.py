@@ -50,6 +50,8 @@ from studyapp.web.site import study_site
 
 pages = Blueprint("entrance", __name__)
 
+NO_PROBLEMS: Final[Mapping[str, str]] = MappingProxyType({})
+
 
 @dataclass(frozen=True, kw_only=True)
 class Entrant:
@@ -81,10 +83,8 @@ class Entrant:
         return entrance_page(
             name,
             study,
+            self,
             has_sound=site.served.has_sound,
-            visit=self.visit,
-            recruiter=self.recruiter,
-            answers=self.answers,
             problem=problem,
             problems={} if name == "preview" or not problem else problems_of(name, self.answers),
             refused=_stated_device() not in study.page.devices,
@@ -92,16 +92,28 @@ class Entrant:
 
 
 def entrance_page(
-    name: Stage | Literal["preview"], study: Study, *, has_sound: bool, **values: object
+    name: Stage | Literal["preview"],
+    study: Study,
+    entrant: Entrant,
+    *,
+    has_sound: bool,
+    problem: str = "",
+    problems: Mapping[str, str] = NO_PROBLEMS,
+    refused: bool = False,
 ) -> str:
-    """Return a page of the entrance to `study`."""
+    """Return a page of the entrance to `study`, for a device that may be `refused`."""
     return render_template(
         f"{name}.html",
         study=study,
         sound=has_sound,
         paragraphs=[text for text in study.page.consent.split("\n\n") if text.strip()],
+        visit=entrant.visit,
+        recruiter=entrant.recruiter,
+        answers=entrant.answers,
+        problem=problem,
+        problems=problems,
         devices=_devices_needed(study),
-        **values,
+        refused=refused,
     )
 
 

@@ -193,7 +193,7 @@ def current_page(
     """
     site = study_site()
     situation = load_situation(site.database, site.served, token, site.clock)
-    if situation.form is None and situation.trial is not None:
+    if situation.trial is not None:
         return _trial_page(token, situation.trial, problem, trial_answers or {})
     return situation_page(
         site.study, token, situation, problem=problem, comprehension=comprehension

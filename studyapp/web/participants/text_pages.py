@@ -8,7 +8,7 @@ from typing import Final
 
 from studyapp.session.participation import Situation
 from studyapp.session.trials import PREVIEW_TOKEN
-from studyapp.study.design.trial import PlannedTrial
+from studyapp.study.design.trial import PlannedTrial, has_sound
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
 from studyapp.web.app import StudyWeb
@@ -27,7 +27,6 @@ def text_pages(study: Study, trials: Sequence[PlannedTrial]) -> dict[str, str]:
         Trials of one participant, which the instructions count; empty leaves those out.
     """
     app = StudyWeb()
-    app.jinja_env.globals["is_test"] = False
     speak(app, language_of(study.page.language))
     app.register_blueprint(entrance.pages)
     app.register_blueprint(participant.pages)
@@ -48,18 +47,9 @@ def _pages(study: Study, trials: Sequence[PlannedTrial]) -> Iterator[tuple[str, 
 
 
 def _entrance(study: Study, trials: Sequence[PlannedTrial], stage: Stage) -> str:
-    shown = [shown for trial in trials for video in trial.players.values() for shown in video]
-    return entrance.entrance_page(
-        stage,
-        study,
-        has_sound=not trials or any(stimulus.speech is not None for stimulus in shown),
-        visit="",
-        recruiter={},
-        answers={},
-        problem="",
-        problems={},
-        refused=False,
-    )
+    videos = (video for trial in trials for video in trial.players.values())
+    newcomer = entrance.Entrant(visit="", recruiter={}, answers={})
+    return entrance.entrance_page(stage, study, newcomer, has_sound=not trials or has_sound(videos))
 
 
 def _situation(study: Study, trials: Sequence[PlannedTrial], form: Stage | None = None) -> str:
