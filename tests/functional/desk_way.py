@@ -146,7 +146,9 @@ def _set(page: Page, size: int) -> Iterator[Stop]:
     yield Stop(page, "settings")
     text.fill(definition)
     press(page, "Save")
-    expect(page.get_by_role("status")).to_contain_text("Saved.")
+    expect(page.get_by_role("status")).to_have_text(
+        "Saved. See the study's texts as participants see them."
+    )
     _back(page)
 
 

@@ -244,9 +244,7 @@ def test_places_and_answers_match_any_sequence_of_actions(database: Database) ->
         def __init__(self) -> None:
             super().__init__(database)
 
-    # An example costs four times as much on PostgreSQL, where a few do each action several times.
-    examples = 15 if database.engine.dialect.name == "sqlite" else 5
     run_state_machine_as_test(
         ScheduleHere,
-        settings=settings(max_examples=examples, stateful_step_count=30),
+        settings=settings(max_examples=10, stateful_step_count=30),
     )
