@@ -35,7 +35,7 @@ from tests.support.studies.fabricated_study import StudyShape, write_fabricated_
 from tests.support.studies.tiny_study import EMOTIONS, STUDY_FILE
 
 CONCURRENCIES: Final = (1, 8, 32, 128)
-PAIRS: Final = 6
+PAIRS: Final = 12
 """Turns without the job, each followed by one with it."""
 
 KIND: Final = "render"
@@ -139,7 +139,7 @@ def _send(processes: Sequence[int], number: signal.Signals) -> None:
 
 
 def main() -> None:
-    """Measure on both databases, and print the waits without the job, with it, and their ratio."""
+    """Measure on both databases, and print the waits without and with the job."""
     options = read_options("Measure what a rendering job costs participants.", seconds=3.0)
     for backend in options.database:
         for count, waits in job_waits(backend, options.seconds).items():

@@ -30,8 +30,12 @@ class Waits:
 
         Other brief load on the machine affects few pairs.
         """
+        return float(np.median(self._ratios))
+
+    @property
+    def _ratios(self) -> list[float]:
         pairs = zip(self.without, self.beside, strict=True)
-        return float(np.median([_p99_ms(beside) / _p99_ms(without) for without, beside in pairs]))
+        return [_p99_ms(beside) / _p99_ms(without) for without, beside in pairs]
 
     def print(self, where: str, what: str, *, total: str) -> None:
         """Print the p99 without and with `what`, and under the name `total` their ratio."""
@@ -39,6 +43,8 @@ class Waits:
             p99 = np.median([_p99_ms(turn) for turn in turns])
             print(f"{where}_{name}_{what}_p99_ms: {p99:.1f}")
         print(f"{where}_{total}_p99_ratio: {self.ratio:.2f}")
+        low, high = np.quantile(self._ratios, (0.25, 0.75))
+        print(f"{where}_{total}_p99_ratio_quartiles: {low:.2f} to {high:.2f}")
         print(f"{where}_{total}_errors: {len(self.errors)}", flush=True)
 
 
