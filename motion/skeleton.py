@@ -1,43 +1,31 @@
 """SMPL-X's 55 joints: names, tree, forward kinematics, and rest positions.
 
+``skeleton.csv`` has each joint's name, the index of its parent, and its rest position in metres.
 Source: Pavlakos et al. 2019, "Expressive Body Capture" (SMPL-X); order as in its model files.
 """
 
 from __future__ import annotations
 
+import csv
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-BODY_JOINTS: Final = (
-    "pelvis", "left_hip", "right_hip", "spine1", "left_knee", "right_knee", "spine2",
-    "left_ankle", "right_ankle", "spine3", "left_foot", "right_foot", "neck", "left_collar",
-    "right_collar", "head", "left_shoulder", "right_shoulder", "left_elbow", "right_elbow",
-    "left_wrist", "right_wrist",
-)  # fmt: skip
-FACE_JOINTS: Final = ("jaw", "left_eye", "right_eye")
-FINGER_NAMES: Final = ("index", "middle", "pinky", "ring", "thumb")
-LEFT_HAND_JOINTS: Final = tuple(f"left_{f}{n}" for f in FINGER_NAMES for n in (1, 2, 3))
-RIGHT_HAND_JOINTS: Final = tuple(f"right_{f}{n}" for f in FINGER_NAMES for n in (1, 2, 3))
-JOINT_NAMES: Final = (*BODY_JOINTS, *FACE_JOINTS, *LEFT_HAND_JOINTS, *RIGHT_HAND_JOINTS)
-JOINT_COUNT: Final = len(JOINT_NAMES)
-
-_BODY_PARENTS: Final = (
-    -1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19,
-)  # fmt: skip
-
-
-def _hand_parents(wrist: int, first: int) -> list[int]:
-    return [wrist if k % 3 == 0 else first + k - 1 for k in range(15)]
-
-
-PARENTS: Final = (
-    *_BODY_PARENTS,
-    *(15, 15, 15),
-    *_hand_parents(20, 25),
-    *_hand_parents(21, 40),
+_ROWS: Final = tuple(
+    csv.DictReader(Path(__file__).with_name("skeleton.csv").read_text("utf-8").splitlines())
 )
+
+JOINT_NAMES: Final = tuple(row["joint"] for row in _ROWS)
+JOINT_COUNT: Final = len(JOINT_NAMES)
+BODY_JOINTS: Final = JOINT_NAMES[:22]
+FACE_JOINTS: Final = JOINT_NAMES[22:25]
+LEFT_HAND_JOINTS: Final = JOINT_NAMES[25:40]
+RIGHT_HAND_JOINTS: Final = JOINT_NAMES[40:]
+FINGER_NAMES: Final = ("index", "middle", "pinky", "ring", "thumb")
+
+PARENTS: Final = tuple(int(row["parent"]) for row in _ROWS)
 """Index of each joint's parent; -1 for the pelvis. A parent always comes before its children."""
 
 
@@ -89,63 +77,7 @@ def forward_kinematics(
 
 
 REST_JOINTS: Final[NDArray[np.float64]] = np.array(
-    [
-        (0.0000, -0.3500, 0.0100),  # pelvis
-        (0.1127, -0.4350, 0.0200),  # left_hip
-        (-0.1127, -0.4350, 0.0200),  # right_hip
-        (0.0000, -0.2312, 0.0042),  # spine1
-        (0.1226, -0.8595, 0.0528),  # left_knee
-        (-0.1226, -0.8595, 0.0528),  # right_knee
-        (0.0000, -0.1410, -0.0053),  # spine2
-        (0.1432, -1.2890, 0.0266),  # left_ankle
-        (-0.1432, -1.2890, 0.0266),  # right_ankle
-        (0.0000, -0.0431, -0.0109),  # spine3
-        (0.1421, -1.3246, 0.0922),  # left_foot
-        (-0.1421, -1.3246, 0.0922),  # right_foot
-        (0.0000, 0.1316, 0.0320),  # neck
-        (0.0227, 0.0576, 0.0464),  # left_collar
-        (-0.0227, 0.0576, 0.0464),  # right_collar
-        (0.0000, 0.2295, 0.0652),  # head
-        (0.1792, 0.0521, 0.0407),  # left_shoulder
-        (-0.1792, 0.0521, 0.0407),  # right_shoulder
-        (0.4505, 0.0521, 0.0407),  # left_elbow
-        (-0.4505, 0.0521, 0.0407),  # right_elbow
-        (0.7027, 0.0521, 0.0407),  # left_wrist
-        (-0.7027, 0.0521, 0.0407),  # right_wrist
-        (0.0000, 0.2362, 0.0805),  # jaw
-        (0.0294, 0.2693, 0.1461),  # left_eye
-        (-0.0294, 0.2693, 0.1461),  # right_eye
-        (0.8131, 0.0476, 0.0683),  # left_index1
-        (0.8405, 0.0476, 0.0703),  # left_index2
-        (0.8651, 0.0476, 0.0722),  # left_index3
-        (0.8122, 0.0521, 0.0407),  # left_middle1
-        (0.8480, 0.0521, 0.0381),  # left_middle2
-        (0.8770, 0.0521, 0.0361),  # left_middle3
-        (0.7958, 0.0476, 0.0003),  # left_pinky1
-        (0.8180, 0.0476, -0.0046),  # left_pinky2
-        (0.8341, 0.0476, -0.0082),  # left_pinky3
-        (0.8059, 0.0526, 0.0200),  # left_ring1
-        (0.8371, 0.0526, 0.0150),  # left_ring2
-        (0.8631, 0.0526, 0.0108),  # left_ring3
-        (0.7431, 0.0481, 0.0665),  # left_thumb1
-        (0.7554, 0.0262, 0.0872),  # left_thumb2
-        (0.7826, 0.0073, 0.1075),  # left_thumb3
-        (-0.8131, 0.0476, 0.0683),  # right_index1
-        (-0.8405, 0.0476, 0.0703),  # right_index2
-        (-0.8651, 0.0476, 0.0722),  # right_index3
-        (-0.8122, 0.0521, 0.0407),  # right_middle1
-        (-0.8480, 0.0521, 0.0381),  # right_middle2
-        (-0.8770, 0.0521, 0.0361),  # right_middle3
-        (-0.7958, 0.0476, 0.0003),  # right_pinky1
-        (-0.8180, 0.0476, -0.0046),  # right_pinky2
-        (-0.8341, 0.0476, -0.0082),  # right_pinky3
-        (-0.8059, 0.0526, 0.0200),  # right_ring1
-        (-0.8371, 0.0526, 0.0150),  # right_ring2
-        (-0.8631, 0.0526, 0.0108),  # right_ring3
-        (-0.7431, 0.0481, 0.0665),  # right_thumb1
-        (-0.7554, 0.0262, 0.0872),  # right_thumb2
-        (-0.7826, 0.0073, 0.1075),  # right_thumb3
-    ]
+    [[float(row[axis]) for axis in "xyz"] for row in _ROWS]
 )
 """Joints of the default body in T-pose, shape (55, 3), metres: palms down, y up, facing +z, left at
 +x.

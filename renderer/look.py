@@ -6,6 +6,7 @@ change, and files of other versions are made again; tests compare the output of 
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -62,38 +63,15 @@ class Avatar:
         return BODIES / f"smplx_anny_{self.name}.npz"
 
 
-_AVATARS: Final = (
-    Avatar(name="alex", description="slim, light skin, short brown hair, blue sweater"),
-    Avatar(name="maya", description="woman with light brown skin and a dark bob, in a jacket"),
-    Avatar(
-        name="jonas",
-        description="man with light skin, brown hair and a short beard, in a light-blue shirt",
-    ),
-    Avatar(
-        name="amara",
-        description="woman with dark skin and a bun, in a T-shirt with bare forearms",
-    ),
-    Avatar(
-        name="henry",
-        description="older man with grey hair and glasses, in a sweater over a shirt",
-    ),
-    Avatar(name="grey", description="bald figure of one grey with a face, as papers show SMPL-X"),
-    Avatar(
-        name="mannequin",
-        description="neutral figure of one colour, without a face",
-        has_face=False,
-    ),
-    Avatar(
-        name="skeleton",
-        description="bones and joints alone, the left side orange and the right one blue",
-        has_face=False,
-    ),
+AVATARS: Final[Mapping[str, Avatar]] = MappingProxyType(
+    {
+        name: Avatar(name=name, **values)
+        for name, values in tomllib.loads((BODIES / "avatars.toml").read_text("utf-8")).items()
+    }
 )
-
-AVATARS: Final[Mapping[str, Avatar]] = MappingProxyType({each.name: each for each in _AVATARS})
 """All avatars by name; the first is the default."""
 
-FIRST_AVATAR: Final = _AVATARS[0].name
+FIRST_AVATAR: Final = next(iter(AVATARS))
 
 
 def default_body(avatar: str = FIRST_AVATAR) -> Path:
