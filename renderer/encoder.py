@@ -5,11 +5,13 @@ Neither the size nor a bit rate of an MP4 file reveals its content.
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Sequence
 from fractions import Fraction
+from mmap import mmap
 from pathlib import Path
-from typing import Any, BinaryIO, Final, Self
+from typing import Any, Final, Self
 
 import av
 import numpy as np
@@ -41,13 +43,12 @@ _SOUND_BITS_PER_SECOND: Final = 128_000
 
 _HEADER: Final = 8
 """Bytes of a box header: four for its size, four for its type (ISO/IEC 14496-12, 4.2)."""
-_PATH_TO_RATES: Final = (b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsd", b"mp4a", b"esds")
-_BEFORE_BOXES: Final = {b"stsd": 8, b"mp4a": 28}
-"""Bytes between a box's header and its inner boxes (ISO/IEC 14496-12, 8.5 and 12.2)."""
-_DECODER: Final = 0x04
-"""The descriptor of the sound's decoder (ISO/IEC 14496-1, 7.2.6.6)."""
-_BEFORE_RATES: Final = 5
-_RATE_BYTES: Final = 8
+_SOUND_RATES: Final = re.compile(
+    rb"esds.{4}\x03\x80{3}.{4}\x04\x80{3}.{2}\x15.{3}(?P<rates>.{8})", re.DOTALL
+)
+"""FFmpeg's descriptor of a stream of sound: tag and length of the stream's and of the decoder's
+descriptor, kind of stream, size of the buffer, then the largest and the mean bit rate (ISO/IEC
+14496-1, 7.2.6.5 and 7.2.6.6)."""
 
 
 def video_frame(picture: NDArray[np.uint8]) -> Any:
@@ -170,49 +171,10 @@ def clear_bit_rates(video: Path) -> None:
     video : Path
         The file, changed in place; a file without sound stays unchanged.
     """
-    with video.open("r+b") as file:
-        _clear_rates(file, 0, file.seek(0, 2), _PATH_TO_RATES)
-
-
-def _clear_rates(file: BinaryIO, start: int, stop: int, path: tuple[bytes, ...]) -> None:
-    """Follow `path` through the boxes between `start` and `stop`."""
-    while start + _HEADER <= stop:
-        file.seek(start)
-        header = file.read(_HEADER)
-        size, box_type = int.from_bytes(header[:4], "big"), header[4:]
-        if size < _HEADER:  # the last box, to the end of the file, or one above 4 GiB: no index
-            return
-        if box_type == path[0]:
-            inner = start + _HEADER + _BEFORE_BOXES.get(box_type, 0)
-            if len(path) > 1:
-                _clear_rates(file, inner, start + size, path[1:])
-            else:
-                _overwrite_rates(file, inner, start + size)
-        start += size
-
-
-def _overwrite_rates(file: BinaryIO, start: int, stop: int) -> None:
-    """Overwrite the rates in the descriptors of an ``esds`` box."""
-    file.seek(start)
-    content = file.read(stop - start)
-    # Four bytes of version and flags, then the stream's descriptor: tag, length, name and flags.
-    _, inner = _descriptor(content, 4)
-    flags = content[inner + 2]
-    inner += 3 + (2 if flags & 0x80 else 0) + (2 if flags & 0x20 else 0)
-    if flags & 0x40:
-        inner += 1 + content[inner]
-    tag, inner = _descriptor(content, inner)
-    if tag == _DECODER:
-        file.seek(start + inner + _BEFORE_RATES)
-        file.write(bytes(_RATE_BYTES))
-
-
-def _descriptor(content: bytes, at: int) -> tuple[int, int]:
-    """Return the tag of the descriptor at `at`, and the start of its content, after its length."""
-    tag, at = content[at], at + 1
-    while content[at] & 0x80:  # a length has seven bits per byte; the last byte's eighth is 0
-        at += 1
-    return tag, at + 1
+    with video.open("r+b") as file, mmap(file.fileno(), 0) as content:
+        rates = _SOUND_RATES.search(content)
+        if rates is not None:
+            content[slice(*rates.span("rates"))] = bytes(len(rates["rates"]))
 
 
 def pad_to_equal_size(videos: Sequence[Path]) -> None:
