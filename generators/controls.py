@@ -12,6 +12,7 @@ beyond what a body can do, everything jitters, and the motion sometimes freezes 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
@@ -21,11 +22,9 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial.transform import Rotation
 
 from generators.interface import (
-    OnPart,
-    SpeechSegment,
+    ClipRequest,
+    Generator,
     StudyClips,
-    ignore_progress,
-    provenance_of,
     seeded_stream,
     with_length,
 )
@@ -64,26 +63,15 @@ _JITTERING: Final = (
 )
 
 
-class Static:
+class Static(Generator):
     """Stands with the arms down and a neutral face; nothing moves."""
 
-    name: Final = "static"
-    version: Final = "1"
+    name = "static"
+    version = "1"
 
-    def generate(
-        self,
-        speech: SpeechSegment,
-        *,
-        seed: int,
-        frame_rate: float,
-        source: StudyClips | None = None,
-        on_part: OnPart = ignore_progress,
-    ) -> MotionClip:
-        """Return motion to `speech`; see `generators.interface.Generator.generate`.
-
-        The seed has no effect.
-        """
-        frames = speech.frame_count(frame_rate)
+    def make_clip(self, request: ClipRequest) -> MotionClip:
+        """Return the clip; the seed has no effect."""
+        frames = request.frames
         zero_turns, zero_angles = np.zeros((1, 3)), np.zeros(1)
         trunk = Trunk(
             pelvis=zero_turns,
@@ -98,46 +86,34 @@ class Static:
         return MotionClip(
             poses=np.repeat(poses, frames, axis=0).astype(np.float32),
             trans=np.repeat(trans, frames, axis=0).astype(np.float32),
-            frame_rate=frame_rate,
+            frame_rate=request.frame_rate,
             arkit=np.zeros((frames, len(ARKIT_NAMES)), np.float32),
-            provenance=provenance_of(self.name, seed, speech),
         )
 
 
-class Mismatched:
+class Mismatched(Generator):
     """Gives each segment the source condition's clip of another segment."""
 
-    name: Final = "mismatched"
-    version: Final = "1"
+    name = "mismatched"
+    version = "1"
 
-    def generate(
-        self,
-        speech: SpeechSegment,
-        *,
-        seed: int,
-        frame_rate: float,
-        source: StudyClips | None = None,
-        on_part: OnPart = ignore_progress,
-    ) -> MotionClip:
-        """Return motion to `speech`; see `generators.interface.Generator.generate`.
+    def make_clip(self, request: ClipRequest) -> MotionClip:
+        """Return the clip of another segment.
 
         A clip that is too short is extended by running backwards from its last frame, so that
         nothing jumps; this is recorded in the provenance.
         """
-        clips = _required(source, self.name)
-        partners = assign_partners(clips.segments, seed)
-        if speech.segment.name not in partners:
+        clips, name = _required(request.source, self.name), request.speech.segment.name
+        partners = assign_partners(clips.segments, request.seed)
+        if name not in partners:
             raise InputError(
-                f"segment {speech.segment.name} is not in the study",
+                f"segment {name} is not in the study",
                 remedy=f"Use one of {', '.join(sorted(partners))}",
             )
-        partner = partners[speech.segment.name]
-        clip = resample(clips.clip(partner), frame_rate)
-        frames = speech.frame_count(frame_rate)
+        partner, frames = partners[name], request.frames
+        clip = resample(clips.clip(partner), request.frame_rate)
         return with_length(clip, frames).with_provenance(
-            **provenance_of(self.name, seed, speech),
-            motion_of_segment=partner,
-            continued_by_reversal=str(frames > len(clip)).lower(),
+            motion_of_segment=partner, continued_by_reversal=str(frames > len(clip)).lower()
         )
 
 
@@ -188,37 +164,25 @@ def assign_partners(segments: Sequence[Segment], seed: int) -> Mapping[str, str]
     }
 
 
-class Broken:
+class Broken(Generator):
     """Breaks the source condition's clip of the same segment."""
 
-    name: Final = "broken"
-    version: Final = "1"
+    name = "broken"
+    version = "1"
 
-    def generate(
-        self,
-        speech: SpeechSegment,
-        *,
-        seed: int,
-        frame_rate: float,
-        source: StudyClips | None = None,
-        on_part: OnPart = ignore_progress,
-    ) -> MotionClip:
-        """Return motion to `speech`; see `generators.interface.Generator.generate`."""
-        clips = _required(source, self.name)
-        rng = np.random.default_rng(seeded_stream(seed, self.name, speech.segment.name))
-        frames = speech.frame_count(frame_rate)
-        source_clip = with_length(resample(clips.clip(speech.segment.name), frame_rate), frames)
-        stuttering = source_clip.frames(_stutter(frames, frame_rate, rng))
-        broken = _break_face(stuttering, rng)
-        return MotionClip(
+    def make_clip(self, request: ClipRequest) -> MotionClip:
+        """Return the broken clip."""
+        clips, name = _required(request.source, self.name), request.speech.segment.name
+        rng = np.random.default_rng(seeded_stream(request.seed, self.name, name))
+        rate, frames = request.frame_rate, request.frames
+        source_clip = with_length(resample(clips.clip(name), rate), frames)
+        stuttering = source_clip.frames(_stutter(frames, rate, rng))
+        broken_face = _break_face(stuttering, rng)
+        return replace(
+            source_clip,
             poses=_break_body(stuttering, rng),
             trans=stuttering.trans + rng.normal(0, _ROOT_JITTER, (frames, 3)).astype(np.float32),
-            frame_rate=frame_rate,
-            betas=source_clip.betas,
-            expressions=source_clip.expressions,
-            arkit=broken,
-            gender=source_clip.gender,
-            provenance={**source_clip.provenance, **provenance_of(self.name, seed, speech)},
+            arkit=broken_face,
         )
 
 

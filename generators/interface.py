@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import zlib
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -71,7 +72,23 @@ class StudyClips(Protocol):
         ...
 
 
-class Generator(Protocol):
+@dataclass(frozen=True, kw_only=True)
+class ClipRequest:
+    """The arguments of `Generator.generate`, which explains them."""
+
+    speech: SpeechSegment
+    seed: int
+    frame_rate: float
+    source: StudyClips | None
+    on_part: OnPart
+
+    @property
+    def frames(self) -> int:
+        """The number of frames of the clip; see `SpeechSegment.frame_count`."""
+        return self.speech.frame_count(self.frame_rate)
+
+
+class Generator(ABC):
     """Makes motion to speech.
 
     Attributes
@@ -83,15 +100,8 @@ class Generator(Protocol):
         another clip: clips of another version are made again. Tests pin each version's output.
     """
 
-    @property
-    def name(self) -> str:
-        """The name it is registered under."""
-        ...
-
-    @property
-    def version(self) -> str:
-        """Incremented with every change by which the same speech and seed give another clip."""
-        ...
+    name: ClassVar[str]
+    version: ClassVar[str]
 
     def generate(
         self,
@@ -121,24 +131,28 @@ class Generator(Protocol):
         -------
         MotionClip
             Exactly ``round(speech.audio.duration * frame_rate)`` frames; its provenance holds
-            ``generator`` and ``seed``.
+            ``generator``, ``seed`` and ``segment``.
 
         Raises
         ------
         InputError
             If the speech, the seed or the source cannot be used.
         """
-        ...
+        request = ClipRequest(
+            speech=speech, seed=seed, frame_rate=frame_rate, source=source, on_part=on_part
+        )
+        return self.make_clip(request).with_provenance(
+            generator=self.name, seed=str(seed), segment=speech.segment.name
+        )
+
+    @abstractmethod
+    def make_clip(self, request: ClipRequest) -> MotionClip:
+        """Return the clip, with further facts as its provenance."""
 
 
 def seeded_stream(seed: int, *purpose: str) -> tuple[int, ...]:
     """Return entropy for `numpy.random.default_rng` that depends on `seed` and `purpose`."""
     return (seed, *(zlib.crc32(word.encode()) for word in purpose))
-
-
-def provenance_of(generator: str, seed: int, speech: SpeechSegment) -> dict[str, str]:
-    """Return the provenance that every generated clip has."""
-    return {"generator": generator, "seed": str(seed), "segment": speech.segment.name}
 
 
 def with_length(clip: MotionClip, frames: int) -> MotionClip:

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypedDict, TypeVar
+from typing import Any, Generic, TypedDict, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from torch import nn
 
-from generators.interface import (
-    OnPart,
-    SpeechSegment,
-    StudyClips,
-    ignore_progress,
-    provenance_of,
-    with_length,
-)
+from generators.interface import ClipRequest, Generator, OnPart, SpeechSegment, with_length
 from generators.learned_settings import ModelSettings
 from generators.registry import TrainedGenerator, TrainingRequest, run_folder
 from motion.clip import MotionClip, check_frame_rate
@@ -39,7 +32,7 @@ SettingsT = TypeVar("SettingsT", bound=ModelSettings)
 Network = TypeVar("Network", bound=nn.Module)
 
 
-class NetworkGenerator(ABC, Generic[SettingsT]):
+class NetworkGenerator(Generator, Generic[SettingsT]):
     """A generator whose network has its own frame rate.
 
     Parameters
@@ -55,34 +48,17 @@ class NetworkGenerator(ABC, Generic[SettingsT]):
         If the device is not usable.
     """
 
-    name: ClassVar[str]
-    version: ClassVar[str]
-
     def __init__(self, settings: SettingsT, device: str = "cpu") -> None:
         check_device(device)
         self._settings = settings
         self._device = device
 
-    def generate(
-        self,
-        speech: SpeechSegment,
-        *,
-        seed: int,
-        frame_rate: float,
-        source: StudyClips | None = None,
-        on_part: OnPart = ignore_progress,
-    ) -> MotionClip:
-        """Return motion to `speech`; see `generators.interface.Generator.generate`.
-
-        It is made at the network's frame rate and resampled; its provenance also has the facts of
-        `make_motion`.
-        """
-        count = speech.frame_count(frame_rate)
-        check_frame_rate(frame_rate)
-        clip, facts = self.make_motion(speech, seed, on_part)
-        return with_length(resample(clip, frame_rate), count).with_provenance(
-            **provenance_of(self.name, seed, speech), **facts
-        )
+    def make_clip(self, request: ClipRequest) -> MotionClip:
+        """Return motion, made at the network's frame rate and resampled, with its facts."""
+        count = request.frames
+        check_frame_rate(request.frame_rate)
+        clip, facts = self.make_motion(request.speech, request.seed, request.on_part)
+        return with_length(resample(clip, request.frame_rate), count).with_provenance(**facts)
 
     @abstractmethod
     def make_motion(
