@@ -8,6 +8,7 @@ import click
 
 from motion.errors import InputError, counted
 from studyapp.cli.arguments import FILE, FOLDER, refuse_options, study_folder
+from studyapp.cli.output import sign_of_life
 from studyapp.researchers.audit import read_reason
 from studyapp.results.export.sharing import Shared, share
 from studyapp.results.export.tables import export
@@ -77,28 +78,32 @@ def command(
     checked_reason = "" if reason is None else read_reason(reason)
     if shared_folder is not None:
         refuse_options(("--out", "--withdrawn", "--with-recruiter-ids"), "--folder")
-        shared = share(
-            folder,
-            shared_folder,
-            rehearsal=rehearsal,
-            videos=with_videos,
-            free_text=with_free_text,
-            reason=checked_reason,
-        )
+        with sign_of_life("export") as show:
+            shared = share(
+                folder,
+                shared_folder,
+                rehearsal=rehearsal,
+                videos=with_videos,
+                free_text=with_free_text,
+                reason=checked_reason,
+                on_step=show,
+            )
         _print_shared(
             shared, shared_folder, "simulated participant" if rehearsal else "participant"
         )
         return
     refuse_options(("--with-videos", "--with-free-text"), "tables, only with --folder")
     prefix = ("rehearsal_" if rehearsal else "") + ("withdrawn_" if withdrawn else "")
-    exported = export(
-        folder,
-        out or folder.root / f"{prefix}responses.csv",
-        rehearsal=rehearsal,
-        withdrawn=withdrawn,
-        with_recruiter_ids=with_recruiter_ids,
-        reason=checked_reason,
-    )
+    with sign_of_life("export") as show:
+        show("reading answers and writing tables")
+        exported = export(
+            folder,
+            out or folder.root / f"{prefix}responses.csv",
+            rehearsal=rehearsal,
+            withdrawn=withdrawn,
+            with_recruiter_ids=with_recruiter_ids,
+            reason=checked_reason,
+        )
     click.echo(f"Wrote {counted(exported.answers, 'answer')} to {exported.files[0]}")
     click.echo(f"Written beside it: {', '.join(file.name for file in exported.files[1:])}")
     for remark in filter(None, (exported.remark, exported.look)):

@@ -21,7 +21,7 @@ from studyapp.cli.arguments import (
     public_address,
     study_folder,
 )
-from studyapp.cli.output import echo_note, progress
+from studyapp.cli.output import echo_note, progress, sign_of_life
 from studyapp.stimuli.publishing import allow_origin, publish, remove
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media_store import Place
@@ -133,17 +133,21 @@ def preview_command(
     look = Look(size=size + size % 2, framing=framing, view=view, avatar=avatar)
     previewed = []
     for path, name in zip(motions, distinct_names(motions), strict=True):
-        motion = read_previewed(
-            path, name, speech=speech, frame_rate=frame_rate, joint_map=joint_map
-        )
+        with sign_of_life("preview") as show:
+            show(f"reading {path.name}")
+            motion = read_previewed(
+                path, name, speech=speech, frame_rate=frame_rate, joint_map=joint_map
+            )
+            for note in motion.notes:
+                echo_note(note)
+            files = [write_preview(motion, kind, out, look, show) for kind in kinds if kind != PAGE]
         previewed.append(motion)
-        for note in motion.notes:
-            echo_note(note)
-        for kind in kinds:
-            if kind != PAGE:
-                click.echo(" and ".join(map(str, write_preview(motion, kind, out, look))))
+        for written in files:
+            click.echo(" and ".join(map(str, written)))
     if PAGE in kinds:
-        page = write_preview_page(previewed, out, look)
+        with sign_of_life("preview") as show:
+            show("packing motion")
+            page = write_preview_page(previewed, out, look)
         click.echo(f"{page}, {page.stat().st_size / 1e6:.1f} MB; open it in a browser")
 
 

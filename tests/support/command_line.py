@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from click.testing import CliRunner, Result
 
 from studyapp.cli.main import group
@@ -19,6 +20,12 @@ def refused(*arguments: object) -> str:
     done = _done(arguments)
     assert done.exit_code in (1, 2), done.output
     return done.output
+
+
+def run_in_terminal(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> str:
+    """Run a command line that takes its output for a terminal, and return all that it wrote."""
+    monkeypatch.setattr("click.testing._NamedTextIOWrapper.isatty", lambda _: True)
+    return run(*arguments)
 
 
 def _done(arguments: tuple[object, ...], typed: str = "") -> Result:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import metadata
 from pathlib import Path
@@ -80,6 +80,7 @@ def share(
     videos: bool = False,
     free_text: bool = False,
     reason: str = "",
+    on_step: Callable[[str], None] = lambda _step: None,
 ) -> Shared:
     """Write the study in `folder` into `out`, for another lab.
 
@@ -93,6 +94,8 @@ def share(
         Include free text by participants.
     reason : str
         The reason in the log of looks.
+    on_step : callable
+        Called with the name of the next step.
 
     Raises
     ------
@@ -115,10 +118,14 @@ def share(
     origin: Source = "rehearsal" if rehearsal else "participants"
     draft = out.with_name(f".{out.name}-draft")
     shutil.rmtree(draft, ignore_errors=True)
+    on_step("reading answers")
     source = _read_source(folder, origin)
     look = record_look(folder, folder.study(), source.answers, way="export", reason=reason)
     try:
+        on_step("copying the study")
         shared = _write_folder(folder, draft, source, origin, videos, free_text)
+        on_step("computing checksums")
+        _write_checksums(draft)
         if out.exists():
             out.rmdir()
         draft.replace(out)
@@ -187,7 +194,6 @@ def _write_folder(
     if folder.report.joinpath("results.json").exists():
         results = root / "sourcedata" / "results.json"
         shutil.copyfile(folder.report / "results.json", results)
-    _write_checksums(root)
     if source.judged.remark:
         remarks.append(source.judged.remark)
     return Shared(study=root / STUDY, participants=len(staying), remarks=tuple(remarks))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -149,7 +149,9 @@ def write_preview_page(motions: Sequence[PreviewedMotion], out: Path, look: Look
     return page
 
 
-def write_preview(motion: PreviewedMotion, kind: str, out: Path, look: Look) -> tuple[Path, ...]:
+def write_preview(
+    motion: PreviewedMotion, kind: str, out: Path, look: Look, on_step: Callable[[str], None]
+) -> tuple[Path, ...]:
     """Write a motion as one of `KINDS`, named after its file; return the written files.
 
     Parameters
@@ -163,10 +165,13 @@ def write_preview(motion: PreviewedMotion, kind: str, out: Path, look: Look) -> 
         The output folder.
     look : Look
         Body, size and framing.
+    on_step : callable
+        Called with the name of the next step, and with each frame of a video.
     """
     if kind == VIDEO:
-        return _write_video(motion, out, look)
+        return _write_video(motion, out, look, on_step)
     target = out / f"{motion.name}.{kind}"
+    on_step(f"writing {target.name}")
     if target.exists() and target.samefile(motion.path):
         raise InputError(
             f"this {kind.upper()} would overwrite its own source",
@@ -189,7 +194,9 @@ def write_preview(motion: PreviewedMotion, kind: str, out: Path, look: Look) -> 
     return tuple(files)
 
 
-def _write_video(motion: PreviewedMotion, out: Path, look: Look) -> tuple[Path]:
+def _write_video(
+    motion: PreviewedMotion, out: Path, look: Look, on_step: Callable[[str], None]
+) -> tuple[Path]:
     clip, body = motion.clip, default_body(look.avatar)
     model = read_body(body)
     silence = Audio(np.zeros(round(clip.duration * SOUND_RATE), np.float32), SOUND_RATE)
@@ -202,6 +209,7 @@ def _write_video(motion: PreviewedMotion, out: Path, look: Look) -> tuple[Path]:
             draft, look.size, look.size, look.frame_rate, motion.speech or silence
         ) as writer,
     ):
-        for frame in stage.video_frames(shown):
+        for number, frame in enumerate(stage.video_frames(shown), start=1):
+            on_step(f"writing {video.name}, frame {number} of {len(shown)}")
             writer.write(frame)
     return (video,)

@@ -10,7 +10,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import Event
 from studyapp.researchers.audit import MAX_LINES, log_change
 from studyapp.session.enrolment import Arrival
-from tests.support.command_line import run
+from tests.support.command_line import run, run_in_terminal
 from tests.support.read_once import read_once
 from tests.support.studies.exported import responses_table
 from tests.support.studies.stored import opened, writing
@@ -34,14 +34,15 @@ def is_in_the_file(study: Path) -> bool:
 
 
 def test_tables_follow_their_extension_and_a_shared_folder_is_explained(
-    study: Path, tmp_path: Path
+    study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     output = run("export", study, "--out", tmp_path / "out.parquet")
     assert f"Wrote 0 answers to {tmp_path / 'out.parquet'}" in output
     assert not list(tmp_path.glob("*.csv"))
 
-    output = run("export", study, "--folder", tmp_path / "out")
+    output = run_in_terminal(monkeypatch, "export", study, "--folder", tmp_path / "out")
     assert f"motionjury report {tmp_path / 'out' / 'sourcedata' / 'study'}" in output
+    assert "export: copying the study" in output
 
 
 def test_a_participant_is_erased_after_a_question_and_what_remains_is_printed(study: Path) -> None:

@@ -17,7 +17,7 @@ from studyapp.stimuli import rendering
 from studyapp.stimuli.render_record import RenderCount
 from studyapp.web.media_store import FILE
 from tests.motion.formats.bvh_text import bvh_text, columns_of, save_bvh_text, smplx_skeleton
-from tests.support.command_line import refused, run
+from tests.support.command_line import refused, run, run_in_terminal
 from tests.support.servers.s3_stand_in import BUCKET, SECRET, Store
 from tests.support.studies.takes import write_motion, write_speech
 
@@ -80,11 +80,15 @@ def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
         assert {stream.type for stream in video.streams} == {"video", "audio"}
 
 
-def test_a_motion_is_cut_to_its_speech_with_a_note(tmp_path: Path) -> None:
+def test_a_motion_is_cut_to_its_speech_with_a_note_and_each_frame_is_a_sign_of_life(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     motion = write_motion(tmp_path / "a.npz", 1.0)
     speech = write_speech(tmp_path / "a.wav", 0.5)
     given = ("--speech", speech, "--as", "video", "--size", 64)
-    assert "cut to the common 0.50 s" in run("preview", motion, *given, "--out", tmp_path)
+    output = run_in_terminal(monkeypatch, "preview", motion, *given, "--out", tmp_path)
+    assert "cut to the common 0.50 s" in output
+    assert "preview: reading a.npz" in output and "a.mp4, frame 15 of 15" in output
     with av.open(str(tmp_path / "a.mp4")) as video:
         assert len(list(video.decode(video=0))) == 15
 
