@@ -116,5 +116,10 @@ def command(ctx: click.Context, folder: Path, participants: int, processes: int)
         plan_command.rehearse_command, folder=study_folder, participants=participants, seed=SEED
     )
     has_been_served = study_folder.responses.exists()
-    ctx.invoke(report_command.command, folder=study_folder, rehearsal=not has_been_served)
+    ctx.invoke(
+        report_command.command,
+        folder=study_folder,
+        rehearsal=not has_been_served,
+        with_motion=True,
+    )
     click.echo(f"To take part yourself: make serve (or: motionjury serve {folder})")

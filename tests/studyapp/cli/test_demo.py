@@ -43,4 +43,8 @@ def test_the_demo_reports_people_who_took_part_in_its_folder(
     run("demo", tiny_study)
     StudyFolder(tiny_study).responses.touch()
     run("demo", tiny_study)
-    assert [call.kwargs["rehearsal"] for call in ran["report"].call_args_list] == [True, False]
+    asked = [
+        (call.kwargs["rehearsal"], call.kwargs["with_motion"])
+        for call in ran["report"].call_args_list
+    ]
+    assert asked == [(True, True), (False, True)]
