@@ -24,6 +24,7 @@ from studyapp.researchers.interim_figures import Document
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
 from studyapp.results.answers import has_current_design, read_answers
 from studyapp.results.stored_answers import Answers, StoredAnswers
+from studyapp.session.intake import is_closed
 from studyapp.side_process import give_way
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
@@ -71,21 +72,23 @@ def record_look(
     Returns
     -------
     str
-        A warning about interim looks; empty once all have finished.
+        A warning about interim looks; empty once all have finished or the study is closed.
     """
     shared = folder.shared_answers.is_dir()
     if shared or answers.origin != "participants" or answers.stored is None:
         return ""
     state = study_state(study, answers.stored)
-    problem = ""
+    problem, closed = "", not study.open
     try:
         database = Database.open(database_url_of(folder.root))
-        with closing(database), database.writing() as session:
-            by = os.environ.get(RESEARCHER, "")
-            log_look(session, Clock().now(), state, way=way, by=by, reason=reason)
+        with closing(database):
+            with database.writing() as session:
+                by = os.environ.get(RESEARCHER, "")
+                log_look(session, Clock().now(), state, way=way, by=by, reason=reason)
+            closed = is_closed(database, study)
     except (InputError, SQLAlchemyError, OSError) as error:
         problem = str(error).splitlines()[0]
-    if not state.is_interim:
+    if closed or not state.is_interim:
         return ""
     logged = (
         f"This look could not be logged: {problem} Mention it when you publish."

@@ -20,6 +20,7 @@ from studyapp.database.postgresql import Turn, share_turn, take_turn
 from studyapp.database.tables import Event, IntakeChange, Place
 from studyapp.researchers.audit import EVENT_LABELS, log_change, read_reason
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.settings.study import Study
 
 IntakeState = Literal["open", "paused", "closed"]
 STATES: Final[tuple[IntakeState, ...]] = get_args(IntakeState)
@@ -40,6 +41,12 @@ def current_intake(session: Session) -> Intake:
     if newest is None:
         return Intake()
     return Intake(state=cast(IntakeState, newest.state), more_places=newest.more_places)
+
+
+def is_closed(database: Database, study: Study) -> bool:
+    """Return whether the study is closed to newcomers for good, by its file or a researcher."""
+    with database.reading() as session:
+        return not study.open or current_intake(session).state == "closed"
 
 
 def wanted_places(served: ServedStudy, intake: Intake) -> Mapping[tuple[str, str], int]:

@@ -48,6 +48,7 @@ from studyapp.web.research.motion_scenes import (
     send_scene,
 )
 from studyapp.web.research.page import Data, is_rehearsed, open_data, page, researcher
+from studyapp.web.research.results import over_because
 from studyapp.web.site import study_site
 
 
@@ -89,13 +90,15 @@ LARGEST_NUMBER: Final = 2**31 - 1
 
 def overview(data: Data) -> ResponseReturnValue:
     """Show the study's progress."""
-    site, agreement = study_site(), None
+    site, agreement, over = study_site(), None, ""
     with open_data(data) as database:
         progress = overview_of(database, site.served, site.clock.now())
     if data == "study":
         agreement = stored_figures(site.database, site.clock, "agreement", site.figures)
+        over = over_because(site.database, site.served, site.clock.now())
     return page(
         "overview",
+        over=over,
         data=data,
         agreement=agreement,
         rehearsed=is_rehearsed(),

@@ -18,7 +18,7 @@ from studyapp.monitoring.overview import places_so_far
 from studyapp.researchers.audit import latest_looks, log_look
 from studyapp.researchers.interim_figures import stored_figures
 from studyapp.researchers.logins import UNBLINDED_FOR, unblind, unblinding_reason
-from studyapp.session.intake import current_intake
+from studyapp.session.intake import is_closed
 from studyapp.session.served_study import ServedStudy
 from studyapp.web.research.page import page, researcher, visitor_cookie
 from studyapp.web.site import study_site
@@ -39,7 +39,9 @@ def results() -> ResponseReturnValue:
     if not reason:
         return _reason_page()
     figures = stored_figures(site.database, site.clock, "results", site.figures)
-    awaited = figures.is_computing and not figures.is_current
+    # At the end, only numbers of all answers are shown; they may be due in a minute.
+    is_due = bool(over and figures.answers and not figures.problem)
+    awaited = not figures.is_current and (figures.is_computing or is_due)
     document = None if awaited else figures.contents
     if document is not None:
         with site.database.writing() as session:
@@ -58,7 +60,7 @@ def results() -> ResponseReturnValue:
         document=document,
         looks=latest_looks(site.database),
         reason=reason,
-        is_final=bool(over),
+        is_final=bool(over) and figures.is_current,
     )
 
 
@@ -67,9 +69,7 @@ def over_because(database: Database, served: ServedStudy, now: datetime) -> str:
     places = places_so_far(database, served, now)
     if not places.remaining:
         return EVERYBODY
-    with database.reading() as session:
-        closed = not served.study.open or current_intake(session).state == "closed"
-    return CLOSED if closed and not places.active else ""
+    return CLOSED if not places.active and is_closed(database, served.study) else ""
 
 
 def ask_for_results() -> ResponseReturnValue:
@@ -94,6 +94,7 @@ def _reason_page(problem: InputError | None = None, reason: str = "") -> str:
         reason=reason,
         looks=earlier_looks,
         places=places,
+        is_closed=is_closed(site.database, site.study),
         level=LEVEL,
         rates=[(count, equally_spaced(count)) for count in TABLED],
         without=_rate(earlier_looks, places, looking=False),

@@ -17,7 +17,7 @@ from analysis.stats.multiple_testing import (
     equally_spaced,
     false_positive_rate,
 )
-from studyapp.database.tables import StudySession
+from studyapp.database.tables import IntakeChange, StudySession
 from studyapp.researchers.audit import StudyState, latest_looks, log_look
 from studyapp.results.answers import read_answers
 from studyapp.results.export.sharing import share
@@ -106,10 +106,15 @@ def test_a_report_counts_as_a_look_only_for_later_answers(
     assert stored_looks(folder) == [("report", "", "", 2), ("report", "", "a video broke", 2)]
     assert "This look is logged" in said[0] and said[0] == said[1]
     assert (before(folder).count, before(folder).reason) == (0, "no look is logged")
+    with writing(folder.responses) as session:
+        session.add(
+            IntakeChange(at=NOON, state="closed", more_places=0, reason="enough", researcher="")
+        )
+    assert noted(folder) == ""
 
     complete(folder)
     assert noted(folder) == ""
-    assert len(stored_looks(folder)) == 3
+    assert len(stored_looks(folder)) == 4
     first, _ = before(folder).looks
     assert (first.by, first.finished, first.planned) == ("command line", 2, 3)
     assert before(folder).false_positive_rate == pytest.approx(false_positive_rate([2, 3]))

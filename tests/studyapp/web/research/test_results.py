@@ -75,7 +75,8 @@ def test_at_the_end_results_need_no_reason(log_in: LogIn, figures: InProcessFigu
     last = let_finish(log_in, "one", "two", "three").another().enrol("four").begin()
     analyst = log_in("analyst")
     analyst.post("/research/newcomers/state", state="closed", reason="enough")
-    assert "Results before the end" in analyst.get(RESULTS).text
+    assert "The study is closed, and 1 still takes part." in analyst.get(RESULTS).words()
+    assert "anyone who looks" in analyst.get("/research/").text
     log_in.clock.advance(minutes=last.served.study.lease_minutes + 1)
 
     assert "being computed" in analyst.get(RESULTS).text
@@ -83,7 +84,10 @@ def test_at_the_end_results_need_no_reason(log_in: LogIn, figures: InProcessFigu
     closed = analyst.get(RESULTS).words()
     assert "The study is closed: 3 of 4 participants finished. These are the final" in closed
     assert "Interim" not in closed and "You look because" not in closed
+    assert "the study is closed. What they prefer is on" in analyst.get("/research/").words()
     last.take_all()
+    # Numbers from before the last participant are no final ones.
+    assert "being computed" in analyst.get(RESULTS).text
     log_in.clock.advance(minutes=2)
     analyst.get(RESULTS)
     figures.work()
