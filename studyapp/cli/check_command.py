@@ -17,7 +17,6 @@ from studyapp.study.folder import StudyFolder
 
 @click.command("check")
 @study_folder
-@click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
 @click.option(
     "--verbose", "everything", is_flag=True, help="Print notes too, and all findings of each kind."
 )
@@ -34,18 +33,8 @@ from studyapp.study.folder import StudyFolder
     callback=lambda context, parameter, value: value and check_address(value),
     help="The study's public address; also checks that the study answers there.",
 )
-@click.option(
-    "--pilot",
-    type=click.Path(exists=True, file_okay=False, path_type=Path),
-    help="A study that people have taken; their pace is used to estimate the duration.",
-)
 def command(
-    folder: StudyFolder,
-    as_json: bool,
-    record_file: Path | None,
-    everything: bool,
-    address: str | None,
-    pilot: Path | None,
+    folder: StudyFolder, record_file: Path | None, everything: bool, address: str | None
 ) -> None:
     """Check the study FOLDER before it is launched.
 
@@ -53,21 +42,10 @@ def command(
     are worth knowing. docs/check.md lists every finding with its remedy.
     """
     with sign_of_life("check") as show:
-        findings = check(
-            folder,
-            address=address,
-            pilot=None if pilot is None else StudyFolder(pilot),
-            on_step=show,
-        )
+        findings = check(folder, address=address, on_step=show)
     record = make_record(folder.root.resolve().name, findings)
-    json = record.model_dump_json(indent=1)
     if record_file is not None:
-        write_text(record_file, json)
-    if as_json:
-        click.echo(json)
-        if record.errors:
-            raise click.exceptions.Exit(1)
-        return
+        write_text(record_file, record.model_dump_json(indent=1))
     for line in text_lines(findings, everything=everything):
         click.echo(line)
     if record.errors:

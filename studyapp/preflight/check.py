@@ -21,10 +21,8 @@ from studyapp.preflight.recruiting_checks import (
 from studyapp.preflight.serving_checks import address_findings, server_findings, serving_findings
 from studyapp.preflight.sound_checks import sound_findings
 from studyapp.preflight.time_checks import (
-    Pace,
     expected_time,
     minutes_needed,
-    pace_of_pilot,
     pace_of_study,
     time_findings,
 )
@@ -44,7 +42,6 @@ def check(
     folder: StudyFolder,
     *,
     address: str | None = None,
-    pilot: StudyFolder | None = None,
     on_step: OnStep = lambda _step: None,
 ) -> list[Finding]:
     """Return all findings of a study, errors first.
@@ -53,24 +50,16 @@ def check(
     ----------
     address : str, optional
         The address that participants will use; requests are sent there.
-    pilot : StudyFolder, optional
-        A study whose participants' pace is used to estimate this study's duration.
     on_step : callable
         Called with the name of the next check.
-
-    Raises
-    ------
-    InputError
-        If the pilot cannot be read, or too few participants have finished it.
     """
-    pace = None if pilot is None else pace_of_pilot(pilot)
-    findings = list(_findings(folder, pace, on_step))
+    findings = list(_findings(folder, on_step))
     if address is not None:
         findings += address_findings(address)
     return sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))
 
 
-def _findings(folder: StudyFolder, pace: Pace | None, on_step: OnStep) -> Iterator[Finding]:
+def _findings(folder: StudyFolder, on_step: OnStep) -> Iterator[Finding]:
     try:
         study = parse_text(read_text(folder.definition), where=folder.definition)
     except InputError as error:
@@ -90,7 +79,7 @@ def _findings(folder: StudyFolder, pace: Pace | None, on_step: OnStep) -> Iterat
         )
         yield from pay_findings(study, None)
         return
-    yield from _material_findings(material, study, pace, on_step)
+    yield from _material_findings(material, study, on_step)
 
 
 _CHECKS: Final[tuple[tuple[str, Callable[[Material], Iterable[Finding]]], ...]] = (
@@ -106,9 +95,7 @@ _CHECKS: Final[tuple[tuple[str, Callable[[Material], Iterable[Finding]]], ...]] 
 )
 
 
-def _material_findings(
-    material: Material, study: Study, pace: Pace | None, on_step: OnStep
-) -> Iterator[Finding]:
+def _material_findings(material: Material, study: Study, on_step: OnStep) -> Iterator[Finding]:
     """Run all checks, and read a study without errors as its server will."""
     expected = expected_time(material)
     findings: list[Finding] = []
@@ -118,9 +105,9 @@ def _material_findings(
     if expected is None:
         findings += pay_findings(study, None)
     else:
-        if pace is None:
-            with suppress(InputError):  # serving_findings reports a database that cannot be read
-                pace = pace_of_study(material)
+        pace = None
+        with suppress(InputError):  # serving_findings reports a database that cannot be read
+            pace = pace_of_study(material)
         findings += time_findings(study, expected, pace)
         findings += pay_findings(study, minutes_needed(expected, pace))
     yield from findings

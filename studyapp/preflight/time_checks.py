@@ -11,14 +11,12 @@ from typing import Final
 
 from sqlalchemy import select
 
-from motion.errors import InputError
-from studyapp.database.engine import Database, database_url_of, sqlite_url
+from studyapp.database.engine import Database, database_url_of
 from studyapp.database.tables import StudySession
 from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import Material
 from studyapp.session.trials import expected_seconds
 from studyapp.study.design.trial import Content, PlannedTrial
-from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
 SECONDS_FOR_A_FORM_QUESTION: Final = 8.0
@@ -118,7 +116,7 @@ FEWEST_FINISHED: Final = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Pace:
-    """How fast participants were.
+    """How fast this study's participants were.
 
     Attributes
     ----------
@@ -127,45 +125,18 @@ class Pace:
     minutes : float
         Their median time, as recruiting sites measure it.
     times_expected : float
-        The same, relative to the expected time of the study that they took.
-    source : str
-        The name of that study, in words.
+        The same, relative to the expected time.
     """
 
     finished: int
     minutes: float
     times_expected: float
-    source: str
 
 
 def pace_of_study(material: Material) -> Pace | None:
     """Return the pace of this study's participants; None if too few have finished."""
-    return _pace(material, database_url_of(material.folder.root), "this study")
-
-
-def pace_of_pilot(folder: StudyFolder) -> Pace:
-    """Return the pace of a pilot's participants.
-
-    Raises
-    ------
-    InputError
-        If the pilot cannot be read, or too few have finished it.
-    """
-    pilot = Material.read(folder, folder.study())
-    pace = _pace(pilot, sqlite_url(folder.responses), f"the pilot {folder.root.name}")
-    if pace is None:
-        raise InputError(
-            f"fewer than {FEWEST_FINISHED} participants have finished the pilot, too few to "
-            "estimate a pace",
-            where=folder.responses,
-            remedy="Name a study that more people have finished, or omit --pilot",
-        )
-    return pace
-
-
-def _pace(material: Material, url: str, source: str) -> Pace | None:
     expected = expected_time(material)
-    database = Database.open_for_reading(url)
+    database = Database.open_for_reading(database_url_of(material.folder.root))
     if database is None or expected is None:
         return None
     with closing(database), database.reading() as session:
@@ -183,7 +154,6 @@ def _pace(material: Material, url: str, source: str) -> Pace | None:
         finished=len(durations),
         minutes=seconds / 60,
         times_expected=seconds / expected.seconds,
-        source=source,
     )
 
 
@@ -207,7 +177,7 @@ def time_findings(study: Study, expected: ExpectedTime, pace: Pace | None) -> It
     """Yield how long the study takes, and settings that do not fit that."""
     needed = minutes_needed(expected, pace)
     observed = (
-        f"; the {pace.finished} who have finished {pace.source} took {pace.minutes:.0f} (median), "
+        f"; the {pace.finished} who have finished took {pace.minutes:.0f} (median), "
         f"{pace.times_expected:.1f} times the expected time"
         if pace
         else ""

@@ -1,7 +1,7 @@
 """``make pages`` writes the table of findings, and a schema, into `docs`.
 
 The table in `docs/check.md` comes from `studyapp/preflight/findings.toml`; the schema describes
-the output of `motionjury check --json`.
+what `motionjury check --record` writes.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def with_table(page: str) -> str:
 
 
 def schema() -> str:
-    """Return the JSON schema of what `motionjury check --json` prints."""
+    """Return the JSON schema of what `motionjury check --record` writes."""
     return f"{json.dumps(CheckRecord.model_json_schema(), indent=1)}\n"
 
 

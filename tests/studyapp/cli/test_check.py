@@ -12,7 +12,9 @@ from tests.support.command_line import run
 
 
 def record(folder: Path, *, status: int) -> CheckRecord:
-    return CheckRecord.model_validate_json(run("check", folder, "--json", status=status))
+    file = folder / "findings.json"
+    run("check", folder, "--record", file, status=status)
+    return CheckRecord.model_validate_json(file.read_bytes())
 
 
 def test_warnings_alone_let_a_study_be_served_and_errors_end_with_status_one(

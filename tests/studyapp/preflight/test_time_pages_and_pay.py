@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 import pytest
 
-from motion.errors import InputError, listed
+from motion.errors import listed
 from studyapp.preflight.material import Material
 from studyapp.preflight.recruiting_checks import (
     page_findings,
@@ -18,7 +18,6 @@ from studyapp.preflight.time_checks import (
     ExpectedTime,
     expected_time,
     minutes_needed,
-    pace_of_pilot,
     pace_of_study,
     time_findings,
 )
@@ -123,14 +122,13 @@ def test_the_pace_comes_from_participants_who_finished(tiny_study: Path) -> None
     folder = StudyFolder(tiny_study)
     material = Material.read(folder, folder.study())
     assert pace_of_study(material) is None
-    with pytest.raises(InputError, match="fewer than 3 participants"):
-        pace_of_pilot(folder)
     answer_study(tiny_study, people=4, stop_after=2)
 
-    pace = pace_of_pilot(folder)
+    pace = pace_of_study(material)
 
     expected = expected_time(material)
     assert expected is not None
+    assert pace is not None
     # Six trials of thirteen seconds each.
     assert (pace.finished, pace.minutes) == (3, 1.3)
     assert pace.times_expected == pytest.approx(78 / expected.seconds)
