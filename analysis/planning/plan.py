@@ -31,10 +31,6 @@ class Request:
 
     Attributes
     ----------
-    title : str
-        The study's title.
-    protocol : str
-        The protocol's name.
     size : callable
         Returns the study for a number of participants and of segments.
     participants, items : tuple of int
@@ -51,8 +47,6 @@ class Request:
         Where `opinions` come from, in words.
     excluded : float
         Share of participants who will be excluded.
-    pay : float or None
-        Cost of one participant, fees included; None if unknown.
     effort : Effort
         How much is simulated.
     minutes : float
@@ -63,8 +57,6 @@ class Request:
         Further sentences about the study.
     """
 
-    title: str
-    protocol: str
     size: Callable[[int, int], Size]
     participants: tuple[int, ...]
     items: tuple[int, ...]
@@ -74,7 +66,6 @@ class Request:
     opinions: Opinions
     source: str
     excluded: float
-    pay: float | None
     effort: Effort
     minutes: float
     seed: int
@@ -119,8 +110,6 @@ class Plan:
         Number of tests that are corrected together, by part.
     smallest : tuple of Smallest
         The smallest difference of each part; empty if there is no study yet.
-    effort : Effort
-        How much was simulated, at least.
     cut : str
         A sentence about effort that was cut; empty if none was.
     """
@@ -130,7 +119,6 @@ class Plan:
     meanings: dict[tuple[str, float], str]
     tests: dict[str, int]
     smallest: tuple[Smallest, ...]
-    effort: Effort
     cut: str
 
     @property
@@ -184,7 +172,6 @@ def plan(request: Request, runner: Runner) -> Plan:
             for part in first.parts
         },
         smallest=smallest,
-        effort=tasks[0].effort,
         cut=_cut(request, requested, tasks),
     )
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -22,8 +21,7 @@ from analysis.report.figures.panels import Hints, Panel, PanelFigure, draw_sheet
 from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, as_file, series_style
 from analysis.report.texts import paragraphs
 from analysis.report.wording import count, share
-from analysis.results.report import as_json
-from motion.files import replacing, write_frame, write_text
+from motion.files import replacing, write_frame
 
 CELLS: Final = ".simulated"
 """Folder next to a plan's files that keeps simulated cells."""
@@ -32,10 +30,9 @@ _WIDE: Final = 32
 
 
 def write_plan(plan: Plan, folder: Path) -> tuple[Path, ...]:
-    """Write ``plan.json``, ``power.csv`` and ``power.png``, ``.svg`` and ``.pdf`` into `folder`."""
-    write_text(folder / "plan.json", as_json(plan_document(plan)))
+    """Write ``power.csv``, and ``power.png``, ``.svg`` and ``.pdf``, into `folder`."""
     write_frame(folder / "power.csv", power_table(plan))
-    written = [folder / "plan.json", folder / "power.csv"]
+    written = [folder / "power.csv"]
     figure = power_figure(plan)
     for ending in FORMATS:
         path = folder / f"power.{ending}"
@@ -45,38 +42,13 @@ def write_plan(plan: Plan, folder: Path) -> tuple[Path, ...]:
     return tuple(written)
 
 
-def plan_document(plan: Plan) -> dict[str, Any]:
-    """Return the content of ``plan.json``."""
-    request = plan.request
-    return {
-        "title": request.title,
-        "protocol": request.protocol,
-        "as_it_stands": None
-        if request.current is None
-        else {"participants": request.current[0], "segments": request.current[1]},
-        "per_comparison": request.per_comparison,
-        "assumed": {
-            **asdict(request.opinions),
-            "excluded": request.excluded,
-            "source": request.source,
-        },
-        "tests_corrected_together": plan.tests,
-        "pay": request.pay,
-        "seed": request.seed,
-        "effort": asdict(plan.effort),
-        "sentences": plan_sentences(plan),
-        "smallest": [asdict(smallest) for smallest in plan.smallest],
-        "powers": power_table(plan).to_dict("records"),
-    }
-
-
 def power_table(plan: Plan) -> pd.DataFrame:
     """Return a row for each size, part of the study and effect."""
     table = []
     for cell in plan.cells:
         for power in cell.powers:
-            row: dict[str, object] = {"part": power.part} if any(plan.parts) else {}
-            row |= {
+            part = {"part": power.part} if any(plan.parts) else {}
+            row = {
                 "participants": cell.size.participants,
                 "recruited": cell.size.recruited,
                 "analysed": cell.size.analysed,
@@ -92,9 +64,7 @@ def power_table(plan: Plan) -> pd.DataFrame:
                 "modelled": power.modelled,
                 "reason": power.reason,
             }
-            if plan.request.pay is not None:
-                row["cost"] = round(cell.size.recruited * plan.request.pay, 2)
-            table.append(row)
+            table.append(part | row)
     return pd.DataFrame(table)
 
 

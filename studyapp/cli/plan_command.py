@@ -61,12 +61,6 @@ class _NumberListType(click.ParamType[tuple[Any, ...]]):
     help="A study folder with answers, or a table of answers for 'motionjury report --responses'; "
     "variances and exclusion rates are estimated from it.",
 )
-@click.option(
-    "--pay",
-    type=Number(0, min_open=True),
-    metavar="AMOUNT",
-    help="Cost of one participant, fees included; adds the cost of each design.",
-)
 @processes_option
 def command(folder: StudyFolder, processes: int, **options: Any) -> None:
     """Simulate a study to find how many participants and segments it needs.

@@ -46,7 +46,6 @@ def plan_study(
     items: tuple[int, ...],
     effects: tuple[float, ...],
     pilot: Path | None,
-    pay: float | None,
     processes: int = 1,
     show: Show | None = None,
 ) -> Plan:
@@ -62,8 +61,6 @@ def plan_study(
         Differences, in logits.
     pilot : Path or None
         A finished study, or a table of answers, whose spreads are taken.
-    pay : float or None
-        What one participant costs.
     """
     study = folder.study()
     segments = planned_segments(folder, study, items)
@@ -76,8 +73,6 @@ def plan_study(
     planned = PlannedStudy(study=study, segments=segments, excluded=assumed.excluded)
     _refuse_huge(planned.size(1, max(items)), max(participants))
     request = Request(
-        title=study.title,
-        protocol=study.protocol,
         size=planned.size,
         participants=tuple(sorted(set(participants))),
         items=tuple(sorted(set(items))),
@@ -87,7 +82,6 @@ def plan_study(
         opinions=assumed.opinions,
         source=assumed.source,
         excluded=assumed.excluded,
-        pay=pay,
         effort=Effort(),
         minutes=MINUTES,
         seed=study.seed,

@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from analysis.planning.grid import Runner, Task, estimate_minutes, limit_effort
@@ -16,8 +17,6 @@ from tests.analysis.planning.sketch import Sketch
 
 SKETCH = Sketch(kind="pairs", comparisons=3, own_participants=True)
 REQUEST = Request(
-    title="A study",
-    protocol="pairwise",
     size=lambda participants, items: SKETCH.size(participants, items, excluded=0.1),
     participants=(10, 20, 80),
     items=(6, 12),
@@ -27,7 +26,6 @@ REQUEST = Request(
     opinions=Opinions(),
     source="Assumed",
     excluded=0.1,
-    pay=2.5,
     effort=Effort(quick=200, exact=40),
     minutes=2.0,
     seed=1,
@@ -92,11 +90,11 @@ def test_a_shortened_plan_says_so(tmp_path: Path) -> None:
     assert plan_sentences(result)[-1] == result.cut
 
 
-def test_sentences_state_power_limits_and_costs(made: Plan) -> None:
+def test_sentences_state_power_and_limits(made: Plan) -> None:
     text = "\n".join(plan_sentences(made))
 
     assert "As it stands, with 10 participants per comparison (9 of them analysed)" in text
-    assert "30 participants in all cost 75.00." in text
+    assert "30 participants in all." in text
     assert "The smallest difference that it finds with power .8 is" in text
     assert "Assumed: the difference of two conditions varies by 0.6 logits" in text
     assert "If there is no difference" in text
@@ -181,17 +179,15 @@ def test_two_plans_are_the_same_bytes(made: Plan, tmp_path: Path) -> None:
     first = write_plan(made, tmp_path / "one")
     again = write_plan(plan(REQUEST, Runner(folder=tmp_path / "cells")), tmp_path / "two")
 
-    assert [path.name for path in first] == [
-        *("plan.json", "power.csv", "power.pdf", "power.png", "power.svg")
-    ]
+    assert [path.name for path in first] == [*("power.csv", "power.pdf", "power.png", "power.svg")]
     for one, other in zip(first, again, strict=True):
         assert one.read_bytes() == other.read_bytes(), one.name
-    result = json.loads(first[0].read_text("utf-8"))
-    assert result["as_it_stands"] == {"participants": 10, "segments": 6}
-    assert result["tests_corrected_together"] == {"": 3}
-    powers = result["powers"]
+    assert made.tests == {"": 3}
+    powers = pd.read_csv(first[0])
     assert len(powers) == 3 * 2 * 2
-    assert {(row["recruited"], row["analysed"]) for row in powers} == {(30, 9), (60, 18), (240, 72)}
+    assert {*zip(powers["recruited"], powers["analysed"], strict=True)} == {
+        *((30, 9), (60, 18), (240, 72))
+    }
 
 
 def test_a_size_without_a_test_has_a_dash_and_a_reason(tmp_path: Path) -> None:
@@ -201,8 +197,7 @@ def test_a_size_without_a_test_has_a_dash_and_a_reason(tmp_path: Path) -> None:
     text = "\n".join(plan_sentences(result))
     write_plan(result, tmp_path / "out")
 
-    powers = json.loads((tmp_path / "out" / "plan.json").read_text("utf-8"))["powers"]
-
+    powers = pd.read_csv(tmp_path / "out" / "power.csv")
     assert "1 x 1: one participant allows no test" in text
     assert "10 x 1: one segment allows no test" in text
-    assert {row["power"] for row in powers} == {None}
+    assert powers["power"].isna().all()
