@@ -18,7 +18,7 @@ from motion.files import replacing
 from renderer.clip_video import Stage
 from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
 from renderer.figures.plate import FAINT_INK, INK, fitted, font, wrapped
-from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
+from renderer.figures.skeleton_lines import joints_of, with_skeleton
 from renderer.framing import Camera
 from renderer.look import BACKGROUND
 from renderer.loudness import at_common_loudness
@@ -60,15 +60,12 @@ class GridLayout:
         Number of panels, up to `MAX_PANELS`.
     size : int
         Pixels along each side of a panel, even.
-    widened : bool
-        Whether a panel holds two pictures, body and skeleton.
     text : str
         The spoken text, shown under the grid.
     """
 
     count: int
     size: int
-    widened: bool = False
     text: str = ""
 
     def __post_init__(self) -> None:
@@ -82,11 +79,6 @@ class GridLayout:
     def columns(self) -> int:
         """Panels per row: 1 to 3 are in one row, 4 in two rows, 9 in three."""
         return self.count if self.count <= 3 else math.ceil(math.sqrt(self.count))
-
-    @property
-    def panel_width(self) -> int:
-        """Pixels across a panel."""
-        return self.size * (2 if self.widened else 1)
 
     @property
     def caption_height(self) -> int:
@@ -104,14 +96,14 @@ class GridLayout:
         """Width and height of the video."""
         rows = math.ceil(self.count / self.columns)
         height = rows * (self.size + self.caption_height) + self.footer_height
-        return self.columns * self.panel_width, height
+        return self.columns * self.size, height
 
     def position(self, number: int) -> tuple[int, int]:
         """Return the upper left corner of a panel; an incomplete last row is centred."""
         row, column = divmod(number, self.columns)
         in_row = min(self.columns, self.count - row * self.columns)
-        indent = (self.columns - in_row) * self.panel_width // 2
-        left = (indent + column * self.panel_width) // 2 * 2
+        indent = (self.columns - in_row) * self.size // 2
+        left = (indent + column * self.size) // 2 * 2
         return left, row * (self.size + self.caption_height)
 
 
@@ -122,7 +114,7 @@ def write_grid(
     speech: Audio,
     *,
     speed: float,
-    skeleton: Place | None,
+    skeleton: bool,
     text: str,
     video: Path,
     on_frame: Callable[[int, int], None] = lambda done, total: None,
@@ -143,8 +135,8 @@ def write_grid(
     speed : float
         Speed in (0, 1]. Below 1, the video shows its speed and has a silent sound track, so that it
         can be joined to others.
-    skeleton : {'over', 'beside'} or None
-        Position of the skeleton; None for no skeleton.
+    skeleton : bool
+        Draw the skeleton over the body.
     text : str
         The spoken text; empty if unknown.
     video : Path
@@ -153,9 +145,7 @@ def write_grid(
         Called with (frames done, frames in all) after each frame.
     """
     rate = stage.look.frame_rate
-    layout = GridLayout(
-        count=len(panels), size=stage.look.size, widened=skeleton == "beside", text=text
-    )
+    layout = GridLayout(count=len(panels), size=stage.look.size, text=text)
     count = len(panels[0].clip)
     if speed == 1:
         sound = at_common_loudness(speech)
@@ -177,15 +167,15 @@ def write_grid(
 
 
 def _pictures(
-    stage: Stage, camera: Camera, clip: MotionClip, skeleton: Place | None
+    stage: Stage, camera: Camera, clip: MotionClip, skeleton: bool
 ) -> Iterator[Image.Image]:
-    joints = joints_of(clip, stage.body) if skeleton is not None else None
+    joints = joints_of(clip, stage.body) if skeleton else None
     for number in range(len(clip)):
         # Frame by frame, because one stage draws the clips of a grid in turn.
         pixels = next(stage.pictures(clip.frames(slice(number, number + 1))))
         picture = Image.fromarray(pixels).reduce(SUPERSAMPLING).convert("RGB")
-        if joints is not None and skeleton is not None:
-            picture = with_skeleton(picture, joints[number], camera, skeleton)
+        if joints is not None:
+            picture = with_skeleton(picture, joints[number], camera)
         yield picture
 
 
@@ -196,8 +186,8 @@ def _background(layout: GridLayout, captions: Sequence[str]) -> Image.Image:
     letters = font(layout.size * _LETTER_SHARE)
     for number, caption in enumerate(captions):
         left, top = layout.position(number)
-        centre = left + layout.panel_width / 2, top + layout.size + layout.caption_height / 2
-        line_text = fitted(caption, letters, 0.94 * layout.panel_width)
+        centre = left + layout.size / 2, top + layout.size + layout.caption_height / 2
+        line_text = fitted(caption, letters, 0.94 * layout.size)
         pen.text(centre, line_text, INK, letters, anchor="mm")
     if layout.text:
         small = font(layout.size * _LETTER_SHARE * 0.82)

@@ -124,7 +124,7 @@ def panel(
         cut_out(stage, pose, camera).picture if clear else still(stage, pose, 0).convert("RGBA")
     )
     if skeleton:
-        picture = with_skeleton(picture, joints_of(pose, stage.body)[0], camera, "over", key=False)
+        picture = with_skeleton(picture, joints_of(pose, stage.body)[0], camera, key=False)
     return picture
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +19,6 @@ SIDE_COLOURS: Final = {"left": (0xD5, 0x5E, 0x00), "right": (0x00, 0x72, 0xB2)}
 
 SIDE_MARKS: Final = {"left": "●", "right": "■"}
 """The shape of each side's joints."""
-
-Place = Literal["over", "beside"]
-"""Position of the skeleton: on the body, or in a separate picture on the right."""
 
 _MIDDLE_COLOUR: Final = (0x30, 0x30, 0x36)
 _HALO: Final = (0xFF, 0xFF, 0xFF)
@@ -47,11 +44,10 @@ def with_skeleton(
     picture: Image.Image,
     joints: NDArray[np.float64],
     camera: Camera,
-    place: Place,
     *,
     key: bool = True,
 ) -> Image.Image:
-    """Return `picture` with the skeleton.
+    """Return `picture` with the skeleton drawn over the body.
 
     The speaker's left is vermilion with round joints, their right blue with square ones.
 
@@ -63,22 +59,14 @@ def with_skeleton(
         Positions of the joints in that frame, in metres.
     camera : Camera
         The picture's camera.
-    place : {'over', 'beside'}
-        ``over`` draws on the body; ``beside`` returns a picture twice as wide, with the
-        skeleton alone on its right.
     key : bool
         Whether a key in the corner explains the colours.
     """
     size = picture.width
     lines = _skeleton_picture(project(joints, camera, size)[:, :2], size, key=key)
-    if place == "over":
-        result = picture.convert("RGBA")
-        result.alpha_composite(lines)
-        return result.convert(picture.mode)
-    result = Image.new(picture.mode, (2 * size, size), picture.getpixel((0, 0)))
-    result.paste(picture, (0, 0))
-    result.paste(lines, (size, 0), lines)
-    return result
+    result = picture.convert("RGBA")
+    result.alpha_composite(lines)
+    return result.convert(picture.mode)
 
 
 def _skeleton_picture(points: NDArray[np.float64], size: int, *, key: bool) -> Image.Image:

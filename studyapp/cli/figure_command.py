@@ -39,13 +39,8 @@ conditions = click.option(
     help="A condition and its label; can be repeated.  [default: all but the catch condition]",
 )
 clear = click.option("--clear", is_flag=True, help="Make the background transparent.")
-whole = click.option(
-    "--whole", is_flag=True, help="Show whole frames instead of cropping them to the body."
-)
 closeup = click.option("--closeup", is_flag=True, help="Show only the faces.")
-skeleton = click.option(
-    "--skeleton", type=click.Choice(["over", "beside"]), help="Also draw the skeleton."
-)
+skeleton = click.option("--skeleton", is_flag=True, help="Draw the skeleton over the body.")
 output = click.option(
     "--output", type=FILE, help="The output file, instead of one in FOLDER/figures."
 )
@@ -117,9 +112,8 @@ def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
 @inches(6.9)
 @click.option("--wave/--no-wave", default=True, help="Draw the waveform of the speech below.")
 @clear
-@whole
 @closeup
-@click.option("--skeleton", is_flag=True, help="Draw the skeleton over the body.")
+@skeleton
 @output
 def strip(
     folder: StudyFolder,
@@ -153,7 +147,6 @@ def strip(
 @moments(required=True)
 @inches(3.3)
 @clear
-@whole
 @closeup
 @output
 def overlay(
@@ -185,7 +178,6 @@ def overlay(
     help="Slow motion without sound, such as 0.25 for a quarter of the speed.",
 )
 @skeleton
-@click.option("--size", type=click.IntRange(64, 2160), help="Pixels along each side of a panel.")
 @closeup
 @output
 def grid(folder: StudyFolder, output: Path | None, **options: Any) -> None:
@@ -210,6 +202,6 @@ def _split(
         if output
         else tuple(folder.figures / f"{kind}-{options['segment']}{ending}" for ending in _ENDINGS)
     )
-    names = ("inches", "clear", "whole", "closeup")
+    names = ("inches", "clear", "closeup")
     printed = Print(**{name: options.pop(name) for name in names}, outputs=outputs)
     return Choice(**options), printed

@@ -18,7 +18,7 @@ from renderer.figures.grid_video import MIN_SPEED, GridLayout, Panel, write_grid
 from renderer.figures.overlay import blended, colours_for, draw_overlay, faded
 from renderer.figures.panels import FULL_BOX, Box, aspect_of, common_box, cropped, cut_out, panel
 from renderer.figures.plate import DOTS_PER_INCH, check_ending
-from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
+from renderer.figures.skeleton_lines import joints_of, with_skeleton
 from renderer.figures.strip import Moment, StripLayout, draw_strip, loud_moments
 from renderer.shown_clip import frame_at
 from studyapp.stimuli.figures.material import FigureMaterial, require_distinct
@@ -54,8 +54,6 @@ class Print:
         Width in print.
     clear : bool
         Transparent instead of the videos' background.
-    whole : bool
-        Show whole pictures instead of cropping them to the body.
     closeup : bool
         Show only the face.
     outputs : tuple of Path
@@ -64,7 +62,6 @@ class Print:
 
     inches: float
     clear: bool
-    whole: bool
     closeup: bool
     outputs: tuple[Path, ...]
 
@@ -80,7 +77,7 @@ def write_still(
     condition: str,
     seconds: float,
     size: int,
-    skeleton: Place | None,
+    skeleton: bool,
     clear: bool,
     closeup: bool,
     output: Path,
@@ -97,8 +94,8 @@ def write_still(
         Time from the segment's start.
     size : int
         Pixels of each side.
-    skeleton : {'over', 'beside'} or None
-        Where the skeleton is drawn.
+    skeleton : bool
+        Draw the skeleton over the body.
     clear : bool
         Make the background transparent.
     closeup : bool
@@ -115,9 +112,8 @@ def write_still(
         material, [[pose]] = material.close_to_faces([[pose]])
     with material.stage(size) as stage:
         picture = panel(stage, pose, material.camera, clear=clear)
-        if skeleton is not None:
-            joints = joints_of(pose, stage.body)[0]
-            picture = with_skeleton(picture, joints, material.camera, skeleton)
+        if skeleton:
+            picture = with_skeleton(picture, joints_of(pose, stage.body)[0], material.camera)
     with replacing(output) as draft:
         (picture if clear else picture.convert("RGB")).save(draft, "PNG", optimize=True)
 
@@ -233,8 +229,7 @@ def _view(
         material, rows = material.close_to_faces(rows)
         return material, FULL_BOX, rows
     poses = [pose for row in rows for pose in row]
-    box = FULL_BOX if printed.whole else common_box(material.plan.model, poses, material.camera)
-    return material, box, rows
+    return material, common_box(material.plan.model, poses, material.camera), rows
 
 
 def _drawn_size(width: int, box: Box) -> int:
@@ -243,7 +238,7 @@ def _drawn_size(width: int, box: Box) -> int:
 
 
 MAX_WIDTH: Final = 1920
-"""Pixels of a video whose panel size is not given."""
+"""Pixels of a video."""
 
 
 def write_condition_grid(
@@ -252,8 +247,7 @@ def write_condition_grid(
     segment: str,
     conditions: Sequence[str],
     speed: float,
-    skeleton: Place | None,
-    size: int | None,
+    skeleton: bool,
     closeup: bool,
     output: Path,
     on_frame: Callable[[int, int], None] = lambda done, total: None,
@@ -271,10 +265,8 @@ def write_condition_grid(
     speed : float
         From `renderer.figures.grid_video.MIN_SPEED` to 1. Slow motion interpolates the original
         motion, so it is as smooth as at full speed.
-    skeleton : {'over', 'beside'} or None
-        Where the skeleton is drawn.
-    size : int or None
-        Pixels of each panel's side; by default the study's, limited by `MAX_WIDTH`.
+    skeleton : bool
+        Draw the skeleton over the body.
     closeup : bool
         Show only the faces.
     output : Path
@@ -291,8 +283,7 @@ def write_condition_grid(
     material = FigureMaterial.read(folder)
     excerpt = material.segment(segment)
     labels = material.labels(conditions)
-    layout = GridLayout(count=len(labels), size=2, widened=skeleton == "beside")
-    fitting_size = MAX_WIDTH // (layout.frame[0] // 2) // 2 * 2
+    fitting_size = MAX_WIDTH // GridLayout(count=len(labels), size=2).columns // 2 * 2
     rate = material.plan.look.frame_rate
     panels = [
         Panel(caption=label, clip=material.clip(excerpt, name, frame_rate=rate / speed))
@@ -301,7 +292,7 @@ def write_condition_grid(
     if closeup:
         material, faces = material.close_to_faces([[panel.clip] for panel in panels])
         panels = [replace(panel, clip=clip) for panel, [clip] in zip(panels, faces, strict=True)]
-    with material.stage(size or min(material.plan.look.size, fitting_size)) as stage:
+    with material.stage(min(material.plan.look.size, fitting_size)) as stage:
         write_grid(
             stage,
             material.camera,

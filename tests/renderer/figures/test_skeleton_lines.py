@@ -7,7 +7,7 @@ from PIL import Image
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
-from renderer.figures.skeleton_lines import SIDE_COLOURS, Place, joints_of, with_skeleton
+from renderer.figures.skeleton_lines import SIDE_COLOURS, joints_of, with_skeleton
 from renderer.framing import Camera, project
 from renderer.shown_clip import frame_at
 
@@ -19,23 +19,16 @@ def joints(clip: MotionClip, body: BodyModel) -> np.ndarray:
     return np.asarray(joints_of(frame_at(clip, 0.4), body)[0])
 
 
-def drawn(joints: np.ndarray, camera: Camera, place: Place) -> np.ndarray:
+def drawn(joints: np.ndarray, camera: Camera) -> np.ndarray:
     plain = Image.new("RGB", (SIZE, SIZE), "white")
-    return np.asarray(with_skeleton(plain, joints, camera, place)).astype(int)
+    return np.asarray(with_skeleton(plain, joints, camera)).astype(int)
 
 
 def test_each_elbow_has_the_colour_of_its_side(joints: np.ndarray, camera: Camera) -> None:
-    picture = drawn(joints, camera, "over")
+    picture = drawn(joints, camera)
     for side, colour in SIDE_COLOURS.items():
         x, y, _ = project(joints[joint_index(f"{side}_elbow")], camera, SIZE)
         assert np.abs(picture[int(y), int(x)] - colour).max() <= 3
-
-
-def test_the_body_is_unchanged_beside_its_skeleton(joints: np.ndarray, camera: Camera) -> None:
-    picture = drawn(joints, camera, "beside")
-    assert picture.shape == (SIZE, 2 * SIZE, 3)
-    assert (picture[:, :SIZE] == 255).all()
-    np.testing.assert_array_equal(picture[:, SIZE:], drawn(joints, camera, "over"))
 
 
 def test_the_sides_differ_in_shape_as_well_as_colour(joints: np.ndarray, camera: Camera) -> None:
@@ -45,6 +38,6 @@ def test_the_sides_differ_in_shape_as_well_as_colour(joints: np.ndarray, camera:
         one_arm = np.full_like(joints, np.nan)
         arm = [joint_index(f"{side}_{joint}") for joint in ("elbow", "shoulder")]
         one_arm[arm] = (*camera.target[:2], 0)
-        part = drawn(one_arm, camera, "over")[: SIZE * 3 // 4]
+        part = drawn(one_arm, camera)[: SIZE * 3 // 4]
         shapes.append((np.abs(part - SIDE_COLOURS[side]).max(axis=-1) < 40).sum())
     assert 0 < shapes[0] < shapes[1]
