@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
+from typing import Any, Final, Generic, Self, TypeVar
 
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
@@ -17,9 +17,7 @@ from torch import Tensor, nn
 from motion.errors import InputError
 from motion.files import replacing
 from training.run.launching import is_leader
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
+from training.speakers import Speakers
 
 Network = TypeVar("Network", bound=nn.Module)
 
@@ -58,6 +56,11 @@ class WeightsFile:
         network.requires_grad_(False).eval()
         return network
 
+    def speakers(self, width: int) -> Speakers | None:
+        """Return the speakers of a network with one-hot vectors of `width`."""
+        names = self.facts.get("speakers")
+        return None if names is None else Speakers(tuple(names), width)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrainedNetwork(Generic[Network]):
@@ -66,13 +69,21 @@ class TrainedNetwork(Generic[Network]):
     Attributes
     ----------
     model : Module
-        The network, in evaluation mode, on the CPU.
+        The network, in evaluation mode, on the CPU; its ``config`` is a dataclass.
+    speakers : Speakers or None
+        Its speakers; None if it has none, or if only their numbers are known.
     training : mapping
         How it was trained, as JSON values; empty if unknown.
     """
 
     model: Network
+    speakers: Speakers | None = None
     training: Mapping[str, Any] = field(default_factory=dict)
+
+    def to(self, device: str) -> Self:
+        """Move the network to a device, and return itself."""
+        self.model.to(device)
+        return self
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,22 +107,24 @@ class NetworkKind:
     def write(
         self,
         path: Path,
-        network: nn.Module,
-        config: DataclassInstance,
+        network: TrainedNetwork[Any],
         part: str = "",
         tensors: Mapping[str, Tensor] = MappingProxyType({}),
         **facts: Any,
     ) -> None:
-        """Write a network under the name `part`, with its configuration, further tensors and facts.
+        """Write a network, its weights under the name `part`, with further tensors and facts.
 
         If several processes train together, only the leading one writes.
         """
         if not is_leader():
             return
         start = part and f"{part}."
-        weights = {f"{start}{name}": tensor for name, tensor in network.state_dict().items()}
-        known = {"network": self.name, "config": asdict(config), **facts}
-        write_weights(path, {**weights, **tensors}, known)
+        weights = {f"{start}{name}": w for name, w in network.model.state_dict().items()}
+        facts |= {"network": self.name, "config": asdict(network.model.config)}
+        facts |= {"training": dict(network.training)}
+        if network.speakers is not None:
+            facts["speakers"] = list(network.speakers.names)
+        write_weights(path, {**weights, **tensors}, facts)
 
     @contextmanager
     def reading(self, path: Path) -> Iterator[WeightsFile]:

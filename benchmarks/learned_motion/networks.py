@@ -133,12 +133,12 @@ def write_untrained(trained: Path, out: Path) -> None:
     network = load_network(trained, "beat", None)
     with torch.random.fork_rng():
         torch.manual_seed(network.training["config"]["seed"])
-        first = Denoiser(network.denoiser.config)
+        first = Denoiser(network.model.config)
     # The linear estimate of the noise is fitted to the recordings before the first step.
-    weights = network.denoiser.state_dict()
+    weights = network.model.state_dict()
     fitted = {name: weight for name, weight in weights.items() if ".skip." in name}
     first.load_state_dict(fitted, strict=False)
-    write_network(out, replace(network, denoiser=first.eval(), training={"steps": 0}))
+    write_network(out, replace(network, model=first.eval(), training={"steps": 0}))
 
 
 def train_evaluators(

@@ -25,7 +25,7 @@ def drawn_together(trained: S2ueNetwork, windows: Windows) -> float:
     is the RV coefficient of the draws' differences in posture and in expression, minus that of
     shuffled draws: 1 if the same draws are similar in both, 0 if face and body vary independently.
     """
-    network, config = trained.network, trained.network.config
+    network, config = trained.model, trained.model.config
     rows = np.arange(len(windows))
     inputs = {name: torch.from_numpy(array) for name, array in windows.batch(rows).items()}
     people = torch.from_numpy(trained.speakers.one_hot(windows.speakers(rows)))

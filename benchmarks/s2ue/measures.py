@@ -176,7 +176,7 @@ def speed(rounds: int) -> None:
         path = Path(folder) / "random.safetensors"
         speakers = Speakers(tuple("abcd"), 4)
         write_network(
-            path, S2ueNetwork(network=network, speakers=speakers, vectors=StandIn().description)
+            path, S2ueNetwork(model=network, speakers=speakers, vectors=StandIn().description)
         )
         generator = S2ue(S2ueSettings(checkpoint=path))
         turns = []

@@ -61,7 +61,7 @@ def table(
         rows_of_seeds = []
         for seed in range(seeds):
             network = load_network(files[ablation, seed], face)
-            config = network.network.config
+            config = network.model.config
             generated = _generated(network, recorded)
             rows_of_seeds.append(measure(generated, face=config.faces, pose=config.poses))
         yield _row((ablation or "full model").replace("_", " "), rows_of_seeds)
@@ -114,7 +114,7 @@ def _train(
 
 def _generated(trained: S2ueNetwork, windows: Windows) -> FloatArray:
     """Return generated motion for all windows (windows, T, values), from recorded seeds."""
-    network, config = trained.network, trained.network.config
+    network, config = trained.model, trained.model.config
     rows = np.arange(len(windows))
     inputs = {name: torch.from_numpy(entry) for name, entry in windows.batch(rows).items()}
     people = trained.speakers.one_hot(windows.speakers(rows))

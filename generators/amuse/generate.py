@@ -67,9 +67,7 @@ class Amuse(NetworkGenerator[AmuseSettings]):
 
     @cached_property
     def _networks(self) -> MotionNetworks:
-        networks = load_motion(self._settings.checkpoint)
-        networks.model.to(self._device)
-        return networks
+        return load_motion(self._settings.checkpoint).to(self._device)
 
     @cached_property
     def _speech(self) -> SpeechNetwork:

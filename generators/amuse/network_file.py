@@ -64,7 +64,7 @@ class SpeechNetwork(TrainedNetwork[AnySpeechModel]):
 
 def write_motion(path: Path, networks: MotionNetworks) -> None:
     """Write prior and denoiser to one safetensors file, with their sizes and their origin."""
-    _MOTION.write(path, networks.model, networks.model.config, training=dict(networks.training))
+    _MOTION.write(path, networks)
 
 
 def write_speech(path: Path, network: SpeechNetwork) -> None:
@@ -74,8 +74,7 @@ def write_speech(path: Path, network: SpeechNetwork) -> None:
         for part, latents in network.latents.items()
         for label, latent in latents.items()
     }
-    facts = dict(network.training)
-    _SPEECH.write(path, network.model, network.model.config, "model", latents, training=facts)
+    _SPEECH.write(path, network, "model", latents)
 
 
 def load_motion(path: Path) -> MotionNetworks:

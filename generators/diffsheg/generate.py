@@ -64,7 +64,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         it encoded the speech, the frames, overlap and frame rate of windows, and under
         ``stand_ins`` all substitutes.
         """
-        config = self._network.denoiser.config
+        config = self._network.model.config
         speaker = self._speaker_number(speech.segment.speaker)
         frames = max(1, round(speech.audio.duration * config.frame_rate))
         speech_frames = extract_frames(speech.audio, config.frame_rate, self._hubert)
@@ -106,7 +106,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         InputError
             If the speaker or a file cannot be used.
         """
-        config = self._network.denoiser.config
+        config = self._network.model.config
         speech_frames = stream_frames(chunks, int(config.frame_rate), self._hubert, StreamWindow())
         return self._denormalised_motion(speech_frames, seed, self._speaker_number(None))
 
@@ -134,7 +134,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             "segment": "",
             "heard": str(StreamWindow()),
         }
-        frame_rate = self._network.denoiser.config.frame_rate
+        frame_rate = self._network.model.config.frame_rate
         twists: ForearmTwists | None = None
         for motion in self.stream(chunks, seed=seed):
             if self._network.dataset == "beat":
@@ -147,7 +147,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         self, speech: Iterable[SpeechFrames], seed: int, speaker: int
     ) -> Iterator[NDArray[np.float64]]:
         """Yield the network's motion to speech, denormalised, (some frames, values)."""
-        config = self._network.denoiser.config
+        config = self._network.model.config
         windows = stream(
             speech,
             self._sampler_of(speaker),
@@ -166,14 +166,14 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
     def _sampler_of(self, speaker: int) -> WindowSampler:
         """Return the sampler of windows, reused for clips of the same speaker."""
         if self._sampler is None or self._sampler[0] != speaker:
-            denoiser = self._network.denoiser
+            denoiser = self._network.model
             person = torch.eye(denoiser.config.speakers)[speaker - 1]
             self._sampler = (speaker, WindowSampler(denoiser, person, self._sampling))
         return self._sampler[1]
 
     def _clip(self, motion: NDArray[np.float64]) -> MotionClip:
         make_clip = beat_clip if self._network.dataset == "beat" else show_clip
-        return make_clip(motion, self._network.denoiser.config.frame_rate)
+        return make_clip(motion, self._network.model.config.frame_rate)
 
     def _speaker_number(self, segment_speaker: str | None) -> int:
         """Return the number of the speaker to move as, given the segment's speaker."""
@@ -182,7 +182,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             return known.resolve(requested, segment_speaker, self._settings.checkpoint)
         if requested is None:
             return 1
-        count = self._network.denoiser.config.speakers
+        count = self._network.model.config.speakers
         if not isinstance(requested, int) or requested > count:
             raise InputError(
                 f"there is no speaker {requested}",
@@ -193,7 +193,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
 
     def _facts(self, speaker: int, segment_speaker: str | None) -> dict[str, str]:
         """Return a clip's provenance of network and sampling."""
-        config, sampling = self._network.denoiser.config, self._sampling
+        config, sampling = self._network.model.config, self._sampling
         speakers = self._network.speakers
         name = str(speaker) if speakers is None else speakers.names[speaker - 1]
         facts = {
@@ -225,7 +225,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
     def _network(self) -> MotionNetwork:
         settings = self._settings
         network = load_network(settings.checkpoint, settings.dataset, settings.stats)
-        return replace(network, denoiser=network.denoiser.to(self._device))
+        return network.to(self._device)
 
     @cached_property
     def _hubert(self) -> Hubert:

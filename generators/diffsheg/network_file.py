@@ -7,9 +7,9 @@ file must have a place in our network.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 import torch
@@ -20,8 +20,7 @@ from generators.diffsheg.config import BEAT, SHOW, DenoiserConfig
 from generators.diffsheg.model import Denoiser
 from motion.errors import InputError
 from training.released_weights import ReleasedNames, fill, read_saved, tensors_in
-from training.speakers import Speakers
-from training.weights_file import NetworkKind, holds_facts
+from training.weights_file import NetworkKind, TrainedNetwork, holds_facts
 
 DATASETS: Final[Mapping[str, DenoiserConfig]] = {"beat": BEAT, "show": SHOW}
 
@@ -156,50 +155,32 @@ _NETWORK: Final = NetworkKind(name="diffsheg", wanted="a DiffSHEG network")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class MotionNetwork:
+class MotionNetwork(TrainedNetwork[Denoiser]):
     """A network that generates motion.
 
     Attributes
     ----------
-    denoiser : Denoiser
-        The denoiser, in evaluation mode, on the CPU.
     dataset : {'beat', 'show'}
         The data set of its motion representation.
     normalisation : Normalisation
         The normalisation of its values.
-    speakers : Speakers or None
-        Its speakers; None if only their numbers are known, as for a released network.
     hubert : str or None
         The `Hubert.identity` of its features; None if unknown.
-    training : mapping
-        How it was trained, as JSON values; empty if unknown.
     """
 
-    denoiser: Denoiser
     dataset: str
     normalisation: Normalisation
-    speakers: Speakers | None = None
     hubert: str | None = None
-    training: Mapping[str, Any] = field(default_factory=dict)
 
 
 def write_network(path: Path, network: MotionNetwork) -> None:
     """Write a network to one safetensors file, with its sizes, its normalisation and its origin."""
-    normalisation = network.normalisation
-    _NETWORK.write(
-        path,
-        network.denoiser,
-        network.denoiser.config,
-        "denoiser",
-        {
-            "normalisation.mean": torch.from_numpy(normalisation.mean),
-            "normalisation.std": torch.from_numpy(normalisation.std),
-        },
-        dataset=network.dataset,
-        speakers=None if network.speakers is None else list(network.speakers.names),
-        hubert=network.hubert,
-        training=dict(network.training),
-    )
+    statistics = {
+        f"normalisation.{kind}": torch.from_numpy(getattr(network.normalisation, kind))
+        for kind in ("mean", "std")
+    }
+    facts = {"dataset": network.dataset, "hubert": network.hubert}
+    _NETWORK.write(path, network, "denoiser", statistics, **facts)
 
 
 def load_network(path: Path, dataset: Literal["beat", "show"], stats: Path | None) -> MotionNetwork:
@@ -231,7 +212,7 @@ def load_network(path: Path, dataset: Literal["beat", "show"], stats: Path | Non
         )
     denoiser = load_released(path, dataset)
     return MotionNetwork(
-        denoiser=denoiser,
+        model=denoiser,
         dataset=dataset,
         normalisation=read_normalisation(stats, denoiser.config),
     )
@@ -245,12 +226,11 @@ def _load_trained(path: Path) -> MotionNetwork:
         mean, std = (np.asarray(file.tensors[f"normalisation.{kind}"]) for kind in ("mean", "std"))
         if mean.shape != (config.motion_width,) or std.shape != mean.shape:
             raise ValueError("a normalisation of another size")
-        names = facts["speakers"]
         return MotionNetwork(
-            denoiser=file.loaded(Denoiser(config), "denoiser"),
+            model=file.loaded(Denoiser(config), "denoiser"),
             dataset=str(facts["dataset"]),
             normalisation=Normalisation(mean, std),
-            speakers=None if names is None else Speakers(tuple(names), config.speakers),
+            speakers=file.speakers(config.speakers),
             hubert=facts["hubert"],
             training=facts["training"],
         )

@@ -240,7 +240,7 @@ def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
         },
     }
     network = MotionNetwork(
-        denoiser=trained.network.cpu(),
+        model=trained.network.cpu(),
         dataset=dataset,
         normalisation=task.normalisation,
         speakers=task.speakers,

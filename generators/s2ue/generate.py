@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from functools import cached_property
 from typing import Final
 
@@ -53,7 +52,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         The facts are the speaker, the device, the checkpoint's hash, the word vectors, the windows,
         and under ``stand_ins`` all substitutes.
         """
-        rate = self._network.network.config.frame_rate
+        rate = self._network.model.config.frame_rate
         frames = max(1, round(speech.audio.duration * rate))
         segment, folder = speech.segment, self._settings.transcripts
         transcript = find_transcript(folder, segment.name, segment.transcript, speech.audio)
@@ -92,7 +91,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         ndarray, shape (some frames, values)
             Motion at 15 frames per second; `clip_of` converts it to clips.
         """
-        network, speakers = self._network.network, self._network.speakers
+        network, speakers = self._network.model, self._network.speakers
         config = network.config
         chance = np.random.default_rng(seeded_stream(seed))
         noise = self._settings.variation * chance.standard_normal(config.latents)
@@ -109,7 +108,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
     def clip_of(self, values: NDArray[np.float64]) -> MotionClip:
         """Return the clip of values of motion, (T, 27 + 3 L)."""
         check_finite(values, self._settings.checkpoint)
-        return bone_and_landmark_clip(values, self._network.network.config.frame_rate, self._face)
+        return bone_and_landmark_clip(values, self._network.model.config.frame_rate, self._face)
 
     def _name(self, speaker: str | None) -> str:
         """Return the speaker to move as: one of the network's speakers, or a mixture of them."""
@@ -119,7 +118,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         return speakers.names[speakers.resolve(chosen, speaker, self._settings.checkpoint) - 1]
 
     def _facts(self, speaker: str, transcript: tuple[Word, ...]) -> dict[str, str]:
-        config, name = self._network.network.config, self._name(speaker)
+        config, name = self._network.model.config, self._name(speaker)
         stand_ins = ["no words, as there is no transcript"] if not transcript else []
         if transcript and isinstance(self._vectors, StandIn):
             stand_ins.append(self._vectors.description)
@@ -145,14 +144,13 @@ class S2ue(NetworkGenerator[S2ueSettings]):
 
     @cached_property
     def _network(self) -> S2ueNetwork:
-        loaded = load_network(self._settings.checkpoint, self._face)
-        return replace(loaded, network=loaded.network.to(self._device))
+        return load_network(self._settings.checkpoint, self._face).to(self._device)
 
     @cached_property
     def _vectors(self) -> WordVectors:
         loaded, path = self._network, self._settings.vectors
         return matching_vectors(
-            path, loaded.vectors, loaded.network.config.words, self._settings.checkpoint
+            path, loaded.vectors, loaded.model.config.words, self._settings.checkpoint
         )
 
 

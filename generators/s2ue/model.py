@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import torch
 from torch import Tensor, nn
@@ -26,7 +26,7 @@ from training.layers.convolutions import (
 )
 from training.spaces.bones_and_landmarks import BONE_VALUES, as_points, split_motion
 from training.speakers import SpeakerEncoder, Speakers
-from training.weights_file import NetworkKind
+from training.weights_file import NetworkKind, TrainedNetwork
 
 Motion = Mapping[str, Tensor]
 """``face`` (B, T, L, 3) and ``pose`` (B, T, 9, 3), or one of them."""
@@ -257,38 +257,22 @@ _NETWORK: Final = NetworkKind(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class S2ueNetwork:
+class S2ueNetwork(TrainedNetwork[Network]):
     """A network with all that its motion depends on: the content of its file.
 
     Attributes
     ----------
-    network : Network
-        The network, in evaluation mode, on the CPU.
-    speakers : Speakers
-        Its speakers.
     vectors : str
         The word vectors that it was trained with.
-    training : mapping
-        How it was trained, as JSON values.
     """
 
-    network: Network
     speakers: Speakers
     vectors: str
-    training: Mapping[str, Any] = field(default_factory=dict)
 
 
 def write_network(path: Path, network: S2ueNetwork) -> None:
     """Write a network to one safetensors file."""
-    _NETWORK.write(
-        path,
-        network.network,
-        network.network.config,
-        "network",
-        speakers=list(network.speakers.names),
-        vectors=network.vectors,
-        training=dict(network.training),
-    )
+    _NETWORK.write(path, network, "network", vectors=network.vectors)
 
 
 def load_network(path: Path, face: FaceLandmarks) -> S2ueNetwork:
@@ -305,7 +289,7 @@ def load_network(path: Path, face: FaceLandmarks) -> S2ueNetwork:
         if neutral.shape != expected.shape or not torch.allclose(neutral, expected, atol=1e-5):
             raise ValueError("landmarks of another face")
         return S2ueNetwork(
-            network=file.loaded(Network(config, face), "network"),
+            model=file.loaded(Network(config, face), "network"),
             speakers=Speakers(tuple(file.facts["speakers"]), config.speakers),
             vectors=str(file.facts["vectors"]),
             training=file.facts["training"],

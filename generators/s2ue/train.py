@@ -205,7 +205,7 @@ def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
     passes = tuple(update_pass for update_pass in training.passes if used[update_pass.name])
     trained, facts = run_training(request, task, replace(training, passes=passes))
     network = S2ueNetwork(
-        network=trained.network.cpu(),
+        model=trained.network.cpu(),
         speakers=task.speakers,
         vectors=vectors.description,
         training={**facts, "losses": asdict(weights)},

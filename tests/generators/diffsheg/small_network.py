@@ -38,7 +38,7 @@ def small_network(dataset: str = "beat", speakers_differ: float = 1.0) -> Motion
     denoiser = shaken(config, 0.05 * speakers_differ, seed=9).requires_grad_(False)
     width = config.motion_width
     return MotionNetwork(
-        denoiser=denoiser,
+        model=denoiser,
         dataset=dataset,
         normalisation=Normalisation(np.zeros(width), np.full(width, 0.01)),
     )

@@ -99,7 +99,7 @@ def test_without_a_named_speaker_the_segments_speaker_is_used(tmp_path: Path, sp
 
 def diverged() -> MotionNetwork:
     network = small_network()
-    for weight in network.denoiser.parameters():
+    for weight in network.model.parameters():
         weight.fill_(float("nan"))
     return network
 

@@ -106,7 +106,7 @@ def test_the_forward_pass_matches_the_released_network(
     if dataset == "beat":
         stats = REFERENCE.parent / "data" / "diffsheg_stats"
         network = load_network(tmp_path / "released.pt", dataset, stats)
-        denoiser = network.denoiser
+        denoiser = network.model
         assert network.normalisation.mean.shape == (denoiser.config.motion_width,)
     else:
         denoiser = load_released(tmp_path / "released.pt", dataset)

@@ -93,7 +93,7 @@ def test_a_short_training_betters_the_network_that_it_began_with(
         assert facts["untrained"] == pytest.approx(task.validation(task.network().eval()))
     before = tmp_path / "untrained.safetensors"
     write_untrained(out, before)
-    written = load_network(before, "beat", None).denoiser.state_dict()
+    written = load_network(before, "beat", None).model.state_dict()
     torch.manual_seed(facts["config"]["seed"])
     torch.testing.assert_close(written, task.network().state_dict(), rtol=0, atol=0)
     assert outcome.skipped == takes.skipped != ()
@@ -119,7 +119,7 @@ def test_the_file_records_its_training_and_another_ablation_cannot_resume_it(
     assert network.speakers == Speakers(("1", "2"), SMALL.speakers)
     assert network.hubert is not None
     assert network.hubert.startswith("stand-in for HuBERT")
-    assert network.denoiser.config.flow == "none"
+    assert network.model.config.flow == "none"
     assert network.training["losses"] == "release"
     assert network.training["data"]["sha256"] == "c" * 64
     assert network.training["config"]["steps"] == 2

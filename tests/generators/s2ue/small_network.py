@@ -66,6 +66,6 @@ def written_network(path: Path, **changes: Any) -> Path:
     network = small_network(**changes)
     speakers = Speakers(("anna", "ben"), network.config.speakers)
     write_network(
-        path, S2ueNetwork(network=network, speakers=speakers, vectors=StandIn().description)
+        path, S2ueNetwork(model=network, speakers=speakers, vectors=StandIn().description)
     )
     return path

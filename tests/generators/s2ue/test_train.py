@@ -80,7 +80,7 @@ def test_ablations_are_trained_and_recorded(learn: Learn, tmp_path: Path, ablati
     learn(2, tmp_path / "a.safetensors", ablation=ablation)
     loaded = load_network(tmp_path / "a.safetensors", FACE)
     assert loaded.training["ablation"] == ablation
-    chosen = asdict(loaded.network.config) | loaded.training["losses"]
+    chosen = asdict(loaded.model.config) | loaded.training["losses"]
     assert {name: chosen[name] for name in ABLATIONS[ablation]} == ABLATIONS[ablation]
     passes = {one["name"] for one in loaded.training["config"]["passes"]}
     assert ("discriminator" in passes) == (ablation != "without_discriminator")
