@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Final, Self
+from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -166,15 +166,16 @@ class MotionClip:
         """Length in seconds: each frame stands for one frame interval."""
         return len(self) / self.frame_rate
 
+    @property
+    def faces(self) -> dict[str, Any]:
+        """Those of the arrays `expressions` and `arkit` that the clip has, by name."""
+        faces = {"expressions": self.expressions, "arkit": self.arkit}
+        return {name: face for name, face in faces.items() if face is not None}
+
     def frames(self, index: slice | NDArray[np.int_]) -> Self:
         """Return a clip of the frames that `index` selects, in that order."""
-        return replace(
-            self,
-            poses=self.poses[index],
-            trans=self.trans[index],
-            expressions=None if self.expressions is None else self.expressions[index],
-            arkit=None if self.arkit is None else self.arkit[index],
-        )
+        faces = {name: face[index] for name, face in self.faces.items()}
+        return replace(self, poses=self.poses[index], trans=self.trans[index], **faces)
 
     def with_provenance(self, **facts: str) -> Self:
         """Return the clip with `facts` added to its provenance."""
@@ -233,11 +234,8 @@ def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
     if "root" in channels:
         frozen = replace(frozen, trans=np.zeros_like(clip.trans))
     if "face" in channels:
-        frozen = replace(
-            frozen,
-            expressions=None if clip.expressions is None else np.zeros_like(clip.expressions),
-            arkit=None if clip.arkit is None else np.zeros_like(clip.arkit),
-        )
+        still = {name: np.zeros_like(face) for name, face in clip.faces.items()}
+        frozen = replace(frozen, **still)
     return frozen
 
 
@@ -248,6 +246,6 @@ def moving_channels(clip: MotionClip) -> frozenset[str]:
         turns = np.ptp(clip.poses[:, [joint_index(joint) for joint in joints]], axis=0)
         changes[name] = [turns > _VISIBLE_TURN]
     changes["root"].append(np.ptp(clip.trans, axis=0) > _VISIBLE_SHIFT)
-    faces = (face for face in (clip.expressions, clip.arkit) if face is not None)
+    faces = clip.faces.values()
     changes["face"].extend(np.ptp(face, axis=0) > _VISIBLE_EXPRESSION for face in faces)
     return frozenset(name for name, parts in changes.items() if any(part.any() for part in parts))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,16 +44,12 @@ def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
     if frame_rate == clip.frame_rate:
         return clip
     previous, following, share = frame_positions(len(clip), clip.frame_rate, frame_rate)
-    return replace(
-        clip,
-        frame_rate=frame_rate,
-        poses=slerp(clip.poses[previous], clip.poses[following], share),
-        trans=_blend(clip.trans, previous, following, share),
-        expressions=None
-        if clip.expressions is None
-        else _blend(clip.expressions, previous, following, share),
-        arkit=None if clip.arkit is None else _blend(clip.arkit, previous, following, share),
-    )
+    linear: dict[str, Any] = {
+        name: _blend(values, previous, following, share)
+        for name, values in {"trans": clip.trans, **clip.faces}.items()
+    }
+    poses = slerp(clip.poses[previous], clip.poses[following], share)
+    return replace(clip, frame_rate=frame_rate, poses=poses, **linear)
 
 
 def frame_positions(

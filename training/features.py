@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
@@ -50,6 +51,11 @@ VERSION: Final = "1"
 _SHOW_BODY: Final = 3 * len(SHOW_JOINTS)
 
 
+def _feature(name: str, compute: Callable[[Take], FloatArray], details: str = "") -> Feature:
+    """Return a feature whose version has `details` of its settings."""
+    return Feature(name=name, version=f"{VERSION} {details}".rstrip(), compute=compute)
+
+
 def beat_gesture(frame_rate: float) -> Feature:
     """Return the rotations of BEAT's 47 joints, 141 channels, axis-angle in radians.
 
@@ -65,7 +71,7 @@ def beat_gesture(frame_rate: float) -> Feature:
         )
         return slerp(first, second, share).reshape(len(before), -1)
 
-    return Feature(name="gesture", version=VERSION, compute=compute)
+    return _feature("gesture", compute)
 
 
 def _joints(values: NDArray[np.float64]) -> FloatArray:
@@ -78,7 +84,7 @@ def beat_expression(frame_rate: float) -> Feature:
     def compute(take: Take) -> FloatArray:
         return face_values(_facial_weights(take, frame_rate)).astype(np.float32)
 
-    return Feature(name="expression", version=VERSION, compute=compute)
+    return _feature("expression", compute)
 
 
 def _facial_weights(take: Take, frame_rate: float, alternative: str = "") -> FloatArray:
@@ -93,20 +99,12 @@ def _facial_weights(take: Take, frame_rate: float, alternative: str = "") -> Flo
 
 def show_gesture(frame_rate: float) -> Feature:
     """Return the rotations of SHOW's 43 joints, 129 channels, axis-angle in radians."""
-    return Feature(
-        name="gesture",
-        version=VERSION,
-        compute=lambda take: _show_motion(take, frame_rate)[:, :_SHOW_BODY],
-    )
+    return _feature("gesture", lambda take: _show_motion(take, frame_rate)[:, :_SHOW_BODY])
 
 
 def show_expression(frame_rate: float) -> Feature:
     """Return SHOW's jaw (axis-angle) and 100 expression coefficients."""
-    return Feature(
-        name="expression",
-        version=VERSION,
-        compute=lambda take: _show_motion(take, frame_rate)[:, _SHOW_BODY:],
-    )
+    return _feature("expression", lambda take: _show_motion(take, frame_rate)[:, _SHOW_BODY:])
 
 
 def _show_motion(take: Take, frame_rate: float) -> FloatArray:
@@ -130,11 +128,7 @@ def read_smplx(take: Take) -> MotionClip:
 
 def mel(frame_rate: float) -> Feature:
     """Return the speech's power in 128 mel bands; see `mel_bands`."""
-    return Feature(
-        name="mel",
-        version=VERSION,
-        compute=lambda take: mel_bands(read_audio(take.speech), frame_rate),
-    )
+    return _feature("mel", lambda take: mel_bands(read_audio(take.speech), frame_rate))
 
 
 def hubert_features(frame_rate: float, hubert: Hubert) -> Feature:
@@ -144,7 +138,7 @@ def hubert_features(frame_rate: float, hubert: Hubert) -> Feature:
         chunks = extract_frames(read_audio(take.speech), frame_rate, hubert)
         return np.concatenate([chunk.hubert.numpy() for chunk in chunks])
 
-    return Feature(name="hubert", version=f"{VERSION} {hubert.identity}", compute=compute)
+    return _feature("hubert", compute, hubert.identity)
 
 
 def semantic_scores(frame_rate: float) -> Feature:
@@ -158,7 +152,7 @@ def semantic_scores(frame_rate: float) -> Feature:
         spans = read_semantic_scores(take.semantic) if take.semantic else ()
         return semantic_weights(spans, frames, frame_rate).astype(np.float32)[:, None]
 
-    return Feature(name="semantic", version=VERSION, compute=compute)
+    return _feature("semantic", compute)
 
 
 def whole_body(frame_rate: float) -> Feature:
@@ -168,7 +162,7 @@ def whole_body(frame_rate: float) -> Feature:
         clip = resample(read_motion(take.motion), frame_rate)
         return smplx_6d_values(clip).astype(np.float32)
 
-    return Feature(name="motion", version=VERSION, compute=compute)
+    return _feature("motion", compute)
 
 
 def speech_filterbank(bands: int) -> Feature:
@@ -180,7 +174,7 @@ def speech_filterbank(bands: int) -> Feature:
         rows = round(len(samples) / SPEECH_RATE * ROWS_PER_SECOND)
         return np.asarray(filterbank(samples, rows, bands).numpy(), dtype=np.float32)
 
-    return Feature(name="filterbank", version=f"{VERSION} {bands}", compute=compute)
+    return _feature("filterbank", compute, str(bands))
 
 
 def bone_features(
@@ -232,26 +226,10 @@ def bone_features(
     face_hash = hashlib.sha256(face.neutral.tobytes()).hexdigest()[:16]
     motion_version = f"{kind} {face_hash}" if faces else f"{kind} {face.count} still"
     return (
-        Feature(
-            name="motion",
-            version=f"{VERSION} {motion_version}",
-            compute=motion if faces else with_still_face,
-        ),
-        Feature(
-            name="sound",
-            version=VERSION,
-            compute=lambda take: mfcc(read_audio(take.speech), frame_rate),
-        ),
-        Feature(
-            name="spectrum",
-            version=VERSION,
-            compute=lambda take: log_mel(read_audio(take.speech), frame_rate),
-        ),
-        Feature(
-            name="words",
-            version=f"{VERSION} {vectors.description} {vectors.width}",
-            compute=words,
-        ),
+        _feature("motion", motion if faces else with_still_face, motion_version),
+        _feature("sound", lambda take: mfcc(read_audio(take.speech), frame_rate)),
+        _feature("spectrum", lambda take: log_mel(read_audio(take.speech), frame_rate)),
+        _feature("words", words, f"{vectors.description} {vectors.width}"),
     )
 
 

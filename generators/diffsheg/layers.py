@@ -16,6 +16,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from training.diffusion import LINEAR
+from training.speech_features.hubert import interpolate_features
 
 
 def frame_positions(longest: int, width: int) -> Tensor:
@@ -318,11 +319,7 @@ class LinearSkip(nn.Module):
         if frames == full:
             return self.variances
         places = torch.arange(frames, device=self.variances.device) * (full / frames)
-        places = places.clamp(max=full - 1)
-        lower = places.floor().long()
-        upper = (lower + 1).clamp(max=full - 1)
-        share = (places - lower)[:, None]
-        return (1 - share) * self.variances[lower] + share * self.variances[upper]
+        return interpolate_features(self.variances, places)
 
 
 def _full_precision(device: str) -> AbstractContextManager[object]:

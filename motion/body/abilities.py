@@ -61,8 +61,7 @@ def _expression_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
     ARKit weights and SMPL-X's expression coefficients are different spaces; a body has slots for
     one of them, and neither is guessed from the other.
     """
-    faces = {name: getattr(clip, name) for name in _NAMES}
-    moving = [name for name, face in faces.items() if face is not None and np.any(face)]
+    moving = [name for name, face in clip.faces.items() if np.any(face)]
     if not body.has_face:
         if not moving and not clip.poses[:, _FACE].any():
             return ()
@@ -71,7 +70,7 @@ def _expression_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
             "is shown (choose an avatar with a face)",
         )
     body_face = "arkit" if body.has_arkit_slots else "expressions"
-    if not moving or faces[body_face] is not None or body.has_matrix:
+    if not moving or body_face in clip.faces or body.has_matrix:
         return ()
     return (
         f"the clip's face is given as {_NAMES[moving[0]]}, which this body has no slots for; its "

@@ -140,7 +140,7 @@ def read_recorded(path: Path, **options: Any) -> tuple[MotionClip, list[str]]:
     note = clip.provenance.get("notes", "")
     notes = [f"{path.name}: {note}"] if note else []
     companion = face_beside(path)
-    if clip.arkit is not None or clip.expressions is not None or not companion.is_file():
+    if clip.faces or not companion.is_file():
         return clip, notes
     try:
         face = read_arkit_json(companion, clip.frame_rate)

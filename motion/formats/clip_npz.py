@@ -57,11 +57,8 @@ def write_clip(path: Path, clip: MotionClip) -> None:
         "gender": np.array(clip.gender),
         "mocap_frame_rate": np.array(clip.frame_rate),
         "provenance": np.array(json.dumps(dict(clip.provenance), sort_keys=True)),
+        **clip.faces,
     }
-    if clip.expressions is not None:
-        arrays["expressions"] = clip.expressions
-    if clip.arkit is not None:
-        arrays["arkit"] = clip.arkit
     with replacing(path) as draft, draft.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
 

@@ -153,36 +153,24 @@ def detect(video: Path, on_frame: Callable[[int, int], None]) -> Detection:
         If MediaPipe is not installed, or the file is missing, damaged or not a video.
     """
     detector = _detector()
-    poses: list[NDArray[np.float64]] = []
-    visibilities: list[NDArray[np.float64]] = []
-    faces: list[NDArray[np.float64]] = []
+    found: list[tuple[FloatArray, ...]] = []
     rate = FASTEST
     missing = (np.full((_POSE, 3), np.nan), np.full(_POSE, np.nan), np.full((_FACE, 3), np.nan))
     with detector, warnings.catch_warnings():
         # MediaPipe uses a deprecated function of protobuf, whose version is pinned.
         warnings.filterwarnings("ignore", message="SymbolDatabase.GetPrototype")
         for rate, place, total, picture in _frames(video):
-            pose, visible, face = _detect_picture(detector, picture, missing)
-            gap = place - len(poses)
-            latest = (poses[-1], visibilities[-1], faces[-1]) if poses else missing
-            for number in range(gap):
-                earlier = latest if number < _LONGEST_REPETITION * rate else missing
-                for results, value in zip((poses, visibilities, faces), earlier, strict=True):
-                    results.append(value)
-            poses.append(pose)
-            visibilities.append(visible)
-            faces.append(face)
-            on_frame(len(poses), max(total, len(poses)))
-    if not poses:
+            latest = found[-1] if found else missing
+            for number in range(place - len(found)):
+                found.append(latest if number < _LONGEST_REPETITION * rate else missing)
+            found.append(_detect_picture(detector, picture, missing))
+            on_frame(len(found), max(total, len(found)))
+    if not found:
         raise InputError(
             "the video has no picture", where=video, remedy="Export it again as MP4 (H.264)"
         )
-    return Detection(
-        frame_rate=rate,
-        pose=np.stack(poses),
-        visibility=np.stack(visibilities),
-        face=np.stack(faces),
-    )
+    pose, visibility, face = (np.stack(points) for points in zip(*found, strict=True))
+    return Detection(frame_rate=rate, pose=pose, visibility=visibility, face=face)
 
 
 def _detector() -> Any:
@@ -198,8 +186,8 @@ def _detector() -> Any:
 
 
 def _detect_picture(
-    detector: Any, picture: NDArray[np.uint8], missing: tuple[NDArray[np.float64], ...]
-) -> tuple[NDArray[np.float64], ...]:
+    detector: Any, picture: NDArray[np.uint8], missing: tuple[FloatArray, ...]
+) -> tuple[FloatArray, ...]:
     """Return pose, visibility and face of one picture."""
     height, width = picture.shape[:2]
     result = detector.process(picture)

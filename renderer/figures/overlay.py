@@ -136,10 +136,10 @@ def draw_overlay(
         swatch = page.area(0, middle - line / 4, line / 2, line / 2)
         swatch.add_patch(Rectangle((0, 0), 1, 1, color=VARIATION_COLOURS[place]))
         text = fitted(name, letters, picture.width - line)
-        page.write(line * 0.8, middle, text, ha="left", va="center", fontsize=LETTERS)
+        page.write(line * 0.8, middle, text)
     middle = picture.height + (lines - 0.3) * line
     text = fitted(caption, letters, 0.98 * picture.width)
-    page.write(0, middle, text, ha="left", va="center", fontsize=LETTERS)
+    page.write(0, middle, text)
     return page
 
 

@@ -109,9 +109,10 @@ class Plate:
         axes.imshow(picture, interpolation="none", aspect="auto")
 
     def write(self, x: float, y: float, text: str, **style: Any) -> None:
-        """Write `text` at a pixel; `style` as for `matplotlib.figure.Figure.text`."""
-        options: dict[str, Any] = {"color": INK, "parse_math": False, **style}
-        self.figure.text(x / self.width, 1 - y / self.height, text, **options)
+        """Write `text` at a pixel, by default to its right; `style` as for matplotlib's text."""
+        options: dict[str, Any] = {"color": INK, "va": "center", "fontsize": LETTERS, **style}
+        at = x / self.width, 1 - y / self.height
+        self.figure.text(*at, text, parse_math=False, **options)
 
     def save(self, paths: Sequence[Path]) -> None:
         """Write the page to each of `paths`, in the format of its ending, one of `ENDINGS`."""

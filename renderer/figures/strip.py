@@ -179,9 +179,7 @@ def draw_strip(
     for row, name in enumerate(layout.rows):
         top = row * (height + _GAP)
         middle = top + height / 2
-        page.write(
-            line / 2, middle, texts[row], rotation=90, ha="center", va="center", fontsize=names_size
-        )
+        page.write(line / 2, middle, texts[row], rotation=90, ha="center", fontsize=names_size)
         for column, moment in enumerate(layout.moments):
             left = layout.margin + column * (width + _GAP)
             page.add_picture(panels[name, moment], left, top)
@@ -191,27 +189,15 @@ def draw_strip(
     words = [f"“{moment.word}”" if moment.word else moment.label for moment in layout.moments]
     texts, words_size = _fit_texts(words, width)
     for centre, moment, word in zip(centres, layout.moments, texts, strict=True):
-        page.write(
-            centre,
-            panels_height + line * 0.55,
-            word,
-            ha="center",
-            va="center",
-            fontsize=words_size,
-            fontstyle="italic" if moment.word else "normal",
-        )
+        style = "italic" if moment.word else "normal"
+        words_middle = panels_height + line * 0.55
+        page.write(centre, words_middle, word, ha="center", fontsize=words_size, fontstyle=style)
     _draw_time(page, layout, speech, centres, words_at, axis_at, wave)
     if layout.skeleton:
         for place, (side, mark) in enumerate(SIDE_MARKS.items()):
             colour = [channel / 255 for channel in SIDE_COLOURS[side]]
-            page.write(
-                layout.margin + place * 4 * line,
-                page.height - line / 2,
-                f"{mark} {side}",
-                va="center",
-                color=colour,
-                fontsize=LETTERS - 1,
-            )
+            x, y = layout.margin + place * 4 * line, page.height - line / 2
+            page.write(x, y, f"{mark} {side}", color=colour, fontsize=LETTERS - 1)
     return page
 
 

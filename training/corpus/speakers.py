@@ -93,26 +93,15 @@ def speaker_of(number: int, seed: int) -> CorpusSpeaker:
     number of speakers.
     """
     random = np.random.default_rng([seed, _STREAM, number])
-    shares = random.dirichlet(_DIRICHLET)
+    outward, upward, forward = random.dirichlet(_DIRICHLET).tolist()
     return CorpusSpeaker(
         number=number,
         name=_NAMES[(number - 1) % len(_NAMES)],
         right_handed=bool(random.uniform() < 0.75),
-        amplitude=random.uniform(0.75, 1.3),
-        outward=float(shares[0]),
-        upward=float(shares[1]),
-        forward=float(shares[2]),
-        attack=random.uniform(0.28, 0.38),
-        release=random.uniform(0.42, 0.62),
-        hand_height=random.uniform(-14, 14),
-        hand_width=random.uniform(-8, 10),
-        elbow_width=random.uniform(-4, 10),
-        lean=random.uniform(-4, 4),
-        head_turn=random.uniform(-10, 10),
-        head_tilt=random.uniform(-5, 5),
-        nod=random.uniform(2, 7),
-        expressiveness=random.uniform(0.75, 1.25),
-        restlessness=random.uniform(0.7, 1.4),
+        outward=outward,
+        upward=upward,
+        forward=forward,
+        **{trait: random.uniform(*limits) for trait, limits in read_table("traits.toml").items()},
     )
 
 

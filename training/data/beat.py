@@ -26,11 +26,10 @@ from training.data.found_take import (
     FolderFiles,
     FoundTake,
     each_take,
+    found_take,
     has_arrays,
     sound_of,
     split_folder,
-    transcript_of,
-    usable_name,
     without_duplicates,
 )
 from training.data.take import LONGEST_DIFFERENCE, Split, Take
@@ -199,18 +198,8 @@ def _beat_take(files: FolderFiles, motion: Path) -> FoundTake:
             where=motion,
             remedy="Name it {number}_{name}_{type}_{start}_{end}, such as 2_scott_0_9_9",
         )
-    take = Take(
-        name=motion.stem,
-        speaker=name.speaker,
-        emotion=name.emotion,
-        split="train",
-        speech=sound_of(motion, files),
-        motion=motion,
-        face=files.companion(motion, (".json",)),
-        semantic=files.companion(motion, (".txt",)),
-        transcript=transcript_of(motion, files),
-    )
-    return _place_take(take, files, name)
+    face = files.companion(motion, (".json",))
+    return _named_take(files, motion, name, name.speaker, face=face)
 
 
 def _beat2_take(files: FolderFiles, motion: Path) -> FoundTake | None:
@@ -225,26 +214,24 @@ def _beat2_take(files: FolderFiles, motion: Path) -> FoundTake | None:
     name = BeatName.parse(motion.stem)
     in_speaker_folder = speech.parent == motion.parent and len(place.parts) > 1
     speaker = name.speaker if name else place.parts[-2] if in_speaker_folder else UNKNOWN_SPEAKER
-    take = Take(
-        name=usable_name(motion.stem),
+    return _named_take(files, motion, name, speaker)
+
+
+def _named_take(
+    files: FolderFiles, motion: Path, name: BeatName | None, speaker: str, **tracks: Path | None
+) -> FoundTake:
+    place, folder_split = split_folder(files.place_of(motion).with_suffix(""))
+    return found_take(
+        files,
+        motion,
+        place,
+        name=motion.stem,
         speaker=speaker,
         emotion=name.emotion if name else "",
-        split="train",
-        speech=speech,
-        motion=motion,
-        semantic=files.companion(motion, (".txt",)),
-        transcript=transcript_of(motion, files),
-    )
-    return _place_take(take, files, name)
-
-
-def _place_take(take: Take, files: FolderFiles, name: BeatName | None) -> FoundTake:
-    place, folder_split = split_folder(files.place_of(take.motion).with_suffix(""))
-    return FoundTake(
-        take=take,
-        place=place.as_posix(),
-        recording=take.motion.stem,
+        recording=motion.stem,
         given_split=folder_split or (name.published_split if name else None),
+        semantic=files.companion(motion, (".txt",)),
+        **tracks,
     )
 
 

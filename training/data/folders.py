@@ -13,7 +13,6 @@ from typing import Final
 from motion.endings import SPEECH_ENDINGS
 from motion.errors import InputError, listed
 from motion.formats.smplx_rows import ARRAYS as SHOW_ARRAYS
-from motion.formats.ted_npz import ARRAYS
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
 from training.data.beat import find_beat, find_beat2
 from training.data.found_take import (
@@ -22,16 +21,14 @@ from training.data.found_take import (
     FolderFiles,
     FoundTake,
     each_take,
+    found_take,
     has_arrays,
     list_folder,
-    sound_of,
     split_folder,
-    transcript_of,
-    usable_name,
     with_unique_names,
 )
 from training.data.splitting import USUAL_NAMES, by_list, by_rule, read_split_list
-from training.data.take import KINDS, Kind, Split, Take, TakeFolder
+from training.data.take import KINDS, Kind, Split, TakeFolder
 
 DATABASE = "data.mdb"
 _CONVERT = "if you trust the file: docs/data.md shows how"
@@ -89,17 +86,17 @@ def _findings(takes: Sequence[FoundTake], skipped: Iterable[InputError]) -> Find
 
 
 def _ted_take(files: FolderFiles, motion: Path) -> FoundTake | None:
-    if not has_arrays(motion, *ARRAYS):
+    if not has_arrays(motion, *TED_ARRAYS):
         if files.companion(motion, SPEECH_ENDINGS):
             raise InputError(
                 "the file holds no motion of TED Gesture",
                 where=motion,
-                remedy=f"Give one of the arrays {', '.join(ARRAYS)}",
+                remedy=f"Give one of the arrays {', '.join(TED_ARRAYS)}",
             )
         return None
     place, split = split_folder(files.place_of(motion).with_suffix(""))
-    outer = place.parent.parts
-    return _placed_clip(files, motion, place, place.parent if outer else place, outer[-1:], split)
+    recording = place.parent if place.parent.parts else place
+    return _clip_take(files, motion, place, recording, place.parent.parts[-1:], split)
 
 
 def _show_take(files: FolderFiles, motion: Path) -> FoundTake | None:
@@ -111,10 +108,10 @@ def _show_take(files: FolderFiles, motion: Path) -> FoundTake | None:
         place = place.parent
     outer = place.parent.parts
     recording = place.parent if len(outer) > 1 else place
-    return _placed_clip(files, motion, place, recording, outer[:1], split)
+    return _clip_take(files, motion, place, recording, outer[:1], split)
 
 
-def _placed_clip(
+def _clip_take(
     files: FolderFiles,
     motion: Path,
     place: PurePosixPath,
@@ -123,17 +120,14 @@ def _placed_clip(
     split: Split | None,
 ) -> FoundTake:
     """Return the clip at `place`; `speaker` is empty if no folder names one."""
-    take = Take(
-        name=usable_name("_".join((*speaker, place.name))),
+    return found_take(
+        files,
+        motion,
+        place,
+        name="_".join((*speaker, place.name)),
         speaker=speaker[0] if speaker else UNKNOWN_SPEAKER,
-        emotion="",
-        split="train",
-        speech=sound_of(motion, files),
-        motion=motion,
-        transcript=transcript_of(motion, files),
-    )
-    return FoundTake(
-        take=take, place=place.as_posix(), recording=recording.as_posix(), given_split=split
+        recording=recording.as_posix(),
+        given_split=split,
     )
 
 

@@ -185,6 +185,40 @@ def each_take(
     return takes, skipped
 
 
+def found_take(
+    files: FolderFiles,
+    motion: Path,
+    place: PurePosixPath,
+    *,
+    name: str,
+    speaker: str,
+    recording: str,
+    given_split: Split | None,
+    emotion: str = "",
+    **tracks: Path | None,
+) -> FoundTake:
+    """Return the take at `place`, with its sound and its transcript, and with further `tracks`.
+
+    Raises
+    ------
+    InputError
+        If there is no sound, or a file is empty.
+    """
+    take = Take(
+        name=usable_name(name),
+        speaker=speaker,
+        emotion=emotion,
+        split="train",
+        speech=sound_of(motion, files),
+        motion=motion,
+        transcript=preferred_transcript(lambda ending: files.companion(motion, (ending,))),
+        **tracks,
+    )
+    return FoundTake(
+        take=take, place=place.as_posix(), recording=recording, given_split=given_split
+    )
+
+
 def sound_of(motion: Path, files: FolderFiles) -> Path:
     """Return the sound of a motion file.
 
@@ -204,11 +238,6 @@ def sound_of(motion: Path, files: FolderFiles) -> Path:
         if not path.stat().st_size:
             raise InputError("the file is empty", where=path, remedy="Copy it again")
     return sound
-
-
-def transcript_of(motion: Path, files: FolderFiles) -> Path | None:
-    """Return the transcript of a motion file, if there is one."""
-    return preferred_transcript(lambda ending: files.companion(motion, (ending,)))
 
 
 def split_folder(place: PurePosixPath) -> tuple[PurePosixPath, Split | None]:

@@ -11,7 +11,6 @@ import json
 import os
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -29,36 +28,32 @@ if TYPE_CHECKING:
     from training.run.loop import Trained
 
 
-@dataclass(frozen=True)
 class RunFolder:
-    """The paths of a run."""
+    """The paths of a run.
 
-    root: Path
+    Attributes
+    ----------
+    root : Path
+        The folder.
+    checkpoint : Path
+        The state from which the run resumes.
+    best : Path
+        The best weights on held-out examples.
+    log : Path
+        The log: one JSON object per line, a `LogLine`.
+    timing : Path
+        Durations between saves: one JSON object per line, see `Stopwatch`.
+    curves : Path
+        The log as a picture.
+    """
 
-    @property
-    def checkpoint(self) -> Path:
-        """The state from which the run resumes."""
-        return self.root / "checkpoint.safetensors"
-
-    @property
-    def best(self) -> Path:
-        """The best weights on held-out examples."""
-        return self.root / "best.safetensors"
-
-    @property
-    def log(self) -> Path:
-        """The log: one JSON object per line, a `LogLine`."""
-        return self.root / "log.jsonl"
-
-    @property
-    def timing(self) -> Path:
-        """Durations between saves: one JSON object per line, see `Stopwatch`."""
-        return self.root / "timing.jsonl"
-
-    @property
-    def curves(self) -> Path:
-        """The log as a picture."""
-        return self.root / "curves.png"
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.checkpoint = root / "checkpoint.safetensors"
+        self.best = root / "best.safetensors"
+        self.log = root / "log.jsonl"
+        self.timing = root / "timing.jsonl"
+        self.curves = root / "curves.png"
 
 
 LogLine = Mapping[str, Any]

@@ -16,13 +16,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final, Protocol, cast
+from typing import Final, cast
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
+from transformers.modeling_outputs import BaseModelOutput
 
 from motion.audio import SPEECH_RATE
 from motion.audio_analysis import load_librosa
@@ -49,19 +50,6 @@ _QUIETEST: Final = 1e-2
 
 _CENTRE, _SPREAD = 1.0, 4.5
 """Mean and standard deviation of the log power of speech."""
-
-
-@dataclass(frozen=True, eq=False)
-class HubertOutput:
-    """The features, named as in transformers' outputs.
-
-    Attributes
-    ----------
-    last_hidden_state : Tensor
-        (1, n, channels).
-    """
-
-    last_hidden_state: Tensor
 
 
 class SoundContext(nn.Module):
@@ -94,7 +82,7 @@ class SoundContext(nn.Module):
             "mix", torch.randn(band_features, mixed, generator=chance) / math.sqrt(band_features)
         )
 
-    def forward(self, samples: Tensor) -> HubertOutput:
+    def forward(self, samples: Tensor) -> BaseModelOutput:
         """Return features of sound of unit variance, (1, N) samples at 16 kHz."""
         windows = samples[0].unfold(0, WINDOW, HOP) * self.hann
         loudness = windows.square().mean(dim=1).pow(0.3)
@@ -104,7 +92,8 @@ class SoundContext(nn.Module):
         # Means over five steps, so that none between two offsets is skipped.
         context = _means(bands, _OFFSETS, spread=2, padding=silence)
         stress = _means(_stress_features(loudness), _STRESS_OFFSETS, spread=1, padding=0.0)
-        return HubertOutput(torch.cat([(context @ self.mix).tanh(), stress], dim=1)[None])
+        features = torch.cat([(context @ self.mix).tanh(), stress], dim=1)
+        return BaseModelOutput(last_hidden_state=features[None])
 
 
 def _stress_features(loudness: Tensor) -> Tensor:
@@ -141,19 +130,13 @@ _HUBERT_FOLDER: Final = SavedNetworks(
 )
 
 
-class _Network(Protocol):
-    def __call__(self, samples: Tensor) -> object: ...
-
-    def to(self, device: str) -> _Network: ...
-
-
 @dataclass(frozen=True, eq=False)
 class Hubert:
     """A network of speech features.
 
     Attributes
     ----------
-    network : callable
+    network : Module
         ``transformers.HubertModel`` or its stand-in.
     description : str
         Its description in provenance.
@@ -165,7 +148,7 @@ class Hubert:
         The network's device.
     """
 
-    network: _Network
+    network: nn.Module
     description: str
     stands_in: bool
     identity: str
@@ -180,8 +163,7 @@ class Hubert:
             If the device is not usable.
         """
         check_device(device)
-        network = self.network.to(device)
-        return replace(self, network=network, device=device)
+        return replace(self, network=self.network.to(device), device=device)
 
     def features(self, samples: NDArray[np.float32]) -> Tensor:
         """Return the features of speech, (n, 1024).
@@ -197,8 +179,7 @@ class Hubert:
         normalised = (samples - samples.mean()) / np.sqrt(samples.var() + 1e-7)
         with torch.inference_mode():
             tensor = torch.from_numpy(normalised.astype(np.float32))[None].to(self.device)
-            output = self.network(tensor)
-            return cast("Tensor", output.last_hidden_state)[0].cpu()  # type: ignore[attr-defined]
+            return cast("Tensor", self.network(tensor).last_hidden_state)[0].cpu()
 
 
 def load_hubert(folder: Path) -> Hubert:
