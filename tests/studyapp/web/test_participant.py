@@ -140,6 +140,14 @@ def test_instructions_speak_of_as_many_questions_as_are_asked(
     assert sentence in Visitor(app, clock).enrol().page().words()
 
 
+def test_a_language_without_plural_forms_distinguishes_one_question_from_several(
+    own_study: OwnStudy, serve: Serve, clock: SetClock
+) -> None:
+    in_japanese = ("[page]\n", '[page]\nlanguage = "ja"\n')
+    app = serve(in_japanese, folder=own_study("ranking").root)
+    assert "質問ごとに" not in Visitor(app, clock).enrol().page().words()
+
+
 def test_texts_of_the_study_file_are_escaped(serve: Serve, clock: SetClock) -> None:
     hostile = "<script>alert(1)</script>' onload='x"
     terms = {
