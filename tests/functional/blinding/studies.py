@@ -9,7 +9,7 @@ from typing import Final
 from studyapp.stimuli.rendering import render
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import finished_video_path
-from tests.functional.adversary.unlike_videos import write_brought, write_motion, write_speech
+from tests.functional.blinding.unlike_videos import write_brought, write_motion, write_speech
 from tests.support.studies.finished_study import Keys, brought, group, question, study_file
 
 PAGE: Final = {"consent": "You agree.", "break_every": 2}
