@@ -30,6 +30,7 @@ def test_questions_before_and_after_the_trials_are_answered_once(
     # Every question that needs another answer is named.
     for answers, words in (
         ({"age": "17"}, "Question 1 needs a whole number from 18 to 120"),
+        ({"age": "121"}, "Question 1 needs a whole number from 18 to 120"),
         ({"age": "", "work": "x" * 2001}, "Questions 1 and 2 have no answer yet, or one"),
     ):
         with pytest.raises(UnacceptableError, match=words):

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from urllib.parse import urljoin
 
 import pytest
 from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import RefusalLine, Response
+from studyapp.database.tables import RefusalLine, Response, Trial
 from studyapp.web.site import attach, site_of
-from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in
+from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, filled, stored_in
 from tests.support.servers.both_databases import BOTH
+from tests.support.studies.stored import everything_stored
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 TOO_MUCH = "More of the video was reported as played than there was time for."
@@ -60,6 +64,60 @@ def test_refusals_are_logged_by_kind(app: Flask, visitor: Visitor, clock: SetClo
         (None, "unknown-address", "stand: This address belongs to no participant of this study."),
         (1, "stale-page", f"answers: {ANSWERED}"),
     ]
+
+
+def test_what_no_page_offers_is_refused_and_changes_nothing(
+    app: Flask, visitor: Visitor, clock: SetClock
+) -> None:
+    database, nobody = site_of(app).database, "0" * 32
+    others = Visitor(app, clock).enrol().begin()
+    page, their_page = visitor.page(), others.page()
+    first = filled(page)
+
+    def sent(address: str, **data: object) -> int:
+        return visitor.client.post(urljoin(f"{visitor.address}/", address), data=data).status_code
+
+    def reported(video: str) -> int:
+        later = WATCHED | {"batch": 999}
+        return visitor.client.post(f"{visitor.address}/watched/{video}", json=later).status_code
+
+    def require(*attempts: tuple[int, Callable[[], int]]) -> None:
+        before = everything_stored(database)
+        assert [attempt() for _, attempt in attempts] == [status for status, _ in attempts]
+        assert everything_stored(database) == before
+
+    token = select(Trial.token).where(Trial.position == 2)
+    video, their_video = (
+        each.value("#pair", "src").rpartition("/")[2].removesuffix(".mp4")
+        for each in (page, their_page)
+    )
+    require(
+        (422, lambda: sent("answers", **first)),
+        (409, lambda: sent("answers", **first | {"trial": stored_in(app, token)[0]})),
+        (403, lambda: reported(nobody)),
+        (403, lambda: reported(their_video)),
+    )
+    visitor.watch()
+    require(
+        (422, lambda: sent("answers", **first | {"rhythm": ["1", "2"]})),
+        (403, lambda: sent("answers", **first | {"trial": nobody})),
+        (403, lambda: sent(f"../{others.address.rpartition('/')[2]}/answers", **first)),
+        (403, lambda: sent("unplayable", trial=nobody)),
+        *(
+            (422, partial(sent, "unplayable", trial=page.trial, video=v))
+            for v in (nobody, their_video)
+        ),
+    )
+    assert len(list(visitor.take_trials())) == 6
+    require(
+        (303, lambda: sent("answers", **first)),
+        (409, lambda: sent("answers", **first | {"rhythm": "2"})),
+        (409, lambda: sent("unplayable", trial=page.trial, video=video)),
+        (409, lambda: reported(video)),
+        (303, lambda: sent("begin")),
+        (409, lambda: sent("withdraw")),
+        (404, lambda: sent(f"/take/{nobody}/answers", **first)),
+    )
 
 
 def test_a_report_that_crosses_with_next_is_refused_without_logging(
