@@ -5,9 +5,12 @@ from __future__ import annotations
 import shutil
 import sqlite3
 import stat
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Event
+from time import sleep
 
 import pytest
 from sqlalchemy import select
@@ -18,13 +21,14 @@ from studyapp.custody.backup import Backup, back_up
 from studyapp.custody.restoration import restore
 from studyapp.database.copies import require_empty, write_copy
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import AuditLine, StudySession
+from studyapp.database.tables import AuditLine, StudySession, Trial
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
+from tests.support.servers.both_databases import BOTH
 from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
-from tests.support.studies.stored import reading
+from tests.support.studies.stored import opened, reading
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 PEOPLE = ("visit-of-one", "visit-of-two")
@@ -289,6 +293,46 @@ def test_a_backup_with_triggers_or_views_is_refused(
     with pytest.raises(InputError, match=r"the trigger 't', which no study has.*the view 'v'"):
         restore(made.path, new, study.clock)
     assert not new.root.exists()
+
+
+@BOTH
+def test_a_backup_while_people_answer_has_every_acknowledged_answer_and_interrupts_nobody(
+    tiny_study: Path, tmp_path: Path, database_url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DATABASE_URL", database_url)
+    served, acknowledged, is_backed_up = ServedStudy.read(tiny_study), list[str](), Event()
+
+    def take_part(number: int) -> None:
+        participant = Participant(database, served, SetClock()).enrol(f"{number}").begin()
+        assert number or is_backed_up.wait(60)
+        while participant.look().trial is not None:
+            acknowledged.append(participant.take_trial())
+
+    with closing(Database.open(database_url)) as database, ThreadPoolExecutor(4) as pool:
+        open_study(database, served, SetClock())
+        people = [pool.submit(take_part, number) for number in range(4)]
+        while len(acknowledged) < 4 and not any(each.done() for each in people):
+            sleep(0.001)
+        before = set(acknowledged)
+        made = back_up(StudyFolder(tiny_study), tmp_path / "out.tar", SetClock(), media=True)
+        is_backed_up.set()
+        for each in people:
+            each.result()
+
+    monkeypatch.delenv("DATABASE_URL")
+    copy, later = StudyFolder(tmp_path / "copy"), SetClock()
+    later.advance(hours=1)
+    assert restore(made.path, copy, later).missing == ()
+    with opened(copy.responses) as database:
+        with database.reading() as session:
+            answered = select(Trial).where(Trial.answered_at.is_not(None))
+            restored = {trial.token: len(trial.responses) for trial in session.scalars(answered)}
+            sessions = session.scalars(select(StudySession)).all()
+        assert made.manifest.participants == len(sessions)
+        assert before <= restored.keys() < set(acknowledged)
+        assert set(restored.values()) == {2}
+        for unfinished in (each for each in sessions if each.completed_at is None):
+            assert Participant(database, served, later, unfinished.token).take_all()
 
 
 def test_links_to_media_are_followed_without_loops(study: Study, tmp_path: Path) -> None:
