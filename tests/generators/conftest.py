@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,18 +41,21 @@ def syllables(seconds: float, seed: int) -> Audio:
     return Audio((0.2 * envelope * voice).astype(np.float32), RATE)
 
 
-def spoken(name: str, seconds: float, emotion: str = "neutral", seed: int = 0) -> SpeechSegment:
-    segment = Segment(
-        name=name, wav=f"{name}.wav", start=0.0, end=seconds, speaker="synthetic", emotion=emotion
-    )
-    return SpeechSegment(segment=segment, audio=syllables(seconds, seed))
+def as_speech(audio: Audio, name: str = "a", **facts: str) -> SpeechSegment:
+    facts = {"speaker": "synthetic", "emotion": "neutral"} | facts
+    segment = Segment(name=name, wav=f"{name}.wav", start=0.0, end=audio.duration, **facts)
+    return SpeechSegment(segment=segment, audio=audio)
+
+
+def spoken(name: str, seconds: float, seed: int = 0, **facts: str) -> SpeechSegment:
+    return as_speech(syllables(seconds, seed), name, **facts)
 
 
 @dataclass(frozen=True)
 class ClipsInMemory:
     """The clips of a condition, kept in memory."""
 
-    segments: Sequence[Segment]
+    segments: list[Segment]
     clips: dict[str, MotionClip]
 
     def clip(self, segment_name: str) -> MotionClip:
@@ -66,21 +69,14 @@ def _short_training() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def speak() -> Callable[..., SpeechSegment]:
-    return spoken
-
-
-@pytest.fixture(scope="session")
 def study() -> ClipsInMemory:
     """Three segments of different length whose clips run at 25 fps."""
-    speeches = [
-        spoken(f"segment-{number}", 4.0 + number, EMOTIONS[number], number) for number in range(3)
-    ]
-    clips = {
-        speech.segment.name: RuleBased().generate(speech, seed=number, frame_rate=25)
-        for number, speech in enumerate(speeches)
-    }
-    return ClipsInMemory([speech.segment for speech in speeches], clips)
+    clips = ClipsInMemory([], {})
+    for number in range(3):
+        speech = spoken(f"segment-{number}", 4.0 + number, number, emotion=EMOTIONS[number])
+        clips.segments.append(speech.segment)
+        clips.clips[speech.segment.name] = RuleBased().generate(speech, seed=number, frame_rate=25)
+    return clips
 
 
 @pytest.fixture(scope="session")

@@ -34,13 +34,12 @@ from generators.s2ue import config as s2ue
 from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.segment import EMOTIONS, Segment
+from motion.segment import EMOTIONS
 from motion.skeleton import JOINT_NAMES
-from tests.generators.conftest import ClipsInMemory
+from tests.generators.conftest import ClipsInMemory, as_speech, spoken
 from tests.motion.random_clips import clip_of
 from tests.support.fingerprint import fingerprint
 
-Speak = Callable[..., SpeechSegment]
 Load = Callable[[str], Generator]
 Made = Callable[..., MotionClip]
 
@@ -64,8 +63,8 @@ def made(generator: Generator, study: StudyClips) -> Made:
 
 
 @pytest.fixture(scope="module")
-def speech(study: StudyClips, speak: Speak) -> SpeechSegment:
-    return speak(study.segments[1].name, 5.0, "happiness", 1)
+def speech(study: StudyClips) -> SpeechSegment:
+    return spoken(study.segments[1].name, 5.0, 1, emotion="happiness")
 
 
 @pytest.fixture(scope="module")
@@ -75,9 +74,9 @@ def clip(made: Made, speech: SpeechSegment) -> MotionClip:
 
 @pytest.mark.parametrize(("frame_rate", "seconds"), [(15.0, 2.0), (29.97, 3.217), (60.0, 7.5)])
 def test_the_clip_has_as_many_frames_as_the_speech(
-    made: Made, study: StudyClips, speak: Speak, frame_rate: float, seconds: float
+    made: Made, study: StudyClips, frame_rate: float, seconds: float
 ) -> None:
-    speech = speak(study.segments[1].name, seconds)
+    speech = spoken(study.segments[1].name, seconds)
     clip = made(speech, frame_rate=frame_rate)
     assert len(clip) == round(speech.audio.duration * frame_rate)
     assert clip.frame_rate == frame_rate
@@ -141,11 +140,9 @@ def test_a_clip_is_fitted_to_any_length_without_a_jump(length: int, frames: int)
 
 
 @pytest.mark.parametrize(("samples", "rate"), [(600, 8000), (1500, 48000), (5000, 16000)])
-def test_very_short_speech_gets_motion(speak: Speak, samples: int, rate: int) -> None:
+def test_very_short_speech_gets_motion(samples: int, rate: int) -> None:
     noise = np.random.default_rng(0).normal(0, 0.1, samples).clip(-1, 1)
-    speech = SpeechSegment(
-        segment=speak("a", 1.0, EMOTIONS[2]).segment, audio=Audio(noise.astype(np.float32), rate)
-    )
+    speech = as_speech(Audio(noise.astype(np.float32), rate), emotion=EMOTIONS[2])
     frame_rate = 120.0
     clip = load_generator("rule_based").generate(speech, seed=0, frame_rate=frame_rate)
     assert len(clip) == round(samples / rate * frame_rate)
@@ -237,21 +234,16 @@ def waving(seconds: float) -> MotionClip:
 
 @pytest.mark.parametrize("name", generator_names())
 def test_changed_motion_requires_a_new_generator_version(
-    name: str, load: Callable[[str], Generator], speak: Callable[..., SpeechSegment]
+    name: str, load: Callable[[str], Generator]
 ) -> None:
     names = [f"segment-{number}" for number in range(2)]
     source = ClipsInMemory(
-        [
-            Segment(name=name, wav="a.wav", start=0, end=4, speaker="a", emotion="neutral")
-            for name in names
-        ],
+        [spoken(name, 4.0).segment for name in names],
         {name: waving(3 + number) for number, name in enumerate(names)},
     )
-    generator = load(name)
+    generator, speech = load(name), spoken(names[1], 4.0, 5, emotion="happiness")
 
-    clip = generator.generate(
-        speak(names[1], 4.0, "happiness", 5), seed=3, frame_rate=30, source=source
-    )
+    clip = generator.generate(speech, seed=3, frame_rate=30, source=source)
 
     face = np.zeros(0) if clip.arkit is None else clip.arkit
     assert fingerprint(clip.poses, clip.trans, face) == pytest.approx(

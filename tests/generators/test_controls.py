@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,21 +10,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from generators.controls import Broken, Mismatched, Static, assign_partners
-from generators.interface import SpeechSegment, StudyClips
+from generators.interface import StudyClips
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.segment import Segment
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
-from tests.generators.conftest import ClipsInMemory
+from tests.generators.conftest import ClipsInMemory, spoken
 from tests.motion.random_clips import arkit_of
-
-Speak = Callable[..., SpeechSegment]
 
 ARM = [joint_index(f"{side}_{part}") for side in ("left", "right") for part in ("elbow", "wrist")]
 
 
-def test_a_still_body_has_both_hands_hanging_beside_it(speak: Speak) -> None:
-    clip = Static().generate(speak("a", 3.0), seed=0, frame_rate=30)
+def test_a_still_body_has_both_hands_hanging_beside_it() -> None:
+    clip = Static().generate(spoken("a", 3.0), seed=0, frame_rate=30)
     assert (clip.poses == clip.poses[0]).all()
     assert (clip.trans == clip.trans[0]).all()
     assert not arkit_of(clip).any()
@@ -58,10 +55,8 @@ def test_partners_long_enough_are_preferred() -> None:
         assert {chosen["s0"], chosen["s1"]} == {"s0", "s1"}
 
 
-def test_a_partners_short_motion_continues_backwards_without_a_jump(
-    study: StudyClips, speak: Speak
-) -> None:
-    speech = speak(study.segments[2].name, 15.0)
+def test_a_partners_short_motion_continues_backwards_without_a_jump(study: StudyClips) -> None:
+    speech = spoken(study.segments[2].name, 15.0)
     clip = Mismatched().generate(speech, seed=3, frame_rate=25, source=study)
     assert clip.provenance["motion_of_segment"] != speech.segment.name
     own = study.clip(clip.provenance["motion_of_segment"])
@@ -72,11 +67,11 @@ def test_a_partners_short_motion_continues_backwards_without_a_jump(
     np.testing.assert_array_equal(clip.poses[len(own)], own.poses[-2])
 
 
-def test_a_segment_without_a_partner_is_refused(study: StudyClips, speak: Speak) -> None:
+def test_a_segment_without_a_partner_is_refused(study: StudyClips) -> None:
     with pytest.raises(InputError, match="another segment"):
         assign_partners(of_length(5), 0)
     with pytest.raises(InputError, match="stranger"):
-        Mismatched().generate(speak("stranger", 4.0), seed=0, frame_rate=25, source=study)
+        Mismatched().generate(spoken("stranger", 4.0), seed=0, frame_rate=25, source=study)
 
 
 def jerk(clip: MotionClip) -> np.ndarray:
@@ -87,11 +82,9 @@ def jerk(clip: MotionClip) -> np.ndarray:
 
 
 @pytest.fixture(params=range(2))
-def pair(
-    request: pytest.FixtureRequest, study: StudyClips, speak: Speak
-) -> tuple[MotionClip, MotionClip]:
+def pair(request: pytest.FixtureRequest, study: StudyClips) -> tuple[MotionClip, MotionClip]:
     whole = study.clip(study.segments[2].name)
-    speech = speak(study.segments[2].name, len(whole) / 25)
+    speech = spoken(study.segments[2].name, len(whole) / 25)
     return whole, Broken().generate(speech, seed=request.param, frame_rate=25, source=study)
 
 
@@ -134,9 +127,9 @@ def test_the_body_freezes_at_times_and_the_face_flickers(
     assert (arkit_of(pair[1]) == 1).any(axis=1).mean() > 0.2
 
 
-def test_a_source_without_a_face_gets_none(study: ClipsInMemory, speak: Speak) -> None:
+def test_a_source_without_a_face_gets_none(study: ClipsInMemory) -> None:
     faceless = replace(
         study, clips={name: replace(clip, arkit=None) for name, clip in study.clips.items()}
     )
-    speech = speak(study.segments[0].name, 4.0)
+    speech = spoken(study.segments[0].name, 4.0)
     assert Broken().generate(speech, seed=0, frame_rate=25, source=faceless).arkit is None

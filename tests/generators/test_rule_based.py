@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -23,12 +22,12 @@ from motion.audio import Audio, read_audio
 from motion.body.model import read_body
 from motion.clip import MotionClip, arkit_index
 from motion.prosody import Prosody, prosody
-from motion.segment import EMOTIONS, Segment
+from motion.segment import EMOTIONS
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 from renderer.look import default_body
+from tests.generators.conftest import as_speech, spoken, syllables
 from tests.motion.random_clips import arkit_of
 
-Speak = Callable[..., SpeechSegment]
 Clips = dict[tuple[str, int], tuple[SpeechSegment, MotionClip]]
 RATE = 30
 SEEDS = (0, 1)
@@ -60,21 +59,14 @@ def generate(speech: SpeechSegment, seed: int = 1, frame_rate: float = RATE) -> 
 
 
 @pytest.fixture(scope="module")
-def clips(speak: Speak) -> Clips:
+def clips() -> Clips:
     """Speech and motion of each emotion for two seeds, 8 s long."""
     made = {}
     for emotion in EMOTIONS:
         for seed in SEEDS:
-            speech = speak("a", SECONDS, emotion, seed)
+            speech = spoken("a", SECONDS, seed, emotion=emotion)
             made[emotion, seed] = speech, generate(speech, seed)
     return made
-
-
-def as_segment(audio: Audio, emotion: str) -> SpeechSegment:
-    segment = Segment(
-        name="s", wav="s.wav", start=0, end=audio.duration, speaker="scott", emotion=emotion
-    )
-    return SpeechSegment(segment=segment, audio=audio)
 
 
 def share_near(moments: np.ndarray, accents: np.ndarray) -> float:
@@ -97,7 +89,7 @@ def test_hands_stop_on_the_strongest_accents(clips: Clips, emotion: str) -> None
 
 def test_hands_and_jaw_follow_a_real_voice(shared_data: Path) -> None:
     audio = read_audio(shared_data / "2_scott_0_2_2.wav").cut(0, 30)
-    clip = generate(as_segment(audio, "neutral"))
+    clip = generate(as_speech(audio))
     heard = prosody(audio, RATE)
     moments, strong = stops(clip), heard.accents[heard.prominence > 0.4]
     shifts = np.random.default_rng(0).uniform(1, 29, 100)
@@ -177,7 +169,7 @@ def test_each_emotion_shows_its_own_face_most(clips: Clips, emotion: str, action
 
 
 def test_there_are_no_gestures_in_silence() -> None:
-    clip = generate(as_segment(Audio(np.zeros(5 * 16000, np.float32), 16000), "anger"))
+    clip = generate(as_speech(Audio(np.zeros(5 * 16000, np.float32), 16000), emotion="anger"))
     assert wrist_speed(clip).max() < 0.15
 
 
@@ -278,11 +270,9 @@ def test_gesture_phases_follow_each_other_without_overlap(
                 assert ending.release < ending.rest <= following.begin + 1e-9
 
 
-def test_clasped_hands_part_when_a_gesture_starts_with_the_upper_hand(
-    speak: Speak,
-) -> None:
+def test_clasped_hands_part_when_a_gesture_starts_with_the_upper_hand() -> None:
     manner, clasps = STYLES["neutral"].gestures, 0
-    speech_prosody = prosody(speak("a", 12.0, "neutral", 1).audio, 30)
+    speech_prosody = prosody(syllables(12.0, 1), 30)
     for seed in range(40):
         chance = np.random.default_rng(seed)
         gestures = plan_gestures(speech_prosody, manner, chance)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from motion.clip import GENDERS, MotionClip
+from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 
 Numbers = NDArray[np.floating]
 
@@ -31,6 +33,20 @@ def clip_of(
         expressions=None if expressions is None else expressions.astype(np.float32),
         arkit=None if arkit is None else arkit.astype(np.float32),
     )
+
+
+def largest_angle(
+    one: MotionClip,
+    other: MotionClip,
+    bones: Sequence[tuple[str, str]],
+    rest: Numbers = REST_JOINTS,
+) -> float:
+    """Return the largest angle in degrees between the directions of any of `bones` in two clips."""
+    starts, ends = ([joint_index(bone[side]) for bone in bones] for side in (0, 1))
+    at = [forward_kinematics(clip.poses, clip.trans, rest)[0] for clip in (one, other)]
+    first, second = (each[:, ends] - each[:, starts] for each in at)
+    across = np.linalg.norm(np.cross(first, second), axis=2)
+    return float(np.degrees(np.arctan2(across, (first * second).sum(axis=2))).max())
 
 
 def arkit_of(clip: MotionClip) -> NDArray[np.float32]:

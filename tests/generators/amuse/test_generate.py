@@ -25,8 +25,8 @@ from generators.learned_settings import AmuseSettings
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.segment import Segment
 from tests.generators.amuse.small_networks import MOTION, SPEECH, written_networks
+from tests.generators.conftest import as_speech
 
 
 @pytest.fixture(name="settings", scope="module")
@@ -38,10 +38,7 @@ def _speech(seconds: float, hertz: float = 180.0, rate: int = 16_000) -> SpeechS
     times = np.arange(round(seconds * rate)) / rate
     loud = 0.3 + 0.2 * np.sin(2 * np.pi * 3 * times)
     samples = (loud * np.sin(2 * np.pi * hertz * times)).astype(np.float32)
-    segment = Segment(
-        name="hello", wav="hello.wav", start=0.0, end=seconds, speaker="anna", emotion="neutral"
-    )
-    return SpeechSegment(segment=segment, audio=Audio(samples, rate))
+    return as_speech(Audio(samples, rate), "hello", speaker="anna")
 
 
 def _clip(settings: AmuseSettings, speech: SpeechSegment, seed: int = 1) -> MotionClip:
@@ -58,14 +55,11 @@ def test_windows_of_long_speech_with_a_long_pause_are_recorded(
     settings: AmuseSettings,
 ) -> None:
     heard: list[tuple[int, int]] = []
-    speech = _speech(30.0)
-    samples = speech.audio.samples.copy()
+    samples = _speech(30.0).audio.samples.copy()
     samples[9 * 16_000 : 21 * 16_000] = 0
+    speech = as_speech(Audio(samples, 16_000), speaker="anna")
     clip = Amuse(settings, "cpu").generate(
-        SpeechSegment(segment=speech.segment, audio=Audio(samples, 16_000)),
-        seed=1,
-        frame_rate=30,
-        on_part=lambda *part: heard.append(part),
+        speech, seed=1, frame_rate=30, on_part=lambda *part: heard.append(part)
     )
     windows = windows_of(clip)
     assert heard == [(1, 4), (2, 4), (3, 4), (4, 4)]

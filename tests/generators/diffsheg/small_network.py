@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 import torch
@@ -15,6 +16,17 @@ from generators.diffsheg.network_file import MotionNetwork, Normalisation, write
 
 def smaller(config: DenoiserConfig) -> DenoiserConfig:
     return replace(config, width=16, feed_forward=16, heads=2, layers=1, speech_width=8)
+
+
+TINY: Final = replace(
+    PRESETS["tiny"]["beat"].network,
+    gesture_width=6,
+    expression_width=4,
+    speakers=3,
+    width=16,
+    feed_forward=24,
+    heads=2,
+)
 
 
 def small(dataset: str) -> DenoiserConfig:

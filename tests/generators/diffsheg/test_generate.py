@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,32 +20,30 @@ from motion.audio import write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
+from tests.generators.conftest import spoken
 from tests.generators.diffsheg.small_network import small, small_network, written_network
 from training.spaces.beat import beat_clip
 from training.spaces.smplx_bodies import show_clip
 from training.speakers import Speakers
 from training.speech_features.hubert import stand_in
 
-Speak = Callable[..., SpeechSegment]
 
-
-def made(settings: DiffShegSettings, speech: SpeechSegment, **changes: object) -> MotionClip:
-    generator = DiffSheg(settings.model_copy(update=changes))
+def made(checkpoint: Path, speech: SpeechSegment, **settings: Any) -> MotionClip:
+    generator = DiffSheg(DiffShegSettings(checkpoint=checkpoint, **settings))
     return generator.generate(speech, seed=3, frame_rate=15)
 
 
-@pytest.fixture
-def model(tmp_path: Path) -> DiffShegSettings:
-    return DiffShegSettings(checkpoint=written_network(tmp_path / "small.safetensors"))
-
-
-def test_the_provenance_names_network_sampling_and_stand_ins(
-    model: DiffShegSettings, speak: Speak
-) -> None:
+def test_the_provenance_names_network_sampling_and_stand_ins(tmp_path: Path) -> None:
     progress: list[tuple[int, int]] = []
-    changes = {"speaker": 2, "sampling": "plain", "steps": 10, "overlap": 6}
-    clip = DiffSheg(model.model_copy(update=changes)).generate(
-        speak("one", 6.0), seed=3, frame_rate=30, on_part=lambda *far: progress.append(far)
+    model = DiffShegSettings(
+        checkpoint=written_network(tmp_path / "small.safetensors"),
+        speaker=2,
+        sampling="plain",
+        steps=10,
+        overlap=6,
+    )
+    clip = DiffSheg(model).generate(
+        spoken("one", 6.0), seed=3, frame_rate=30, on_part=lambda *far: progress.append(far)
     )
     assert progress == [(28, 90), (56, 90), (84, 90), (90, 90)]
     facts = clip.provenance
@@ -63,10 +60,10 @@ def test_the_provenance_names_network_sampling_and_stand_ins(
 
 @pytest.mark.parametrize(("dataset", "overlap"), [("beat", 6), ("show", 15)])
 def test_face_and_body_move_and_hips_and_legs_stand_still(
-    dataset: str, overlap: int, tmp_path: Path, speak: Speak
+    dataset: str, overlap: int, tmp_path: Path
 ) -> None:
     checkpoint = written_network(tmp_path / "small.safetensors", dataset)
-    clip = made(DiffShegSettings(checkpoint=checkpoint), speak("one", 2.0))
+    clip = made(checkpoint, spoken("one", 2.0))
     moves = np.ptp(clip.poses, axis=0).max(axis=1)
     assert all(moves[joint_index(name)] > 0 for name in ("head", "left_wrist", "right_thumb1"))
     legs = ("pelvis", "left_hip", "right_knee", "left_ankle")
@@ -81,19 +78,16 @@ def test_face_and_body_move_and_hips_and_legs_stand_still(
     assert f"overlap {overlap}," in clip.provenance["sampling"]
 
 
-def test_without_a_named_speaker_the_segments_speaker_is_used(tmp_path: Path, speak: Speak) -> None:
+def test_without_a_named_speaker_the_segments_speaker_is_used(tmp_path: Path) -> None:
     speakers = Speakers(("ada", "bo"), small("beat").speakers)
     network = replace(small_network(), speakers=speakers, hubert=stand_in().identity)
-    write_network(tmp_path / "named.safetensors", network)
-    named, speech = DiffShegSettings(checkpoint=tmp_path / "named.safetensors"), speak("one", 1.0)
-    clips = [
-        made(named, replace(speech, segment=replace(speech.segment, speaker=name)))
-        for name in ("ada", "bo")
-    ]
+    named = tmp_path / "named.safetensors"
+    write_network(named, network)
+    clips = [made(named, spoken("one", 1.0, speaker=name)) for name in ("ada", "bo")]
     assert [clip.provenance["speaker"] for clip in clips] == ["ada", "bo"]
     assert (clips[0].poses != clips[1].poses).any()
     assert "speaker" not in clips[0].provenance["stand_ins"]
-    stranger = made(named, speech).provenance
+    stranger = made(named, spoken("one", 1.0)).provenance
     assert f"speaker {stranger['speaker']} in place of the segment's" in stranger["stand_ins"]
 
 
@@ -114,28 +108,18 @@ def diverged() -> MotionNetwork:
     ids=["another hubert", "unknown speaker", "diverged"],
 )
 def test_a_network_that_cannot_be_used_is_refused(
-    network: MotionNetwork,
-    changes: dict[str, object],
-    message: str,
-    tmp_path: Path,
-    speak: Speak,
+    network: MotionNetwork, changes: dict[str, object], message: str, tmp_path: Path
 ) -> None:
     write_network(tmp_path / "other.safetensors", network)
     with pytest.raises(InputError, match=message):
-        made(
-            DiffShegSettings(checkpoint=tmp_path / "other.safetensors"),
-            speak("one", 1.0),
-            **changes,
-        )
+        made(tmp_path / "other.safetensors", spoken("one", 1.0), **changes)
 
 
 @pytest.mark.parametrize("dataset", ["beat", "show"])
-def test_streamed_clips_equal_the_clip_of_the_whole_speech(
-    dataset: str, tmp_path: Path, speak: Speak
-) -> None:
+def test_streamed_clips_equal_the_clip_of_the_whole_speech(dataset: str, tmp_path: Path) -> None:
     checkpoint = written_network(tmp_path / "small.safetensors", dataset)
     generator = DiffSheg(DiffShegSettings(checkpoint=checkpoint))
-    samples = speak("one", 7.3).audio.samples
+    samples = spoken("one", 7.3).audio.samples
     pieces = list(generator.stream_clips(np.array_split(samples, 50), seed=3))
     assert len(pieces) > 2
     made = beat_clip if dataset == "beat" else show_clip
@@ -154,13 +138,12 @@ PAGE = Path(__file__).parents[3] / "docs" / "diffsheg.md"
 
 def test_the_documented_example_of_streaming_works(
     tmp_path: Path,
-    speak: Callable[..., SpeechSegment],
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     (example,) = re.findall(r"```python\n([^`]*stream_clips[^`]*)```", PAGE.read_text("utf-8"))
     written_network(tmp_path / "tiny.safetensors")
-    write_wav(tmp_path / "hello.wav", speak("hello", 5.0).audio)
+    write_wav(tmp_path / "hello.wav", spoken("hello", 5.0).audio)
     monkeypatch.chdir(tmp_path)
     exec(compile(example, str(PAGE), "exec"), {})  # noqa: S102 - it is our own page
     assert capsys.readouterr().out.splitlines() == [

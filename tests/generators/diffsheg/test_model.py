@@ -10,24 +10,13 @@ import pytest
 import torch
 from torch import Tensor
 
-from generators.diffsheg.config import PRESETS, DenoiserConfig, Flow
+from generators.diffsheg.config import DenoiserConfig, Flow
 from generators.diffsheg.losses import LOSSES, motion_losses
 from generators.diffsheg.model import Denoiser
-from tests.generators.diffsheg.small_network import shaken
+from tests.generators.diffsheg.small_network import TINY, shaken
 from training.diffusion import LINEAR
 
-SMALL = replace(
-    PRESETS["tiny"]["beat"].network,
-    gesture_width=6,
-    expression_width=4,
-    speakers=3,
-    width=16,
-    feed_forward=24,
-    heads=2,
-    guidance=None,
-    loudness="power",
-    skip=False,
-)
+SMALL = replace(TINY, guidance=None, loudness="power", skip=False)
 FRAMES = 9
 
 

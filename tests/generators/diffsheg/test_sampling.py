@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from torch import Tensor
 
 from benchmarks.seams import Windows, seam_acceleration
-from generators.diffsheg.config import PRESETS, SAMPLINGS, Flow, Sampling
+from generators.diffsheg.config import SAMPLINGS, Flow, Sampling
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.sampling import (
     Estimate,
@@ -29,23 +29,12 @@ from generators.diffsheg.sampling import (
     stream,
 )
 from motion.errors import InputError
-from tests.generators.diffsheg.small_network import shaken
+from tests.generators.diffsheg.small_network import TINY, shaken
 from training.device import torch_threads
 from training.diffusion import LINEAR
 from training.speech_features.speech_frames import SpeechFrames
 
-SMALL = replace(
-    PRESETS["tiny"]["beat"].network,
-    gesture_width=6,
-    expression_width=4,
-    speakers=3,
-    width=16,
-    feed_forward=24,
-    heads=2,
-    speech_features=8,
-    audio_width=8,
-    frames=8,
-)
+SMALL = replace(TINY, speech_features=8, audio_width=8, frames=8)
 SAMPLING = Sampling(steps=8, overlap=3)
 WIDTH, FRAMES = SMALL.motion_width, SMALL.frames
 GUIDED_OR_NOT = ((None, False), (1.3, True))

@@ -12,8 +12,8 @@ import torch
 from generators.s2ue.config import NetworkConfig
 from generators.s2ue.model import Network, S2ueNetwork, write_network
 from motion.body.face_landmarks import FaceLandmarks
-from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, joint_index
+from tests.motion.random_clips import clip_of
 from training.spaces.bones_and_landmarks import bone_and_landmark_values
 from training.speakers import Speakers
 from training.speech_features.word_vectors import StandIn
@@ -35,15 +35,10 @@ SMALL: Final = NetworkConfig(
 
 def standing() -> np.ndarray:
     """Values of a person whose arms hang, (27 + 3 L,)."""
-    poses = np.zeros((1, JOINT_COUNT, 3), np.float32)
+    poses = np.zeros((1, JOINT_COUNT, 3))
     for side, sign in (("left", -1), ("right", 1)):
         poses[:, joint_index(f"{side}_shoulder"), 2] = 1.2 * sign
-    clip = MotionClip(
-        poses=poses,
-        trans=np.zeros((1, 3), np.float32),
-        frame_rate=15,
-        arkit=np.full((1, 52), 0.02, np.float32),
-    )
+    clip = clip_of(poses, frame_rate=15, arkit=np.full((1, 52), 0.02))
     values: np.ndarray = bone_and_landmark_values(clip, FACE)[0].astype(np.float32)
     return values
 

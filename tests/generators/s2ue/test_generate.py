@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +14,9 @@ from generators.interface import SpeechSegment
 from generators.learned_settings import S2ueSettings
 from generators.s2ue.generate import S2ue
 from motion.errors import InputError
+from tests.generators.conftest import spoken
 from tests.generators.diffsheg.small_network import written_network as other_network
 from tests.generators.s2ue.small_network import written_network
-
-Speak = Callable[..., SpeechSegment]
 
 
 @pytest.fixture(scope="module")
@@ -27,9 +25,8 @@ def checkpoint(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def speech(speak: Speak) -> SpeechSegment:
-    spoken = speak("a", 7.3, "neutral", 2)
-    return replace(spoken, segment=replace(spoken.segment, transcript="hello there my friend"))
+def speech() -> SpeechSegment:
+    return spoken("a", 7.3, 2, transcript="hello there my friend")
 
 
 def generator(checkpoint: Path, **settings: object) -> S2ue:
@@ -48,8 +45,8 @@ def test_cutting_of_speech_does_not_change_the_motion(
     np.testing.assert_array_equal(values(made, speech), values(made, speech, pieces=97))
 
 
-def test_frames_are_final_after_a_bounded_delay(checkpoint: Path, speak: Speak) -> None:
-    speech, received, generated = speak("a", 9.0), 0, 0
+def test_frames_are_final_after_a_bounded_delay(checkpoint: Path) -> None:
+    speech, received, generated = spoken("a", 9.0), 0, 0
     lags = []
 
     def pieces() -> Iterator[NDArray[np.float32]]:
@@ -64,8 +61,8 @@ def test_frames_are_final_after_a_bounded_delay(checkpoint: Path, speak: Speak) 
     assert max(lags) <= 34 / 15 + 0.1 + 0.05
 
 
-def test_windows_blend_into_each_other(checkpoint: Path, speak: Speak) -> None:
-    result = values(generator(checkpoint), speak("a", 20.0))
+def test_windows_blend_into_each_other(checkpoint: Path) -> None:
+    result = values(generator(checkpoint), spoken("a", 20.0))
     seams = Windows(frames=34, overlap=4, frame_rate=15.0)
     for part in (result[:, :27], result[:, 27:]):
         points = part.reshape(len(part), -1, 3)
@@ -92,8 +89,7 @@ def test_the_clip_records_its_stand_ins(checkpoint: Path, speech: SpeechSegment)
     assert len(clip) == 219
     assert clip.provenance["speaker"] in ("anna", "ben")
     assert "stand-in for FastText" in clip.provenance["stand_ins"]
-    silent = replace(speech, segment=replace(speech.segment, transcript=""))
-    other = generator(checkpoint).generate(silent, seed=1, frame_rate=30)
+    other = generator(checkpoint).generate(spoken("a", 7.3, 2), seed=1, frame_rate=30)
     assert "no words, as there is no transcript" in other.provenance["stand_ins"]
     assert not np.array_equal(clip.poses, other.poses)
 
@@ -119,17 +115,13 @@ def test_word_times_change_the_motion(
 def test_mismatched_vectors_and_networks_are_refused(
     checkpoint: Path, speech: SpeechSegment, tmp_path: Path
 ) -> None:
-    (tmp_path / "other.vec").write_text("1 2\nhello 1 2\n")
-    with pytest.raises(
-        InputError,
-        match=r"of width 300, but these vectors are other\.vec \(sha256 \w+\) of width 2",
-    ):
-        generator(checkpoint, vectors=tmp_path / "other.vec").generate(
-            speech, seed=1, frame_rate=15
-        )
-    other = other_network(tmp_path / "other.safetensors")
+    other = tmp_path / "other.vec"
+    other.write_text("1 2\nhello 1 2\n")
+    message = r"of width 300, but these vectors are other\.vec \(sha256 \w+\) of width 2"
+    with pytest.raises(InputError, match=message):
+        generator(checkpoint, vectors=other).generate(speech, seed=1, frame_rate=15)
     with pytest.raises(InputError, match="not of a Speech2UnifiedExpressions network"):
-        values(generator(other), speech)
+        values(generator(other_network(tmp_path / "other.safetensors")), speech)
 
 
 @pytest.mark.parametrize(("left_out", "still"), [("faces", "arkit"), ("poses", "poses")])

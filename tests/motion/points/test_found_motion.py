@@ -13,7 +13,7 @@ from motion.clip import MotionClip, arkit_index
 from motion.points.detection import Detection, stretches
 from motion.points.found_motion import clip_from_detection
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
-from tests.motion.random_clips import arkit_of, clip_of
+from tests.motion.random_clips import arkit_of, clip_of, largest_angle
 
 FloatArray = NDArray[np.float64]
 FRAMES = 150
@@ -103,14 +103,8 @@ def detection(**changed: Any) -> Detection:
 def test_gestures_and_speech_are_recovered_from_a_camera_view(body: BodyModel) -> None:
     clip = talking()
     result = clip_from_detection(detection(pose=pose_of(clip), face=face_of(clip, body)), body)
-    before, after = (
-        forward_kinematics(each.poses, each.trans, REST_JOINTS)[0] for each in (clip, result)
-    )
-    for side in ("left", "right"):
-        bones = [at[:, joint_index(f"{side}_wrist")] - at[:, joint_index(f"{side}_elbow")]
-                 for at in (before, after)]  # fmt: skip
-        units = [bone / np.linalg.norm(bone, axis=1, keepdims=True) for bone in bones]
-        assert np.degrees(np.arccos((units[0] * units[1]).sum(axis=1).clip(-1, 1))).max() < 12
+    forearms = [(f"{side}_elbow", f"{side}_wrist") for side in ("left", "right")]
+    assert largest_angle(clip, result, forearms) < 12
     assert result.frame_rate == 30
     for action in (JAW, BLINK):
         weights, expected = (arkit_of(each)[:, action] for each in (result, clip))

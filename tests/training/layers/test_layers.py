@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from generators.diffsheg.layers import LinearSkip
-from motion.body.face_landmarks import FaceLandmarks
+from tests.generators.s2ue.small_network import FACE
 from training.diffusion import LINEAR
 from training.layers.convolutions import (
     bone_graph,
@@ -19,7 +19,6 @@ from training.layers.convolutions import (
     lips_of,
 )
 
-FACE: Final = FaceLandmarks.of_default_body()
 COMPONENTS: Final = components_of(FACE.actions)
 
 

@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 from generators.diffsheg.config import BEAT
 from generators.diffsheg.network_file import read_normalisation
-from motion.body.face_landmarks import FaceLandmarks
 from motion.body.skinning import skinning_matrices
 from motion.clip import ARKIT_NAMES, MotionClip
 from motion.errors import InputError
@@ -31,6 +30,8 @@ from motion.skeleton import (
     forward_kinematics,
     joint_index,
 )
+from tests.generators.s2ue.small_network import FACE
+from tests.motion.random_clips import arkit_of, clip_of
 from training.spaces.beat import (
     FACIAL_WEIGHTS,
     UPPER_BODY_JOINTS,
@@ -132,8 +133,7 @@ def test_facial_weights_are_arkits_and_stay_in_range() -> None:
     values = np.zeros((2, 192))
     for name, weight in (("jawOpen", 0.4), ("browInnerUp", 1.7), ("mouthClose", -0.3)):
         values[:, 141 + FACIAL_WEIGHTS.index(name)] = weight
-    arkit = beat_clip(values, 15).arkit
-    assert arkit is not None
+    arkit = arkit_of(beat_clip(values, 15))
     assert arkit[0, ARKIT_NAMES.index("jawOpen")] == pytest.approx(0.4)
     assert arkit[0, ARKIT_NAMES.index("browInnerUp")] == 1
     assert arkit[0, ARKIT_NAMES.index("mouthClose")] == 0
@@ -160,17 +160,14 @@ def test_chunks_equal_the_whole_motion_even_if_forearms_twist_past_half_a_turn(
     np.testing.assert_array_equal(np.concatenate([one.trans for one in pieces]), whole.trans)
 
 
-FACE = FaceLandmarks.of_default_body()
-
-
 def clip(turned: float = 0.0) -> MotionClip:
-    poses = np.zeros((5, JOINT_COUNT, 3), np.float32)
+    poses = np.zeros((5, JOINT_COUNT, 3))
     poses[:, joint_index("left_shoulder")] = [0, 0, -1.0]
     poses[:, joint_index("right_elbow"), 1] = np.linspace(0.5, 1.5, 5)
     poses[:, 0] = (Rotation.from_euler("y", turned)).as_rotvec()
-    arkit = np.zeros((5, 52), np.float32)
+    arkit = np.zeros((5, 52))
     arkit[:, ARKIT_NAMES.index("jawOpen")] = np.linspace(0, 0.8, 5)
-    return MotionClip(poses=poses, trans=np.ones((5, 3), np.float32), frame_rate=15, arkit=arkit)
+    return clip_of(poses, np.ones((5, 3)), 15, arkit=arkit)
 
 
 def test_joints_are_rebuilt_from_unit_directions() -> None:
@@ -200,14 +197,7 @@ def _clip() -> MotionClip:
     random = np.random.default_rng(5)
     poses = 0.4 * random.standard_normal((6, 55, 3))
     poses[:, 0] = 0
-    clip = MotionClip(
-        poses=poses.astype(np.float32), trans=np.zeros((6, 3), np.float32), frame_rate=30
-    )
-    return place(clip)[0]
-
-
-def _turns(clip: MotionClip) -> Rotation:
-    return Rotation.from_rotvec(clip.poses.reshape(-1, 3))
+    return place(clip_of(poses))[0]
 
 
 def test_a_clip_is_recovered_from_scaled_first_two_matrix_rows() -> None:
@@ -221,7 +211,7 @@ def test_a_clip_is_recovered_from_scaled_first_two_matrix_rows() -> None:
     rows[..., 1, :] += 0.3 * rows[..., 0, :]
     rows *= 1.7
     for result in (smplx_6d_clip(values, 30), smplx_6d_clip(stretched, 30)):
-        assert (_turns(clip).inv() * _turns(result)).magnitude().max() < 1e-5
+        assert max(degrees_apart(clip, result).values()) < np.degrees(1e-5)
         assert result.trans == pytest.approx(clip.trans, abs=1e-5)
 
 
