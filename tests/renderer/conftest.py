@@ -15,6 +15,7 @@ from motion.formats import write_clip
 from renderer.framing import Camera, frame_clips
 from renderer.look import Look, default_body
 from renderer.video_jobs import ClipJob
+from tests.motion.random_clips import clip_of
 
 SECONDS = 0.8
 """Length of the test clip; no whole number of AAC frames."""
@@ -34,9 +35,9 @@ def body(body_path: Path) -> BodyModel:
 def clip() -> MotionClip:
     """Return a short clip that gestures, speaks and smiles."""
     plain = gesturing_clip(SECONDS, 30)
-    arkit = np.zeros((len(plain), 52), np.float32)
+    arkit = np.zeros((len(plain), 52))
     arkit[:, arkit_index("mouthSmileLeft")] = np.linspace(0, 1, len(plain))
-    return MotionClip(poses=plain.poses, trans=plain.trans, frame_rate=30, arkit=arkit)
+    return clip_of(plain.poses, plain.trans, arkit=arkit)
 
 
 @pytest.fixture(scope="session")

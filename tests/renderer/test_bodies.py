@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Iterable
 
 import numpy as np
 import pytest
@@ -11,33 +11,23 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from motion.body.model import BodyModel, read_body
-from motion.clip import MotionClip, arkit_index
+from motion.clip import arkit_index
 from motion.skeleton import REST_JOINTS, joint_index
 from renderer.look import AVATARS, BODIES, default_body
+from tests.motion.random_clips import clip_of
 from tools.avatars.sample_poses import FIST, SamplePose, sample_clip
 
 MOST_TRIANGLES = 16_000
 FACES = [name for name, avatar in AVATARS.items() if avatar.has_face]
 
 
-@pytest.fixture(scope="module", params=list(AVATARS))
-def path(request: pytest.FixtureRequest) -> Path:
-    return default_body(request.param)
-
-
 @pytest.fixture(scope="module")
-def body(path: Path) -> BodyModel:
-    return read_body(path)
-
-
-@pytest.fixture(scope="module", params=[*FACES, "mannequin"])
-def fleshed(request: pytest.FixtureRequest) -> BodyModel:
+def body(request: pytest.FixtureRequest) -> BodyModel:
     return read_body(default_body(request.param))
 
 
-@pytest.fixture(scope="module", params=FACES)
-def person(request: pytest.FixtureRequest) -> BodyModel:
-    return read_body(default_body(request.param))
+def of_avatars(names: Iterable[str]) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("body", names, indirect=True, scope="module")
 
 
 def _of(body: BodyModel, *materials: str) -> NDArray[np.bool_]:
@@ -45,6 +35,7 @@ def _of(body: BodyModel, *materials: str) -> NDArray[np.bool_]:
     return np.isin(body.surface["material"], [names.index(m) for m in materials if m in names])
 
 
+@of_avatars(AVATARS)
 def test_the_mesh_is_small_closed_coloured_and_skinned(body: BodyModel) -> None:
     assert len(body.faces) <= MOST_TRIANGLES
     assert set(np.unique(body.faces)) == set(range(len(body.template)))
@@ -55,8 +46,10 @@ def test_the_mesh_is_small_closed_coloured_and_skinned(body: BodyModel) -> None:
     assert colours[~_of(body, "pupil"), :3].max(axis=1).min() > 8
 
 
-def test_stock_smplx_loads_it_and_returns_the_template(path: Path) -> None:
+@pytest.mark.parametrize("avatar", AVATARS)
+def test_stock_smplx_loads_it_and_returns_the_template(avatar: str) -> None:
     smplx = pytest.importorskip("smplx")
+    path = default_body(avatar)
     stored = np.load(path)
     model = smplx.create(
         str(path), model_type="smplx", ext="npz", use_pca=False, flat_hand_mean=True,
@@ -67,28 +60,30 @@ def test_stock_smplx_loads_it_and_returns_the_template(path: Path) -> None:
     np.testing.assert_allclose(vertices, stored["v_template"], atol=1e-5)
 
 
-def test_a_fist_closes_on_the_palm_without_spikes(fleshed: BodyModel) -> None:
+@of_avatars([*FACES, "mannequin"])
+def test_a_fist_closes_on_the_palm_without_spikes(body: BodyModel) -> None:
     poses = (SamplePose(curled={"left": FIST, "right": FIST}), SamplePose())
-    closed, opened = (fleshed.vertices(sample_clip(pose))[0] for pose in poses)
-    weights = fleshed.weights.toarray()
+    closed, opened = (body.vertices(sample_clip(pose))[0] for pose in poses)
+    weights = body.weights.toarray()
     for side in ("left", "right"):
         palm = weights[:, joint_index(f"{side}_wrist")] > 0.9
-        palm &= _of(fleshed, "skin")
+        palm &= _of(body, "skin")
         for finger in ("index", "middle", "ring"):
             tip = weights[:, joint_index(f"{side}_{finger}3")] > 0.9
             gaps = [np.min(cKDTree(at[palm]).query(at[tip])[0]) for at in (closed, opened)]
             assert gaps[0] < 0.012 < gaps[1]
-    corners = fleshed.faces[_of(fleshed, "skin", "nails")[fleshed.faces].all(axis=1)]
-    corners = corners[np.abs(fleshed.template[corners].mean(axis=1)[:, 0]) > 0.75]
+    corners = body.faces[_of(body, "skin", "nails")[body.faces].all(axis=1)]
+    corners = corners[np.abs(body.template[corners].mean(axis=1)[:, 0]) > 0.75]
     edges = np.linalg.norm(closed[corners] - closed[np.roll(corners, 1, axis=1)], axis=2)
     assert edges.max() < 0.05
 
 
-def test_people_face_the_viewer_with_open_eyes_at_rest(person: BodyModel) -> None:
-    pupils = person.template[_of(person, "pupil")]
+@of_avatars(FACES)
+def test_people_face_the_viewer_with_open_eyes_at_rest(body: BodyModel) -> None:
+    pupils = body.template[_of(body, "pupil")]
     for side in (-1, 1):
         pupil = pupils[pupils[:, 0] * side > 0]
-        eye = person.joints(np.zeros(0))[joint_index("left_eye" if side > 0 else "right_eye")]
+        eye = body.joints(np.zeros(0))[joint_index("left_eye" if side > 0 else "right_eye")]
         direction = pupil.mean(axis=0) - eye
         assert direction[2] / np.linalg.norm(direction) > 0.995
 
@@ -109,15 +104,14 @@ def _visible_in_front(body: BodyModel, at: NDArray[np.floating], marked: NDArray
     return count
 
 
-def test_a_blink_hides_iris_and_pupil(person: BodyModel) -> None:
-    arkit = np.zeros((1, 52), np.float32)
+@of_avatars(FACES)
+def test_a_blink_hides_iris_and_pupil(body: BodyModel) -> None:
+    arkit = np.zeros((1, 52))
     arkit[0, [arkit_index("eyeBlinkLeft"), arkit_index("eyeBlinkRight")]] = 1
-    still = np.zeros((1, 3), np.float32)
-    poses = np.zeros((1, 55, 3), np.float32)
-    marked = _of(person, "iris", "pupil")
+    marked = _of(body, "iris", "pupil")
     for face, expected in ((np.zeros_like(arkit), False), (arkit, True)):
-        at = person.vertices(MotionClip(poses=poses, trans=still, frame_rate=30, arkit=face))[0]
-        assert (_visible_in_front(person, at, marked) == 0) == expected
+        at = body.vertices(clip_of(np.zeros((1, 55, 3)), arkit=face))[0]
+        assert (_visible_in_front(body, at, marked) == 0) == expected
 
 
 def test_the_package_has_every_avatars_body_and_licence() -> None:
@@ -133,12 +127,11 @@ def test_rest_joints_match_the_default_body() -> None:
 
 def _mouth_opening(body: BodyModel, jaw: float, action: float) -> float:
     """Return the height of the lips, in metres, with the jaw joint (radians) and jawOpen set."""
-    poses, arkit = np.zeros((1, 55, 3), np.float32), np.zeros((1, 52), np.float32)
+    poses, arkit = np.zeros((1, 55, 3)), np.zeros((1, 52))
     poses[0, joint_index("jaw"), 0] = jaw
     arkit[0, arkit_index("jawOpen")] = action
-    clip = MotionClip(poses=poses, trans=np.zeros((1, 3), np.float32), frame_rate=30, arkit=arkit)
-    lips = body.surface["material"] == list(body.surface["material_names"]).index("lips")
-    return float(np.ptp(body.vertices(clip)[0, lips, 1]))
+    vertices = body.vertices(clip_of(poses, arkit=arkit))[0]
+    return float(np.ptp(vertices[_of(body, "lips"), 1]))
 
 
 def test_jaw_joint_and_arkit_do_not_both_open_the_mouth() -> None:

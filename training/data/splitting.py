@@ -18,7 +18,7 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from motion.endings import MOTION_ENDINGS, SPEECH_ENDINGS
-from motion.errors import InputError, listed
+from motion.errors import InputError, counted, listed
 from training.data.found_take import SPLIT_WORDS, Findings
 from training.data.take import SPLITS, Split, Take
 
@@ -216,7 +216,7 @@ def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tu
     notes = [f"splits by {splits.path.name}: {count_splits(takes)}"]
     if unlisted:
         notes.append(f"{_quote_names(unlisted, 'take')} left out, which the list does not name")
-    notes += [f"{_count(number, 'take')} left out as {word}" for word, number in elsewhere.items()]
+    notes += [f"{counted(number, 'take')} left out as {word}" for word, number in elsewhere.items()]
     if missing:
         notes.append(f"{_quote_names(missing, 'name')} of the list not found")
     return tuple(takes), tuple(notes)
@@ -247,7 +247,7 @@ def by_rule(findings: Findings) -> tuple[tuple[Take, ...], tuple[str, ...]]:
         notes.append(f"splits by {findings.split_rule}: {count_splits(ruled)}")
     if divided:
         notes.append(
-            f"{_count(divided, 'recording')} cut into takes of several splits, so held-out takes "
+            f"{counted(divided, 'recording')} cut into takes of several splits, so held-out takes "
             "resemble training takes"
         )
     if by_hash:
@@ -274,11 +274,7 @@ def count_splits(takes: Sequence[Take]) -> str:
 def _quote_names(names: Sequence[str], noun: str) -> str:
     """Return ``12 takes (a, b, c, …)``."""
     quoted = ", ".join(names[:_QUOTED_NAMES])
-    return f"{_count(len(names), noun)} ({quoted}{', …' if len(names) > _QUOTED_NAMES else ''})"
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'s' if number != 1 else ''}"
+    return f"{counted(len(names), noun)} ({quoted}{', …' if len(names) > _QUOTED_NAMES else ''})"
 
 
 def held_out_recordings(

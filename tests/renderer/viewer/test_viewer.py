@@ -20,6 +20,7 @@ from motion.skeleton import JOINT_COUNT
 from renderer.look import Look
 from renderer.viewer.packing import LARGEST, track
 from renderer.viewer.page import FILES, MotionFigures, Scene
+from tests.motion.random_clips import clip_of
 
 
 def test_the_bundled_library_matches_its_readme() -> None:
@@ -87,9 +88,7 @@ def test_every_rotation_is_within_a_twentieth_of_a_degree(
     seed: int, spread: float, body: BodyModel
 ) -> None:
     poses = np.random.default_rng(seed).uniform(-spread, spread, (3, JOINT_COUNT, 3))
-    clip = MotionClip(
-        poses=poses.astype(np.float32), trans=np.zeros((3, 3), np.float32), frame_rate=30
-    )
+    clip = clip_of(poses)
 
     assert largest_angle(clip, track(clip, body)) < LARGEST_ANGLE
 
@@ -97,11 +96,8 @@ def test_every_rotation_is_within_a_twentieth_of_a_degree(
 def test_ten_seconds_of_body_and_face_take_less_than_60_kilobytes(body: BodyModel) -> None:
     plain = gesturing_clip(10, 30)
     walk = np.random.default_rng(0).normal(0, 0.05, (len(plain), ARKIT_COUNT)).cumsum(axis=0)
-    face = np.abs(np.sin(walk)).astype(np.float32)
     shaken = np.random.default_rng(1).normal(0, 0.002, plain.poses.shape)
-    clip = MotionClip(
-        poses=plain.poses + shaken.astype(np.float32), trans=plain.trans, frame_rate=30, arkit=face
-    )
+    clip = clip_of(plain.poses + shaken, plain.trans, arkit=np.abs(np.sin(walk)))
 
     data = track(clip, body)
 
@@ -121,7 +117,7 @@ def test_ten_seconds_of_body_and_face_take_less_than_60_kilobytes(body: BodyMode
 @pytest.mark.parametrize("far", [1.0, 1e6])
 def test_a_body_that_walks_away_keeps_its_path(far: float, body: BodyModel) -> None:
     trans = np.linspace(0, far, 6, dtype=np.float32).reshape(2, 3)
-    clip = MotionClip(poses=np.zeros((2, JOINT_COUNT, 3), np.float32), trans=trans, frame_rate=30)
+    clip = clip_of(np.zeros((2, JOINT_COUNT, 3)), trans)
 
     facts, values = unpacked(track(clip, body))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,8 +17,9 @@ WINDOWS = 2
 """Windows of each take."""
 
 
-def _windows() -> Windows:
-    return Windows(toy_speech(), split="train", frames=ROWS, stride=ROWS)
+def _windows(**changes: Any) -> Windows:
+    takes = replace(toy_speech(), **changes)
+    return Windows(takes, split="train", frames=ROWS, stride=ROWS)
 
 
 def test_each_quadruple_has_two_texts_by_two_speakers_in_one_emotion() -> None:
@@ -40,24 +42,20 @@ def test_a_single_speaker_gives_no_quadruples() -> None:
     prepared = toy_speech()
     alone = tuple(take for take in prepared.takes if take.speaker == "ann")
     arrays = {"filterbank": prepared.arrays["filterbank"][: len(alone)]}
-    windows = Windows(
-        replace(prepared, takes=alone, arrays=arrays), split="train", frames=ROWS, stride=ROWS
-    )
+    windows = _windows(takes=alone, arrays=arrays)
     assert quadruples(windows, limit=100, seed=0).shape == (0, 4)
     with pytest.raises(InputError, match="no two speakers speak the same two texts"):
         quadruples(windows, limit=100, seed=0, required=True)
 
 
 def test_classes_are_those_of_the_training_split() -> None:
-    prepared = toy_speech()
     strangers = tuple(
         replace(take, speaker="eve") if take.emotion == "anger" and take.speaker == "bob" else take
-        for take in prepared.takes
+        for take in toy_speech().takes
     )
-    learned = Windows(prepared, split="train", frames=ROWS, stride=ROWS)
-    classes = Classes.from_windows(learned, ("emotion", "speaker"))
+    classes = Classes.from_windows(_windows(), ("emotion", "speaker"))
     assert classes.names == {"emotion": ("anger", "happiness"), "speaker": ("ann", "bob")}
-    other = Windows(replace(prepared, takes=strangers), split="train", frames=ROWS, stride=ROWS)
+    other = _windows(takes=strangers)
     known = classes.labelled_rows(other)
     assert 0 < len(known) < len(other)
     numbers = classes.numbers(other, known)

@@ -40,13 +40,18 @@ def learn_in_two(*trainings: Asked) -> int:
     return run_in_processes(2, program)
 
 
-def alone(folder: Path, config: TrainingConfig) -> WeightsFile:
-    train(Line(), config, RunFolder(folder))
+def alone(task: Line, folder: Path, config: TrainingConfig) -> WeightsFile:
+    train(task, config, RunFolder(folder))
     return state_of(folder)
 
 
 def state_of(folder: Path) -> WeightsFile:
     return read_weights(folder / "checkpoint.safetensors")
+
+
+def assert_alike(together: WeightsFile, one: WeightsFile, rtol: float, atol: float) -> None:
+    torch.testing.assert_close(dict(together.tensors), dict(one.tensors), rtol=rtol, atol=atol)
+    assert together.facts["best"]["measured"] == pytest.approx(one.facts["best"]["measured"])
 
 
 def test_two_processes_equal_one_and_resume_after_ctrl_c(
@@ -57,28 +62,16 @@ def test_two_processes_equal_one_and_resume_after_ctrl_c(
     refused: Asked = (tmp_path / "refused", {"batch_size": 1}, 0)
     two = tmp_path / "two"
     assert learn_in_two(normed, (two, {}, 3), (two, {}, 0), refused) == 1
-    batch_statistics_are_those_of_one(tmp_path / "normed", config, tmp_path)
+    one_normed = alone(Line(normed=True), tmp_path / "one normed", config)
+    assert any(name.endswith("running_var") for name in one_normed.tensors)
+    assert_alike(state_of(tmp_path / "normed"), one_normed, rtol=1e-4, atol=1e-5)
     assert (two / "stopped at 3").exists()
     # An error of every process is shown once.
     assert capfd.readouterr().err.count("2 processes share steps of 1 examples") == 1
-    together, one = state_of(two), alone(tmp_path / "one", CONFIG)
+    together, one = state_of(two), alone(Line(), tmp_path / "one", CONFIG)
     assert together.facts["step"] == 8
-    assert together.tensors.keys() == one.tensors.keys()
     assert together.tensors["network.idle.weight"].equal(one.tensors["network.idle.weight"])
-    for name, tensor in one.tensors.items():
-        torch.testing.assert_close(together.tensors[name], tensor, rtol=1e-5, atol=1e-6)
-    assert together.facts["best"]["measured"] == pytest.approx(one.facts["best"]["measured"])
+    assert_alike(together, one, rtol=1e-5, atol=1e-6)
     for name in ("log.jsonl", "timing.jsonl"):
         lines = [(tmp_path / way / name).read_text().splitlines() for way in ("two", "one")]
         assert len(lines[0]) == len(lines[1]) + (name == "timing.jsonl")
-
-
-def batch_statistics_are_those_of_one(
-    together_in: Path, config: TrainingConfig, folder: Path
-) -> None:
-    train(Line(normed=True), config, RunFolder(folder / "one normed"))
-    together, one = state_of(together_in), state_of(folder / "one normed")
-    assert any(name.endswith("running_var") for name in one.tensors)
-    for name, tensor in one.tensors.items():
-        torch.testing.assert_close(together.tensors[name], tensor, rtol=1e-4, atol=1e-5)
-    assert together.facts["best"]["measured"] == pytest.approx(one.facts["best"]["measured"])
