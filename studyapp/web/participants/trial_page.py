@@ -242,12 +242,15 @@ class TrialPage:
         What is judged, in order.
     questions : tuple of AskedQuestion
         Those about the whole trial.
+    widgets : frozenset of {'choices', 'slider', 'ranking'}
+        How all its questions are answered.
     """
 
     layout: Layout
     reference: Player | None
     players: tuple[Player, ...]
     questions: tuple[AskedQuestion, ...]
+    widgets: frozenset[Widget]
 
     @property
     def boxes(self) -> int:
@@ -276,6 +279,7 @@ def trial_page(study: Study, trial: ShownTrial) -> TrialPage:
         reference=next((player for player in players if player.video.shows == (0,)), None),
         players=tuple(player for player in players if player.video.shows != (0,)),
         questions=tuple(question for question in questions if question.stimulus is None),
+        widgets=frozenset(question.widget for question in questions),
     )
 
 

@@ -1,12 +1,11 @@
 // The questions: keys 1-5, and a draft that outlives a reload.
 
-import { addRankings, inOrder } from "./ranking.js";
-import { addSlider } from "./slider.js";
+import { isOrder, ranksOf } from "./order.js";
 import { forget, recall, remember } from "./storage.js";
 
 function answered(question) {
   const ranks = question.querySelector(".ranks");
-  if (ranks) return inOrder(ranks);
+  if (ranks) return isOrder(ranksOf(ranks), "ties" in ranks.dataset);
   const number = question.querySelector("[type=number]");
   if (number) return number.value !== "" && number.validity.valid;
   return question.querySelector("[type=radio]:checked") !== null;
@@ -19,8 +18,6 @@ export class Answers extends EventTarget {
     this.questions = [...form.querySelectorAll(".question")];
     this.draftKey = `draft ${form.elements.trial.value}`;
     this.restore();
-    for (const slider of form.querySelectorAll(".slider")) addSlider(slider);
-    addRankings(form);
     form.addEventListener("change", () => {
       remember(this.draftKey, JSON.stringify(this.given()));
       this.dispatchEvent(new Event("change"));

@@ -1,5 +1,10 @@
 // An order as its ranks: one number for each card, 1 the best and 0 for none yet.
 
+// Those that the menus of a ranking hold.
+export function ranksOf(part) {
+  return [...part.querySelectorAll("select")].map((menu) => Number(menu.value));
+}
+
 // The ranks once `card` is put on `rank`. Where no rank is shared, the cards in its way move on
 // towards the nearest free one, rather to where `card` came from.
 export function placed(ranks, card, rank, shared) {

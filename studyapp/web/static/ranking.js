@@ -2,7 +2,7 @@
 // answer; they can be used instead, and work alone where there is no script.
 
 import { addDragging } from "./dragging.js";
-import { freeRanks, gap, isOrder, placed, twice } from "./order.js";
+import { freeRanks, gap, placed, ranksOf, twice } from "./order.js";
 import { recall, remember } from "./storage.js";
 import { listed, say } from "./words.js";
 
@@ -10,14 +10,6 @@ function made(tag, name) {
   const element = document.createElement(tag);
   element.className = name;
   return element;
-}
-
-function ranksOf(part) {
-  return [...part.querySelectorAll("select")].map((menu) => Number(menu.value));
-}
-
-export function inOrder(part) {
-  return isOrder(ranksOf(part), "ties" in part.dataset);
 }
 
 class Ranking {
@@ -136,13 +128,11 @@ class Ranking {
 }
 
 // All rankings of a page, as cards or as menus: what was chosen holds for the pages to come.
-export function addRankings(form) {
-  const help = form.querySelector(".ordering");
-  if (!help) return;
+function addRankings(help, parts) {
   const told = made("p", "unseen");
   told.setAttribute("role", "status");
   help.after(told);
-  const rankings = [...form.querySelectorAll(".ranks")].map((part) => new Ranking(part, told));
+  const rankings = [...parts].map((part) => new Ranking(part, told));
   const choice = help.querySelector("button");
   let menus = recall("menus") === "true";
   const show = () => {
@@ -161,3 +151,5 @@ export function addRankings(form) {
   show();
   help.hidden = false;
 }
+
+addRankings(document.querySelector(".ordering"), document.querySelectorAll(".ranks"));

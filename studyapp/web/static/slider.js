@@ -5,7 +5,7 @@ import { say } from "./words.js";
 
 const MOVES = /^(Arrow(Left|Right|Up|Down)|Page(Up|Down))$/;
 
-export function addSlider(part) {
+function addSlider(part) {
   const field = part.querySelector("[type=number]");
   const bands = [...part.querySelectorAll("li")];
   const low = Number(field.min);
@@ -59,3 +59,5 @@ export function addSlider(part) {
   field.before(line);
   show();
 }
+
+for (const part of document.querySelectorAll(".slider")) addSlider(part);

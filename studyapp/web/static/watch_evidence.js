@@ -1,7 +1,6 @@
 // Which parts of a video were really played, and how. The server judges; here it is measured,
 // and shown before the server has answered.
 
-import { length, merged } from "./intervals.js";
 import { WatchReports } from "./watch_reports.js";
 
 const REPORT_EVERY_MS = 2000;
@@ -121,4 +120,19 @@ export class WatchEvidence extends EventTarget {
   async report() {
     await this.reports.report();
   }
+}
+
+// The union of parts of a video, each from and to in seconds.
+function merged(intervals) {
+  const union = [];
+  for (const [from, to] of [...intervals].sort((a, b) => a[0] - b[0])) {
+    const last = union[union.length - 1];
+    if (last && from <= last[1]) last[1] = Math.max(last[1], to);
+    else union.push([from, to]);
+  }
+  return union;
+}
+
+function length(intervals) {
+  return intervals.reduce((sum, [from, to]) => sum + to - from, 0);
 }
