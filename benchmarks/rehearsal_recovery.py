@@ -36,6 +36,7 @@ from studyapp.rehearsal.simulation.population import (
 from studyapp.rehearsal.simulation.raters import Rater, judge
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.settings.conditions import comparison_name
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.study_file import render_template
 from tools.markdown import write_part
@@ -194,8 +195,8 @@ def measure(rehearsals: int = REHEARSALS) -> list[str]:
         left_out = leave_out(made.table, rules, known=made.known)
         truth = expectations(study, segments, population=population, seed=seed)
         for entry in truth:
-            _add(kept.setdefault(entry.question, Tally()), study, left_out.analysed, entry)
-            _add(everybody.setdefault(entry.question, Tally()), study, left_out.everyone, entry)
+            for tallies, answers in ((kept, left_out.analysed), (everybody, left_out.everyone)):
+                add_share(tallies.setdefault(entry.question, Tally()), study, answers, entry)
         answered = set(made.table.participants)
         came.update(made.kinds.values())
         silent.update(kind for who, kind in made.kinds.items() if who not in answered)
@@ -227,8 +228,11 @@ def _removed(made: Simulated, left_out: LeftOut) -> Iterator[tuple[Kind, str]]:
         yield made.kinds[who], left_out.rules[place].rule
 
 
-def _add(tally: Tally, study: PairwiseStudy, answers: pd.DataFrame, entry: KnownValue) -> None:
+def add_share(tally: Tally, study: PairwiseStudy, answers: pd.DataFrame, entry: KnownValue) -> None:
+    """Add the reference's win share in the comparison and question that `entry` is about."""
     own = answers[answers["question"] == entry.question]
+    (other,) = (o for o in study.others if comparison_name(study.reference, o) == entry.about)
+    own = own[(own["left"] == other) | (own["right"] == other)]
     of_reference = (own["right"] == study.reference).to_numpy(bool)
     share = win_share(replace(sided(own), on_right=of_reference))
     tally.add(entry.value, share.estimate, share.low, share.high)

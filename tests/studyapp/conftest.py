@@ -44,7 +44,7 @@ OwnStudy = Callable[[str], StudyFolder]
 BOTH_DATABASES = (
     "database/test_copies",
     "database/test_engine",
-    "researchers/test_both_databases",
+    "researchers/test_account",
     "session",
 )
 """Where all tests are repeated on both databases; elsewhere only tests marked `BOTH`."""
@@ -188,9 +188,8 @@ def opened(database: Database, served: ServedStudy, clock: SetClock) -> Database
 
 
 @pytest.fixture
-def app(tiny_study: Path, clock: SetClock, empty_sqlite: Path) -> Iterator[Flask]:
+def app(tiny_study: Path, clock: SetClock) -> Iterator[Flask]:
     """Return the application of `tiny_study` on a clock that the test moves."""
-    shutil.copyfile(empty_sqlite, tiny_study / "responses.db")
     made = create_app(tiny_study)
     site = site_of(made)
     url = sqlite_url(tiny_study / "responses.db")

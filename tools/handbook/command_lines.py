@@ -27,8 +27,12 @@ def _calls_of(script: str) -> Iterator[list[str]]:
         reader.whitespace_split = True
         words = list(reader)
         for at, word in enumerate(words):
-            if word == _PROGRAM and (at == 0 or words[at - 1] in _ENDS or "=" in words[at - 1]):
-                rest = words[at + 1 :]
+            begins = at == 0 or words[at - 1] in _ENDS or "=" in words[at - 1]
+            rest = words[at + 1 :]
+            # A command in a variable is unknown here.
+            if "".join(rest[:1]).startswith("$"):
+                continue
+            if (word == _PROGRAM and begins) or word.endswith(f"/bin/{_PROGRAM}"):
                 end = next((k for k, other in enumerate(rest) if other in _ENDS), len(rest))
                 yield rest[:end]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import pytest
 from sqlalchemy import select, update
 
-from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial, WatchRecord
 from studyapp.monitoring.answered_trials import Durations, Sides
 from studyapp.monitoring.counts import Dropout, PlaceCounts
@@ -23,6 +22,7 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.session.watch_evidence import Playback
 from tests.support.servers.both_databases import BOTH
+from tests.support.studies.stored import opened as opened_file
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 
@@ -109,14 +109,11 @@ def test_a_study_without_participants_has_an_overview(
     assert found.decisions == ()
 
 
-def test_opposite_answers_look_the_same(
-    tmp_path: Path, empty_sqlite: Path, served: ServedStudy
-) -> None:
+def test_opposite_answers_look_the_same(tmp_path: Path, served: ServedStudy) -> None:
     found = []
     for rhythm, emotion in (("2", "-2"), ("-2", "2")):
-        path, clock = tmp_path / f"{rhythm}.db", SetClock()
-        path.write_bytes(empty_sqlite.read_bytes())
-        with closing(Database.open(sqlite_url(path))) as database:
+        clock = SetClock()
+        with opened_file(tmp_path / f"{rhythm}.db") as database:
             open_study(database, served, clock)
             one = Participant(database, served, clock).enrol().begin()
             while (trial := one.look().trial) is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -29,6 +28,7 @@ from studyapp.session.enrolment import Arrival
 from studyapp.study.folder import StudyFolder
 from tests.support.command_line import run
 from tests.support.studies.made_study import make_study
+from tests.support.studies.redefining import redefine
 from tests.support.studies.taking_part_steps import taking_part
 
 ADDRESS = "https://study.example.org/a&b/"
@@ -129,17 +129,9 @@ class Sandbox:
 
 
 @pytest.fixture
-def tiny_study(tiny_study: Path, empty_sqlite: Path) -> Path:
-    """Return the study with an empty database of the newest schema: making one takes longer."""
-    shutil.copyfile(empty_sqlite, tiny_study / "responses.db")
-    return tiny_study
-
-
-@pytest.fixture
 def sandbox(tiny_study: Path, stub: Stubber, client: MTurkClient) -> Sandbox:
-    path = tiny_study / "study.toml"
     more = '[recruitment]\nchannel = "mturk"\n[recruitment.mturk]\nreward = "2.50"\n'
-    path.write_text(path.read_text("utf-8") + more, "utf-8")
+    redefine(tiny_study, added=more)
     return Sandbox(StudyFolder(tiny_study), stub, client)
 
 

@@ -1,4 +1,4 @@
-"""Simulated participants and real ones never meet, whoever counts, exports, backs up or pays."""
+"""Simulated participants and real ones never meet, whoever serves, reports, backs up or pays."""
 
 from __future__ import annotations
 
@@ -8,23 +8,18 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-import pandas as pd
 import pytest
 from flask import Flask
 from sqlalchemy import func, select
 
-from studyapp.clock import Clock
 from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import Response, StudySession
-from studyapp.monitoring.study_sessions import progress_of_sessions
 from studyapp.recruitment import prolific
 from studyapp.recruitment.payment import known_participants
 from studyapp.recruitment.prolific_client import ProlificClient
 from studyapp.recruitment.record import RecruitmentRecord, write_record
 from studyapp.rehearsal.resumption import prepare
-from studyapp.results.answers import answers_to_report, read_answers
-from studyapp.results.export.tables import export
-from studyapp.session.served_study import ServedStudy
+from studyapp.results.answers import read_answers
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.site import EXTENSION
@@ -84,30 +79,17 @@ def rehearsed(rehearsed_once: Path, tmp_path: Path) -> StudyFolder:
     return StudyFolder(shutil.copytree(rehearsed_once, tmp_path / "study"))
 
 
-def reported(folder: StudyFolder) -> int:
-    answers = answers_to_report(folder)
-    assert answers.origin == "participants"
-    assert answers.stored is not None
-    return len(answers.stored.study_sessions)
-
-
-def test_only_real_people_are_counted_reported_exported_and_backed_up(
+def test_backups_reports_and_exports_know_only_real_people(
     rehearsed: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    served = ServedStudy.read(rehearsed.root)
-    with reading(rehearsed.responses) as session:
-        assert len(progress_of_sessions(session, served, Clock().now())) == REAL
-    assert reported(rehearsed) == REAL
-    export(rehearsed, rehearsed.root / "out.csv", rehearsal=False)
-    assert pd.read_csv(rehearsed.root / "out.csv")["study_session"].nunique() == REAL
     archive = rehearsed.root.parent / "backup.tar"
     assert f"Backed up {REAL} participants" in run("backup", rehearsed.root, archive)
     with tarfile.open(archive) as tar:
         assert not [name for name in tar.getnames() if "rehears" in name]
     monkeypatch.setenv("DATABASE_URL", sqlite_url(rehearsed.responses))
-    assert read_answers(rehearsed, "rehearsal").stored is not None
-    assert reported(rehearsed) == REAL
-    assert rows(rehearsed.rehearsal) == (1, TRIALS * QUESTIONS)
+    for origin, people in (("participants", REAL), ("rehearsal", 1)):
+        stored = read_answers(rehearsed, origin).stored
+        assert stored is not None and len(stored.study_sessions) == people
 
 
 def test_rehearsals_pay_nobody(rehearsed: StudyFolder) -> None:
@@ -133,11 +115,3 @@ def test_simulated_participants_are_unknown_to_the_real_study(rehearsed: StudyFo
     with application(rehearsed, None) as real, browser(real) as person:
         assert "completion-code" not in person.get(entrance).text
         assert person.get(f"/take/{token}").status_code == 404
-
-
-def test_a_new_rehearsal_removes_only_simulated_answers(rehearsed: StudyFolder) -> None:
-    before = rehearsed.responses.read_bytes()
-    prepare(rehearsed, seed=7)
-    assert not rehearsed.rehearsal.exists()
-    assert rehearsed.responses.read_bytes() == before
-    assert reported(rehearsed) == REAL

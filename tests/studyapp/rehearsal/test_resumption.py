@@ -36,6 +36,7 @@ def spoil(folder: StudyFolder, what: str) -> None:
 def test_a_rehearsal_resumes_only_with_the_same_settings(
     folder: StudyFolder, seed: int, changed: str, message: str
 ) -> None:
+    folder.responses.write_bytes(b"real answers")
     prepare(folder, seed=1)
     Database.open(sqlite_url(folder.rehearsal)).close()
     Ledger(folder.acknowledged).completed("rehearsal-00000", "CODE")
@@ -51,6 +52,7 @@ def test_a_rehearsal_resumes_only_with_the_same_settings(
     assert bool(Ledger(folder.acknowledged).read().codes) == is_continued
     assert read_truth(folder.rehearsal_truth) == truth
     assert truth.seed == seed
+    assert folder.responses.read_bytes() == b"real answers"
 
 
 def roster(folder: StudyFolder, count: int, *arrived: tuple[int, bool, int | None]) -> Roster:

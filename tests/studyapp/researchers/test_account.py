@@ -1,11 +1,23 @@
+"""Accounts on both databases: roles and links, also when several people use them at once."""
+
 from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
 
 import pytest
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.researchers.account import change_role, remove_access, restore_access
+from studyapp.researchers.account import (
+    change_role,
+    list_accounts,
+    remove_access,
+    restore_access,
+)
 from studyapp.researchers.audit import latest_changes
+from studyapp.researchers.credentials import MAX_ATTEMPTS_PER_NAME, TooManyAttemptsError
 from studyapp.researchers.links import (
     LIFETIME,
     UnusableLinkError,
@@ -16,9 +28,12 @@ from studyapp.researchers.links import (
     list_usable_links,
     revoke_link,
 )
+from studyapp.researchers.logins import WrongLoginError
 from tests.studyapp.researchers.conftest import NEW, Door
 from tests.support.researcher_accounts import PASSWORD
 from tests.support.studies.taking_part_steps import SetClock
+
+Given = TypeVar("Given")
 
 
 def test_the_last_owner_can_neither_leave_nor_change_role(door: Door) -> None:
@@ -132,3 +147,42 @@ def test_a_revoked_link_cannot_be_used(door: Door) -> None:
         door.purpose(token)
     lines = [(line.researcher, line.event) for line in latest_changes(door.database)]
     assert lines[:2] == [("Ada", "link taken back"), ("Ada", "invited")]
+
+
+def at_once(do: Callable[[Given], object], each: Sequence[Given]) -> list[type[BaseException]]:
+    """Do something several times side by side; return what was raised."""
+
+    def tried(given: Given) -> type[BaseException] | None:
+        try:
+            do(given)
+        except InputError as error:
+            return type(error)
+        return None
+
+    with ThreadPoolExecutor(6) as pool:
+        return [raised for raised in pool.map(tried, each) if raised is not None]
+
+
+def test_simultaneous_attempts_count_towards_the_limit(door: Door) -> None:
+    raised = at_once(lambda _: door.enter(password="wrong"), range(MAX_ATTEMPTS_PER_NAME + 6))  # noqa: S106
+
+    assert raised.count(WrongLoginError) == MAX_ATTEMPTS_PER_NAME
+    assert raised.count(TooManyAttemptsError) == 6
+
+
+def test_a_link_used_twice_at_once_makes_one_account(door: Door) -> None:
+    token = door.invite()
+
+    raised = at_once(lambda name: door.use(token, name), ["Bea", "Charles", "Mary", "George"])
+
+    assert raised == [UnusableLinkError] * 3
+    assert len(list_accounts(door.database)) == 2
+
+
+def test_owners_who_remove_each_other_at_once_leave_one(door: Door) -> None:
+    owners = [door.ada, *(door.join(name, "owner") for name in ("Charles", "Mary"))]
+
+    raised = at_once(lambda one: remove_access(door.database, door.clock, one, by=""), owners)
+
+    assert raised == [InputError]
+    assert sum(account.disabled_at is None for account in list_accounts(door.database)) == 1

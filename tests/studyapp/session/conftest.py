@@ -6,14 +6,21 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from sqlalchemy import func, select
 
 from studyapp.database.engine import Database
+from studyapp.database.tables import Place
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.support.studies.redefining import redefine
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 Open = Callable[..., Participant]
+
+
+def held_places(database: Database) -> int:
+    with database.reading() as session:
+        return session.scalars(select(func.count(Place.study_session_id))).one()
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -23,19 +23,13 @@ from tests.support.studies.three_arms import three_arms
 
 Deed = Literal["arrive", "look", "take trial", "withdraw"]
 Outcome = Literal["place", "full", "going on", "answered", "ended", "withdrawn", "refused"]
+Step = tuple[str, Deed]
+"""A participant's name, and what they do."""
 
 PLACES = 3
 START_SECONDS = 120
 BARRIERS: list[Barrier] = []
 """The one at which this process waits for the others before each round."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Step:
-    """What one participant does."""
-
-    name: str
-    deed: Deed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,20 +44,12 @@ class Done:
         The trial whose answer was acknowledged, if any.
     """
 
-    step: Step
-    outcome: Outcome
+    name: str
+    deed: Deed
+    outcome: Outcome = "refused"
     token: str = ""
     trial: str = ""
     value: int = 0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Round:
-    """The actions of one process on a study, while the others act too."""
-
-    url: str
-    moment: datetime
-    steps: tuple[Step, ...]
 
 
 def join_crowd(together: Barrier) -> None:
@@ -79,17 +65,12 @@ def crowd(size: int) -> Iterator[ProcessPoolExecutor]:
         yield processes
 
 
-def do_at_once(processes: ProcessPoolExecutor, rounds: Sequence[Round]) -> list[Done]:
-    """Let each process do one of `rounds`, and return all results."""
-    return [done for each in processes.map(do_round, rounds) for done in each]
-
-
-def do_round(order: Round) -> list[Done]:
-    """Do `order` as soon as every process has one."""
-    participant = participant_on(order.url)
-    participant.clock.moments.append(order.moment)
+def do_round(url: str, moment: datetime, steps: list[Step]) -> list[Done]:
+    """Take `steps` as soon as every process has some, while the others act too."""
+    participant = participant_on(url)
+    participant.clock.moments.append(moment)
     BARRIERS[0].wait(START_SECONDS)
-    return [do(participant, step) for step in order.steps]
+    return [do(participant, *step) for step in steps]
 
 
 @cache
@@ -97,26 +78,27 @@ def participant_on(url: str) -> Participant:
     return Participant(Database.open(url), three_arms(PLACES), SetClock())
 
 
-def do(participant: Participant, step: Step) -> Done:
+def do(participant: Participant, name: str, deed: Deed) -> Done:
     """Do as a participant's browser would, whatever was stored of them before."""
-    if step.deed == "arrive":
+    done = Done(name=name, deed=deed)
+    if deed == "arrive":
         try:
-            return Done(step=step, outcome="place", token=participant.enrol(step.name).token)
+            return replace(done, outcome="place", token=participant.enrol(name).token)
         except StudyFullError:
-            return Done(step=step, outcome="full")
+            return replace(done, outcome="full")
     with participant.database.reading() as session:
-        query = select(StudySession.token).where(StudySession.visit == step.name)
+        query = select(StudySession.token).where(StudySession.visit == name)
         participant.token = session.scalars(query).first() or ""
-    done = Done(step=step, outcome="refused", token=participant.token)
     if not participant.token:
         return done
-    if step.deed == "withdraw":
+    done = replace(done, token=participant.token)
+    if deed == "withdraw":
         try:
             participant.withdraw()
         except ConflictError:
             return done
         return replace(done, outcome="withdrawn")
-    if step.deed == "look":
+    if deed == "look":
         is_going_on = participant.look().state == "started"
         return replace(done, outcome="going on" if is_going_on else "ended")
     shown = participant.begin().look().trial

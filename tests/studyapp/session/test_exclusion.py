@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from sqlalchemy import func, select
+from sqlalchemy import select
 
-from studyapp.database.tables import Place, StudySession, Trial
-from tests.studyapp.session.conftest import Open
+from studyapp.database.tables import StudySession, Trial
+from tests.studyapp.session.conftest import Open, held_places
 from tests.support.read_once import read_once
 from tests.support.studies.exported import responses_table
 from tests.support.studies.taking_part_steps import Participant
@@ -37,11 +37,6 @@ def finish(
     return participant
 
 
-def held_places(participant: Participant) -> int:
-    with participant.database.reading() as session:
-        return session.scalars(select(func.count(Place.study_session_id))).one()
-
-
 @pytest.mark.parametrize("careless", ["catch", "attention"])
 def test_failing_frees_the_place_and_keeps_code_and_answers(
     open_changed: Open, careless: str
@@ -50,7 +45,7 @@ def test_failing_frees_the_place_and_keeps_code_and_answers(
 
     assert participant.look().state == "completed"
     assert participant.look().completion_code
-    assert held_places(participant) == 0
+    assert held_places(participant.database) == 0
     assert len(read_once(participant.database, responses_table)) == 14
     participant.another().enrol("next")
     with participant.database.reading() as session:
@@ -58,7 +53,9 @@ def test_failing_frees_the_place_and_keeps_code_and_answers(
 
 
 def test_a_skipped_catch_trial_is_failed(open_changed: Open) -> None:
-    assert held_places(finish(open_changed, "catch", REPLACING, STRICT, skip=True)) == 0
+    participant = finish(open_changed, "catch", REPLACING, STRICT, skip=True)
+
+    assert held_places(participant.database) == 0
 
 
 @pytest.mark.parametrize(
@@ -74,4 +71,4 @@ def test_a_skipped_catch_trial_is_failed(open_changed: Open) -> None:
 def test_other_exclusions_keep_the_place_filled(
     open_changed: Open, changes: tuple[Change, ...], careless: str
 ) -> None:
-    assert held_places(finish(open_changed, careless, *changes)) == 1
+    assert held_places(finish(open_changed, careless, *changes).database) == 1

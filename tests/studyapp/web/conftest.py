@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
@@ -14,6 +13,7 @@ from flask import Flask
 
 from studyapp.web.app import create_app
 from studyapp.web.site import attach, site_of
+from tests.studyapp.web.visitor import Visitor
 from tests.support.studies.redefining import redefine
 from tests.support.studies.taking_part_steps import SetClock
 
@@ -21,7 +21,7 @@ Serve = Callable[..., Flask]
 
 
 @pytest.fixture
-def serve(tiny_study: Path, clock: SetClock, empty_sqlite: Path) -> Iterator[Serve]:
+def serve(tiny_study: Path, clock: SetClock) -> Iterator[Serve]:
     """Return a function that makes an application, on a clock that the test moves.
 
     It takes changes of the study file, as `redefine` does, another `folder` than the tiny study's,
@@ -33,8 +33,6 @@ def serve(tiny_study: Path, clock: SetClock, empty_sqlite: Path) -> Iterator[Ser
             *changes: tuple[str, str], folder: Path = tiny_study, added: str = "", **options: Any
         ) -> Flask:
             redefine(folder, *changes, added=added)
-            if not (folder / "responses.db").exists():
-                shutil.copyfile(empty_sqlite, folder / "responses.db")  # making one takes longer
             app = create_app(folder, **options)
             site = site_of(app)
             closing.callback(site.database.close)
@@ -43,3 +41,9 @@ def serve(tiny_study: Path, clock: SetClock, empty_sqlite: Path) -> Iterator[Ser
             return app
 
         yield make
+
+
+@pytest.fixture
+def visitor(app: Flask, clock: SetClock) -> Visitor:
+    """Return a participant at the first trial."""
+    return Visitor(app, clock).enrol().begin()

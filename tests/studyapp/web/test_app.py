@@ -49,9 +49,8 @@ def test_a_study_that_cannot_be_served_says_why_and_leaves_no_database(
 
 
 def test_every_response_has_security_headers_and_no_page_is_cached(
-    app: Flask, clock: SetClock
+    app: Flask, visitor: Visitor
 ) -> None:
-    visitor = Visitor(app, clock).enrol().begin()
     pages = ("/", "/nowhere", "/take/nobody", visitor.address, "/research/log-in")
     for address in (*pages, "/static/style.css"):
         headers = app.test_client().get(address, buffered=True).headers
@@ -77,8 +76,7 @@ def test_pages_have_no_inline_script_or_style_and_load_nothing_from_other_hosts(
     assert all("src=" in tag for tag in re.findall(r"<script[^>]*>", text))
 
 
-def test_the_window_name_does_not_contain_the_address(app: Flask, clock: SetClock) -> None:
-    visitor = Visitor(app, clock).enrol()
+def test_the_window_name_does_not_contain_the_address(visitor: Visitor) -> None:
     token = visitor.address.rsplit("/", 1)[1]
 
     name = visitor.page().value("#elsewhere", "data-window")

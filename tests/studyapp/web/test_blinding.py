@@ -177,9 +177,8 @@ def steps(request: Request) -> list[str]:
 
 
 def test_every_kind_of_trial_and_condition_takes_the_same_steps(
-    app: Flask, clock: SetClock
+    app: Flask, visitor: Visitor
 ) -> None:
-    visitor = Visitor(app, clock).enrol().begin()
     kinds = [trial.kind for trial in stored_in(app, LOADED)]
     visitor.page()
     taken = [

@@ -112,20 +112,6 @@ def test_failed_attention_checks_are_counted_from_the_answers(
     assert "asked you to choose a particular answer" in page.text
 
 
-def test_another_study_id_is_not_another_participant(
-    serve_with: ServeWith, clock: SetClock
-) -> None:
-    first = Visitor(serve_with(PROLIFIC), clock).enrol(BY_PROLIFIC)
-
-    again = comes_again(
-        first, BY_PROLIFIC.replace("p1", "P1").replace("s1", "s2").replace("x1", "x2")
-    )
-
-    assert again.address == first.address
-    (row,) = stored_in(first.app, select(StudySession))
-    assert (row.recruiter_study, row.recruiter_session) == ("s2", "x2")
-
-
 def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
     serve_with: ServeWith, clock: SetClock
 ) -> None:
@@ -271,6 +257,8 @@ def test_a_worker_comes_back_by_another_assignment_of_the_study(
     assert researchers["X-Frame-Options"] == "DENY"
     third = comes_again(again, other.replace("a2", "a3")).page()
     assert third.value("#leave [name=assignmentId]", "value") == "a2"
+    (row,) = stored_in(app, select(StudySession))
+    assert (row.recruiter_participant, row.recruiter_study) == ("W1", "h2")
 
 
 def test_an_invitation_admits_one_person_and_viewing_it_does_not_use_it_up(

@@ -24,12 +24,6 @@ from tests.support.studies.taking_part_steps import SetClock
 Arrive = Callable[..., Visitor]
 
 
-@pytest.fixture
-def visitor(app: Flask, clock: SetClock) -> Visitor:
-    """Return a participant at the first trial."""
-    return Visitor(app, clock).enrol().begin()
-
-
 def test_a_trial_names_its_emotion_and_preselects_nothing(app: Flask, visitor: Visitor) -> None:
     page = visitor.page()
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import partial
 from urllib.parse import urljoin
 
-import pytest
 from flask import Flask
 from sqlalchemy import select
 
@@ -21,12 +20,6 @@ from tests.support.studies.taking_part_steps import Participant, SetClock
 
 TOO_MUCH = "More of the video was reported as played than there was time for."
 ANSWERED = "You have already answered this page, and your first answer is stored."
-
-
-@pytest.fixture
-def visitor(app: Flask, clock: SetClock) -> Visitor:
-    """Return a browser at the first trial."""
-    return Visitor(app, clock).enrol().begin()
 
 
 def noted_refusals(app: Flask) -> list[tuple[int | None, str, str]]:

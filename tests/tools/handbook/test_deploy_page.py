@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import shlex
 from importlib.metadata import distributions
 from typing import Any
 
@@ -13,8 +11,8 @@ from packaging.specifiers import SpecifierSet
 
 from studyapp.cli.serve_command import deploy_command
 from studyapp.custody.deployment import deployed_files
+from tools.handbook.command_lines import calls
 from tools.handbook.deploy_page import DEPLOYMENTS, PAGE, shown_files, up_to_date
-from tools.handbook.fenced import fenced_blocks
 
 TEXT = PAGE.read_text("utf-8")
 
@@ -26,20 +24,11 @@ def test_the_page_shows_every_file_as_it_is_written() -> None:
     }
 
 
-def commands_on_the_page() -> list[list[str]]:
-    """Return the words of every deploy command on the page."""
-    shell = "\n".join(
-        block.body for block in fenced_blocks(TEXT) if block.language == "sh" and not block.words
-    )
-    lines = shell.replace("\\\n", " ").splitlines()
-    commands = [
-        line.split("motionjury deploy", 1)[1] for line in lines if "motionjury deploy" in line
-    ]
-    return [shlex.split(re.sub(r">.*", "", line)) for line in commands]
+COMMANDS = [words[1:] for words in calls(TEXT) if words[0] == "deploy"]
 
 
-@pytest.mark.parametrize("arguments", commands_on_the_page(), ids=" ".join)
-def test_options_on_the_page_exist(arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("arguments", COMMANDS, ids=" ".join)
+def test_commands_on_the_page_write_the_files_on_the_page(arguments: list[str]) -> None:
     parser = deploy_command.make_parser(click.Context(deploy_command))
 
     parsed: dict[str, Any] = parser.parse_args(list(arguments))[0]

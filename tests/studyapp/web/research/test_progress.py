@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from contextlib import closing
 from pathlib import Path
 
@@ -104,14 +103,14 @@ def test_events_link_to_their_video(people: list[Participant], log_in: LogIn) ->
 
 
 def test_a_rehearsal_is_shown_separately_and_read_only(
-    people: list[Participant], log_in: LogIn, tiny_study: Path, empty_sqlite: Path
+    people: list[Participant], log_in: LogIn, tiny_study: Path
 ) -> None:
     viewer, path = log_in("viewer"), tiny_study / "rehearsal.db"
     assert viewer.client.get("/research/rehearsal/").status_code == 404
     path.write_bytes(b"this is not a database" * 100)
     damaged = viewer.get("/research/rehearsal/", status=409)
     assert "Run 'motionjury rehearse' again." in damaged.soup.get_text()
-    shutil.copyfile(empty_sqlite, path)
+    path.unlink()
     with taking_part(tiny_study, "rehearsal.db") as simulated:
         simulated.enrol().begin()
     before = path.read_bytes()

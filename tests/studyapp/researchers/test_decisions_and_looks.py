@@ -1,4 +1,4 @@
-"""Excluding participants by hand and reinstating them: what is kept of it, and what it leaves."""
+"""Decisions about participants and looks at results: what is kept of them, and what they leave."""
 
 from __future__ import annotations
 
@@ -9,7 +9,14 @@ from motion.errors import InputError
 from studyapp.custody.forgetting import erase
 from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, ExclusionDecision
-from studyapp.researchers.audit import ERASED, StudyState, latest_changes, log_look
+from studyapp.researchers.audit import (
+    ERASED,
+    StudyState,
+    Way,
+    latest_changes,
+    latest_looks,
+    log_look,
+)
 from studyapp.researchers.exclusion_decisions import (
     current_exclusions,
     decide_exclusion,
@@ -115,3 +122,25 @@ def test_withdrawing_also_deletes_the_reason_for_an_exclusion(
     assert ERASED in reasons
     assert "plays at double speed" in reasons
     assert not any("ill" in reason for reason in reasons)
+
+
+@BOTH
+def test_a_look_is_in_both_logs_and_researchers_are_numbered(
+    opened: Database, clock: SetClock
+) -> None:
+    state = StudyState(finished=12, planned=25, answers=300)
+    for by, reason in (("Ada", "a video broke"), ("", ""), ("Grace", "curious"), ("Ada", "again")):
+        way: Way = "page" if by else "report"
+        with opened.writing() as session:
+            log_look(session, clock.now(), state, way=way, by=by, reason=reason)
+
+    looks = latest_looks(opened)
+    assert [look.researcher for look in looks] == ["Ada", "Grace", "", "Ada"]
+    assert {(look.finished, look.planned, look.answers) for look in looks} == {(12, 25, 300)}
+    newest = latest_changes(opened)[0]
+    assert (newest.event, newest.researcher) == ("results looked at", "Ada")
+    assert newest.detail == "12 of 25 participants had finished"
+    shared = read_once(opened, stored_answers).looks
+    numbered = ["researcher 1", "command line", "researcher 2", "researcher 1"]
+    assert shared["by"].tolist() == numbered
+    assert set(shared["day"]) == {"2026-05-04"}
