@@ -7,11 +7,11 @@ from pathlib import Path
 from urllib.parse import parse_qs
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, Route, expect
+from playwright.sync_api import Browser, Route, expect
 
 from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, launched, serving
 from tests.functional.page_checks import LAPTOP
-from tests.functional.taking_part import shown, take_trial
+from tests.functional.taking_part import take_trial
 from tests.support.studies.redefining import redefine
 
 pytestmark = IN_A_BROWSER
@@ -52,13 +52,6 @@ def study(tiny_study: Path) -> Path:
     return tiny_study
 
 
-def page_with_frame(context: BrowserContext, site: str, address: str) -> Page:
-    """Return a page of `site` that shows the study at `address`; it has not been gone to."""
-    framing = f'<iframe src="{address}?{NAMES}" width="1300" height="740"></iframe>'
-    context.route(f"{site}/**", lambda route: route.fulfill(body=framing, content_type="text/html"))
-    return context.new_page()
-
-
 def test_a_worker_takes_the_whole_study_in_a_frame_on_a_sub_path(
     browser: Browser, study: Path
 ) -> None:
@@ -70,7 +63,10 @@ def test_a_worker_takes_the_whole_study_in_a_frame_on_a_sub_path(
     context.add_init_script(NO_STORAGE)
     with serving(study, "--prefix", PREFIX) as address:
         # Without the slash at its end, as people write an address.
-        page = page_with_frame(context, WORKER, f"{address}{PREFIX}")
+        source = f"{address}{PREFIX}?{NAMES}"
+        frame_of = f'<iframe src="{source}" width="1300" height="740"></iframe>'
+        context.route(f"{WORKER}/**", lambda r: r.fulfill(body=frame_of, content_type="text/html"))
+        page = context.new_page()
         handed_in: list[dict[str, list[str]]] = []
 
         def take(route: Route) -> None:
@@ -98,13 +94,3 @@ def test_a_worker_takes_the_whole_study_in_a_frame_on_a_sub_path(
     assert [url for url in own if not url.startswith(f"{address}{PREFIX}")] == []
     assert {"media", "static", "take"} <= {url.split(f"{PREFIX}/")[-1].split("/")[0] for url in own}
     context.close()
-
-
-def test_no_other_site_can_frame_the_study(browser: Browser, study: Path) -> None:
-    context = browser.new_context()
-    with shown(study) as (address, _app):
-        page = page_with_frame(context, "https://evil.example", f"{address}/")
-        with page.expect_console_message(lambda message: "frame-ancestors" in message.text):
-            page.goto("https://evil.example/")
-        assert page.frame_locator("iframe").locator("#start").count() == 0
-        context.close()

@@ -22,15 +22,10 @@ from studyapp.recruitment.prolific_client import (
 )
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
 from tests.support.servers.local_server import listening
-from tests.support.studies.made_study import make_segments, make_study
+from tests.support.studies.made_study import CODES, make_segments, make_study
 
 PAGE = {"consent": "You agree.", "minutes": 10}
-PROLIFIC = {
-    "completed": "KX7QM2PWTR",
-    "screened_out": "HB4NVJ9ZCD",
-    "failed_attention": "WU3FGRE8KA",
-    "reward": 200,
-}
+PROLIFIC = CODES | {"reward": 200}
 
 
 def draft(address: str = "https://study.example.org/", **changes: Any) -> dict[str, Any]:

@@ -7,10 +7,9 @@ from typing import Any
 import pytest
 
 from studyapp.study.versioning import design_digest, operation_changes, operation_part
-from tests.support.studies.made_study import make_segments, make_study
+from tests.support.studies.made_study import CODES, make_segments, make_study
 
 SEGMENTS = make_segments(["happiness", "anger"])
-CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}
 NETWORK = {"preset": "emage", "file": "AESKConv_240_100.bin"}
 STATIC = {
     "rule_based": {},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,19 +19,11 @@ from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor, is_nobody_stored, stored_in, submit
 from tests.support.studies.form_questions import COMPREHENSION, FORM
+from tests.support.studies.made_study import CODES
 from tests.support.studies.taking_part_steps import SetClock
 
-CODES = {
-    "completed": "KX7QM2PWTR",
-    "screened_out": "HB4NVJ9ZCD",
-    "failed_attention": "WU3FGRE8KA",
-}
-PROLIFIC = "\n".join(
-    (
-        '[recruitment]\nchannel = "prolific"\n[recruitment.prolific]',
-        *(f'{key} = "{code}"' for key, code in CODES.items()),
-        "",
-    )
+PROLIFIC = '[recruitment]\nchannel = "prolific"\n[recruitment.prolific]\n' + "".join(
+    f'{key} = "{code}"\n' for key, code in CODES.items()
 )
 MTURK = '[recruitment]\nchannel = "mturk"\n'
 INVITATIONS = '[recruitment]\nchannel = "invitations"\n'
@@ -253,6 +246,8 @@ def test_a_worker_comes_back_by_another_assignment_of_the_study(
     assert (form["method"], form["action"]) == ("post", address)
     fields = {str(i["name"]): str(i["value"]) for i in form.select("input")}
     assert fields == {"assignmentId": "a2", "completionCode": shown_code(page)}
+    policy = again.client.get(again.address).headers["Content-Security-Policy"]
+    assert re.search(r"frame-ancestors( https://\w+\.mturk\.com)+$", policy)
     researchers = app.test_client().get("/research/log-in").headers
     assert researchers["X-Frame-Options"] == "DENY"
     third = comes_again(again, other.replace("a2", "a3")).page()

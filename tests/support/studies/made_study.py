@@ -9,6 +9,9 @@ from motion.segment import Segment
 from studyapp.study.design.trial import PlannedTrial
 from studyapp.study.protocols.pairwise import PairwiseStudy
 
+CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}
+"""A completion code on Prolific for each outcome."""
+
 
 def make_study(**changes: Any) -> PairwiseStudy:
     """Return a study of two comparisons; `changes` replace top-level keys of its file."""

@@ -15,7 +15,7 @@ from studyapp.study.settings.recruitment import (
 )
 from studyapp.study.settings.rehearsal import Rehearsal, stated_strength
 from studyapp.study.study_file import render_template
-from tests.support.studies.made_study import make_study
+from tests.support.studies.made_study import CODES, make_study
 
 
 def asked(**keys: Any) -> FormQuestion:
@@ -104,9 +104,6 @@ def test_breaks_come_at_intervals_but_not_shortly_before_the_end(
     due = [done for done in range(presentations + 1) if page.break_after(done, presentations)]
 
     assert due == breaks
-
-
-CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}
 
 
 @pytest.mark.parametrize(
