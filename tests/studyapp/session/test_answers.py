@@ -1,3 +1,5 @@
+"""What is stored of answers, and which of them count as votes."""
+
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -10,14 +12,16 @@ from sqlalchemy import select, update
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Response, StudySession, Video
+from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.session.answers import skip_unplayable
 from studyapp.session.ending import MIN_SKIPPED_TRIALS
+from studyapp.session.enrolment import count_votes
 from studyapp.session.refusal import ConflictError, TooMuchWatchedError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.trials import ShownTrial
 from studyapp.session.watch_evidence import Playback
 from studyapp.study.settings.questions import Reason
-from studyapp.study.settings.recruitment import CODE_LENGTH, CODE_LETTERS
+from studyapp.study.settings.recruitment import code_weakness
 from tests.support.read_once import read_once
 from tests.support.studies.exported import responses_table
 from tests.support.studies.taking_part_steps import Participant, SetClock
@@ -157,9 +161,7 @@ def test_the_code_appears_with_the_last_answer_and_does_not_change(
     situation = participant.look()
     assert situation.state == "completed"
     code = situation.completion_code
-    assert code is not None
-    assert len(code) == CODE_LENGTH
-    assert set(code) <= set(CODE_LETTERS)
+    assert code_weakness(code or "") is None
     participant.answer(last)
     assert participant.look().completion_code == code
     assert participant.another().enrol("another").begin().take_all() != code
@@ -224,3 +226,49 @@ def test_many_requests_at_once_store_one_answer(participant: Participant) -> Non
             done.result()
 
     assert stored(participant) == [("rhythm", 1), ("emotion", -2)]
+
+
+def tally(participant: Participant, served: ServedStudy) -> dict[tuple[str, str], float]:
+    return dict(read_once(participant.database, count_votes, served))
+
+
+def adaptive(participant: Participant) -> ServedStudy:
+    """Return the study as one that follows votes, with the arms that its participants are in."""
+    study = participant.served.study.model_copy(update={"comparisons": "adaptive"})
+    served = replace(participant.served, study=study)
+    vars(served)["arms"] = participant.served.arms
+    return served
+
+
+def test_no_difference_counts_as_half_a_vote_each(participant: Participant) -> None:
+    while participant.look().trial is not None:
+        participant.take_trial({"rhythm": "0", "emotion": "2"})
+
+    assert set(tally(participant, adaptive(participant)).values()) == {2.0}
+
+
+def test_votes_are_first_answers_of_analysed_participants_in_this_design(
+    participant: Participant,
+) -> None:
+    leaver = participant.another().enrol("another").begin()
+    leaver.take_trial()
+    leaver.take_trial()
+    leaver.withdraw()
+    served = adaptive(participant)
+    assert tally(participant, served) == {}
+
+    participant.take_all()
+
+    voted = tally(participant, served)
+    # 3 main and 1 repeat; B was always preferred, whoever it was.
+    assert sum(voted.values()) == 4
+    assert set(voted) == {("rule_based", "mismatched"), ("mismatched", "rule_based")}
+    number, decided = participant.stored().id, {"by": "Ada", "reason": "the sound was off"}
+    for excluded, votes in ((True, {}), (False, voted)):
+        decide_exclusion(
+            participant.database, participant.clock, number, excluded=excluded, **decided
+        )
+        assert tally(participant, served) == votes
+    assert tally(participant, participant.served) == {}
+    vars(served)["arms"] = {(name, "another"): arm for (name, _), arm in served.arms.items()}
+    assert tally(participant, served) == {}
