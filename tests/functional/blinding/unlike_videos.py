@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from fractions import Fraction
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
-import av
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +18,7 @@ from motion.segment import Segment, write_segments
 from motion.skeleton import joint_index
 from renderer.encoder import SOUND_RATE
 from renderer.look import BACKGROUND
+from tests.support.encoded import VideoRecipe, write_video
 
 SIZE: Final = 64
 FRAME_RATE: Final = 10
@@ -84,64 +83,29 @@ def write_motion(path: Path, condition: str, segment: Segment) -> None:
     write_clip(path, MotionClip(poses=poses, trans=trans, frame_rate=FRAME_RATE))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Tool:
-    """Another tool, by the metadata that it writes.
-
-    Attributes
-    ----------
-    tags, handler : mapping of str to str
-        Its metadata of the file, and of each stream.
-    options : mapping of str to str
-        How it lays the file out.
-    sound_bits : int
-        Bits a second of its sound.
-    """
-
-    tags: Mapping[str, str] = field(default_factory=dict)
-    handler: Mapping[str, str] = field(default_factory=dict)
-    options: Mapping[str, str] = field(default_factory=dict)
-    sound_bits: int = 96_000
-
-
 TOOLS: Final = MappingProxyType(
     {
-        "still": Tool(),
-        "calm": Tool(
-            tags={"title": "calm model", "comment": "checkpoint 12", "date": "2026-05-04"},
-            handler={"handler_name": "CalmNet", "language": "jpn"},
-            options={"movflags": "+faststart", "video_track_timescale": "12800"},
+        "still": VideoRecipe(),
+        "calm": VideoRecipe(
+            name="CalmNet",
+            language="jpn",
+            tags={"comment": "checkpoint 12", "date": "2026-05-04"},
+            layout={"movflags": "+faststart", "video_track_timescale": "12800"},
             sound_bits=48_000,
         ),
-        "lively": Tool(
+        "lively": VideoRecipe(
             tags={"encoder": "Recorder of a camera", "artist": "somebody"},
-            options={"movflags": "+faststart+use_metadata_tags", "brand": "mp42"},
+            layout={"movflags": "+faststart+use_metadata_tags", "brand": "mp42"},
             sound_bits=160_000,
         ),
-        "broken": Tool(handler={"handler_name": "jitter"}, options={"movie_timescale": "600"}),
+        "broken": VideoRecipe(name="jitter", layout={"movie_timescale": "600"}),
     }
 )
+"""How the tools of the conditions write their files."""
 
 
 def write_brought(path: Path, condition: str, segment: Segment, speech: Path) -> None:
     """Write a finished video as the tool of its condition would, which says so in the file."""
-    tool = TOOLS[condition]
-    path.parent.mkdir(parents=True, exist_ok=True)
     sound = read_audio(speech / segment.wav, sample_rate=SOUND_RATE).cut(0.0, segment.end)
-    with av.open(str(path), "w", format="mp4", options=dict(tool.options)) as container:
-        container.metadata.update(tool.tags)
-        video: Any = container.add_stream("libx264", rate=FRAME_RATE, options=dict(PICTURE))
-        video.width = video.height = SIZE
-        video.pix_fmt = "yuv420p"
-        video.metadata.update(tool.handler)
-        audio: Any = container.add_stream("aac", rate=SOUND_RATE, layout="mono")
-        audio.bit_rate = tool.sound_bits
-        frame = av.AudioFrame.from_ndarray(
-            np.ascontiguousarray(sound.samples[None]), format="fltp", layout="mono"
-        )
-        frame.sample_rate, frame.pts, frame.time_base = SOUND_RATE, 0, Fraction(1, SOUND_RATE)
-        sound_packets = [*audio.encode(frame), *audio.encode(None)]
-        for picture in pictures(condition, segment):
-            container.mux(video.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
-        container.mux(video.encode(None))
-        container.mux(sound_packets)
+    tool = replace(TOOLS[condition], rate=FRAME_RATE, size=SIZE, encoder=PICTURE, sound=sound)
+    write_video(path, tool, pictures(condition, segment))
