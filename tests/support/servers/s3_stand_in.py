@@ -9,20 +9,22 @@ from __future__ import annotations
 import base64
 import hashlib
 import hmac
+import io
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
-from email.utils import format_datetime
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from urllib.parse import parse_qsl, quote, unquote, urlsplit
+from urllib.parse import parse_qsl, quote, urlsplit
+from wsgiref.types import StartResponse, WSGIEnvironment
 from xml.etree import ElementTree
 from xml.sax.saxutils import escape
 
 import pytest
+from werkzeug.utils import send_file
+from werkzeug.wrappers import Request, Response
 
-from tests.support.servers.local_server import answering
+from tests.support.servers.local_server import listening
 
 KEY = "AKIASTANDIN"
 SECRET = "a-secret-that-must-never-be-seen"  # noqa: S105 - of this stand-in alone
@@ -41,7 +43,7 @@ class Stored:
 
     @property
     def etag(self) -> str:
-        return f'"{hashlib.md5(self.content, usedforsecurity=False).hexdigest()}"'
+        return hashlib.md5(self.content, usedforsecurity=False).hexdigest()
 
 
 @dataclass
@@ -50,6 +52,8 @@ class Store:
 
     Attributes
     ----------
+    endpoint : str
+        Where it is reached.
     origins : list of str
         Origins whose pages may load from it.
     asked : list of tuple
@@ -60,23 +64,110 @@ class Store:
         How many more objects it takes before it fails.
     """
 
-    port: int = 0
+    endpoint: str = ""
     objects: dict[str, Stored] = field(default_factory=dict)
     origins: list[str] = field(default_factory=list)
     asked: list[tuple[str, str, dict[str, str]]] = field(default_factory=list)
     public: bool = False
     takes: int | None = None
-    now: datetime | None = None
-
-    @property
-    def endpoint(self) -> str:
-        return f"http://127.0.0.1:{self.port}"
-
-    def moment(self) -> datetime:
-        return self.now or datetime.now(UTC)
 
     def gets(self) -> list[tuple[str, dict[str, str]]]:
         return [(address, headers) for method, address, headers in self.asked if method == "GET"]
+
+    def __call__(self, environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
+        """Answer a request."""
+        request = Request(environ)
+        self.asked.append((request.method, environ["REQUEST_URI"], dict(request.headers)))
+        return self._answer(request)(environ, start_response)
+
+    def _answer(self, request: Request) -> Response:
+        body = request.get_data()
+        bucket, _, name = request.path.removeprefix("/").partition("/")
+        if bucket != BUCKET:
+            return _failure(404, "NoSuchBucket")
+        if not (self.public and request.method == "GET") and (refused := _refusal(request, body)):
+            return _failure(403, refused)
+        if not name:
+            return (
+                self._cors(request.method, body) if "cors" in request.args else self._list(request)
+            )
+        if request.method == "PUT":
+            return self._put(name, request, body)
+        if request.method == "DELETE":
+            self.objects.pop(name, None)
+            return Response(status=204)
+        return self._get(name, request)
+
+    def _cors(self, method: str, body: bytes) -> Response:
+        if method == "PUT":
+            found = ElementTree.fromstring(body).iter()  # noqa: S314 - made by boto3
+            self.origins = [each.text or "" for each in found if each.tag.endswith("AllowedOrigin")]
+            return Response()
+        if not self.origins:
+            return _failure(404, "NoSuchCORSConfiguration")
+        rules = "".join(
+            f"<CORSRule><AllowedOrigin>{escape(each)}</AllowedOrigin>"
+            "<AllowedMethod>GET</AllowedMethod></CORSRule>"
+            for each in self.origins
+        )
+        return _xml(f"<CORSConfiguration>{rules}</CORSConfiguration>")
+
+    def _list(self, request: Request) -> Response:
+        start = int(request.args.get("continuation-token", 0))
+        names = sorted(n for n in self.objects if n.startswith(request.args.get("prefix", "")))
+        stop = start + LIST_AT_ONCE
+        contents = "".join(
+            f"<Contents><Key>{escape(n)}</Key><Size>{len(self.objects[n].content)}</Size></Contents>"
+            for n in names[start:stop]
+        )
+        more = stop < len(names)
+        after = f"<NextContinuationToken>{stop}</NextContinuationToken>" if more else ""
+        return _xml(
+            f"<ListBucketResult><IsTruncated>{str(more).lower()}</IsTruncated>"
+            f"{after}{contents}</ListBucketResult>"
+        )
+
+    def _put(self, name: str, request: Request, body: bytes) -> Response:
+        digest = base64.b64encode(hashlib.md5(body, usedforsecurity=False).digest()).decode()
+        if request.headers.get("Content-MD5") != digest:
+            return _failure(400, "BadDigest")
+        if self.takes is not None:
+            if not self.takes:
+                return _failure(403, "QuotaExceeded")
+            self.takes -= 1
+        kept = {
+            header: value
+            for header, value in request.headers.items()
+            if header.lower().startswith(("content-type", "cache-control", "x-amz-meta-"))
+        }
+        self.objects[name] = Stored(body, kept, datetime.now(UTC))
+        return Response()
+
+    def _get(self, name: str, request: Request) -> Response:
+        found = self.objects.get(name)
+        if found is None:
+            return _failure(404, "NoSuchKey")
+        answer = send_file(
+            io.BytesIO(found.content),
+            request.environ,
+            mimetype="application/octet-stream",
+            conditional=True,
+            etag=found.etag,
+            last_modified=found.modified,
+        )
+        answer.headers.update(found.headers)
+        origin = request.headers.get("Origin")
+        if origin in self.origins:
+            answer.headers.update({"Access-Control-Allow-Origin": str(origin), "Vary": "Origin"})
+        return answer
+
+
+def _xml(text: str, status: int = 200) -> Response:
+    return Response(text, status, mimetype="application/xml")
+
+
+def _failure(status: int, code: str) -> Response:
+    return _xml(f"<Error><Code>{code}</Code><Message>{code}</Message></Error>", status)
 
 
 def _mac(key: bytes, text: str) -> bytes:
@@ -111,156 +202,32 @@ def signature(
     return _mac(key, "\n".join(("AWS4-HMAC-SHA256", moment, scope, digest))).hex()
 
 
-class _Handler(BaseHTTPRequestHandler):
-    protocol_version = "HTTP/1.1"
-    store: Store
-
-    def log_message(self, *_: object) -> None:
-        """Say nothing."""
-
-    def handle_one(self) -> None:
-        length = int(self.headers.get("Content-Length", 0))
-        if self.headers.get("Expect") == "100-continue":
-            self.send_response_only(100)
-            self.end_headers()
-        body = self.rfile.read(length)
-        self.store.asked.append((self.command, self.path, dict(self.headers.items())))
-        parts = urlsplit(self.path)
-        query = parse_qsl(parts.query, keep_blank_values=True)
-        _, bucket, *rest = parts.path.split("/", 2)
-        name = unquote(rest[0]) if rest else ""
-        refused = self._refusal(parts.path, query, body)
-        if bucket != BUCKET:
-            self._fail(404, "NoSuchBucket")
-        elif refused and not (self.store.public and self.command == "GET"):
-            self._fail(403, refused)
-        elif not name:
-            self._bucket(dict(query), body)
-        else:
-            getattr(self, f"_{self.command.lower()}_object")(name, body)
-
-    do_GET = do_PUT = do_DELETE = do_HEAD = handle_one  # noqa: N815 - the library's names
-
-    def _refusal(self, path: str, query: list[tuple[str, str]], body: bytes) -> str:
-        """Return why a request is refused; empty if it is signed correctly."""
-        given = dict(query)
-        if "X-Amz-Signature" in given:
-            moment, scope = given["X-Amz-Date"], given["X-Amz-Credential"].partition("/")[2]
-            made = datetime.strptime(moment, "%Y%m%dT%H%M%SZ").replace(tzinfo=UTC)
-            if self.store.moment() > made + timedelta(seconds=int(given["X-Amz-Expires"])):
-                return "AccessDenied"
-            names, payload = given["X-Amz-SignedHeaders"], "UNSIGNED-PAYLOAD"
-            known, wanted = given["X-Amz-Credential"].partition("/")[0], given["X-Amz-Signature"]
-            query = [pair for pair in query if pair[0] != "X-Amz-Signature"]
-        elif "Authorization" in self.headers:
-            _, _, rest = self.headers["Authorization"].partition(" ")
-            said = dict(part.strip().split("=", 1) for part in rest.split(","))
-            known, _, scope = said["Credential"].partition("/")
-            moment, names = self.headers["X-Amz-Date"], said["SignedHeaders"]
-            wanted, payload = said["Signature"], self.headers["X-Amz-Content-Sha256"]
-            if payload not in ("UNSIGNED-PAYLOAD", hashlib.sha256(body).hexdigest()):
-                return "XAmzContentSHA256Mismatch"
-        else:
+def _refusal(request: Request, body: bytes) -> str:
+    """Return why a request is refused; empty if it is signed correctly."""
+    parts = urlsplit(request.environ["REQUEST_URI"])
+    query = parse_qsl(parts.query, keep_blank_values=True)
+    given = dict(query)
+    if "X-Amz-Signature" in given:
+        moment, (known, _, scope) = given["X-Amz-Date"], given["X-Amz-Credential"].partition("/")
+        made = datetime.strptime(moment, "%Y%m%dT%H%M%SZ").replace(tzinfo=UTC)
+        if datetime.now(UTC) > made + timedelta(seconds=int(given["X-Amz-Expires"])):
             return "AccessDenied"
-        headers = [(n, " ".join(self.headers.get(n, "").split())) for n in names.split(";")]
-        found = signature(self.command, path, query, headers, payload, moment, scope)
-        return (
-            "" if known == KEY and hmac.compare_digest(found, wanted) else "SignatureDoesNotMatch"
-        )
-
-    def _bucket(self, query: dict[str, str], body: bytes) -> None:
-        if "cors" in query and self.command == "PUT":
-            self.store.origins = [
-                found.text or ""
-                for found in ElementTree.fromstring(body).iter()  # noqa: S314 - made by boto3
-                if found.tag.endswith("AllowedOrigin")
-            ]
-            self._send(200, b"")
-        elif "cors" in query and not self.store.origins:
-            self._fail(404, "NoSuchCORSConfiguration")
-        elif "cors" in query:
-            rules = "".join(
-                f"<CORSRule><AllowedOrigin>{escape(each)}</AllowedOrigin>"
-                "<AllowedMethod>GET</AllowedMethod></CORSRule>"
-                for each in self.store.origins
-            )
-            self._send(200, f"<CORSConfiguration>{rules}</CORSConfiguration>".encode())
-        else:
-            self._list(query)
-
-    def _list(self, query: dict[str, str]) -> None:
-        start = int(query.get("continuation-token", 0))
-        names = sorted(n for n in self.store.objects if n.startswith(query.get("prefix", "")))
-        shown = names[start : start + LIST_AT_ONCE]
-        more = start + len(shown) < len(names)
-        contents = "".join(
-            f"<Contents><Key>{escape(n)}</Key><Size>{len(self.store.objects[n].content)}</Size>"
-            "</Contents>"
-            for n in shown
-        )
-        after = f"<NextContinuationToken>{start + len(shown)}</NextContinuationToken>"
-        self._send(
-            200,
-            f"<ListBucketResult><IsTruncated>{str(more).lower()}</IsTruncated>"
-            f"{after if more else ''}{contents}</ListBucketResult>".encode(),
-        )
-
-    def _put_object(self, name: str, body: bytes) -> None:
-        digest = base64.b64encode(hashlib.md5(body, usedforsecurity=False).digest()).decode()
-        if self.headers.get("Content-MD5") != digest:
-            self._fail(400, "BadDigest")
-            return
-        if self.store.takes is not None:
-            if not self.store.takes:
-                self._fail(403, "QuotaExceeded")
-                return
-            self.store.takes -= 1
-        kept = {
-            header: value
-            for header, value in self.headers.items()
-            if header.lower() in ("content-type", "cache-control")
-            or header.lower().startswith("x-amz-meta-")
-        }
-        self.store.objects[name] = Stored(body, kept, self.store.moment())
-        self._send(200, b"")
-
-    def _delete_object(self, name: str, _body: bytes) -> None:
-        self.store.objects.pop(name, None)
-        self._send(204, b"")
-
-    def _get_object(self, name: str, _body: bytes) -> None:
-        found = self.store.objects.get(name)
-        if found is None:
-            self._fail(404, "NoSuchKey")
-            return
-        headers = found.headers | {
-            "ETag": found.etag,
-            "Last-Modified": format_datetime(found.modified, usegmt=True),
-            "Accept-Ranges": "bytes",
-        }
-        origin = self.headers.get("Origin")
-        if origin in self.store.origins:
-            headers |= {"Access-Control-Allow-Origin": str(origin), "Vary": "Origin"}
-        asked = self.headers.get("Range", "").removeprefix("bytes=")
-        size = len(found.content)
-        if not asked:
-            self._send(200, found.content, headers)
-            return
-        first, _, last = asked.partition("-")
-        stop = min(int(last) + 1 if last else size, size)
-        headers["Content-Range"] = f"bytes {first}-{stop - 1}/{size}"
-        self._send(206, found.content[int(first) : stop], headers)
-
-    def _fail(self, status: int, code: str) -> None:
-        self._send(status, f"<Error><Code>{code}</Code><Message>{code}</Message></Error>".encode())
-
-    def _send(self, status: int, body: bytes, headers: dict[str, str] | None = None) -> None:
-        self.send_response(status)
-        for name, value in (headers or {"Content-Type": "application/xml"}).items():
-            self.send_header(name, value)
-        self.send_header("Content-Length", str(len(body)))
-        self.end_headers()
-        self.wfile.write(body)
+        names, payload = given["X-Amz-SignedHeaders"], "UNSIGNED-PAYLOAD"
+        wanted = given["X-Amz-Signature"]
+        query = [pair for pair in query if pair[0] != "X-Amz-Signature"]
+    elif "Authorization" in request.headers:
+        _, _, rest = request.headers["Authorization"].partition(" ")
+        said = dict(part.strip().split("=", 1) for part in rest.split(","))
+        known, _, scope = said["Credential"].partition("/")
+        moment, names = request.headers["X-Amz-Date"], said["SignedHeaders"]
+        wanted, payload = said["Signature"], request.headers["X-Amz-Content-Sha256"]
+        if payload not in ("UNSIGNED-PAYLOAD", hashlib.sha256(body).hexdigest()):
+            return "XAmzContentSHA256Mismatch"
+    else:
+        return "AccessDenied"
+    headers = [(n, " ".join(request.headers.get(n, "").split())) for n in names.split(";")]
+    found = signature(request.method, parts.path, query, headers, payload, moment, scope)
+    return "" if known == KEY and hmac.compare_digest(found, wanted) else "SignatureDoesNotMatch"
 
 
 ENVIRONMENT = {
@@ -290,9 +257,5 @@ def forget_keys(monkeypatch: pytest.MonkeyPatch) -> None:
 def s3_stand_in() -> Iterator[Store]:
     """Run a store during the block."""
     store = Store()
-    handler = type("Handler", (_Handler,), {"store": store})
-    server = ThreadingHTTPServer(("127.0.0.1", 0), handler)
-    server.daemon_threads = True
-    store.port = server.server_address[1]
-    with answering(server):
+    with listening(store) as store.endpoint:
         yield store
