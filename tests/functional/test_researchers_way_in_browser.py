@@ -1,4 +1,4 @@
-"""A researcher's whole way in a real browser, with a crowd of participants at the real server.
+"""A researcher's whole way in a real browser, while a crowd takes part in the study.
 
 With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
 """
@@ -6,26 +6,18 @@ With ``SCREENSHOTS=folder`` in the environment each page is also taken in every 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from threading import Event, Semaphore
 
 import httpx
 import pandas as pd
 import pytest
-from playwright.sync_api import Browser, expect
-from playwright.sync_api import Page as BrowserPage
+from playwright.sync_api import Browser, Page, expect
 
-from studyapp.rehearsal.bookkeeping import Ledger
-from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.pages import FormFields, Page
-from studyapp.rehearsal.participant import Participant, Visit, study_client
-from studyapp.rehearsal.simulation.population import default_population
-from studyapp.rehearsal.simulation.raters import Judgement
-from studyapp.study.folder import StudyFolder
+from studyapp.database.engine import Database
+from studyapp.session.form_answers import store_form_answers
+from studyapp.session.served_study import ServedStudy
 from tests.functional.browsing import IN_A_BROWSER, commanded, follow, press, watched_page
 from tests.functional.joining import NAME, join
 from tests.functional.page_checks import examination, photograph
@@ -33,7 +25,7 @@ from tests.functional.taking_part import answer
 from tests.support.command_line import run
 from tests.support.researcher_accounts import PASSWORD
 from tests.support.studies.redefining import redefine
-from tests.support.studies.stored import opened
+from tests.support.studies.taking_part_steps import Participant, SetClock
 
 pytestmark = IN_A_BROWSER
 
@@ -41,9 +33,6 @@ PEOPLE = 10
 TRIALS, QUESTIONS = 2, 2
 REFRESHED_MS = 21_000
 """After this time the overview has reloaded itself."""
-
-SLOW_SECONDS = 240
-"""Longer than this nothing takes on the slowest machine."""
 
 SCRIPT = "<script>document.title = 'taken'</script><img src=x onerror=alert(1)>"
 
@@ -54,10 +43,6 @@ text = "Is there anything you would like to tell us?"
 kind = "text"
 required = false
 """
-
-AS_REAL = 1.0
-"""How fast the clock runs of a study that is not rehearsed."""
-
 
 LookAt = Callable[[str], None]
 
@@ -82,19 +67,19 @@ def export(study: Path) -> pd.DataFrame:
     return people.set_index("study_session")
 
 
-def go_to(page: BrowserPage, name: str) -> None:
+def go_to(page: Page, name: str) -> None:
     pages = page.get_by_role("navigation", name="Researchers' pages")
     follow(pages.get_by_role("link", name=name))
 
 
-def send(page: BrowserPage, button: str, reason: str) -> None:
+def send(page: Page, button: str, reason: str) -> None:
     form = page.locator("form").filter(has=page.get_by_role("button", name=button, exact=True))
     form.get_by_label("Reason").fill(reason)
     follow(form.get_by_role("button", name=button, exact=True))
 
 
 def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
-    browser: Browser, study: Path
+    browser: Browser, study: Path, database: Database
 ) -> None:
     with (
         examination("way") as examine,
@@ -109,32 +94,29 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
         page.clock.install()
         join_and_log_in(page, address, link, look_at)
         prepare(page, look_at)
-        with arriving_crowd(study, address, at_once=PEOPLE, remark=SCRIPT) as crowd:
-            codes = crowd.come([f"participant-{number}" for number in range(PEOPLE)])
-            go_to(page, "Overview")
-            assert all(crowd.at_first_trial.acquire(timeout=SLOW_SECONDS) for _ in codes)
-            # The page reloads itself.
-            page.clock.fast_forward(REFRESHED_MS)
-            expect(page.locator(".truth")).to_contain_text(f"{PEOPLE} active")
-            expect(page.locator("#live time").last).not_to_contain_text("UTC")
-            look_at("arriving")
-            go_to(page, "Results")
-            expect(page.get_by_role("heading", level=1)).to_have_text("Results before the end")
-            expect(page.locator("main")).not_to_contain_text("rule based")
-            look_at("unblind")
-            go_to(page, "Overview")
-            crowd.may_answer.set()
-            assert len({code.result(timeout=SLOW_SECONDS) for code in codes}) == PEOPLE
-            page.clock.fast_forward(REFRESHED_MS)
-            expect(page.locator(".truth")).to_contain_text(f"{PEOPLE} of {PEOPLE} places done")
+        go_to(page, "Overview")
+        crowd = [come(database, study, f"participant-{number}") for number in range(PEOPLE)]
+        # The page reloads itself.
+        page.clock.fast_forward(REFRESHED_MS)
+        expect(page.locator(".truth")).to_contain_text(f"{PEOPLE} active")
+        expect(page.locator("#live time").last).not_to_contain_text("UTC")
+        look_at("arriving")
+        go_to(page, "Results")
+        expect(page.get_by_role("heading", level=1)).to_have_text("Results before the end")
+        expect(page.locator("main")).not_to_contain_text("rule based")
+        look_at("unblind")
+        go_to(page, "Overview")
+        for participant in crowd:
+            finish(participant)
+        page.clock.fast_forward(REFRESHED_MS)
+        expect(page.locator(".truth")).to_contain_text(f"{PEOPLE} of {PEOPLE} places done")
 
-            pseudonym = export(study).loc[3, "participant"]
-            exclude(page, str(pseudonym), look_at)
-            go_to(page, "Recruitment")
-            page.get_by_label("More places in each arm").fill("1")
-            send(page, "Extend", "one was asleep")
-            (code,) = crowd.come(["one-more"])
-            assert code.result(timeout=SLOW_SECONDS)
+        pseudonym = export(study).loc[3, "participant"]
+        exclude(page, str(pseudonym), look_at)
+        go_to(page, "Recruitment")
+        page.get_by_label("More places in each arm").fill("1")
+        send(page, "Extend", "one was asleep")
+        finish(come(database, study, "one-more"))
         go_to(page, "Overview")
         expect(page.locator(".truth")).to_contain_text(f"{PEOPLE + 1} of {PEOPLE + 1} places done")
         expect(page.locator("main")).to_contain_text("1 is left out of the analysis")
@@ -169,7 +151,7 @@ def test_a_study_is_launched_watched_fixed_extended_closed_and_exported(
     assert "researcher" in json.dumps(book)
 
 
-def join_and_log_in(page: BrowserPage, address: str, link: str, look_at: LookAt) -> None:
+def join_and_log_in(page: Page, address: str, link: str, look_at: LookAt) -> None:
     """Become the owner by the printed link, log out, and log in."""
     page.goto(link)
     look_at("join")
@@ -186,7 +168,7 @@ def join_and_log_in(page: BrowserPage, address: str, link: str, look_at: LookAt)
     expect(page.locator(".truth")).to_contain_text(f"0 of {PEOPLE} places done")
 
 
-def prepare(page: BrowserPage, look_at: LookAt) -> None:
+def prepare(page: Page, look_at: LookAt) -> None:
     """Pause the intake, preview a trial, and resume."""
     go_to(page, "Recruitment")
     send(page, "Pause", "nobody before we have looked")
@@ -207,7 +189,7 @@ def prepare(page: BrowserPage, look_at: LookAt) -> None:
     expect(page.locator(".truth")).to_contain_text("New participants are admitted")
 
 
-def exclude(page: BrowserPage, pseudonym: str, look_at: LookAt) -> None:
+def exclude(page: Page, pseudonym: str, look_at: LookAt) -> None:
     """Find a participant by the pseudonym of an export, and leave them out of the analysis."""
     go_to(page, "Study sessions")
     look_at("study-sessions")
@@ -222,7 +204,7 @@ def exclude(page: BrowserPage, pseudonym: str, look_at: LookAt) -> None:
     look_at("after-the-exclusion")
 
 
-def close(page: BrowserPage, address: str, look_at: LookAt) -> None:
+def close(page: Page, address: str, look_at: LookAt) -> None:
     """Close the study; a newcomer is told that it is over."""
     go_to(page, "Recruitment")
     send(page, "Close", "all we need")
@@ -233,7 +215,7 @@ def close(page: BrowserPage, address: str, look_at: LookAt) -> None:
     assert "The study is over" in late.text
 
 
-def go_through_the_other_pages(page: BrowserPage, look_at: LookAt) -> None:
+def go_through_the_other_pages(page: Page, look_at: LookAt) -> None:
     """Look at the final results, and at the pages that nothing was decided on."""
     go_to(page, "Results")
     expect(page.get_by_role("note")).to_contain_text(f"All {PEOPLE + 1} participants have finished")
@@ -258,80 +240,18 @@ def go_through_the_other_pages(page: BrowserPage, look_at: LookAt) -> None:
     assert page.title() != "taken"
 
 
-@dataclass(frozen=True)
-class ArrivingCrowd:
-    """Attentive participants, each in their own thread.
-
-    Attributes
-    ----------
-    come : callable
-        Lets participants of these names come at once; each gives a completion code in the end.
-    at_first_trial : Semaphore
-        Released by each who comes to the first trial.
-    may_answer : Event
-        What they wait for there.
-    """
-
-    come: Callable[[Sequence[str]], list[Future[str]]]
-    at_first_trial: Semaphore
-    may_answer: Event
+def come(database: Database, study: Path, name: str) -> Participant:
+    """Bring somebody to the first trial, a minute ago: what they do then lies in the past."""
+    clock = SetClock(moments=[datetime.now(UTC) - timedelta(minutes=1)])
+    participant = Participant(database, ServedStudy.read(study), clock).enrol(name).begin()
+    participant.trial()
+    return participant
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Arriving(Participant):
-    remark: str
-    at_first_trial: Semaphore = field(default_factory=lambda: Semaphore(0))
-    may_answer: Event = field(default_factory=Event)
-
-    def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
-        """Watch in real time, and think in none."""
-        if not self.may_answer.is_set():
-            self.at_first_trial.release()
-            self.may_answer.wait()
-        return super().answer(replace(visit, thinks=0.0), page, judgement)
-
-    def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
-        """Write a remark if one is requested."""
-        texts = {
-            name: (self.remark,) if name.endswith("remarks") else values
-            for name, values in answers.items()
-        }
-        return super().fill(visit, page, texts)
-
-
-@contextmanager
-def arriving_crowd(
-    study: Path, server: str, *, at_once: int, remark: str
-) -> Iterator[ArrivingCrowd]:
-    """Give a crowd for the study at the address `server`; whoever is left is sent away."""
-    folder, stop = StudyFolder(study), Event()
-    with (
-        opened(folder.responses) as database,
-        ThreadPoolExecutor(at_once, thread_name_prefix="participant") as pool,
-    ):
-        first = _Arriving(
-            name="",
-            study=folder.study(),
-            population=replace(default_population(folder.study()), kinds={}),
-            seed=7,
-            eyes=Eyes(database),
-            speed=AS_REAL,
-            stop=stop,
-            ledger=Ledger(study.parent / "acknowledged.jsonl"),
-            remark=remark,
-        )
-
-        def take_part(name: str) -> str:
-            with study_client(server) as client:
-                return replace(first, name=name).take_part(client)
-
-        try:
-            yield ArrivingCrowd(
-                lambda names: [pool.submit(take_part, name) for name in names],
-                first.at_first_trial,
-                first.may_answer,
-            )
-        finally:
-            stop.set()
-            first.may_answer.set()
-            pool.shutdown(cancel_futures=True)
+def finish(participant: Participant) -> None:
+    """Answer all trials, and write a remark that a page must not run."""
+    for trial in range(TRIALS):
+        value = str((participant.stored().id + trial) % 5 - 2)
+        participant.take_trial({"rhythm": value, "emotion": value})
+    participant.do(store_form_answers, "closing", {"remarks": SCRIPT})
+    assert participant.look().completion_code
