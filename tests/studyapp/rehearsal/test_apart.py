@@ -87,8 +87,10 @@ def test_backups_reports_and_exports_know_only_real_people(
     with tarfile.open(archive) as tar:
         assert not [name for name in tar.getnames() if "rehears" in name]
     monkeypatch.setenv("DATABASE_URL", sqlite_url(rehearsed.responses))
-    for origin, people in (("participants", REAL), ("rehearsal", 1)):
-        stored = read_answers(rehearsed, origin).stored
+    for stored, people in (
+        (read_answers(rehearsed, "participants").stored, REAL),
+        (read_answers(rehearsed, "rehearsal").stored, 1),
+    ):
         assert stored is not None and len(stored.study_sessions) == people
 
 
