@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -146,19 +145,9 @@ def scores_without_network(
             (names.VARIANCE_OF_EMOTION, "near the reference"),
             (names.EMOTION_ACCURACY, "higher"),
         ]
+    reason = f"no {name} is given; '{command}' trains one"
     for metric, better in missing:
-        yield ConditionScore(
-            condition=condition,
-            name=metric,
-            unit="",
-            value=math.nan,
-            spread=math.nan,
-            scored=0,
-            clips=clips,
-            settings={},
-            reason=f"no {name} is given; '{command}' trains one",
-            better=better,
-        )
+        yield whole_condition(condition, Metric(metric, better=better).missing(reason), clips)
 
 
 def _sample(clips: Clips) -> Embeddings:

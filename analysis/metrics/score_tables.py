@@ -6,7 +6,6 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
-from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -26,6 +25,9 @@ COLUMNS: Final = (
     *("condition", "segment", "metric", "value", "unit", "better", "spread_between_clips"),
     *("low", "high", "n", "clips_scored", "clips", "settings", "remark", "reason"),
 )
+
+_FIELDS: Final = {"metric": "name", "spread_between_clips": "spread", "clips_scored": "scored"}
+"""Fields of scores whose column has another name."""
 
 _TEXT: Final = pa.dictionary(pa.int32(), pa.string())
 """Texts repeat often, so Parquet stores each once."""
@@ -49,24 +51,10 @@ def score_table(metrics: StudyMetrics) -> pd.DataFrame:
         items they average. ``low`` and ``high`` are the 95% interval, if there is one. A missing
         value is empty, with its reason.
     """
-    rows = chain(
-        (
-            {
-                **_row(score),
-                "segment": "",
-                "settings": _in_words(score.settings),
-            }
-            for score in metrics.conditions
-        ),
-        map(_row, metrics.clips),
-    )
-    columns: dict[str, list[object]] = {name: [] for name in COLUMNS}
-    for row in rows:
-        for name, values in columns.items():
-            values.append(row.get(name))
-    return pd.DataFrame(
-        {name: pd.Series(columns[name], dtype=kind) for name, (kind, _) in _TYPES.items()}
-    )
+    scores: tuple[ConditionScore | ClipScore, ...] = (*metrics.conditions, *metrics.clips)
+    rows = [{"segment": ""} | _row(score) for score in scores]
+    types = {name: kind for name, (kind, _) in _TYPES.items()}
+    return pd.DataFrame(rows, columns=list(COLUMNS)).astype(types)
 
 
 def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[str, object]:
@@ -93,6 +81,7 @@ def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[st
         "frame_rate": _plain(metrics.frame_rate),
         "conditions": [
             {name: _plain(value) for name, value in _row(score).items()}
+            | {"settings": dict(score.settings)}
             for score in metrics.conditions
         ],
         "emotions": [asdict(confusion) for confusion in metrics.confusions],
@@ -149,11 +138,8 @@ def _write_parquet(metrics: StudyMetrics, path: Path) -> None:
 
 def _metadata(metrics: StudyMetrics) -> dict[str, str]:
     """Return the metadata of a Parquet file: frame rate, and each metric's unit and direction."""
-    units: dict[str, str] = {}
-    better: dict[str, str] = {}
-    for score in metrics.conditions:
-        units.setdefault(score.name, score.unit)
-        better.setdefault(score.name, score.better)
+    units = {score.name: score.unit for score in metrics.conditions}
+    better = {score.name: score.better for score in metrics.conditions}
     return {
         "frame_rate": f"{metrics.frame_rate:g}",
         "units": json.dumps(units, ensure_ascii=False),
@@ -183,31 +169,12 @@ def _row(score: ConditionScore | ClipScore) -> dict[str, object]:
     """Return a score's values by column."""
     result = score.result if isinstance(score, ClipScore) else score
     low, high = result.interval or (None, None)
-    row: dict[str, object] = {
-        "condition": score.condition,
-        "metric": result.name,
-        "value": result.value,
-        "unit": result.unit,
-        "better": result.better,
-        "low": low,
-        "high": high,
-        "settings": dict(result.settings),
-        "remark": result.remark,
-        "reason": result.reason,
-    }
-    if isinstance(score, ClipScore):
-        row |= {"segment": score.segment, "n": score.result.n}
-        row["settings"] = _in_words(result.settings)
-    else:
-        row |= {"spread_between_clips": score.spread, "clips_scored": score.scored}
-        row["clips"] = score.clips
-    return {name: row[name] for name in COLUMNS if name in row}
+    settings = "; ".join(f"{key}: {value}" for key, value in result.settings.items())
+    values = {**vars(result), **vars(score), "low": low, "high": high, "settings": settings}
+    fields = {column: _FIELDS.get(column, column) for column in COLUMNS}
+    return {column: values[field] for column, field in fields.items() if field in values}
 
 
 def _plain(value: object) -> object:
     """Return a value that JSON can hold: None for NaN and infinity."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _in_words(settings: Mapping[str, str]) -> str:
-    return "; ".join(f"{key}: {value}" for key, value in settings.items())

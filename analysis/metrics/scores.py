@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -17,8 +17,8 @@ for numbers that only help to interpret others."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class MetricResult:
-    """One score of one metric.
+class Score:
+    """One number of one metric.
 
     Attributes
     ----------
@@ -28,29 +28,33 @@ class MetricResult:
         The score; NaN if undefined.
     unit : str
         Unit of `value`; empty if it has none.
-    n : int
-        Number of items that `value` averages.
     settings : mapping of str to str
         Everything that another score must share to be comparable with this one.
     reason : str
-        Why `value` is NaN; empty otherwise.
+        Why `value` is NaN, or why clips have no score; empty if nothing is missing.
     interval : (float, float) or None
         95% interval of `value`; `settings` say how it was made.
     remark : str
         A caution about `value`, such as too small a sample.
     better : {'lower', 'higher', 'near the reference', 'unsaid'}
-        Which scores are better.
+        Which scores are better; `analysis.report.sections.metrics` shows what papers state.
     """
 
     name: str
     value: float
     unit: str
-    n: int
     settings: Mapping[str, str] = field(default_factory=dict)
     reason: str = ""
     interval: tuple[float, float] | None = None
     remark: str = ""
     better: Better = "unsaid"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MetricResult(Score):
+    """The score of a clip, or of clips that were measured together, over `n` items."""
+
+    n: int
 
     def __post_init__(self) -> None:
         if math.isnan(self.value) != bool(self.reason):
@@ -136,44 +140,24 @@ class ClipScore:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConditionScore:
-    """One metric of one condition.
+class ConditionScore(Score):
+    """One metric of one condition: the mean over its clips, or the score of all together.
 
     Attributes
     ----------
-    condition, name, unit : str
-        The condition, the metric and its unit.
-    value : float
-        Mean over the clips with a score, or the score of the whole condition; NaN if there is none.
+    condition : str
+        The condition.
     spread : float
-        Standard deviation over those clips; NaN for fewer than two and for a score of the whole
-        condition.
+        Standard deviation over the clips with a score; NaN for fewer than two and for a score of
+        the whole condition.
     scored, clips : int
         Clips with a score, and all clips.
-    settings : mapping of str to str
-        As in `MetricResult`.
-    reason : str
-        Why clips have no score; empty if all have one.
-    better : {'lower', 'higher', 'near the reference', 'unsaid'}
-        Which scores are better; `analysis.report.sections.metrics` shows what papers state.
-    interval : (float, float) or None
-        95% interval of a score of the whole condition; `settings` say how it was made.
-    remark : str
-        A caution about `value`.
     """
 
     condition: str
-    name: str
-    unit: str
-    value: float
     spread: float
     scored: int
     clips: int
-    settings: Mapping[str, str]
-    reason: str
-    better: Better = "unsaid"
-    interval: tuple[float, float] | None = None
-    remark: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,18 +198,11 @@ _REASONS: Final = 3
 def whole_condition(condition: str, result: MetricResult, clips: int) -> ConditionScore:
     """Return the score of a condition whose clips were measured together."""
     return ConditionScore(
+        **{name: value for name, value in vars(result).items() if name != "n"},
         condition=condition,
-        name=result.name,
-        unit=result.unit,
-        value=result.value,
         spread=math.nan,
         scored=0 if result.reason else clips,
         clips=clips,
-        settings=result.settings,
-        reason=result.reason,
-        better=result.better,
-        interval=result.interval,
-        remark=result.remark,
     )
 
 
@@ -234,19 +211,14 @@ def clip_means(condition: str, scores: Sequence[ClipScore]) -> Iterator[Conditio
     by_name: dict[str, list[MetricResult]] = {}
     for score in scores:
         by_name.setdefault(score.result.name, []).append(score.result)
-    for name, results in by_name.items():
+    for results in by_name.values():
         values = np.array([result.value for result in results if not result.reason])
-        yield ConditionScore(
-            condition=condition,
-            name=name,
-            unit=results[0].unit,
+        yield replace(
+            whole_condition(condition, results[0], len(results)),
             value=float(values.mean()) if len(values) else math.nan,
             spread=float(values.std(ddof=1)) if len(values) > 1 else math.nan,
             scored=len(values),
-            clips=len(results),
-            settings=results[0].settings,
             reason=counted([result.reason for result in results if result.reason], len(results)),
-            better=results[0].better,
         )
 
 
