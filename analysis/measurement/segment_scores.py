@@ -25,8 +25,7 @@ from analysis.measurement.recorded_spread import ClipExtent, RecordedSpread
 from analysis.metrics.beat_alignment import beat_alignment
 from analysis.metrics.correct_motion import (
     CorrectSettings,
-    percent_correct_motion,
-    semantic_recall,
+    correct_share,
 )
 from analysis.metrics.diversity import l1_deviation
 from analysis.metrics.kinematics import (
@@ -274,11 +273,11 @@ def _correct(
         )
         if generated is None or reference is None:
             continue
-        results = [percent_correct_motion(generated, reference, settings=settings)]
+        results = [correct_share(generated, reference, settings=settings)]
         if semantics is not None:
             frames = max(len(generated), len(reference))
             weights = semantic_weights(semantics, frames, setup.frame_rate)
-            results.append(semantic_recall(generated, reference, weights, settings=settings))
+            results.append(correct_share(generated, reference, weights, settings=settings))
         is_rotation = settings.representation != "positions"
         measured = {
             "joints": ", ".join(GESTURE_JOINTS if is_rotation else UPPER_BODY_JOINTS),

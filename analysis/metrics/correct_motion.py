@@ -113,40 +113,23 @@ def correct_joints(
     return np.asarray(distance < settings.threshold)
 
 
-def percent_correct_motion(
-    generated: FloatArray, recorded: FloatArray, *, settings: CorrectSettings
-) -> MetricResult:
-    """Return the share of joints and frames whose motion is correct.
-
-    Parameters
-    ----------
-    generated, recorded : ndarray, shape (T, J, 3)
-        In the representation of `settings`, at one frame rate.
-    settings : CorrectSettings
-        Usually one of the presets.
-
-    Returns
-    -------
-    MetricResult
-        In [0, 1], 1 for the recording itself. NaN if the clips cannot be paired or have no joint.
-    """
-    return _correct_share("percent of correct motion", generated, recorded, None, settings)
-
-
-def semantic_recall(
+def correct_share(
     generated: FloatArray,
     recorded: FloatArray,
-    weights: FloatArray,
+    weights: FloatArray | None = None,
     *,
     settings: CorrectSettings,
 ) -> MetricResult:
-    """Return the share of correct joints, weighted by how meaningful each frame's gesture is.
+    """Return the share of joints and frames whose motion is correct (PCM).
+
+    Weighted by how meaningful each frame's gesture is, it is the semantic-relevant gesture recall
+    (SRGR).
 
     Parameters
     ----------
     generated, recorded : ndarray, shape (T, J, 3)
         In the representation of `settings`, at one frame rate.
-    weights : ndarray, shape (T,)
+    weights : ndarray, shape (T,), optional
         Semantic score of each frame, at least 0; as long as the longer clip.
     settings : CorrectSettings
         Usually one of the presets.
@@ -154,20 +137,10 @@ def semantic_recall(
     Returns
     -------
     MetricResult
-        In [0, 1]. NaN if the clips cannot be paired or no frame has a weight.
+        In [0, 1], 1 for the recording itself. NaN if the clips cannot be paired or have no joint,
+        or if no frame has a weight.
     """
-    return _correct_share(
-        "semantic-relevant gesture recall", generated, recorded, weights, settings
-    )
-
-
-def _correct_share(
-    name: str,
-    generated: FloatArray,
-    recorded: FloatArray,
-    weights: FloatArray | None,
-    settings: CorrectSettings,
-) -> MetricResult:
+    name = "percent of correct motion" if weights is None else "semantic-relevant gesture recall"
     metric = Metric(f"{name} ({settings.name})", better="higher")
     description = settings.description()
     generated, recorded, reason = paired(generated, recorded)

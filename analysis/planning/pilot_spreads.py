@@ -44,8 +44,8 @@ class Spreads:
 
     participant_sd: float
     item_sd: float
-    thresholds: tuple[float, float] | None
     answers: int
+    thresholds: tuple[float, float] | None = None
 
 
 def pilot_opinions(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Opinions, int]:
@@ -73,24 +73,20 @@ def pilot_opinions(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Opinions
             "and not all answers agree; or omit --pilot and state "
             "rehearsal.participants_differ and rehearsal.segments_differ in study.toml",
         )
-    opinions = Opinions(
-        participant_sd=_pooled([(spread.participant_sd, spread.answers) for spread in spreads]),
-        item_sd=_pooled([(spread.item_sd, spread.answers) for spread in spreads]),
-    )
-    graded = [
-        (spread.thresholds, spread.answers) for spread in spreads if spread.thresholds is not None
-    ]
+    # The roots of the mean variances, by answers.
+    variances = [(spread.participant_sd**2, spread.item_sd**2) for spread in spreads]
+    weights = [spread.answers for spread in spreads]
+    participant_sd, item_sd = np.sqrt(np.average(variances, axis=0, weights=weights)).tolist()
+    opinions = Opinions(participant_sd=participant_sd, item_sd=item_sd)
+    graded = [spread for spread in spreads if spread.thresholds is not None]
     if graded:
-        thresholds, weights = zip(*graded, strict=True)
-        slight, clear = np.average(thresholds, axis=0, weights=weights).tolist()
+        slight, clear = np.average(
+            [spread.thresholds for spread in graded],
+            axis=0,
+            weights=[spread.answers for spread in graded],
+        ).tolist()
         opinions = replace(opinions, slight=slight, clear=clear)
     return opinions, total
-
-
-def _pooled(deviations: Sequence[tuple[float, int]]) -> float:
-    """Return the root of the mean variance, by answers."""
-    values, weights = zip(*deviations, strict=True)
-    return math.sqrt(float(np.average(np.square(values), weights=weights)))
 
 
 def _spreads(table: AnswerTable, analysed: pd.DataFrame) -> Iterator[Spreads]:
@@ -141,7 +137,6 @@ def _of_ratings(answers: pd.DataFrame) -> Iterator[Spreads]:
         yield Spreads(
             participant_sd=math.sqrt(2) * model.deviations["participant's taste"],
             item_sd=math.sqrt(2) * model.deviations["segment's taste"],
-            thresholds=None,
             answers=len(answers),
         )
 
@@ -163,7 +158,6 @@ def _of_rankings(answers: pd.DataFrame) -> Iterator[Spreads]:
             yield Spreads(
                 participant_sd=model.deviations["participant"],
                 item_sd=model.deviations["segment"],
-                thresholds=None,
                 answers=len(both),
             )
 

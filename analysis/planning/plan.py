@@ -153,11 +153,10 @@ def plan(request: Request, runner: Runner) -> Plan:
     cells = runner.cells(tasks)
     smallest: tuple[Smallest, ...] = ()
     if request.current is not None:
-        own_size = request.current
-        size = sizes.get(own_size) or request.size(*own_size)
+        size = sizes.get(request.current) or request.size(*request.current)
         # The search spends at most as much effort as any cell.
-        effort = min((task.effort for task in tasks), key=lambda effort: effort.quick)
-        smallest = _smallest(request, size, cells, effort, replace(runner, show=None))
+        task = replace(min(tasks, key=lambda task: task.effort.quick), size=size)
+        smallest = _smallest(task, cells, replace(runner, show=None))
     first = next(iter(sizes.values()))
     return Plan(
         request=request,
@@ -176,35 +175,23 @@ def plan(request: Request, runner: Runner) -> Plan:
     )
 
 
-def _smallest(
-    request: Request, size: Size, cells: Sequence[Cell], effort: Effort, runner: Runner
-) -> tuple[Smallest, ...]:
-    known = [cell for cell in cells if cell.size.numbers == size.numbers]
+def _smallest(task: Task, cells: Sequence[Cell], runner: Runner) -> tuple[Smallest, ...]:
+    """Search for the smallest difference that a study of the size of `task` finds, by part."""
     smallest = []
-    for number, part in enumerate(size.parts):
+    for number, part in enumerate(task.size.parts):
 
         def power_at(effect: float, number: int = number) -> float:
-            task = Task(
-                size=size,
-                effect=effect,
-                opinions=request.opinions,
-                effort=effort,
-                seed=request.seed,
-            )
-            (cell,) = runner.cells([task])
+            (cell,) = runner.cells([replace(task, effect=effect)])
             return cell.powers[number].power
 
-        powers = {
-            cell.powers[number].effect: cell.powers[number].power
-            for cell in known
-            if cell.powers[number].effect > 0
-        }
+        known = [cell.powers[number] for cell in cells if cell.size.numbers == task.size.numbers]
+        powers = {power.effect: power.power for power in known if power.effect > 0}
         effect, reason = smallest_effect(powers or {_FIRST: power_at(_FIRST)}, power_at)
         smallest.append(
             Smallest(
                 part=part.name,
                 effect=effect,
-                in_answers="" if reason else describe_effect(part, request.opinions, effect),
+                in_answers="" if reason else describe_effect(part, task.opinions, effect),
                 reason=reason,
             )
         )

@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, cast
+from typing import Any, Final, TypeVar, cast
 
 import pandas as pd
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from analysis.report import wording
@@ -37,9 +36,8 @@ from analysis.report.sections.participants import (
     stills_section,
     truth_section,
 )
-from analysis.report.sections.preferences import mismatch_sections, pairwise_sections
-from analysis.report.texts import booktabs, paragraphs, template_file
-from analysis.results.conditions import RankingResults, RatingResults
+from analysis.report.sections.preferences import preference_sections
+from analysis.report.texts import booktabs, html, paragraphs, template_file
 from analysis.results.grouping import ByQuestion
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.report import TableReport, as_json, plain
@@ -106,7 +104,7 @@ def paper_text(page: Page) -> str:
     """Return the page's mark, the answer, the participant flow and the methods as paragraphs."""
     methods = [section for section in page.sections if section.anchor == METHODS_ANCHOR]
     paragraphs = [
-        *([page.mark] if page.mark else []),
+        page.mark,
         " ".join((*page.answer, *page.certainty)),
         page.flow,
         *(text for section in methods for text in (*section.paragraphs, *section.bullets)),
@@ -116,16 +114,9 @@ def paper_text(page: Page) -> str:
 
 def render_page(page: Page) -> str:
     """Return the page as one HTML document."""
-    environment = Environment(
-        loader=PackageLoader("analysis.report", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
     scripts = (template_file("page.js"), *(page.motion.scripts if page.motion else ()))
-    return environment.get_template("report.html").render(
+    return html(
+        "report.html",
         page=page,
         scripts=[Markup(script) for script in scripts],  # noqa: S704 - our own files
         script_hashes=[
@@ -166,6 +157,8 @@ def as_frame(table: Table) -> pd.DataFrame:
         columns=list(header),
     )
 
+
+FiledT = TypeVar("FiledT", Picture, Table)
 
 Record = dict[str, Any]
 """One row of a CSV file."""
@@ -341,13 +334,10 @@ def _motion_sections(report: TableReport, subject: Subject) -> Iterator[Section 
 
 def headline_sections(report: TableReport, subject: Subject) -> tuple[Section, ...]:
     """Return the protocol's figures and tables, a section for each set; () without answers."""
-    match report.results:
-        case PairwiseResults() as results:
-            return pairwise_sections(results, subject)
-        case MismatchResults() as results:
-            return mismatch_sections(results)
-        case RatingResults() | RankingResults() as results:
-            return tuple(condition_sections(results, subject))
+    results = report.results
+    if isinstance(results, PairwiseResults | MismatchResults):
+        return tuple(preference_sections(results, subject))
+    return tuple(condition_sections(results, subject))
 
 
 def take_first_picture(sections: Sequence[Section]) -> tuple[Picture | None, list[Section]]:
@@ -363,24 +353,18 @@ def take_first_picture(sections: Sequence[Section]) -> tuple[Picture | None, lis
 def _of_task(task: TableReport, section: Section) -> Section:
     """Return a section with the task's name before its anchor, heading and file names."""
     name = TASKS[task.protocol]
+
+    def renamed(item: FiledT) -> FiledT:
+        return replace(
+            item,
+            name=f"{name}-{item.name}" if item.name else "",
+            data=f"{name}_{item.data}" if item.data else "",
+        )
+
     return replace(
         section,
         anchor=f"{name}-{section.anchor}",
         heading=f"{name.capitalize()}: {section.heading}",
-        pictures=tuple(
-            replace(picture, name=f"{name}-{picture.name}", data=_task_data(task, picture.data))
-            for picture in section.pictures
-        ),
-        tables=tuple(
-            replace(
-                table,
-                name=f"{name}-{table.name}" if table.name else "",
-                data=_task_data(task, table.data),
-            )
-            for table in section.tables
-        ),
+        pictures=tuple(map(renamed, section.pictures)),
+        tables=tuple(map(renamed, section.tables)),
     )
-
-
-def _task_data(task: TableReport, name: str) -> str:
-    return f"{TASKS[task.protocol]}_{name}" if name else ""

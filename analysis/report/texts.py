@@ -240,14 +240,26 @@ def _table_specs() -> dict[str, _TableSpec]:
     return {kind: _TableSpec(**keys) for kind, keys in _toml("tables").items()}
 
 
-@cache
-def _environment() -> Environment:
-    environment = Environment(  # noqa: S701 - it makes plain text, which the page escapes
+def html(name: str, **facts: object) -> str:
+    """Return a template as HTML, with every text of `facts` escaped."""
+    environment = _templates(autoescape=True, keep_trailing_newline=True)
+    return environment.get_template(name).render(facts)
+
+
+def _templates(**options: Any) -> Environment:
+    return Environment(  # noqa: S701 - plain text, which the page escapes, if not said otherwise
         loader=PackageLoader("analysis.report", "templates"),
         undefined=StrictUndefined,
-        finalize=lambda value: re.sub(r"\s*\n\s*", " ", value) if isinstance(value, str) else value,
         trim_blocks=True,
         lstrip_blocks=True,
+        **options,
+    )
+
+
+@cache
+def _environment() -> Environment:
+    environment = _templates(
+        finalize=lambda value: re.sub(r"\s*\n\s*", " ", value) if isinstance(value, str) else value
     )
     public = {name: value for name, value in vars(wording).items() if not name.startswith("_")}
     environment.globals |= public | {
@@ -325,17 +337,14 @@ def booktabs(table: Table, *, remark: str = "") -> str:
 
 @cache
 def _latex_environment() -> Environment:
-    environment = Environment(  # noqa: S701 - what is written is LaTeX, escaped by its own filter
-        loader=PackageLoader("analysis.report", "templates"),
-        undefined=StrictUndefined,
+    # What is written is LaTeX, escaped by its own filter.
+    environment = _templates(
         block_start_string="<%",
         block_end_string="%>",
         variable_start_string="<<",
         variable_end_string=">>",
         comment_start_string="<#",
         comment_end_string="#>",
-        trim_blocks=True,
-        lstrip_blocks=True,
         keep_trailing_newline=True,
     )
     environment.filters["latex"] = as_latex

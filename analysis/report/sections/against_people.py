@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 from analysis.report import wording
@@ -17,26 +17,14 @@ from analysis.report.sections.metrics import PAPER_OF, PAPER_TABLES, is_detail
 from analysis.report.texts import figure_text, paragraphs, sentence, table
 from analysis.report.wording import between, question_name
 from analysis.results.against_people import AgainstPeople, MetricAgainstPeople, ScoredCondition
+from analysis.results.grouping import Row as QuestionRow
 from analysis.results.rank_correlations import FEWEST_FOR_INTERVAL, SamplingRange
 from analysis.results.report import TableReport
 from analysis.stats.clustered_mean import Interval
 from motion.errors import listed
 
-
-@dataclass(frozen=True, kw_only=True)
-class _Question:
-    """The agreement on one question, without metrics that have no score or are details."""
-
-    set: str
-    question: str
-    agreement: AgainstPeople
-    metrics: tuple[MetricAgainstPeople, ...]
-
-    @property
-    def name(self) -> str:
-        """The question's name, after its set if there are sets."""
-        return question_name(self.set, self.question)
-
+_Question = QuestionRow[AgainstPeople]
+"""The agreement on one question, without metrics that have no score or are details."""
 
 _PREFERENCE_AXIS: Final = {
     "pairwise": "strength (logits)",
@@ -61,30 +49,21 @@ _CORRELATION: Final = Scale(
 def against_people_section(report: TableReport, subject: Subject) -> Section | None:
     """Return how metrics and preferences agree; None if nothing was measured or answered."""
     questions = [
-        _Question(
-            set=set_name,
-            question=question,
-            agreement=agreement,
-            metrics=tuple(
-                metric
-                for metric in agreement.metrics
-                if metric.conditions and not is_detail(metric.metric, report.protocol)
-            ),
-        )
-        for set_name, question, agreement in report.metrics_against_people.rows()
+        row._replace(result=_without_details(row.result, report.protocol))
+        for row in report.metrics_against_people.rows()
     ]
     if not questions:
         return None
     heading = "Do the metrics agree with people?"
-    measured = [question for question in questions if question.metrics]
+    measured = [question for question in questions if question.result.metrics]
     if not measured:
-        reasons = dict.fromkeys(q.agreement.reason for q in questions if q.agreement.reason)
+        reasons = dict.fromkeys(q.result.reason for q in questions if q.result.reason)
         nothing = paragraphs("against_people.nothing", reasons=[*reasons])
         return Section(anchor="against-people", heading=heading, paragraphs=nothing)
     ranges = {
-        question.agreement.conditions: question.agreement.sampling_range
-        for question in measured
-        if question.agreement.sampling_range and any(m.conditions > 2 for m in question.metrics)
+        agreement.conditions: agreement.sampling_range
+        for _, _, agreement in measured
+        if agreement.sampling_range and any(m.conditions > 2 for m in agreement.metrics)
     }
     return Section(
         anchor="against-people",
@@ -103,6 +82,11 @@ def against_people_section(report: TableReport, subject: Subject) -> Section | N
     )
 
 
+def _without_details(agreement: AgainstPeople, protocol: str) -> AgainstPeople:
+    metrics = (m for m in agreement.metrics if m.conditions and not is_detail(m.metric, protocol))
+    return replace(agreement, metrics=tuple(metrics))
+
+
 def sampling_range_sentence(sample: SamplingRange) -> str:
     """Return a sentence on how little this number of conditions can show."""
     return sentence("against_people.sampling_range", sample=sample, correlation=_correlation)
@@ -111,9 +95,9 @@ def sampling_range_sentence(sample: SamplingRange) -> str:
 def _intervals(questions: Sequence[_Question], correlation: str) -> tuple[int, list[str]]:
     """Return the number of intervals, and the correlations whose intervals exclude zero."""
     intervals = [
-        (f"{metric.metric} on {question.name}", interval)
+        (f"{metric.metric} on {_name(question)}", interval)
         for question in questions
-        for metric in question.metrics
+        for metric in question.result.metrics
         if (interval := getattr(metric, correlation)).has_interval
     ]
     significant = [
@@ -131,10 +115,10 @@ def _scatters(
     for number, question in enumerate(questions, start=1):
         metrics = [
             metric
-            for metric in question.metrics
+            for metric in question.result.metrics
             if any(not math.isnan(place.preference) for place in metric.places)
         ]
-        if not metrics or question.agreement.conditions < FEWEST_FOR_INTERVAL:
+        if not metrics or question.result.conditions < FEWEST_FOR_INTERVAL:
             continue
         metrics.sort(key=lambda metric: metric.metric not in in_paper)
         names = [place.condition for metric in metrics for place in metric.places]
@@ -146,8 +130,8 @@ def _scatters(
             figure_text(
                 "metrics-against-people",
                 suffix=f"-{number}",
-                name=question.name,
-                preference=question.agreement.preference,
+                name=_name(question),
+                preference=question.result.preference,
                 people=subject.people,
                 shown=MOST_METRICS,
                 all=len(metrics),
@@ -257,7 +241,7 @@ def _forests(questions: Sequence[_Question]) -> Iterator[Picture]:
             (question.question, metric.metric): metric
             for question in questions
             if question.set == set_name
-            for metric in question.metrics
+            for metric in question.result.metrics
         }
         if not any(m.kendall.has_interval or m.within.has_interval for m in metrics.values()):
             continue
@@ -289,6 +273,10 @@ def _forests(questions: Sequence[_Question]) -> Iterator[Picture]:
             )
 
 
+def _name(question: _Question) -> str:
+    return question_name(question.set, question.question)
+
+
 def _dot(interval: Interval | None) -> Dot:
     dot = dot_of(interval, _correlation, missing="–")
     return replace(dot, words="", is_descriptive=math.isnan(dot.low))
@@ -306,7 +294,7 @@ def _correlation(value: float) -> str:
 
 
 def _table(questions: Sequence[_Question], protocol: str) -> Table:
-    rows = [(question, metric) for question in questions for metric in question.metrics]
+    rows = [(_name(question), m) for question in questions for m in question.result.metrics]
     intervals = [i for _, metric in rows for i in (metric.kendall, metric.spearman, metric.within)]
     unique = dict.fromkeys(interval.reason for interval in intervals if interval.reason)
     reasons = {reason: number for number, reason in enumerate(unique, start=1)}
@@ -329,7 +317,7 @@ def _table(questions: Sequence[_Question], protocol: str) -> Table:
         "against_people.notes",
         reasons=reasons,
         left_out=_left_out(questions),
-        agreement=questions[0].agreement,
+        agreement=questions[0].result,
         most=max(metric.kendall.degenerate for _, metric in rows),
     )
     return replace(without_notes, notes=notes)
@@ -338,7 +326,7 @@ def _table(questions: Sequence[_Question], protocol: str) -> Table:
 def _left_out(questions: Sequence[_Question]) -> dict[tuple[str, str], list[str]]:
     """Return metrics by the conditions that are left out of their correlations, and why."""
     metrics: dict[tuple[str, str], list[str]] = {}
-    for metric in (metric for question in questions for metric in question.metrics):
+    for metric in (metric for question in questions for metric in question.result.metrics):
         for reason in dict.fromkeys(metric.left_out.values()):
             names = [name for name, why in metric.left_out.items() if why == reason]
             key = listed([wording.condition(name) for name in names]), reason

@@ -10,6 +10,9 @@ from itertools import groupby
 from string import ascii_lowercase
 from typing import Final
 
+import numpy as np
+import pandas as pd
+
 from analysis.metrics.scores import Better, ConditionScore
 from analysis.report import wording
 from analysis.report.content import Cell, Table, number_cell
@@ -263,30 +266,14 @@ def first_and_second(
     decimals : int
         Number of decimals printed.
     """
-    printed = round(recorded, decimals)
-    distances = {}
-    for index, score in enumerate(scores):
-        distance = _distance(round(score, decimals), better, printed)
-        if not math.isnan(distance):
-            # Rounded again: differences of decimal numbers are not exact.
-            distances[index] = round(distance, decimals)
-    ranks = sorted(set(distances.values()))
-    if len(ranks) < 2:
+    printed = np.array([round(score, decimals) for score in scores])
+    distances = {
+        "lower": printed,
+        "higher": -printed,
+        "near the reference": np.abs(printed - round(recorded, decimals)),
+    }.get(better, np.full(len(printed), math.nan))
+    # Rounded again: differences of decimal numbers are not exact.
+    places = pd.Series(distances).round(decimals).rank(method="dense")
+    if not places.max() > 1:
         return set(), set()
-    best, second = (
-        {index for index, distance in distances.items() if distance == rank} for rank in ranks[:2]
-    )
-    return best, second
-
-
-def _distance(score: float, better: Better, recorded: float) -> float:
-    """Return a number that is smallest for the best score; NaN if no direction is better."""
-    match better:
-        case "lower":
-            return score
-        case "higher":
-            return -score
-        case "near the reference":
-            return abs(score - recorded)
-        case _:
-            return math.nan
+    return set(places.index[places == 1]), set(places.index[places == 2])

@@ -11,9 +11,9 @@ from markupsafe import Markup
 from analysis.answers.exclusion_rules import BY_HAND
 from analysis.answers.participants import Flow
 from analysis.report import wording
-from analysis.report.content import Picture, Section, Still, Subject
+from analysis.report.content import Picture, Section, Subject
 from analysis.report.sections.preferences import reference_of
-from analysis.report.texts import paragraphs, sentence, table
+from analysis.report.texts import html, paragraphs, sentence, table
 from analysis.results.conditions import RankingResults
 from analysis.results.headline import Sensitivity
 from analysis.results.pairwise import MismatchResults, PairwiseResults
@@ -237,7 +237,7 @@ def stills_section(subject: Subject) -> Section | None:
     rows = {name: list(row) for name, row in groupby(subject.stills, lambda s: s.condition)}
     excerpt = subject.excerpts.get(segment)
     picture = Picture(
-        svg=_strip(rows),
+        svg=Markup(html("stills.html", rows=rows, condition=wording.condition)),  # noqa: S704
         caption=f"Segment {wording.name(segment)}: a row for each condition and a column for each "
         "time, in seconds from the start.",
     )
@@ -251,25 +251,3 @@ def stills_section(subject: Subject) -> Section | None:
         ),
         pictures=(picture,),
     )
-
-
-def _strip(rows: dict[str, list[Still]]) -> Markup:
-    """Return the stills as a table of pictures, each with a text alternative."""
-    head = (
-        Markup('<th scope="col">{:.1f} s</th>').format(still.seconds)
-        for still in next(iter(rows.values()))
-    )
-    body = (
-        Markup('<tr><th scope="row">{}</th>{}</tr>').format(
-            wording.condition(name), Markup("").join(map(_image_cell, stills))
-        )
-        for name, stills in rows.items()
-    )
-    return Markup(
-        '<table class="stills"><thead><tr><td></td>{}</tr></thead><tbody>{}</tbody></table>'
-    ).format(Markup("").join(head), Markup("").join(body))
-
-
-def _image_cell(still: Still) -> Markup:
-    words = f"{wording.condition(still.condition)} after {still.seconds:.1f} seconds"
-    return Markup('<td><img src="{}" alt="{}"></td>').format(still.image, words)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Final, TypeVar
@@ -32,27 +32,32 @@ _SHARES: Final = Scale(
     limits=(0, 1), ticks={0: "0", 0.5: ".5", 1: "1"}, label="win share", line=0.5
 )
 
+OWN_AND_OTHER: Final = ("own speech", "other speech")
+
 ResultT = TypeVar("ResultT", Comparison, MatchedCondition)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PreferenceRow:
-    """The answers to one question about two sides, `first` against `second`.
+    """The answers to one question about two sides.
 
     Attributes
     ----------
     label : str
         The row's name within its group.
-    first, second : str
-        The names of the sides.
     result : Comparison or MatchedCondition
-        The result, seen from `first`.
+        The result, seen from the first side.
     """
 
     label: str
-    first: str
-    second: str
     result: Comparison | MatchedCondition
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of both sides."""
+        if isinstance(self.result, MatchedCondition):
+            return OWN_AND_OTHER
+        return tuple(map(wording.condition, self.result.names))
 
     @property
     def levels(self) -> tuple[int, ...]:
@@ -154,9 +159,8 @@ def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[Pr
 
 def _row(comparison: Comparison, reference: str | None) -> PreferenceRow:
     result = comparison.mirrored() if comparison.b == reference else comparison
-    first, second = wording.condition(result.a), wording.condition(result.b)
-    label = f"{first} against {second}" if reference is None else second
-    return PreferenceRow(label=label, first=first, second=second, result=result)
+    label = wording.against(*result.names) if reference is None else wording.condition(result.b)
+    return PreferenceRow(label=label, result=result)
 
 
 def reference_of(comparisons: Sequence[Comparison], reference: str | None) -> str | None:
@@ -177,17 +181,12 @@ def reference_of(comparisons: Sequence[Comparison], reference: str | None) -> st
 
 def mismatch_groups(results: MismatchResults) -> tuple[PreferenceGroup, ...]:
     """Return the conditions of each set, seen from their own speech."""
-    first, second = "own speech", "other speech"
+    names = (*OWN_AND_OTHER, "condition")
     return tuple(
         _group(
-            (first, second, "condition"),
+            names,
             "conditions.csv",
-            [
-                PreferenceRow(
-                    label=wording.condition(c.condition), first=first, second=second, result=c
-                )
-                for c in conditions
-            ],
+            [PreferenceRow(label=wording.condition(c.condition), result=c) for c in conditions],
         )
         for conditions in _by_set(results.conditions)
     )
@@ -222,12 +221,16 @@ def _group(
     )
 
 
-def pairwise_sections(results: PairwiseResults, subject: Subject) -> tuple[Section, ...]:
-    """Return one section for each set."""
-    return tuple(
-        _pairwise_section(results, group, set_suffix(group.set, number))
-        for number, group in enumerate(pairwise_groups(results, subject.reference), start=1)
-    )
+def preference_sections(
+    results: PairwiseResults | MismatchResults, subject: Subject
+) -> Iterator[Section]:
+    """Yield one section for each set."""
+    if isinstance(results, PairwiseResults):
+        for number, group in enumerate(pairwise_groups(results, subject.reference), start=1):
+            yield _pairwise_section(results, group, set_suffix(group.set, number))
+    else:
+        for number, group in enumerate(mismatch_groups(results), start=1):
+            yield _mismatch_section(group, set_suffix(group.set, number))
 
 
 def _pairwise_section(results: PairwiseResults, group: PreferenceGroup, suffix: str) -> Section:
@@ -272,25 +275,17 @@ def _fitted(results: PairwiseResults, group: PreferenceGroup) -> dict[str, Stren
     return {question: strengths[question] for question in group.questions if question in strengths}
 
 
-def mismatch_sections(results: MismatchResults) -> tuple[Section, ...]:
-    """Return one section for each set."""
-
-    def section(group: PreferenceGroup, suffix: str) -> Section:
-        text = figure_text("preferences", group=group)
-        sums, shares, *others = _tables(group, "own-speech")
-        return headline_section(
-            group.set,
-            suffix,
-            "Whether the motion fits its own speech",
-            no_figure=group.reason_for_no_figure,
-            paragraph=sentence("effects.own_speech"),
-            pictures=lambda: preference_pictures(group, replace(text, name=f"own-speech{suffix}")),
-            tables=(shares, sums, *others),
-        )
-
-    return tuple(
-        section(group, set_suffix(group.set, number))
-        for number, group in enumerate(mismatch_groups(results), start=1)
+def _mismatch_section(group: PreferenceGroup, suffix: str) -> Section:
+    text = figure_text("preferences", group=group)
+    sums, shares, *others = _tables(group, "own-speech")
+    return headline_section(
+        group.set,
+        suffix,
+        "Whether the motion fits its own speech",
+        no_figure=group.reason_for_no_figure,
+        paragraph=sentence("effects.own_speech"),
+        pictures=lambda: preference_pictures(group, replace(text, name=f"own-speech{suffix}")),
+        tables=(shares, sums, *others),
     )
 
 
@@ -342,7 +337,7 @@ def preference_pictures(group: PreferenceGroup, text: FigureText) -> tuple[Pictu
 def _bar(group: PreferenceGroup, row: PreferenceRow | None) -> Bar:
     if row is None or not row.result.n:
         return Bar()
-    percents, names = row.percentages, group.levels(row.first, row.second)
+    percents, names = row.percentages, group.levels(*row.names)
     parts = zip(percents, DIVERGING, row.levels, names, strict=True)
     return Bar(
         start=-(percents[0] + percents[1] + percents[2] / 2),
