@@ -118,7 +118,13 @@ def study_metrics(
         preset = preset.without_recordings()
     rates, usable, skipped = _frame_rates([*clips.values(), recordings], own_files, file_rate)
     segments = [
-        _segment_files(name, clips, recordings, speech, semantics or {}, usable)
+        SegmentFiles(
+            segment=name,
+            clips={c: paths[name] for c, paths in clips.items() if paths.get(name) in usable},
+            recorded=path if (path := recordings.get(name)) in usable else None,
+            speech=speech.get(name),
+            semantics=(semantics or {}).get(name),
+        )
         for name in sorted({segment for paths in clips.values() for segment in paths})
     ]
     segments = [files for files in segments if files.clips]
@@ -202,28 +208,6 @@ def _frame_rates(
         except InputError as error:
             skipped.append(error)
     return sorted(rates), usable, skipped
-
-
-def _segment_files(
-    name: str,
-    clips: Mapping[str, Mapping[str, Path]],
-    recordings: Mapping[str, Path],
-    speech: Mapping[str, Excerpt],
-    semantics: Mapping[str, Path],
-    usable: Collection[Path],
-) -> SegmentFiles:
-    recorded = recordings.get(name)
-    return SegmentFiles(
-        segment=name,
-        clips={
-            condition: paths[name]
-            for condition, paths in clips.items()
-            if name in paths and paths[name] in usable
-        },
-        recorded=recorded if recorded in usable else None,
-        speech=speech.get(name),
-        semantics=semantics.get(name),
-    )
 
 
 def _remarks(

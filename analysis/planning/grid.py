@@ -158,10 +158,8 @@ class Runner:
 
     def cells(self, tasks: Sequence[Task]) -> list[Cell]:
         """Return the cell of each task, in order; an interrupted run is resumed."""
-        powers_of: dict[int, tuple[Power, ...]] = {}
-        for number, task in enumerate(tasks):
-            if (powers := load_powers(task, self.folder)) is not None:
-                powers_of[number] = powers
+        loaded = {number: load_powers(task, self.folder) for number, task in enumerate(tasks)}
+        powers_of = {number: powers for number, powers in loaded.items() if powers is not None}
         waiting = [number for number in range(len(tasks)) if number not in powers_of]
         self._show_progress(len(powers_of), len(tasks))
         for number, powers in self._simulated(tasks, waiting):

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from analysis.results.conditions import RankingResults, RatingResults
 from analysis.results.grouping import ResultKey
-from analysis.results.headline import Measure
+from analysis.results.headline import MEASURES, Measure
 from analysis.results.pairwise import MismatchResults, PairwiseResults
-from analysis.results.report import TableReport
+from analysis.results.report import Results, TableReport
 from analysis.stats.clustered_mean import LEVEL, Estimate
 
 Sign = Literal["right", "wrong", "undecided", "equal"]
@@ -105,10 +105,10 @@ def match_values(
     """Return each known value that was estimated, with its estimate."""
     pairs = []
     for report in reports:
-        estimates = {_key(measure, key): estimate for measure, key, estimate in _estimates(report)}
+        estimates = {_key(key): estimate for key, estimate in _estimates(report.results)}
         for value in known:
-            key = value.measure, value.part if report.sets else "", value.question, value.about
-            if key in estimates:
+            key = value.part if report.sets else "", value.question, value.about
+            if value.measure == MEASURES[report.protocol] and key in estimates:
                 pairs.append((value, estimates[key]))
     return tuple(pairs)
 
@@ -117,49 +117,64 @@ def match_differences(
     reports: Sequence[TableReport], known: Sequence[KnownValue]
 ) -> tuple[KnownDifference, ...]:
     """Return, for each pair compared, whether the better side is found."""
-    truths: dict[_Key, float] = {(v.measure, v.part, v.question, v.about): v.value for v in known}
-    differences = (
-        _difference(report, truths, measure, key, estimate, decided)
-        for report in reports
-        for measure, key, estimate, decided in _compared(report)
-    )
-    return tuple(each for each in differences if not math.isnan(each.truth))
+    differences = []
+    for report in reports:
+        measure = MEASURES[report.protocol]
+        truths = {(v.part, v.question, v.about): v.value for v in known if v.measure == measure}
+        is_share = measure in ("win_share", "own_speech")
+        for key, estimate, decided in _compared(report.results):
+            part, question, pair = _key(key)
+            # A table without sets may be one part of a study that has several.
+            parts = [part] if report.sets else sorted({part for part, _, _ in truths})
+            values = [
+                next((truths[k] for p in parts if (k := (p, question, about)) in truths), math.nan)
+                for about in ((pair,) if is_share else key.names)
+            ]
+            first, second = [*values, 0.5][:2]
+            difference = KnownDifference(
+                part=part,
+                question=question,
+                measure=measure,
+                first=key.names[0],
+                second="".join(key.names[1:]) or "other speech",
+                # The smaller a rank, the better.
+                truth=second - first if measure == "mean_rank" else first - second,
+                estimate=estimate,
+                decided=decided,
+            )
+            if not math.isnan(difference.truth):
+                differences.append(difference)
+    return tuple(differences)
 
 
-_Key = tuple[str, str, str, str]
-"""Measure, part, question and subject."""
+def _key(key: ResultKey) -> tuple[str, str, str]:
+    """Return part, question and subject."""
+    return key.set or "", key.question, "-".join(key.names)
 
 
-def _key(measure: Measure, key: ResultKey) -> _Key:
-    return measure, key.set or "", key.question, "-".join(key.names)
-
-
-def _estimates(report: TableReport) -> Iterator[tuple[Measure, ResultKey, Estimate]]:
+def _estimates(results: Results) -> Iterator[tuple[ResultKey, Estimate]]:
     """Yield every headline number of a report, both ways round for pairs."""
-    match report.results:
-        case PairwiseResults(comparisons=comparisons):
-            for comparison in comparisons:
+    match results:
+        case PairwiseResults():
+            for comparison in results.comparisons:
                 for either in (comparison, comparison.mirrored()):
-                    yield "win_share", either, either.win_share
-        case MismatchResults(conditions=matched):
-            for condition in matched:
-                yield "own_speech", condition, condition.win_share
-        case RatingResults(conditions=rated):
-            for rating in rated:
-                yield "mean_rating", rating, rating
-        case RankingResults(conditions=ranked):
-            for rank in ranked:
-                yield "mean_rank", rank, rank.mean_rank
+                    yield either, either.win_share
+        case MismatchResults():
+            yield from ((condition, condition.win_share) for condition in results.conditions)
+        case RatingResults():
+            yield from ((condition, condition) for condition in results.conditions)
+        case RankingResults():
+            yield from ((condition, condition.mean_rank) for condition in results.conditions)
 
 
-def _compared(report: TableReport) -> Iterator[tuple[Measure, ResultKey, Estimate, bool]]:
+def _compared(results: Results) -> Iterator[tuple[ResultKey, Estimate, bool]]:
     """Yield each difference (of a share, from one half), and whether it is significant."""
-    match report.results:
+    match results:
         case RatingResults(contrasts=contrasts):
             for contrast in contrasts:
                 difference = contrast.difference
                 decided = difference.has_interval and not difference.covers(0.0)
-                yield "mean_rating", contrast, difference, decided
+                yield contrast, difference, decided
         case RankingResults(conditions=ranked, contrasts=worths):
             ranks = {(each.set, each.question, each.condition): each.mean_rank for each in ranked}
             for pair in worths:
@@ -171,45 +186,9 @@ def _compared(report: TableReport) -> Iterator[tuple[Measure, ResultKey, Estimat
                 )
                 # Outside the report's family p is not corrected.
                 p = pair.p_value if math.isnan(pair.p_holm) else pair.p_holm
-                yield "mean_rank", pair, ahead, p < SIGNIFICANT
+                yield pair, ahead, p < SIGNIFICANT
         case _:
-            for measure, key, share in _estimates(report):
+            for key, share in _estimates(results):
                 moved = {name: getattr(share, name) - 0.5 for name in ("estimate", "low", "high")}
                 decided = share.has_interval and not share.covers(0.5)
-                yield measure, key, replace(share, **moved), decided
-
-
-def _difference(
-    report: TableReport,
-    truths: Mapping[_Key, float],
-    measure: Measure,
-    key: ResultKey,
-    estimate: Estimate,
-    decided: bool,
-) -> KnownDifference:
-    # A table without sets may be one part of a study that has several.
-    parts = [key.set or ""] if report.sets else sorted({part for _, part, _, _ in truths})
-    is_share = measure in ("win_share", "own_speech")
-    values = [
-        next(
-            (
-                truths[measure, part, key.question, about]
-                for part in parts
-                if (measure, part, key.question, about) in truths
-            ),
-            math.nan,
-        )
-        for about in (["-".join(key.names)] if is_share else key.names)
-    ]
-    first, second = [*values, 0.5][:2]
-    return KnownDifference(
-        part=key.set or "",
-        question=key.question,
-        measure=measure,
-        first=key.names[0],
-        second="".join(key.names[1:]) or "other speech",
-        # The smaller a rank, the better.
-        truth=second - first if measure == "mean_rank" else first - second,
-        estimate=estimate,
-        decided=decided,
-    )
+                yield key, replace(share, **moved), decided

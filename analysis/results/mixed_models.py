@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from analysis.results.grouping import codes, is_on_right, shown_conditions
 from analysis.stats.ordinal.mixed_model import (
-    OrdinalFit,
     RandomEffect,
     fit,
     likelihood_ratio,
@@ -134,7 +133,11 @@ def net_preference(answers: SidedAnswers) -> NetPreference:
     reason = _why_not(answers)
     if reason:
         return replace(unknown, reason=reason)
-    side, random = _model(answers)
+    side = np.where(answers.on_right, 1.0, -1.0)
+    random = [
+        RandomEffect(name="participant", groups=answers.participants, multiplier=side),
+        RandomEffect(name="segment", groups=answers.segments, multiplier=side),
+    ]
     try:
         full = fit(answers.responses, {"preference": side}, random)
         reduced = fit(answers.responses, {}, random, errors=False)
@@ -142,6 +145,7 @@ def net_preference(answers: SidedAnswers) -> NetPreference:
         return replace(unknown, reason=error.what)
     if not full.converged:
         return replace(unknown, reason=full.remark)
+    remark = "" if reduced.converged else "Without the preference the model did not converge. "
     return replace(
         unknown,
         estimate=full.estimates["preference"],
@@ -152,16 +156,7 @@ def net_preference(answers: SidedAnswers) -> NetPreference:
         sd_participant=full.deviations["participant"],
         sd_segment=full.deviations["segment"],
         thresholds=full.thresholds,
-        remark=_remark(full, reduced),
-    )
-
-
-def _model(answers: SidedAnswers) -> tuple[Floats, tuple[RandomEffect, ...]]:
-    """Return s, and the random effects."""
-    side = np.where(answers.on_right, 1.0, -1.0)
-    return side, (
-        RandomEffect(name="participant", groups=answers.participants, multiplier=side),
-        RandomEffect(name="segment", groups=answers.segments, multiplier=side),
+        remark=f"{remark}{full.remark}".strip(),
     )
 
 
@@ -181,12 +176,6 @@ def _why_not(answers: SidedAnswers) -> str:
     if answers.on_right.all() or not answers.on_right.any():
         return ONE_SIDE
     return ""
-
-
-def _remark(full: OrdinalFit, reduced: OrdinalFit) -> str:
-    if not reduced.converged:
-        return f"Without the preference the model did not converge. {full.remark}".strip()
-    return full.remark
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,7 +21,6 @@ from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.preference import FEWEST, Comparison, Decision, MatchedCondition
 from analysis.results.report import Results, TableReport
 from analysis.results.strengths import StrengthDifference
-from analysis.stats.one_sample_tests import Equivalence
 
 MOST: Final = 4
 """Most items of a kind that a sentence names; the tables hold all of them."""
@@ -227,11 +226,9 @@ def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
 
 def _equivalent_pairs(results: Results) -> list[ResultKey]:
     """Return the pairs that differ by less than the margin, with segments as a sample too."""
-    tests: list[tuple[ResultKey, Equivalence]] = []
-    if isinstance(results, PairwiseResults):
-        tests = [(pair, pair) for pair in results.equivalence]
-    elif isinstance(results, RatingResults):
-        tests = [(pair, pair.two_way) for pair in results.equivalence]
+    if not isinstance(results, PairwiseResults | RatingResults):
+        return []
+    tests = [(pair, getattr(pair, "two_way", pair)) for pair in results.equivalence]
     return [pair for pair, test in tests if test.verdict.startswith("equivalent")]
 
 

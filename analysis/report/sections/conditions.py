@@ -28,6 +28,7 @@ from analysis.report.figures.style import (
     scale_colours,
     series_style,
 )
+from analysis.report.sections.metric_table import first_and_second
 from analysis.report.texts import figure_text, table
 from analysis.report.wording import SIGNIFICANCE, ordinal, ranks, reason_for_no_figure, set_suffix
 from analysis.results.conditions import (
@@ -95,20 +96,13 @@ def _rating_section(
 
 def _scores(conditions: Sequence[RatedCondition]) -> Table:
     """Return the table of means, with the best and the second best (as printed) marked."""
-    printed: dict[str, set[float]] = {}
-    for c in conditions:
-        if not math.isnan(c.estimate):
-            printed.setdefault(c.question, set()).add(round(c.estimate, 2))
-    ranked = {q: sorted(means, reverse=True) for q, means in printed.items() if len(means) > 1}
-
-    def at_place(place: int) -> list[RatedCondition]:
-        return [
-            c
-            for c in conditions
-            if c.question in ranked and round(c.estimate, 2) == ranked[c.question][place]
-        ]
-
-    return table("scores", conditions, best=at_place(0), second=at_place(1))
+    best, second = [], []
+    for question in dict.fromkeys(c.question for c in conditions):
+        asked = [c for c in conditions if c.question == question]
+        places = first_and_second([c.estimate for c in asked], "higher", math.nan, 2)
+        best += [asked[place] for place in places[0]]
+        second += [asked[place] for place in places[1]]
+    return table("scores", conditions, best=best, second=second)
 
 
 def distribution_pictures(
