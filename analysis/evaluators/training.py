@@ -132,7 +132,17 @@ def train_evaluator(
         device=request.device,
     )
     _check_windows(parts, config, clips)
-    trained = _trained(request, design, parts, clips, folder, show_training)
+    task = FeatureTask(
+        fresh=design.fresh_network,
+        training=parts.training,
+        held_out=parts.held_out,
+        settings=design.model_dump(mode="json", exclude={"network"})
+        | {"device": request.device, "held out": parts.how}
+        | design.network.model_dump(mode="json"),
+        data_sha256=clips.seen_sha256,
+        device=request.device,
+    )
+    trained = train(task, request.training, folder, show=show_training)
     facts = EvaluatorFacts(
         **dict(design),
         data=DataFacts(
@@ -218,31 +228,6 @@ def _check_windows(parts: Split, config: WindowConfig, clips: TrainingClips) -> 
                 f"network needs {fewest}{_left_out(clips)}",
                 remedy="Give more recordings, or longer ones",
             )
-
-
-def _trained(
-    request: EvaluatorRequest,
-    design: Design,
-    parts: Split,
-    clips: TrainingClips,
-    folder: RunFolder,
-    show: Show | None,
-) -> Trained[Network]:
-    """Train the network of `design`."""
-    settings = (
-        design.model_dump(mode="json", exclude={"network"})
-        | {"device": request.device, "held out": parts.how}
-        | design.network.model_dump(mode="json")
-    )
-    task = FeatureTask(
-        fresh=design.fresh_network,
-        training=parts.training,
-        held_out=parts.held_out,
-        settings=settings,
-        data_sha256=clips.seen_sha256,
-        device=request.device,
-    )
-    return train(task, request.training, folder, show=show)
 
 
 def _held_out(trained: Trained[Network], parts: Split, kind: Kind) -> dict[str, float]:

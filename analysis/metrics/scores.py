@@ -82,26 +82,18 @@ class Metric:
     ) -> MetricResult:
         """Return a score; see `MetricResult` for its parts."""
         return MetricResult(
-            name=self.name,
+            **vars(self),
             value=value,
-            unit=self.unit,
             n=n,
             settings=settings or {},
             interval=interval,
             remark=remark,
-            better=self.better,
         )
 
     def missing(self, reason: str, settings: Mapping[str, str] | None = None) -> MetricResult:
         """Return the result without a score, with the reason."""
         return MetricResult(
-            name=self.name,
-            value=math.nan,
-            unit=self.unit,
-            n=0,
-            settings=settings or {},
-            reason=reason,
-            better=self.better,
+            **vars(self), value=math.nan, n=0, settings=settings or {}, reason=reason
         )
 
 

@@ -234,7 +234,21 @@ def _correlate(
     too_few: str,
     seed: int,
 ) -> MetricAgainstPeople:
-    names = tallies.conditions
+    names, places = tallies.conditions, []
+    for number in metric.present.tolist():
+        draws = preferences.draws[:, number]
+        draws = draws[~np.isnan(draws)]
+        is_known = len(draws) and not too_few
+        low, high = percentile_interval(draws) if is_known else (math.nan, math.nan)
+        places.append(
+            ScoredCondition(
+                condition=names[number],
+                score=float(metric.whole[number]),
+                preference=float(preferences.estimates[number]),
+                low=low,
+                high=high,
+            )
+        )
     # A different seed from that of participants and segments.
     tau, rho = over_conditions(preferences, metric, too_few=too_few, seed=seed + 1)
     return MetricAgainstPeople(
@@ -246,28 +260,8 @@ def _correlate(
         kendall=tau,
         spearman=rho,
         within=within_conditions(tallies, metric),
-        places=tuple(
-            _scored(names[number], float(metric.whole[number]), number, preferences, too_few)
-            for number in metric.present.tolist()
-        ),
+        places=tuple(places),
         left_out={names[number]: why for number, why in metric.left_out.items()},
-    )
-
-
-def _scored(
-    name: str, score: float, number: int, preferences: ResampledPreferences, too_few: str
-) -> ScoredCondition:
-    draws = preferences.draws[:, number]
-    draws = draws[~np.isnan(draws)]
-    low, high = math.nan, math.nan
-    if len(draws) and not too_few:
-        low, high = percentile_interval(draws)
-    return ScoredCondition(
-        condition=name,
-        score=score,
-        preference=float(preferences.estimates[number]),
-        low=low,
-        high=high,
     )
 
 

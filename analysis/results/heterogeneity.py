@@ -331,18 +331,11 @@ def _placed_wins(protocol: str, answers: pd.DataFrame) -> pd.DataFrame:
     placed = pd.DataFrame(
         {
             **{name: answers[name].astype(str) for name in together},
-            "condition": shown_codes(answers)["condition"],
+            "first": shown_codes(answers)["condition"],
             "value": answers["value"].to_numpy(float) * (-1 if protocol == "ranking" else 1),
         }
     )
-    both = placed.merge(placed, on=together, suffixes=("_first", "_second"))
-    both = both[both["condition_first"] < both["condition_second"]]
-    return pd.DataFrame(
-        {
-            "first": both["condition_first"],
-            "second": both["condition_second"],
-            "segment": both["segment"],
-            "question": both["question"],
-            "win": (np.sign(both["value_first"] - both["value_second"]) + 1) / 2,
-        }
-    )
+    seconds = placed.rename(columns={"first": "second"})
+    both = placed.merge(seconds, on=together, suffixes=("", "_of_second"))
+    both = both[both["first"] < both["second"]]
+    return both.assign(win=(np.sign(both["value"] - both["value_of_second"]) + 1) / 2)
