@@ -3,19 +3,12 @@ from __future__ import annotations
 import krippendorff
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy import stats
 from statsmodels.stats.inter_rater import cohens_kappa
 
 from analysis.stats.agreement import krippendorff_alpha, retest_agreement
-
-
-def answers(table: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]:
-    """Return values, raters and items of a table of raters (rows) by items; NaN is missing."""
-    values = np.asarray(table, np.float64)
-    there = ~np.isnan(values)
-    raters, items = np.nonzero(there)
-    return values[there], raters, items
+from tests.analysis.stats.tables import cells
 
 
 def drawn(items: int = 15, missing: float = 0.3) -> NDArray[np.float64]:
@@ -28,7 +21,7 @@ def drawn(items: int = 15, missing: float = 0.3) -> NDArray[np.float64]:
 
 def test_alpha_agrees_with_another_implementation() -> None:
     table = drawn()
-    result = krippendorff_alpha(*answers(table))
+    result = krippendorff_alpha(*cells(table))
     assert result.estimate == pytest.approx(
         krippendorff.alpha(table, level_of_measurement="ordinal")
     )
@@ -38,7 +31,7 @@ def test_alpha_agrees_with_another_implementation() -> None:
 
 def test_a_resample_is_alpha_of_the_items_drawn() -> None:
     table = drawn(items=2, missing=0)
-    both = krippendorff_alpha(*answers(table))
+    both = krippendorff_alpha(*cells(table))
     alone = [
         krippendorff.alpha(np.repeat(table[:, [item]], 2, axis=1), level_of_measurement="ordinal")
         for item in (0, 1)

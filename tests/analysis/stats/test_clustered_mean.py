@@ -18,13 +18,12 @@ from analysis.stats.clustered_mean import (
     Estimate,
     clustered_mean,
 )
+from tests.analysis.stats.tables import cells
 
 
 def means(rows: ArrayLike) -> Estimate:
     """Return the estimate for a table of participants (rows) by segments (columns)."""
-    table = np.asarray(rows, float)
-    people, items = np.indices(table.shape)
-    return clustered_mean(table.ravel(), people.ravel(), items.ravel())
+    return clustered_mean(*cells(rows))
 
 
 def by_matrices(

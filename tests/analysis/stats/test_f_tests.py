@@ -3,24 +3,18 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
-from numpy.typing import ArrayLike
 from scipy import stats
 from statsmodels.formula.api import ols
 from statsmodels.stats.anova import AnovaRM, anova_lm
 
-from analysis.stats.f_tests import FTest, between_groups, between_segments, min_f
-
-
-def outcome(table: ArrayLike) -> FTest:
-    table = np.asarray(table, float)
-    people, items = np.indices(table.shape)
-    return min_f(table.ravel(), people.ravel(), items.ravel())
+from analysis.stats.f_tests import between_groups, between_segments, min_f
+from tests.analysis.stats.tables import cells
 
 
 def test_min_f_combines_the_two_t_tests() -> None:
     generator = np.random.default_rng(7)
     table = 0.4 + generator.normal(0, 0.5, (20, 1)) + generator.normal(0, 1, (20, 12))
-    result = outcome(table)
+    result = min_f(*cells(table))
     f1 = stats.ttest_1samp(table.mean(axis=1), 0).statistic ** 2
     f2 = stats.ttest_1samp(table.mean(axis=0), 0).statistic ** 2
     assert result.statistic == pytest.approx(f1 * f2 / (f1 + f2))
@@ -41,11 +35,11 @@ def test_an_unbalanced_sample_counts_every_participant_and_item_once() -> None:
 
 def test_identical_participants_leave_the_test_to_the_items() -> None:
     table = [[1, 2, 0], [1, 2, 0], [0, 2, 1]]
-    result = outcome(table)
+    result = min_f(*cells(table))
     of_items = stats.ttest_1samp(np.mean(table, axis=0), 0).statistic ** 2
     assert result.statistic == pytest.approx(of_items)
     assert result.df_rest == pytest.approx(2)
-    nothing = outcome([[1, -1, 0], [0, 1, -1]])
+    nothing = min_f(*cells([[1, -1, 0], [0, 1, -1]]))
     assert (nothing.statistic, nothing.p_value, nothing.reason) == (0.0, 1.0, "")
 
 

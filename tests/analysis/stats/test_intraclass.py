@@ -5,6 +5,7 @@ import pytest
 from numpy.typing import ArrayLike
 
 from analysis.stats.intraclass import COMPLETE, INCOMPLETE, Intraclass, intraclass_correlation
+from tests.analysis.stats.tables import cells
 
 SHROUT_AND_FLEISS = [
     [9, 2, 5, 8],
@@ -19,10 +20,8 @@ SHROUT_AND_FLEISS = [
 
 def of(table: ArrayLike) -> Intraclass:
     """Return the result for a table of items (rows) by raters; NaN is missing."""
-    values = np.asarray(table, np.float64)
-    there = ~np.isnan(values)
-    items, raters = np.nonzero(there)
-    return intraclass_correlation(values[there], raters, items)
+    values, items, raters = cells(table)
+    return intraclass_correlation(values, raters, items)
 
 
 def test_it_matches_shrout_and_fleiss() -> None:

@@ -19,19 +19,13 @@ from analysis.stats.rankings import Blocks, friedman
 from analysis.stats.ratings import cliffs_delta, mean_difference, rated_cells
 from analysis.stats.strength_models import bradley_terry
 from tests.analysis.stats.named_votes import votes_of
+from tests.analysis.stats.tables import cells
 
 NONE = math.nan
 UNSHARED = "no item was answered about by two participants"
 DISTINCT = "too few participants share segments to tell them apart"
 WHO, WHAT = (codes.ravel() for codes in np.indices((6, 8)))
 GROUP, VALUES = WHAT % 4, np.random.default_rng(1).normal(size=48)
-
-
-def cells(table: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return values, rows and columns of a table; NaN is missing."""
-    values = np.asarray(table, np.float64)
-    rows, columns = np.nonzero(~np.isnan(values))
-    return values[rows, columns], rows, columns
 
 
 def ranked(table: ArrayLike) -> Any:

@@ -13,6 +13,7 @@ from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 from analysis.stats.clustered_mean import ONE_SEGMENT, TWO_WAY
 from analysis.stats.strength_differences import MIXED, TwoWayErrors, omnibus, rank_intervals
 from analysis.stats.strength_models import Votes, bradley_terry, plackett_luce
+from analysis.stats.strengths import FittedStrengths
 from tests.analysis.reference import REFERENCE, with_reference
 from tests.analysis.results.made_tables import ranking_table
 from tests.analysis.stats.named_votes import votes_of
@@ -60,6 +61,11 @@ def made_votes(taste: float = 1.0, luck: float = 1.0) -> Votes:
         participant=people,
         segment=items,
     )
+
+
+def errors_of(fit: FittedStrengths) -> TwoWayErrors:
+    assert fit.two_way is not None
+    return fit.two_way
 
 
 def with_ties() -> Votes:
@@ -114,9 +120,7 @@ def test_for_two_conditions_plackett_luce_equals_davidsons_model_with_ties() -> 
 
     assert ranked.strengths == pytest.approx(pairs.strengths, abs=1e-8)
     assert ranked.errors == pytest.approx(pairs.errors, rel=1e-6)
-    assert ranked.two_way is not None
-    assert pairs.two_way is not None
-    assert ranked.two_way.errors == pytest.approx(pairs.two_way.errors, rel=1e-3)
+    assert errors_of(ranked).errors == pytest.approx(errors_of(pairs).errors, rel=1e-3)
     assert ranked.ties[2] == pytest.approx(pairs.tie, abs=1e-8)
     assert ranked.log_likelihood == pytest.approx(pairs.log_likelihood)
 
@@ -157,29 +161,25 @@ def test_standard_errors_agree_with_logistic_regression() -> None:
     result = bradley_terry(votes, left_effect=False)
 
     assert result.strengths == pytest.approx(turn @ fitted.params)
-    assert result.two_way is not None
-    assert result.two_way.method == TWO_WAY
+    errors = errors_of(result)
+    assert errors.method == TWO_WAY
     # Theirs is CR1, which is close to CR2 if all have given the same number of answers.
-    assert result.two_way.errors == pytest.approx(
+    assert errors.errors == pytest.approx(
         np.sqrt(np.diagonal(turn @ covariance @ turn.T)), rel=5e-3
     )
-    assert result.two_way.differences[0, 1:] == pytest.approx(
-        np.sqrt(np.diagonal(covariance)), rel=5e-3
-    )
-    two_way = result.two_way.by_participant + result.two_way.by_segment - result.two_way.by_cell
+    assert errors.differences[0, 1:] == pytest.approx(np.sqrt(np.diagonal(covariance)), rel=5e-3)
+    two_way = errors.by_participant + errors.by_segment - errors.by_cell
     assert two_way == pytest.approx(turn @ covariance @ turn.T, rel=1e-6)
 
 
 def test_a_larger_one_way_variance_replaces_the_two_way_one() -> None:
     votes = made_votes(taste=0.0, luck=0.0)
-    result = bradley_terry(votes)
-
-    assert result.two_way is not None
-    assert result.two_way.method == MIXED
-    matrix = result.two_way.by_participant
+    errors = errors_of(bradley_terry(votes))
+    assert errors.method == MIXED
+    matrix = errors.by_participant
     own = np.diagonal(matrix)
     of_participants = own[:, None] + own - 2 * matrix
-    assert (result.two_way.differences**2 >= 0.999 * of_participants - 1e-12).all()
+    assert (errors.differences**2 >= 0.999 * of_participants - 1e-12).all()
 
 
 def test_with_one_segment_errors_are_clustered_by_participant() -> None:
@@ -187,9 +187,8 @@ def test_with_one_segment_errors_are_clustered_by_participant() -> None:
 
     result = bradley_terry(replace(votes, segment=np.zeros_like(votes.left)))
 
-    assert result.two_way is not None
-    assert result.two_way.method == ONE_SEGMENT
-    assert result.two_way.errors == pytest.approx(result.errors, rel=0.03)
+    assert errors_of(result).method == ONE_SEGMENT
+    assert errors_of(result).errors == pytest.approx(result.errors, rel=0.03)
 
 
 def p_values(strengths: np.ndarray, covariance: np.ndarray) -> np.ndarray:
@@ -233,13 +232,9 @@ def test_the_omnibus_test_is_hotellings_if_only_participants_are_sampled() -> No
 
 def test_too_few_segments_give_no_omnibus_test() -> None:
     votes = made_votes()
-    few = replace(votes, segment=votes.segment % 3)
-    result = bradley_terry(few)
-    assert result.two_way is not None
-    assert (
-        "too few for a joint test of 4 conditions"
-        in omnibus(result.strengths, result.two_way).reason
-    )
+    result = bradley_terry(replace(votes, segment=votes.segment % 3))
+    reason = omnibus(result.strengths, errors_of(result)).reason
+    assert "too few for a joint test of 4 conditions" in reason
 
 
 def test_the_prior_is_half_a_win_and_half_a_loss_against_the_average() -> None:

@@ -14,6 +14,7 @@ from analysis.results.against_people import metrics_against_people
 from analysis.results.grouping import ByQuestion
 from analysis.results.rank_correlations import sampling_range
 from analysis.results.report import TableReport
+from tests.analysis.report.sections.reading import present
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import TABLES, read_table
 from tests.analysis.results.simulated_studies import metrics_of
@@ -49,8 +50,7 @@ def test_correlations_are_in_a_table_and_two_reproducible_figures(
     tmp_path: Path,
 ) -> None:
     found = report(tmp_path, "ranking", CONDITIONS)
-    shown = section(found)
-    assert shown is not None
+    shown = present(section(found))
     assert shown == section(found)
     (table,) = shown.tables
     cells = [cell.text for cell in table.rows[0]]
@@ -60,8 +60,7 @@ def test_correlations_are_in_a_table_and_two_reproducible_figures(
         "metric-correlations",
         "metrics-against-people-1",
     ]
-    for picture in shown.pictures:
-        assert picture.figure is not None
+    assert all(picture.figure for picture in shown.pictures)
     assert "c00" in shown.pictures[1].svg
     assert "With 4 conditions" in shown.paragraphs[0]
 
@@ -71,15 +70,13 @@ def test_fewer_conditions_give_a_weaker_statement(tmp_path: Path) -> None:
     assert "anything from .07 to .82 in 95 of 100 studies" in many
     assert "could look the same" not in many
     assert "could look the same" in few
-    shown = section(report(tmp_path, "ranking", ("c00", "c01")))
-    assert shown is not None
+    shown = present(section(report(tmp_path, "ranking", ("c00", "c01"))))
     assert shown.paragraphs[0].startswith("Two conditions agree")
     assert any("2 conditions have scores" in note for note in shown.tables[0].notes)
 
 
 def test_a_condition_without_a_score_is_named_under_the_table(tmp_path: Path) -> None:
-    shown = section(report(tmp_path, "pairwise", ("c00", "c01", "z")))
-    assert shown is not None
+    shown = present(section(report(tmp_path, "pairwise", ("c00", "c01", "z"))))
     notes = " ".join(shown.tables[0].notes)
     assert "Left out of liveliness: z (the metric was not measured)." in notes
     assert shown.tables[0].header[-1] == "pairs of clips"
@@ -94,8 +91,7 @@ def test_without_scores_a_sentence_says_so_and_without_metrics_there_is_no_secti
     tmp_path: Path,
 ) -> None:
     without = report(tmp_path, "pairwise", ("x", "y", "z"))
-    shown = section(without)
-    assert shown is not None
+    shown = present(section(without))
     assert shown.paragraphs[0].startswith("No metric has a score")
     assert not shown.tables
     vars(without)["metrics_against_people"] = ByQuestion()

@@ -12,6 +12,7 @@ from analysis.report.sections.answer import answer, certainty
 from analysis.report.sections.participants import flow_line, flow_section
 from analysis.results.conditions import RatingResults
 from analysis.results.pairwise import PairwiseResults
+from tests.analysis.report.sections.reading import present
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import (
     TABLES,
@@ -214,9 +215,7 @@ def test_open_places_unwatched_study_sessions_and_people_screened_out_are_counte
         "Participants: 4 screened out, 7 started − 1 withdrew − 2 gave no answer = 4 answered"
         " − 0 excluded = 4 analysed."
     )
-    section, finished = (flow_section(each, subject) for each in (unfinished, report))
-    assert section is not None
-    assert finished is not None
+    section, finished = (present(flow_section(each, subject)) for each in (unfinished, report))
     assert section.paragraphs[0].startswith(
         "4 people were screened out before the trials: 3 by the questions about eligibility"
     )

@@ -11,7 +11,7 @@ from analysis.report.sections.heterogeneity import effects, heterogeneity_sectio
 from analysis.report.sections.preferences import pairwise_groups, preference_pictures
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport
-from tests.analysis.report.sections.reading import drawn, told
+from tests.analysis.report.sections.reading import drawn, present, told
 from tests.analysis.report.subjects import headline, subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table
 
@@ -81,11 +81,14 @@ def test_effects_are_split_by_emotion_and_few_segments_are_descriptive(
     analyse: Analyse,
 ) -> None:
     table = pairwise_table(("ours", "other"), effects=(1, 0), participants=4, segments=6)
+
+    def apart(answers: pd.DataFrame) -> Section:
+        report = analyse("pairwise", answers)
+        return present(heterogeneity_section(report, subject_of(report)))
+
     number = table["segment"].str[1:].astype(int)
     table["emotion"] = number.map(lambda k: "joy" if k % 2 else "anger")
-    report = analyse("pairwise", table)
-    section = heterogeneity_section(report, subject_of(report))
-    assert section is not None
+    section = apart(table)
     assert [picture.name for picture in section.pictures] == ["by-emotion", "by-segment"]
     assert any("Hollow marks are descriptive" in text for text in section.paragraphs)
     said = drawn(section.pictures[0]).get_text()
@@ -94,18 +97,14 @@ def test_effects_are_split_by_emotion_and_few_segments_are_descriptive(
     (tests,) = section.tables
     assert [row[2].text for row in tests.rows] == ["emotion", "segment"]
     assert not tests.secondary
-    repeated = analyse("pairwise", table.assign(emotion=table["segment"] + " emotion"))
-    once = heterogeneity_section(repeated, subject_of(repeated))
-    assert once is not None
+    once = apart(table.assign(emotion=table["segment"] + " emotion"))
     assert [picture.name for picture in once.pictures] == ["by-segment"]
     assert (
         "Each emotion has one segment, so its estimate is that of the segment." in once.paragraphs
     )
     alone = analyse("pairwise", table[table["participant"] == "p00"])
     assert heterogeneity_section(alone, subject_of(alone)) is None
-    alike = analyse("pairwise", all_alike(table, "pairwise"))
-    untested = heterogeneity_section(alike, subject_of(alike))
-    assert untested is not None
+    untested = apart(all_alike(table, "pairwise"))
     assert untested.tables[0].secondary == "No test could be run"
     assert any("no test" in note for note in untested.tables[0].notes)
 

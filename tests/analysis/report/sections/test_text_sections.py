@@ -23,6 +23,7 @@ from analysis.report.sections.participants import (
 from analysis.results.known_values import KnownValue, match_values
 from analysis.results.pairwise import PairwiseResults
 from analysis.stats.multiple_testing import Look, looks_before
+from tests.analysis.report.sections.reading import present
 from tests.analysis.report.subjects import subject_of
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table, report_of
 
@@ -30,7 +31,7 @@ SENTENCE = "Results were looked at 2 times before these answers were complete, a
 
 
 def words(section: Section | None) -> str:
-    assert section is not None
+    section = present(section)
     tables = [
         text
         for table in section.tables
@@ -105,9 +106,8 @@ def test_a_rehearsals_truth_is_compared_with_estimates_in_either_direction(tmp_p
     )
 
     pairs = match_values([report], truth)
-    section = truth_section(subject_of(report, origin="rehearsal", truth=pairs))
+    section = present(truth_section(subject_of(report, origin="rehearsal", truth=pairs)))
 
-    assert section is not None
     [first, second] = [[cell.text for cell in row] for row in section.tables[0].rows]
     assert first[6] == "inside"
     assert second[6] == "outside"
@@ -135,9 +135,8 @@ def test_looks_are_reported_on_the_first_screen_in_the_methods_and_in_a_section(
     before = looks_before([looked(2), looked(4, "")], finished=6, answers=60)
     seen = replace(report, looks=before)
 
-    section = looks_section(seen)
+    section = present(looks_section(seen))
 
-    assert section is not None
     assert section.paragraphs[0].startswith(SENTENCE)
     assert (
         f"a false positive rate of {100 * before.false_positive_rate:.1f}% instead of 5%"
@@ -152,8 +151,8 @@ def test_looks_are_reported_on_the_first_screen_in_the_methods_and_in_a_section(
     assert answer(seen, subject)[-1].startswith(SENTENCE)
     assert SENTENCE in " ".join(methods_section(seen, subject).paragraphs)
     many = [looked(number) for number in range(1, MOST_LOOKS + 51)]
-    busy = looks_section(replace(report, looks=looks_before(many, finished=999, answers=9990)))
-    assert busy is not None
+    looks = looks_before(many, finished=999, answers=9990)
+    busy = present(looks_section(replace(report, looks=looks)))
     numbers = f"{MOST_LOOKS + 50} numbers of finished participants from 1 to {MOST_LOOKS + 50}"
     assert numbers in busy.paragraphs[0]
     assert len(busy.tables[0].rows) == MOST_LOOKS
@@ -182,8 +181,7 @@ def stills(*conditions: str, **settings: Any) -> Section | None:
 
 
 def test_each_condition_is_a_row_of_stills_with_alternative_texts() -> None:
-    section = stills("ours", "<b>theirs</b>")
-    assert section is not None
+    section = present(stills("ours", "<b>theirs</b>"))
     (strip,) = section.pictures
     assert strip.svg.count("<img ") == 4
     assert 'alt="ours after 1.2 seconds"' in strip.svg
@@ -194,8 +192,8 @@ def test_each_condition_is_a_row_of_stills_with_alternative_texts() -> None:
 
 
 def test_a_condition_without_stills_is_named_with_a_reason() -> None:
-    of_ours, of_none = stills("ours"), stills(no_stills="There are no videos yet.")
-    assert of_ours is not None and of_none is not None
+    of_ours = present(stills("ours"))
+    of_none = present(stills(no_stills="There are no videos yet."))
     assert of_ours.paragraphs[1] == "There is no readable video of this segment for theirs."
     assert of_none.paragraphs == ("There are no videos yet.",)
     assert stills() is None
@@ -217,9 +215,7 @@ def test_numbers_with_and_without_exclusions_stand_side_by_side(
         )
     )
     assert nobody is None
-    assert planned is not None
-    assert exploratory is not None
-    (table_of_three,), (table_of_two,) = exploratory.tables, planned.tables
+    (table_of_three,), (table_of_two,) = present(exploratory).tables, present(planned).tables
     assert [name for name, _ in table_of_two.groups[1:]] == ["analysed", "nobody excluded"]
     groups = ["analysed", "as planned", "nobody excluded"]
     assert [name for name, _ in table_of_three.groups[1:]] == groups
@@ -237,9 +233,8 @@ def test_pairs_are_oriented_to_the_reference_as_in_the_headline(
     table["excluded"] = table["participant"] == table["participant"].iloc[0]
     report = report_of(table, "pairwise", tmp_path)
 
-    found = sensitivity_section(report, subject_of(report, reference=reference))
+    found = present(sensitivity_section(report, subject_of(report, reference=reference)))
 
-    assert found is not None
     [[_, pair, _, share, *_]] = found.tables[0].rows
     assert isinstance(report.results, PairwiseResults)
     [comparison] = report.results.comparisons
