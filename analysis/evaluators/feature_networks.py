@@ -6,6 +6,7 @@ Papers use one name for distances in different features, so each name includes t
 from __future__ import annotations
 
 import multiprocessing
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -192,22 +193,19 @@ def networks(sources: Iterable[Source]) -> tuple[Network, ...]:
     for source in sources:
         network = open_network(source)
         opened.setdefault(network.sha256, (source, network))
-    kinds = [network.name for _, network in opened.values()]
-    result = []
-    for kind, (source, network) in zip(kinds, opened.values(), strict=True):
-        several = kinds.count(kind) > 1
-        result.append(
-            Network(
-                source=source,
-                sha256=network.sha256,
-                name=f"{kind}, {network.sha256[:8]}" if several else kind,
-                settings=network.describe(),
-                labels=network.labels,
-                sees=frozenset({"face"} if kind in _FACE_NETWORKS else ()),
-                rule=network.rule,
-            )
+    kinds = Counter(network.name for _, network in opened.values())
+    return tuple(
+        Network(
+            source=source,
+            sha256=sha256,
+            name=network.name + (f", {sha256[:8]}" if kinds[network.name] > 1 else ""),
+            settings=network.describe(),
+            labels=network.labels,
+            sees=frozenset({"face"} if network.name in _FACE_NETWORKS else ()),
+            rule=network.rule,
         )
-    return tuple(result)
+        for sha256, (source, network) in opened.items()
+    )
 
 
 Array = NDArray[np.float32]

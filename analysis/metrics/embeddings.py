@@ -1,4 +1,4 @@
-"""Samples of embeddings: checked, cut to equal sizes, and resampled clip by clip."""
+"""Samples of embeddings: cut to equal sizes, and resampled clip by clip."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-
-from motion.errors import InputError
 
 FloatArray = NDArray[np.float64]
 Clips = NDArray[np.int64]
@@ -47,7 +45,7 @@ class Embeddings:
 
 
 def embeddings(values: FloatArray, clips: Sequence[object] | None = None) -> Embeddings:
-    """Check embeddings and number their clips.
+    """Return embeddings with their clips numbered.
 
     Parameters
     ----------
@@ -55,43 +53,11 @@ def embeddings(values: FloatArray, clips: Sequence[object] | None = None) -> Emb
         Embeddings.
     clips : sequence of n names, optional
         The clip of each row; by default each row is a separate clip.
-
-    Raises
-    ------
-    InputError
-        If the array is not two-dimensional, has no column or holds a value that is not finite, or
-        if `clips` has another length.
     """
-    array = np.asarray(values, np.float64)
-    if array.ndim != 2 or not array.shape[1]:
-        raise InputError(
-            f"embeddings have shape {array.shape}", remedy="Give one row per clip or window, (n, d)"
-        )
-    if not np.isfinite(array).all():
-        row = int(np.argwhere(~np.isfinite(array))[0, 0])
-        raise InputError(
-            f"row {row} of the embeddings holds a value that is not finite",
-            remedy="Leave out clips that the feature network cannot embed",
-        )
-    if clips is not None and len(clips) != len(array):
-        raise InputError(
-            f"{len(clips)} clips are named for {len(array)} embeddings",
-            remedy="Name the clip of every row",
-        )
-    numbered: Clips = np.arange(len(array))
-    if clips is not None:
-        numbers = {name: number for number, name in enumerate(dict.fromkeys(clips))}
-        numbered = np.array([numbers[name] for name in clips], np.int64).reshape(-1)
-    return Embeddings(values=array, clips=numbered)
-
-
-def check_dimensions(x: Embeddings, y: Embeddings) -> None:
-    """Raise `InputError` if two samples have different dimensions."""
-    if x.values.shape[1] != y.values.shape[1]:
-        raise InputError(
-            f"embeddings have {x.values.shape[1]} and {y.values.shape[1]} dimensions",
-            remedy="Embed both conditions with the same feature network",
-        )
+    if clips is None:
+        return Embeddings(values=values, clips=np.arange(len(values)))
+    numbers = {name: number for number, name in enumerate(dict.fromkeys(clips))}
+    return Embeddings(values=values, clips=np.array([numbers[name] for name in clips], np.int64))
 
 
 def of_equal_size(x: Embeddings, y: Embeddings) -> tuple[Embeddings, Embeddings]:

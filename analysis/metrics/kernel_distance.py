@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.metrics.embeddings import FEWEST_CLIPS, Embeddings, check_dimensions
+from analysis.metrics.embeddings import FEWEST_CLIPS, Embeddings
 from analysis.metrics.scores import Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
@@ -48,7 +48,6 @@ def kernel_distance(
         ± 1.96 standard errors of a jackknife over clips. NaN for fewer than two samples on either
         side.
     """
-    check_dimensions(generated, reference)
     metric = Metric(name, better="lower")
     description = dict(settings or {}) | {
         "samples": f"{len(generated)} generated, {len(reference)} recorded",

@@ -41,6 +41,8 @@ class MeanPose:
         self.seen.append(clip)
         if len(clip) < 60:
             raise InputError("the clip is shorter than a window")
+        if not clip.poses.any():
+            return np.full((2, 2), np.nan, np.float32)
         halves = np.array_split(clip.poses[:, 16:20].reshape(len(clip), -1), 2)
         return np.array([[h.mean(0)[2], h.std(0)[2]] for h in halves], np.float32)
 
@@ -102,13 +104,16 @@ def test_the_studys_channels_are_frozen_for_the_network(
     assert all(np.ptp(clip.trans) == 0 for clip in opened[path].seen)
 
 
-def test_a_clip_that_is_too_short_is_left_out_with_its_reason(
+def test_clips_without_usable_features_are_left_out_with_their_reasons(
     study: Clips, network_file: NetworkFile, waving: Callable[..., MotionClip]
 ) -> None:
     path, _ = network_file
     write_clip(study["ours"]["s0"], waving(seconds=1.0))
+    write_clip(study["ours"]["s1"], waving(amplitude=0.0))
     found = study_metrics(study, {}, recorded=study["truth"], evaluators=[path])
-    assert "shorter than a window (1 of 6 clips)" in score_of(found, "ours", names.FGD).remark
+    remark = score_of(found, "ours", names.FGD).remark
+    assert "shorter than a window (1 of 6 clips)" in remark
+    assert "the network's features are not finite (1 of 6 clips)" in remark
 
 
 def test_two_networks_of_one_kind_differ_by_their_hash(
