@@ -107,7 +107,7 @@ def study_metrics(
     Raises
     ------
     InputError
-        If a preset is unknown, or a network cannot be used.
+        If a network cannot be used.
     """
     preset = combined(presets)
     feature_networks = networks(evaluators)

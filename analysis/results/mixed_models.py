@@ -17,7 +17,6 @@ from analysis.stats.ordinal.mixed_model import (
     fit,
     likelihood_ratio,
 )
-from motion.errors import InputError
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
@@ -130,19 +129,15 @@ def net_preference(answers: SidedAnswers) -> NetPreference:
     """
     answers_given = tuple(np.unique(answers.responses).tolist())
     unknown = NetPreference(n=len(answers.responses), answers_given=answers_given)
-    reason = _why_not(answers)
-    if reason:
+    if reason := _why_not(answers):
         return replace(unknown, reason=reason)
     side = np.where(answers.on_right, 1.0, -1.0)
     random = [
         RandomEffect(name="participant", groups=answers.participants, multiplier=side),
         RandomEffect(name="segment", groups=answers.segments, multiplier=side),
     ]
-    try:
-        full = fit(answers.responses, {"preference": side}, random)
-        reduced = fit(answers.responses, {}, random, errors=False)
-    except InputError as error:
-        return replace(unknown, reason=error.what)
+    full = fit(answers.responses, {"preference": side}, random)
+    reduced = fit(answers.responses, {}, random, errors=False)
     if not full.converged:
         return replace(unknown, reason=full.remark)
     remark = "" if reduced.converged else "Without the preference the model did not converge. "
@@ -228,14 +223,10 @@ def rating_model(answers: pd.DataFrame) -> RatingModel:
     random = [
         RandomEffect(name=name, groups=codes(answers, name)) for name in ("participant", "segment")
     ]
-    reason = _why_no_model(shown, scores, random)
-    if reason:
+    if reason := _why_no_model(shown, scores, random):
         return replace(unknown, reason=reason)
     covariates = {name: (names == name).astype(np.float64) for name in shown[1:]}
-    try:
-        model = fit(ratings, covariates, random)
-    except InputError as error:
-        return replace(unknown, reason=error.what)
+    model = fit(ratings, covariates, random)
     if not model.converged:
         return replace(unknown, reason=model.remark)
     return replace(

@@ -277,8 +277,7 @@ def clustered_mean(
     unknown = clusters.unknown()
     if len(values):
         unknown = replace(unknown, estimate=float(np.mean(values)))
-    reason = _why_no_interval(values, unknown.participants)
-    if reason:
+    if reason := _why_no_interval(values, unknown.participants):
         return replace(unknown, reason=reason)
     influences = (values - unknown.estimate) / len(values)
     mean = with_interval(unknown, influences, clusters, null=null)

@@ -93,8 +93,7 @@ def intraclass_correlation(
         items=item_count,
         participants=rater_count,
     )
-    reason = _why_not(y, item_count, rater_count)
-    if reason:
+    if reason := _why_not(y, item_count, rater_count):
         return _without(unknown, reason)
     item, rater, residual = _variances(y, rater_codes, item_codes)
     components = replace(
