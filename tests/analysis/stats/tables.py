@@ -1,9 +1,15 @@
-"""Answers in tables, as tests write them."""
+"""Answers in tables, and votes by names, as tests write them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import chain
+
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike, NDArray
+
+from analysis.stats.strength_models import Votes
 
 
 def cells(table: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]:
@@ -11,3 +17,24 @@ def cells(table: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.intp], NDAr
     values = np.asarray(table, np.float64)
     rows, columns = np.nonzero(~np.isnan(values))
     return values[rows, columns], rows, columns
+
+
+def votes_of(
+    left: Sequence[str],
+    right: Sequence[str],
+    outcome: Sequence[int],
+    participant: Sequence[str],
+    *,
+    conditions: Sequence[str] = (),
+    segment: Sequence[str] = (),
+) -> Votes:
+    """Return named answers as numbers; without `segment`, all are about one segment."""
+    names = tuple(conditions) or tuple(dict.fromkeys(chain(*zip(left, right, strict=True))))
+    return Votes(
+        conditions=names,
+        left=np.array([names.index(name) for name in left], np.intp),
+        right=np.array([names.index(name) for name in right], np.intp),
+        outcome=np.asarray(outcome, np.intp),
+        participant=pd.factorize(np.asarray(participant, str), sort=True)[0],
+        segment=pd.factorize(np.asarray(segment or ["s"] * len(left), str), sort=True)[0],
+    )

@@ -8,18 +8,25 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from analysis.stats.agreement import krippendorff_alpha, retest_agreement
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.f_tests import between_groups, between_segments, min_f
 from analysis.stats.intraclass import intraclass_correlation
-from analysis.stats.one_sample_tests import equivalence, equivalence_of_means
+from analysis.stats.one_sample_tests import (
+    equivalence,
+    equivalence_of_means,
+    pooled_tests,
+    sign_test,
+    signed_rank,
+)
 from analysis.stats.rankings import Blocks, friedman
 from analysis.stats.ratings import cliffs_delta, mean_difference, rated_cells
+from analysis.stats.samples import finite, levels, tied_ranks
 from analysis.stats.strength_models import bradley_terry
-from tests.analysis.stats.named_votes import votes_of
-from tests.analysis.stats.tables import cells
+from motion.errors import InputError
+from tests.analysis.stats.tables import cells, votes_of
 
 NONE = math.nan
 UNSHARED = "no item was answered about by two participants"
@@ -122,3 +129,34 @@ def test_missing_strengths_have_a_reason(outcomes: list[int], reason: str) -> No
 
     assert result.reason == reason
     assert np.isnan(result.strengths).all()
+
+
+GAP = np.array([1.0, np.nan, 2.0, 1.0])
+PERSON, ITEM = np.array([0, 0, 1, 1]), np.array([0, 1, 0, 1])
+
+
+@pytest.mark.parametrize(
+    "statistic",
+    [
+        finite,
+        signed_rank,
+        sign_test,
+        pooled_tests,
+        lambda values: min_f(values, PERSON, ITEM),
+        lambda values: equivalence_of_means(values, 0.3),
+        lambda values: krippendorff_alpha(values, PERSON, ITEM),
+        lambda values: intraclass_correlation(values, PERSON, ITEM),
+        lambda values: cliffs_delta(values, ITEM == 0, PERSON, ITEM),
+    ],
+)
+def test_a_missing_value_is_reported_and_never_becomes_a_number(
+    statistic: Callable[[NDArray[np.float64]], object],
+) -> None:
+    with pytest.raises(InputError, match="value 2 of 4 is missing"):
+        statistic(GAP)
+
+
+def test_numbers_equal_but_for_rounding_are_tied() -> None:
+    thirds = np.array([0.1 + 0.2, 0.3, 1 / 3, 1 - 2 / 3])
+    assert levels(thirds).tolist() == [0, 0, 1, 1]
+    assert tied_ranks(thirds).tolist() == [1.5, 1.5, 3.5, 3.5]

@@ -16,7 +16,7 @@ from analysis.stats.strength_models import Votes, bradley_terry, plackett_luce
 from analysis.stats.strengths import FittedStrengths
 from tests.analysis.reference import REFERENCE, with_reference
 from tests.analysis.results.made_tables import ranking_table
-from tests.analysis.stats.named_votes import votes_of
+from tests.analysis.stats.tables import votes_of
 
 SYSTEMS = ("GT", "A", "B", "C", "D", "E")
 
