@@ -135,16 +135,6 @@ class Evaluator:
         return names.OF_CHANNELS[self.facts.channels]
 
     @property
-    def frame_rate(self) -> float:
-        """Frames per second to which clips are resampled."""
-        return self.facts.network.frame_rate
-
-    @property
-    def window(self) -> int:
-        """Frames of a window."""
-        return self.facts.network.window
-
-    @property
     def labels(self) -> tuple[str, ...]:
         """The emotions of `classify`, in its order; empty but for the kind ``emotion``."""
         return self.facts.labels
@@ -199,22 +189,21 @@ class Evaluator:
 
     def _windows(self, clip: MotionClip) -> FloatArray:
         """Return the windows of a clip as the network's input, shape (n, window, channels)."""
-        facts = self.facts
-        frames = self._view.frames(resample(freeze(clip, facts.frozen), self.frame_rate))
-        frames = long_enough(self.normalisation(frames), self.window, self.frame_rate)
-        return cut_windows(frames, self.window, self.window)
+        rate, window = self.facts.network.frame_rate, self.facts.network.window
+        frames = self._view.frames(resample(freeze(clip, self.facts.frozen), rate))
+        frames = long_enough(self.normalisation(frames), window, rate)
+        return cut_windows(frames, window, window)
 
     def describe(self) -> Mapping[str, str]:
         """Return the settings that every score of this network quotes, in words."""
         facts = self.facts
-        data = facts.data
-        seconds = self.window / self.frame_rate
+        data, rate, window = facts.data, facts.network.frame_rate, facts.network.window
         description = {
             "feature network": facts.description(),
             "network sha256": self.sha256[:SHOWN_OF_HASH],
             "representation": f"{self._view.description()}, in deviations of the training frames",
-            "frame rate": f"{self.frame_rate:g} fps, resampled",
-            "window": f"{self.window} frames ({seconds:.4g} s), not overlapping; a clip that is "
+            "frame rate": f"{rate:g} fps, resampled",
+            "window": f"{window} frames ({window / rate:.4g} s), not overlapping; a clip that is "
             f"up to {TOLERANCE:g} s too short holds its last frame",
             "trained on": f"{data.clips} clips of {data.recordings} recordings, {data.windows} "
             f"windows, data sha256 {data.sha256[:SHOWN_OF_HASH]}",
