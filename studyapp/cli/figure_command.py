@@ -14,7 +14,7 @@ from studyapp.cli.output import echo_note, progress
 from studyapp.study.folder import StudyFolder
 
 if TYPE_CHECKING:
-    from studyapp.stimuli.figures.paper_figures import Choice, Print
+    from studyapp.stimuli.figures.paper_figures import PaperFigure
 
 _ENDINGS = (".pdf", ".png")
 
@@ -126,9 +126,9 @@ def strip(
     """Write a strip with a row per condition and a column per key word."""
     from studyapp.stimuli.figures.paper_figures import write_strip
 
-    choice, printed = _split(folder, "strip", output, options)
-    write_strip(folder, choice, printed, count=count, wave=wave, skeleton=skeleton)
-    click.echo(f"The strip is {' and '.join(map(str, printed.outputs))}")
+    figure = _figure(folder, "strip", output, options)
+    write_strip(figure, count=count, wave=wave, skeleton=skeleton)
+    click.echo(f"The strip is {' and '.join(map(str, figure.outputs))}")
 
 
 @command.command("overlay")
@@ -159,10 +159,10 @@ def overlay(
     """
     from studyapp.stimuli.figures.paper_figures import write_overlay
 
-    choice, printed = _split(folder, "overlay", output, options)
-    for note in write_overlay(folder, choice, printed, motions=motions):
+    figure = _figure(folder, "overlay", output, options)
+    for note in write_overlay(figure, motions=motions):
         echo_note(note)
-    click.echo(f"The overlay is {' and '.join(map(str, printed.outputs))}")
+    click.echo(f"The overlay is {' and '.join(map(str, figure.outputs))}")
 
 
 @command.command("grid")
@@ -191,17 +191,11 @@ def grid(folder: StudyFolder, output: Path | None, **options: Any) -> None:
     click.echo(f"The video is {path}")
 
 
-def _split(
+def _figure(
     folder: StudyFolder, kind: str, output: Path | None, options: dict[str, Any]
-) -> tuple[Choice, Print]:
-    """Split the options of a figure into its content and its print."""
-    from studyapp.stimuli.figures.paper_figures import Choice, Print
+) -> PaperFigure:
+    from studyapp.stimuli.figures.paper_figures import PaperFigure
 
-    outputs = (
-        (output,)
-        if output
-        else tuple(folder.figures / f"{kind}-{options['segment']}{ending}" for ending in _ENDINGS)
-    )
-    names = ("inches", "clear", "closeup")
-    printed = Print(**{name: options.pop(name) for name in names}, outputs=outputs)
-    return Choice(**options), printed
+    name = f"{kind}-{options['segment']}"
+    outputs = (output,) if output else tuple(folder.figures / f"{name}{end}" for end in _ENDINGS)
+    return PaperFigure(folder=folder, outputs=outputs, **options)

@@ -26,30 +26,19 @@ from studyapp.study.folder import StudyFolder
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choice:
-    """The content of a figure.
+class PaperFigure:
+    """The content of a figure, and how it is printed.
 
     Attributes
     ----------
+    folder : StudyFolder
+        The study; its motion must be complete.
     segment : str
         Name of the segment.
     conditions : tuple of str
         Each ``name`` or ``name=label``; empty for all but the catch condition.
     moments : tuple of Moment
         Measured from the segment's start.
-    """
-
-    segment: str
-    conditions: tuple[str, ...] = ()
-    moments: tuple[Moment, ...] = ()
-
-
-@dataclass(frozen=True, kw_only=True)
-class Print:
-    """How a figure is printed.
-
-    Attributes
-    ----------
     inches : float
         Width in print.
     clear : bool
@@ -60,6 +49,10 @@ class Print:
         Output files, ``.pdf`` or ``.png``.
     """
 
+    folder: StudyFolder
+    segment: str
+    conditions: tuple[str, ...]
+    moments: tuple[Moment, ...]
     inches: float
     clear: bool
     closeup: bool
@@ -118,47 +111,33 @@ def write_still(
         (picture if clear else picture.convert("RGB")).save(draft, "PNG", optimize=True)
 
 
-def write_strip(
-    folder: StudyFolder,
-    choice: Choice,
-    printed: Print,
-    *,
-    count: int,
-    wave: bool,
-    skeleton: bool,
-) -> None:
+def write_strip(figure: PaperFigure, *, count: int, wave: bool, skeleton: bool) -> None:
     """Write a strip with a row per condition and a column per moment.
 
     Parameters
     ----------
-    folder : StudyFolder
-        The study; its motion must be complete.
-    choice : Choice
-        The content.
-    printed : Print
-        The print.
     count : int
-        Number of loud syllables to show if `choice` has no moments.
+        Number of loud syllables to show if `figure` has no moments.
     wave : bool
         Draw the waveform of the speech below.
     skeleton : bool
         Draw the skeleton over the body.
     """
-    material = FigureMaterial.read(folder)
-    segment = material.segment(choice.segment)
-    labels = material.labels(choice.conditions)
+    material = FigureMaterial.read(figure.folder)
+    segment = material.segment(figure.segment)
+    labels = material.labels(figure.conditions)
     speech = material.speech(segment)
-    moments = material.ordered_moments(segment, choice.moments) or loud_moments(speech, count)
+    moments = material.ordered_moments(segment, figure.moments) or loud_moments(speech, count)
     clips = {label: material.clip(segment, name) for name, label in labels.items()}
     rows = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
-    material, box, rows = _view(material, printed, rows)
+    material, box, rows = _view(material, figure, rows)
     poses = {
         (label, moment): pose
         for label, row in zip(clips, rows, strict=True)
         for moment, pose in zip(moments, row, strict=True)
     }
     layout = StripLayout(
-        inches=printed.inches,
+        inches=figure.inches,
         rows=tuple(clips),
         moments=moments,
         aspect=aspect_of(box),
@@ -168,45 +147,39 @@ def write_strip(
     with material.stage(_drawn_size(layout.panel[0], box)) as stage:
         panels = {
             key: cropped(
-                panel(stage, pose, material.camera, clear=printed.clear, skeleton=skeleton),
+                panel(stage, pose, material.camera, clear=figure.clear, skeleton=skeleton),
                 box,
                 layout.panel,
             )
             for key, pose in poses.items()
         }
-    draw_strip(layout, panels, speech, clear=printed.clear).save(printed.outputs)
+    draw_strip(layout, panels, speech, clear=figure.clear).save(figure.outputs)
 
 
-def write_overlay(
-    folder: StudyFolder, choice: Choice, printed: Print, *, motions: Sequence[tuple[Path, str]]
-) -> list[str]:
+def write_overlay(figure: PaperFigure, *, motions: Sequence[tuple[Path, str]]) -> list[str]:
     """Write a picture of several moments, or of variations at one moment; return notes on motion.
 
     Parameters
     ----------
-    folder : StudyFolder
-        The study; its motion must be complete.
-    choice : Choice
+    figure : PaperFigure
         Several conditions are variations, several moments a trail.
-    printed : Print
-        The print.
     motions : sequence of (Path, str)
         Motion files for the segment that are variations too, such as other seeds, with labels.
     """
-    material = FigureMaterial.read(folder)
-    segment = material.segment(choice.segment)
-    labels = material.labels(choice.conditions) if choice.conditions or not motions else {}
+    material = FigureMaterial.read(figure.folder)
+    segment = material.segment(figure.segment)
+    labels = material.labels(figure.conditions) if figure.conditions or not motions else {}
     require_distinct([*labels.values(), *(label for _, label in motions)])
     colours_for(len(labels) + len(motions))
-    moments = material.ordered_moments(segment, choice.moments)
+    moments = material.ordered_moments(segment, figure.moments)
     clips = {label: material.clip(segment, name) for name, label in labels.items()}
     notes: list[str] = []
     for path, label in motions:
         clips[label], notes_on_file = material.variation(segment, path)
         notes += notes_on_file
     poses = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
-    material, box, poses = _view(material, printed, poses)
-    width = round(printed.inches * DOTS_PER_INCH)
+    material, box, poses = _view(material, figure, poses)
+    width = round(figure.inches * DOTS_PER_INCH)
     with material.stage(_drawn_size(width, box)) as stage:
         trails = [
             faded([cut_out(stage, pose, material.camera).crop(box) for pose in row])
@@ -216,16 +189,16 @@ def write_overlay(
     picture = blended(trails).picture.resize(size, Image.Resampling.LANCZOS)
     caption = " → ".join(moment.label for moment in moments)
     background = material.plan.look.background
-    page = draw_overlay(picture, list(clips), caption, clear=printed.clear, background=background)
-    page.save(printed.outputs)
+    page = draw_overlay(picture, list(clips), caption, clear=figure.clear, background=background)
+    page.save(figure.outputs)
     return notes
 
 
 def _view(
-    material: FigureMaterial, printed: Print, rows: list[list[MotionClip]]
+    material: FigureMaterial, figure: PaperFigure, rows: list[list[MotionClip]]
 ) -> tuple[FigureMaterial, Box, list[list[MotionClip]]]:
     """Return the material with its camera, the visible part of the picture, and the poses."""
-    if printed.closeup:
+    if figure.closeup:
         material, rows = material.close_to_faces(rows)
         return material, FULL_BOX, rows
     poses = [pose for row in rows for pose in row]
