@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -70,12 +71,9 @@ def command(
     reference: Path | None,
     speech: Path | None,
     semantics: Path | None,
-    presets: tuple[str, ...],
-    evaluators: tuple[Source, ...],
-    penetration: bool,
     out: Path | None,
     fps: float | None,
-    processes: int,
+    **options: Any,
 ) -> None:
     """Compute automatic metrics of the study FOLDER, or of motion files without a study.
 
@@ -96,28 +94,18 @@ def command(
     target = out if folder is None else out or folder.metrics
     if target is not None:
         check_ending(target)
-    presets = presets or tuple(PRESETS)
+    options["presets"] = options["presets"] or tuple(PRESETS)
     with progress("metrics", "step") as show:
         if folder is not None:
-            metrics = measure_study(
-                folder,
-                presets=presets,
-                processes=processes,
-                evaluators=evaluators,
-                penetration=penetration,
-                on_progress=show,
-            )
+            metrics = measure_study(folder, **options, on_progress=show)
         elif generated is not None:
             metrics = measure_folders(
                 generated,
                 reference,
                 speech,
-                presets=presets,
-                processes=processes,
-                evaluators=evaluators,
-                penetration=penetration,
                 semantics=semantics,
                 file_rate=fps,
+                **options,
                 on_progress=show,
             )
     _print_notes(metrics.notes)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 from urllib.parse import urlsplit
 
 import click
 
 from motion.errors import InputError, counted
-from motion.formats.joint_maps import JointMap
 from renderer.look import AVATARS, FIRST_AVATAR, FRAMINGS, VIEWS, Look
 from studyapp.cli.arguments import (
     EXISTING_FILE,
@@ -25,9 +24,6 @@ from studyapp.cli.output import echo_note, progress, sign_of_life
 from studyapp.stimuli.publishing import allow_origin, publish, remove
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media_store import Place
-
-if TYPE_CHECKING:
-    from studyapp.stimuli.render_record import RenderProgress
 
 
 @click.command("render")
@@ -54,12 +50,7 @@ def command(
     from studyapp.stimuli.rendering import render
 
     with progress("render", "frame") as show:
-        count = render(
-            folder,
-            processes=processes,
-            cluster=cluster,
-            on_progress=lambda state: show(state.frames, state.all_frames, _videos(state)),
-        )
+        count = render(folder, processes=processes, cluster=cluster, on_progress=show)
     for note in count.notes:
         click.secho(f"warning: {note}", fg="yellow", err=True)
     for failure in count.failures:
@@ -80,11 +71,6 @@ def command(
             where=folder.videos,
             remedy="Fix what is named above and run the command again",
         )
-
-
-def _videos(state: RenderProgress) -> str:
-    failed = f", {state.failed} failed" if state.failed else ""
-    return f"{state.videos} of {state.all_videos} videos{failed}"
 
 
 @click.command("preview")
@@ -110,15 +96,13 @@ def _videos(state: RenderProgress) -> str:
 @click.option("--out", type=FOLDER, default=Path("preview"), help="The output folder.")
 def preview_command(
     motions: tuple[Path, ...],
-    speech: Path | None,
-    frame_rate: float | None,
-    joint_map: JointMap | None,
     avatar: str,
     framing: str,
     view: str,
     size: int,
     kinds: tuple[str, ...],
     out: Path,
+    **reading: Any,
 ) -> None:
     """Show each motion FILE in three dimensions, as a video, GLB or BVH; no study is needed."""
     # Imported here: drawing takes a second to load, which --help should not wait for.
@@ -135,9 +119,7 @@ def preview_command(
     for path, name in zip(motions, distinct_names(motions), strict=True):
         with sign_of_life("preview") as show:
             show(f"reading {path.name}")
-            motion = read_previewed(
-                path, name, speech=speech, frame_rate=frame_rate, joint_map=joint_map
-            )
+            motion = read_previewed(path, name, **reading)
             for note in motion.notes:
                 echo_note(note)
             files = [write_preview(motion, kind, out, look, show) for kind in kinds if kind != PAGE]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import click
 from pydantic import TypeAdapter, ValidationError
@@ -49,6 +49,8 @@ _TABLE_OPTIONS: Final = (
 @click.option(
     "--max-catch-failures",
     type=click.IntRange(0),
+    default=MAX_CATCH_FAILURES,
+    show_default=False,
     metavar="N",
     help="With a table: exclude participants who failed more than N catch trials.  "
     f"[default: {MAX_CATCH_FAILURES}]",
@@ -62,6 +64,8 @@ _TABLE_OPTIONS: Final = (
 )
 @click.option(
     "--family",
+    default="all",
+    show_default=False,
     metavar="FAMILY",
     help="With a table: the family of confirmatory tests, which are corrected together: all (the "
     "default), by question, against=CONDITION, primary=CONDITION,CONDITION[,QUESTION]. A study "
@@ -101,14 +105,12 @@ def command(
     responses: Path | None,
     protocol: str | None,
     out: Path | None,
-    max_catch_failures: int | None,
-    margin: float | None,
-    family: str | None,
     scale: str | None,
     rules: tuple[str, ...],
     rehearsal: bool,
     with_motion: bool,
     reason: str | None,
+    **tests: Any,
 ) -> None:
     """Write the report of the study FOLDER, with preferences and metrics side by side.
 
@@ -156,13 +158,9 @@ def command(
             results = analyse_table(
                 responses,
                 protocol,
-                max_catch_failures=(
-                    MAX_CATCH_FAILURES if max_catch_failures is None else max_catch_failures
-                ),
-                margin=margin,
-                family="all" if family is None else family,
                 scale=None if scale is None else _parse_scale(scale, protocol),
                 exclude=[parse_exclusion(rule, where="--exclude").to_rule() for rule in rules],
+                **tests,
             )
             show("drawing figures and tables")
             page = report_table(results, out)

@@ -63,12 +63,14 @@ _server_options = together(
 @_server_options
 @click.option(
     "--accel-redirect",
+    "accel_prefix",
     metavar="PREFIX",
     envvar="MOTIONJURY_ACCEL_REDIRECT",
     help="Let nginx send the videos; it maps this internal location to the study folder.",
 )
 @click.option(
     "--media-store",
+    "from_store",
     is_flag=True,
     envvar="MOTIONJURY_MEDIA_STORE",
     help="Let participants load the videos from the store that 'publish-media' filled.",
@@ -94,16 +96,11 @@ _server_options = together(
 )
 def command(
     folder: StudyFolder,
-    host: str,
-    port: int,
-    workers: int,
-    threads: int,
-    accel_redirect: str | None,
-    media_store: bool,
-    prefix: str,
     address: str,
+    prefix: str,
+    accel_prefix: str | None,
     as_test: bool,
-    new_version: bool,
+    **server: Any,
 ) -> None:
     """Serve the study FOLDER to participants.
 
@@ -116,25 +113,20 @@ def command(
             where=f"address {address!r}, prefix {prefix!r}",
             remedy="Make the path of the address the same as the prefix",
         )
-    if accel_redirect is not None and not accel_redirect.startswith("/"):
+    if accel_prefix is not None and not accel_prefix.startswith("/"):
         raise InputError(
             "this is not an internal location of nginx",
-            where=f"accel-redirect {accel_redirect!r}",
+            where=f"accel-redirect {accel_prefix!r}",
             remedy="Begin it with /, such as /videos-of-one/",
         )
-    url = address or f"http://{host}:{port}{path}"
+    url = address or f"http://{server['host']}:{server['port']}{path}"
     run_server(
         folder.root,
-        host,
-        port,
-        workers,
-        threads=threads,
-        accel_prefix=accel_redirect,
+        accel_prefix=accel_prefix,
         prefix=prefix,
-        new_version=new_version,
-        from_store=media_store,
         origin=address.removesuffix(path),
         on_ready=lambda: _print_links(folder, url, as_test=as_test),
+        **server,
     )
 
 
@@ -161,21 +153,13 @@ def _print_links(folder: StudyFolder, url: str, *, as_test: bool) -> None:
     metavar="NAME",
     help="Serve nothing; print a link that lets the researcher NAME choose a new password.",
 )
-def desk_command(
-    folder: Path,
-    host: str,
-    port: int,
-    workers: int,
-    threads: int,
-    address: str,
-    reset: str | None,
-) -> None:
+def desk_command(folder: Path, address: str, reset: str | None, **server: Any) -> None:
     """Serve all studies in FOLDER, each a sub-folder, behind one login.
 
     Researchers create, watch and change studies in the browser; participants find each study under
     the name of its folder. The desk's accounts are in desk.db in FOLDER.
     """
-    url = address or f"http://{host}:{port}"
+    url = address or f"http://{server['host']}:{server['port']}"
     if "/" in url.partition("://")[2]:
         raise InputError(
             "a desk needs a host of its own",
@@ -187,15 +171,7 @@ def desk_command(
             token = offer_new_password(database, Clock(), name=reset, by="")
         click.echo(f"{url}/research/join/{token} (once, within a day).")
         return
-    run_desk(
-        folder,
-        host,
-        port,
-        workers,
-        threads=threads,
-        origin=address,
-        on_ready=lambda: _print_desk_links(folder, url),
-    )
+    run_desk(folder, origin=address, on_ready=lambda: _print_desk_links(folder, url), **server)
 
 
 def _print_desk_links(folder: Path, url: str) -> None:

@@ -114,13 +114,10 @@ def evaluator(
     channels: str | None,
     size: str,
     out: Path | None,
-    steps: int | None,
-    batch_size: int | None,
-    learning_rate: float | None,
-    seed: int,
     device: str,
     fps: float | None,
     body: Path | None,
+    **training: Any,
 ) -> None:
     """Train a feature network for automatic metrics on recorded motion.
 
@@ -140,14 +137,7 @@ def evaluator(
             f"--channels is for the kind motion, not {kind}",
             remedy=f"Omit it: the input of a network of kind {kind} is that of its paper",
         )
-    defaults = TRAINING[cast("Kind", kind), cast("Size", size)]
-    training = replace(
-        defaults,
-        steps=steps or defaults.steps,
-        batch_size=batch_size or defaults.batch_size,
-        learning_rate=learning_rate or defaults.learning_rate,
-        seed=seed,
-    )
+    given = {key: value for key, value in training.items() if value is not None}
     recordings = recordings_of(
         data, condition=condition, file_rate=fps, body=body, show_note=echo_note
     )
@@ -155,7 +145,7 @@ def evaluator(
         kind=cast("Kind", kind),
         size=cast("Size", size),
         channels=cast("Channels", channels or CHANNELS_OF_KIND[cast("Kind", kind)][0]),
-        training=training,
+        training=replace(TRAINING[cast("Kind", kind), cast("Size", size)], **given),
         frozen=recordings.frozen,
         landmarks=FaceLandmarks.of(recordings.read_body()) if kind == "face" else None,
         device=device,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import zlib
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Final
 
 from generators.interface import OnPart, SpeechSegment
 from generators.registry import load_generator, needs_model, needs_source
@@ -25,16 +25,8 @@ _AS_A_WHOLE: Final = "as a whole"
 """How a network processes speech that is not long."""
 
 
-class OnClip(Protocol):
-    """Shows the progress of a generation."""
-
-    def __call__(self, done: int, total: int, detail: str = "") -> None:
-        """Show that `done` of `total` clips are finished, with a `detail`."""
-        ...
-
-
-def _show_nothing(done: int, total: int, detail: str = "") -> None:
-    """Ignore the progress."""
+OnClip = Callable[..., object]
+"""Called with the numbers of finished clips and of all, and while one is made with a detail."""
 
 
 def _show_parts(on_clip: OnClip, done: int, total: int, name: str) -> OnPart:
@@ -89,7 +81,7 @@ class GenerationCount:
 
 
 def generate(
-    folder: StudyFolder, *, device: str = "cpu", on_clip: OnClip = _show_nothing
+    folder: StudyFolder, *, device: str = "cpu", on_clip: OnClip = lambda *_progress: None
 ) -> GenerationCount:
     """Generate all clips that are missing, or out of date with their speech or settings.
 
@@ -207,7 +199,7 @@ def generate_files(
     seed: int,
     frame_rate: float,
     emotion: str,
-    on_clip: OnClip = _show_nothing,
+    on_clip: OnClip,
 ) -> GenerationCount:
     """Write a clip ``<out>/<name>.npz`` for each file of speech, unless it is up to date.
 

@@ -17,27 +17,6 @@ _WRITE_SECONDS: Final = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class RenderProgress:
-    """The state of a run.
-
-    Attributes
-    ----------
-    videos, frames : int
-        Finished or failed so far.
-    all_videos, all_frames : int
-        In total.
-    failed : int
-        Videos that could not be made.
-    """
-
-    videos: int
-    all_videos: int
-    frames: int
-    all_frames: int
-    failed: int
-
-
-@dataclass(frozen=True, kw_only=True)
 class RenderCount:
     """The result of a run.
 
@@ -109,17 +88,12 @@ class RenderRecord:
         else:
             self._left_out += 1
 
-    def progress(self) -> RenderProgress:
-        """Return the state of the run."""
-        made = len(self._finished) - self._kept
+    def progress(self) -> tuple[int, int, str]:
+        """Return the frames that are drawn or given up, all frames, and the videos in words."""
         failed = len(self._failures) + self._left_out
-        return RenderProgress(
-            videos=made + failed,
-            all_videos=len(self._pending),
-            frames=self._frames,
-            all_frames=self._all_frames,
-            failed=failed,
-        )
+        ended = len(self._finished) - self._kept + failed
+        more = f", {failed} failed" if failed else ""
+        return self._frames, self._all_frames, f"{ended} of {len(self._pending)} videos{more}"
 
     def count(self, notes: tuple[str, ...]) -> RenderCount:
         """Return the result of the run."""

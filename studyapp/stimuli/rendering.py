@@ -18,7 +18,7 @@ from renderer.loudness import at_common_loudness
 from renderer.pair import FrameCache
 from renderer.video_jobs import Job, Outcome, PairJob
 from studyapp.stimuli.render_plan import RenderPlan, sides_of
-from studyapp.stimuli.render_record import RenderCount, RenderProgress, RenderRecord
+from studyapp.stimuli.render_record import RenderCount, RenderRecord
 from studyapp.stimuli.video_copies import copy_videos
 from studyapp.study.folder import StudyFolder, lock_folder, require_space
 from studyapp.study.media import ClipVideo, Media, PairVideo, read_stimuli
@@ -34,12 +34,15 @@ _SOUND: Final = 20_000
 """Bytes per second of sound and container."""
 
 
+OnProgress = Callable[[int, int, str], None]
+
+
 def render(
     folder: StudyFolder,
     *,
     processes: int,
     cluster: str | None = None,
-    on_progress: Callable[[RenderProgress], None] = lambda progress: None,
+    on_progress: OnProgress = lambda frames, all_frames, videos: None,
 ) -> RenderCount:
     """Render all clips and pairs that are missing or out of date.
 
@@ -57,7 +60,8 @@ def render(
     cluster : str or None
         Address of a Dask scheduler whose workers make them instead.
     on_progress : callable
-        Called at the start and after each video.
+        Called at the start and after each video with (finished frames, all frames, the videos in
+        words).
 
     Raises
     ------
@@ -93,7 +97,7 @@ def _render(
     plan: RenderPlan,
     processes: int,
     cluster: str | None,
-    on_progress: Callable[[RenderProgress], None],
+    on_progress: OnProgress,
 ) -> RenderCount:
     """Render the videos of `plan` that are missing; the study must be locked."""
     folder = plan.folder
@@ -118,9 +122,9 @@ def _render(
             def on_done(outcome: Outcome) -> None:
                 cache.release(outcome)
                 record.add(outcome)
-                on_progress(record.progress())
+                on_progress(*record.progress())
 
-            on_progress(record.progress())
+            on_progress(*record.progress())
             run_jobs(jobs, processes=processes, cluster=cluster, on_done=on_done)
     finally:
         _remove_drafts(folder.videos)

@@ -18,7 +18,7 @@ from studyapp.stimuli import rendering
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.render_plan import RenderPlan
-from studyapp.stimuli.render_record import RenderCount, RenderProgress
+from studyapp.stimuli.render_record import RenderCount
 from studyapp.stimuli.rendering import render
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
@@ -28,7 +28,7 @@ from tests.support.studies.takes import write_motion, write_speech
 
 pytestmark = pytest.mark.slow
 
-FirstRun = tuple[StudyFolder, RenderCount, list[RenderProgress]]
+FirstRun = tuple[StudyFolder, RenderCount, list[tuple[int, int, str]]]
 
 
 def copy_study(folder: StudyFolder, tmp_path: Path) -> StudyFolder:
@@ -64,8 +64,12 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
 def first_run(generated: StudyFolder, tmp_path_factory: pytest.TempPathFactory) -> FirstRun:
     """The rendered study, its count and its progress."""
     folder = copy_study(generated, tmp_path_factory.mktemp("rendered"))
-    progress: list[RenderProgress] = []
-    return folder, render(folder, processes=1, on_progress=progress.append), progress
+    progress: list[tuple[int, int, str]] = []
+    return (
+        folder,
+        render(folder, processes=1, on_progress=lambda *state: progress.append(state)),
+        progress,
+    )
 
 
 @pytest.fixture
@@ -92,9 +96,8 @@ def test_every_clip_and_both_orders_of_every_pair_are_rendered(
     assert count.failures == ()
     assert count.notes == ()
     assert (count.made, count.kept) == (8 + 12, 0)
-    assert (progress[0].videos, progress[0].frames) == (0, 0)
-    assert (progress[-1].videos, progress[-1].all_videos, progress[-1].failed) == (20, 20, 0)
-    assert progress[-1].frames == progress[-1].all_frames == 20 * 10
+    assert progress[0] == (0, 20 * 10, "0 of 20 videos")
+    assert progress[-1] == (20 * 10, 20 * 10, "20 of 20 videos")
     pairs = {pair.content: pair for pair in read_stimuli(study.stimuli).pairs}
     for content in study.study().contents(study.segments()):
         with av.open(str(study.root / pairs[content].file)) as video:
@@ -193,13 +196,13 @@ def test_failed_videos_hidden_faces_and_silence_are_reported_and_the_others_made
     lengthened = study.clip("broken", "take_01")
     clip = read_clip(lengthened)
     write_clip(lengthened, replace(clip, frame_rate=clip.frame_rate / 2))
-    progress: list[RenderProgress] = []
-    count = render(study, processes=1, on_progress=progress.append)
+    progress: list[tuple[int, int, str]] = []
+    count = render(study, processes=1, on_progress=lambda *state: progress.append(state))
     names = ("broken/take_01", "mismatched/take_01", "mismatched/take_02")
     broken = [f"videos/clips/{name}.mp4" for name in names]
     assert sorted(failure.split(":")[0] for failure in count.failures) == broken
     assert (count.left_out, count.made) == (6, 11)
-    assert (progress[-1].videos, progress[-1].failed) == (20, 9)
+    assert progress[-1][2] == "20 of 20 videos, 9 failed"
     made = [clip.file for clip in read_stimuli(study.stimuli).clips]
     assert len(made) == 5 and not {*broken} & {*made}
     face, sound = sorted(count.notes)
@@ -217,13 +220,13 @@ def test_an_interrupted_run_without_space_for_frames_resumes_and_makes_the_same_
     monkeypatch.setattr(rendering, "MAX_FRAME_BYTES", 0)
     roomy, most = first_run[0], 0
 
-    def look(progress: RenderProgress) -> None:
+    def look(*_state: object) -> None:
         nonlocal most
         most = max(most, len(frames_of(study)))
 
-    def interrupt(progress: RenderProgress) -> None:
-        look(progress)
-        if progress.videos == 10:
+    def interrupt(_frames: int, _all_frames: int, videos: str) -> None:
+        look()
+        if videos == "10 of 20 videos":
             with pytest.raises(InputError, match="already being rendered"):
                 render(study, processes=1)
             raise KeyboardInterrupt
