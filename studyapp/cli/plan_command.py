@@ -108,8 +108,7 @@ def rehearse_command(
     """
     # Imported here: the analysis takes a second to load, which --help should not wait for.
     from studyapp.rehearsal.recovered import recover
-    from studyapp.rehearsal.recovery_page import write_recovery
-    from studyapp.rehearsal.recovery_words import recovery_lines, values_in_words
+    from studyapp.rehearsal.recovery_page import recovery_lines, values_in_words, write_recovery
     from studyapp.rehearsal.run import rehearse
 
     with progress("rehearse", "participant") as show:

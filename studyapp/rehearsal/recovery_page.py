@@ -1,36 +1,214 @@
-"""Writing the results of a rehearsal: its tables as CSV, and all of them on a short page."""
+"""The results of a rehearsal: in sentences, as tables in CSV, and all of them on a short page."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Final
 
 import pandas as pd
+from scipy.stats import binom
 
+from analysis.report import wording
 from analysis.report.content import MARKS, Cell, Section, Table
 from analysis.report.page import Page, render_page
 from analysis.report.texts import table
-from analysis.report.wording import labelled
+from analysis.results.known_values import NO_RANK_INTERVAL, KnownDifference, Sign
+from analysis.stats.clustered_mean import LEVEL
+from motion.errors import listed
 from motion.files import write_frame, write_text
-from studyapp.rehearsal.recovered import Recovery
-from studyapp.rehearsal.recovery_words import (
-    counts_in_words,
-    exclusions_in_words,
-    intervals_in_words,
-    signs_in_words,
-    unanswered_in_words,
-)
+from studyapp.rehearsal.recovered import KindRecovered, Recovery
 from studyapp.rehearsal.simulation.population import DESCRIPTIONS
 from studyapp.study.folder import StudyFolder
 
-PAGE = "recovery.html"
+SIGNS: Final[Mapping[Sign, str]] = {
+    "right": "found with the right sign",
+    "wrong": "found with the wrong sign",
+    "undecided": "undecided",
+    "equal": "rightly undecided",
+}
+"""The outcomes of comparisons, in words that follow their number."""
+
+MOST_LISTED: Final = 4
+"""Undecided or wrong comparisons that are described; the page lists all."""
+
+
+def intervals_in_words(recovery: Recovery) -> str:
+    """Say how many intervals contain the true value, and how likely so many misses are."""
+    if not recovery.values:
+        return (
+            "No true value could be estimated: too few participants answered, or ranks may be tied."
+        )
+    without = len(recovery.values) - recovery.intervals
+    none = f" {wording.count(without, 'number')} {_has(without)} no interval." if without else ""
+    intervals = wording.count(recovery.intervals, "interval")
+    return (
+        f"{recovery.intervals - recovery.missed} of {intervals} "
+        f"{'contains' if recovery.intervals == 1 else 'contain'} the true value. "
+        f"{chance_in_words(recovery.missed, recovery.intervals)}{none}"
+    )
+
+
+def signs_in_words(recovery: Recovery) -> str:
+    """Say how often the better of two conditions was found."""
+    signs = [difference.sign for difference in recovery.differences]
+    if not signs:
+        return "No two conditions could be compared."
+    parts = [f"{signs.count(sign)} {SIGNS[sign]}" for sign in SIGNS if signs.count(sign)]
+    return f"{wording.count(len(signs), 'comparison')}: {listed(parts)}."
+
+
+def unanswered_in_words(recovery: Recovery) -> Iterator[str]:
+    """Say of a few comparisons why the better condition was not found, and count the rest."""
+    unanswered = [each for each in recovery.differences if each.sign in ("undecided", "wrong")]
+    # Wrong signs matter most.
+    unanswered.sort(key=lambda each: each.sign == "undecided")
+    yield from map(difference_in_words, unanswered[:MOST_LISTED])
+    if len(unanswered) > MOST_LISTED:
+        yield f"… and {len(unanswered) - MOST_LISTED} more in the table on the page"
+
+
+def difference_in_words(difference: KnownDifference) -> str:
+    """Say why the better of two conditions was not found, as far as that is known."""
+    what = (
+        f"{wording.question_name(difference.part, difference.question)}: "
+        f"{wording.condition(difference.first)} and {wording.condition(difference.second)}"
+    )
+    estimate, half = difference.estimate, difference.half_width
+    signed, written = (
+        wording.difference_style(difference.measure),
+        wording.number_style(difference.measure),
+    )
+    truth = signed(difference.truth)
+    if difference.sign == "wrong":
+        return (
+            f"{what}: the analysis finds {signed(estimate.estimate)}, but the true difference is "
+            f"{truth}. A sound design gets the sign wrong in at most 1 of 40 rehearsals; if the "
+            "difference is small, that is due to chance or to the choice of segments."
+        )
+    if math.isnan(half):
+        why = estimate.reason or "there are too few answers"
+        if why == NO_RANK_INTERVAL:
+            why = "the test of worths is not significant"
+        return f"{what}: undecided ({why}). The true difference is {truth}."
+    people = wording.count(estimate.participants, "participant")
+    if abs(difference.truth) <= half:
+        return (
+            f"{what}: the design cannot answer this question. With {people}, the interval is "
+            f"±{written(half)}, but the true difference is {truth}: see 'motionjury plan'."
+        )
+    return (
+        f"{what}: undecided this time, although with {people} the interval of ±{written(half)} is "
+        f"narrower than the true difference of {truth}. That is bad luck; 'motionjury plan' says "
+        "how often it happens."
+    )
+
+
+def exclusions_in_words(kinds: tuple[KindRecovered, ...]) -> Iterator[str]:
+    """Say whom the exclusion rules caught, missed and wrongly excluded."""
+    bad = [kind for kind in kinds if kind.should_be_excluded]
+    caught, came = sum(kind.excluded for kind in bad), sum(kind.came for kind in bad)
+    silent, missed = sum(kind.silent for kind in bad), sum(kind.missed for kind in bad)
+    wrongly = sum(kind.wrongly_excluded for kind in kinds)
+    good = sum(kind.came for kind in kinds) - came
+    yield (
+        f"Exclusion: of {came} who answered badly or left, {caught} {_is(caught)} excluded, "
+        f"{silent} gave no answer and {missed} {_is(missed)} analysed anyway; of {good} others, "
+        f"{wrongly} {_is(wrongly)} wrongly excluded."
+    )
+    for kind in kinds:
+        if kind.missed or kind.wrongly_excluded:
+            excluded = [f"{number} excluded by {rule}" for rule, number in kind.excluded_by.items()]
+            yield (
+                f"  {wording.name(kind.kind)}: {kind.came} came, {kind.analysed} analysed, "
+                f"{listed(excluded) or 'none excluded'}"
+            )
+
+
+def counts_in_words(recovery: Recovery) -> str:
+    """Say whether people and answers were counted correctly."""
+    wrong = recovery.miscounted
+    if wrong:
+        counts = "; ".join(
+            f"{each.what}: {each.happened}, counted {each.counted}" for each in wrong
+        )
+        return f"MISCOUNTED: {counts}."
+    by_words = {check.what: check.happened for check in recovery.checks}
+    answers = next((n for what, n in by_words.items() if what.startswith("acknowledged")), 0)
+    return (
+        "Everything was counted correctly: "
+        f"{wording.count(answers, 'acknowledged answer')} stored, each once; "
+        f"{by_words.get('left for good', 0)} left for good, "
+        f"{by_words.get('came back after leaving and finished', 0)} came back."
+    )
+
+
+def _is(number: int) -> str:
+    return "is" if number == 1 else "are"
+
+
+def _has(number: int) -> str:
+    return "has" if number == 1 else "have"
+
+
+def values_in_words(recovery: Recovery) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+    """Return heading and rows of the page's table of true values, without its last column."""
+    with wording.labelled(recovery.labels):
+        values = table("truth", recovery.values)
+    return values.header[:-1], [[cell.text for cell in row[:-1]] for row in values.rows]
+
+
+def recovery_lines(recovery: Recovery) -> list[str]:
+    """Return sentences about everything but the single values."""
+    with wording.labelled(recovery.labels):
+        return [
+            intervals_in_words(recovery),
+            signs_in_words(recovery),
+            *(f"  {line}" for line in unanswered_in_words(recovery)),
+            *exclusions_in_words(recovery.kinds),
+            counts_in_words(recovery),
+        ]
+
+
+HARDLY_CHANCE: Final = 0.01
+"""Below this probability, chance does not explain the misses."""
+
+
+def chance_in_words(missed: int, intervals: int) -> str:
+    """Say how often so many intervals miss the true value with a sound design.
+
+    Each interval then misses with probability 1 minus its level (Binomial). Answers of the same
+    people to several questions are correlated, which makes many misses at once more common.
+    """
+    if not intervals:
+        return "There is no interval to compare with a true value."
+    probability = float(binom.sf(missed - 1, intervals, 1 - LEVEL))
+    if not missed:
+        all_do = "it does" if intervals == 1 else f"all {intervals} do"
+        often = f"{100 * LEVEL**intervals:.0f} of 100 rehearsals"
+        return f"With a sound design, {all_do} in {often}."
+    misses = "the interval misses it" if intervals == 1 else f"{missed} or more intervals miss it"
+    if probability < HARDLY_CHANCE:
+        return (
+            f"With a sound design, {misses} in fewer than 1 of 100 rehearsals: see who was not "
+            "excluded, and whether there are enough people and segments."
+        )
+    return (
+        f"With a sound design, {misses} in {100 * probability:.0f} of 100 rehearsals, and "
+        "somewhat more often if the same people answer several questions."
+    )
+
+
+PAGE: Final = "recovery.html"
 
 
 def write_recovery(folder: StudyFolder, recovery: Recovery) -> Path:
     """Write page and tables into the rehearsal's folder and return the page."""
-    for name, frame in recovery_tables(recovery).items():
-        write_frame(folder.rehearsal_findings / name, frame)
+    for file, frame in recovery_tables(recovery).items():
+        write_frame(folder.rehearsal_findings / file, frame)
     path = folder.rehearsal_findings / PAGE
-    with labelled(recovery.labels):
+    with wording.labelled(recovery.labels):
         write_text(path, render_page(recovery_page(recovery)))
     return path
 
@@ -106,10 +284,10 @@ def _table(
     caption: str, frame: pd.DataFrame, *, text_columns: int, notes: tuple[str, ...] = ()
 ) -> Table:
     """Return a table of counts; a column that says nothing is left out."""
-    shown = frame.loc[:, [frame[name].astype(str).ne("").any() for name in frame]]
+    shown = frame.loc[:, [frame[column].astype(str).ne("").any() for column in frame]]
     return Table(
         caption=caption,
-        header=tuple(str(name).replace("_", " ") for name in shown),
+        header=tuple(str(column).replace("_", " ") for column in shown),
         rows=tuple(tuple(map(_cell, row)) for row in shown.itertuples(index=False, name=None)),
         text_columns=text_columns,
         notes=notes,

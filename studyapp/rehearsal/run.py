@@ -19,7 +19,6 @@ from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Departure, Participant, study_client
 from studyapp.rehearsal.resumption import Roster, expire_leases, prepare, read_roster
 from studyapp.rehearsal.server import rehearsal_server
-from studyapp.rehearsal.simulation.population import Population
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
@@ -55,7 +54,6 @@ def rehearse(
     *,
     participants: int | None = None,
     seed: int = 1,
-    population: Population | None = None,
     speed: float = SPEED,
     workers: int = WORKERS,
     on_done: Callable[[int, int], None] = lambda _done, _total: None,
@@ -73,8 +71,6 @@ def rehearse(
         Participants of each arm, at most and by default its places.
     seed : int
         Determines the participants, their preferences and all answers.
-    population : Population, optional
-        The population; by default the `default_population` of the study.
     speed : float
         Speed of the rehearsal's clock, relative to real time; at least 1.
     workers : int
@@ -91,7 +87,7 @@ def rehearse(
     study = ServedStudy.read(folder.root).study
     count = _count_participants(folder, study, participants)
     with folder.locked(), ExitStack() as opened:
-        truth, note = prepare(folder, seed=seed, population=population)
+        truth, note = prepare(folder, seed=seed)
         database = opened.enter_context(closing(Database.open(sqlite_url(folder.rehearsal))))
         roster = read_roster(database, count, truth)
         kept = len(roster.finished)

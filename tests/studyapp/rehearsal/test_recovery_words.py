@@ -7,11 +7,12 @@ from analysis.results.known_values import NO_RANK_INTERVAL, KnownDifference, Kno
 from analysis.stats.clustered_mean import Estimate
 from studyapp.rehearsal.bookkeeping import Check, Person
 from studyapp.rehearsal.recovered import KindRecovered, Recovery, kinds_recovered
-from studyapp.rehearsal.recovery_page import recovery_page, recovery_tables
-from studyapp.rehearsal.recovery_words import (
+from studyapp.rehearsal.recovery_page import (
     difference_in_words,
     exclusions_in_words,
     recovery_lines,
+    recovery_page,
+    recovery_tables,
     values_in_words,
 )
 from studyapp.rehearsal.simulation.population import Kind, Population
