@@ -85,7 +85,7 @@ def _trials_time(plan: Sequence[PlannedTrial], material: Material) -> ExpectedTi
 
 
 def _entrance_seconds(study: Study, material: Material) -> float:
-    questions = sum(len(study.form.questions_at(stage)) for stage in study.form.stages())
+    questions = len(list(study.form.asked()))
     speech = any(
         stimulus.speech is not None for content in material.contents for stimulus in content
     )

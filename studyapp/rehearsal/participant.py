@@ -198,8 +198,7 @@ class Participant:
         """Its answers to all forms."""
         return {
             f"{FORM_FIELD}{question.name}": (question.example,)
-            for stage in self.study.form.stages()
-            for question in self.study.form.questions_at(stage)
+            for _, question in self.study.form.asked()
         }
 
     def take_part(self, client: httpx.Client, *, is_back: bool = False) -> str:

@@ -58,11 +58,7 @@ def codebook(
         "motionjury": metadata.version("motionjury"),
         "tables": [_table(study, table, files) for table, files in tables],
         "questions": [_question(study, question) for question in study.questions],
-        "form": [
-            _form_question(stage, question)
-            for stage in study.form.stages()
-            for question in study.form.questions_at(stage)
-        ],
+        "form": [_form_question(stage, question) for stage, question in study.form.asked()],
     }
 
 
@@ -80,11 +76,7 @@ def _table(study: Study, table: TableColumns, files: Sequence[str]) -> dict[str,
 
 def _labels(study: Study, table: TableColumns, column: Column) -> dict[str, str]:
     if table.name == "form" and column.name == "question":
-        return {
-            question.name: question.text
-            for stage in study.form.stages()
-            for question in study.form.questions_at(stage)
-        }
+        return {question.name: question.text for _, question in study.form.asked()}
     # What was wrong with a request is no kind of trial.
     if table.name == "refusals":
         return {}

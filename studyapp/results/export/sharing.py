@@ -266,12 +266,7 @@ def _write_form(
     free_text: bool,
 ) -> None:
     """Write the answers to the form, with a column per question."""
-    asked = [
-        question
-        for stage in study.form.stages()
-        for question in study.form.questions_at(stage)
-        if free_text or question.kind != "text"
-    ]
+    asked = [question for _, question in study.form.asked() if free_text or question.kind != "text"]
     if not asked:
         return
     columns = [

@@ -285,6 +285,6 @@ class Form(Section):
         questions: tuple[FormQuestion, ...] = getattr(self, stage)
         return questions
 
-    def stages(self) -> Iterator[Stage]:
-        """Yield the stages that have questions."""
-        return (stage for stage in STAGES if self.questions_at(stage))
+    def asked(self) -> Iterator[tuple[Stage, FormQuestion]]:
+        """Yield all questions, each with its stage."""
+        return ((stage, question) for stage in STAGES for question in self.questions_at(stage))
