@@ -21,7 +21,6 @@ from studyapp.desk.jobs import Job, job_log, job_standings, run_job, stop_job
 from studyapp.desk.lab import OpenedStudy, current_lab
 from studyapp.desk.page import page, writing_files
 from studyapp.researchers.account import Right
-from studyapp.researchers.audit import log_change
 from studyapp.web.research.pages import Page
 
 MOST_SHOWN: Final = 64 * 1024
@@ -113,7 +112,7 @@ def _open_kind(study: OpenedStudy, name: str) -> JobKind:
 
 def _log(study: OpenedStudy, event: Event, detail: str) -> None:
     with study.database.writing() as session:
-        log_change(session, current_lab().clock.now(), event, by=study.account.name, detail=detail)
+        study.log(session, event, detail)
 
 
 def _page(study: OpenedStudy, kind: JobKind, *, problem: InputError | None = None) -> str:

@@ -19,16 +19,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-from studyapp.desk.jobs import (
-    DESCRIPTION,
-    PROCESSES,
-    PROGRESS,
-    PROGRESS_FILE,
-    RESEARCHER,
-    STOP,
-    Job,
-    command_line,
-)
+from studyapp.desk import jobs
 from studyapp.side_process import LESS_URGENT, available_processors
 
 POLL_SECONDS: Final = 0.3
@@ -50,18 +41,18 @@ def main(arguments: Sequence[str]) -> int:
     lower_priority_of_session()
     # A server that a script started in the background ignores it, and so would its children.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    job = Job.model_validate_json((folder / DESCRIPTION).read_bytes())
+    job = jobs.Job.model_validate_json((folder / jobs.DESCRIPTION).read_bytes())
     study = folder.parent.parent
     environment = {
         **os.environ,
-        PROGRESS_FILE: str(folder / PROGRESS),
-        RESEARCHER: job.by,
+        jobs.PROGRESS_FILE: str(folder / jobs.PROGRESS),
+        jobs.RESEARCHER: job.by,
         # One processor stays free for participants' requests.
-        PROCESSES: str(max(1, available_processors() - 1)),
+        jobs.PROCESSES: str(max(1, available_processors() - 1)),
         "PYTHONUNBUFFERED": "1",
     }
     process = subprocess.Popen(  # noqa: S603 - our own program
-        command_line(job.command),
+        jobs.command_line(job.command),
         cwd=study,
         env=environment,
         stdin=subprocess.DEVNULL,
@@ -69,11 +60,11 @@ def main(arguments: Sequence[str]) -> int:
         pass_fds=(lock,),
         preexec_fn=_end_with_parent if sys.platform == "linux" else None,
     )
-    status = _wait(process, folder / STOP)
+    status = _wait(process, folder / jobs.STOP)
     if status == 0 and job.packed:
         packed = study / job.packed
         shutil.make_archive(str(folder / job.archive), "zip", packed.parent, packed.name)
-    stopped_by = (folder / STOP).read_text("utf-8") if (folder / STOP).exists() else ""
+    stopped_by = (folder / jobs.STOP).read_text("utf-8") if (folder / jobs.STOP).exists() else ""
     job.model_copy(
         update={"status": status, "ended_at": datetime.now(UTC), "stopped_by": stopped_by}
     ).write(folder)

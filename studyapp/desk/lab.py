@@ -23,9 +23,10 @@ from sqlalchemy.orm import Session
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import StudySession
+from studyapp.database.tables import Event, StudySession
 from studyapp.monitoring.overview import places_so_far
 from studyapp.researchers.account import Account, find_account_by_identity
+from studyapp.researchers.audit import log_change
 from studyapp.session.intake import current_intake
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import needs_new_version, open_study
@@ -308,6 +309,10 @@ class OpenedStudy:
     def database(self) -> Database:
         """The study's own database."""
         return self.study.database
+
+    def log(self, session: Session, event: Event, detail: str) -> None:
+        """Log what the researcher does in the study."""
+        log_change(session, current_lab().clock.now(), event, by=self.account.name, detail=detail)
 
 
 def study_token(token: str, study: str) -> str:

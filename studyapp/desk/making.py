@@ -17,25 +17,8 @@ from studyapp.desk.lab import LabStudy, check_study_name, current_lab
 from studyapp.desk.membership import own_study
 from studyapp.desk.page import page, writing_files
 from studyapp.researchers.account import Right
+from studyapp.study import interview
 from studyapp.study.folder import StudyFolder
-from studyapp.study.interview import (
-    CHANNEL_DESCRIPTIONS,
-    FRAMING_DESCRIPTIONS,
-    LANGUAGES,
-    MAX_MINUTES,
-    MAX_PARTICIPANTS,
-    QUESTIONS,
-    STAND_INS,
-    TEMPLATE_DESCRIPTIONS,
-    WITH_REFERENCE,
-    participants_question,
-    read_address,
-    read_count,
-    read_pay,
-    reference_question,
-    require_stated_pay,
-    source_descriptions,
-)
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.presentation import Framing, Language, Video
 from studyapp.study.settings.reading import parse_text
@@ -53,7 +36,10 @@ MOST_TRIALS: Final = 500
 def choose_template() -> ResponseReturnValue:
     """Ask for the protocol and the language of the study."""
     return page(
-        "choose_template", templates=TEMPLATE_DESCRIPTIONS, languages=LANGUAGES, questions=QUESTIONS
+        "choose_template",
+        templates=interview.TEMPLATE_DESCRIPTIONS,
+        languages=interview.LANGUAGES,
+        questions=interview.QUESTIONS,
     )
 
 
@@ -101,7 +87,7 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
     form = {key: value.strip() for key, value in request.form.items()}
     template, language = _template_and_language(form)
     channel = form.get("channel", "link")
-    if channel not in CHANNEL_DESCRIPTIONS:
+    if channel not in interview.CHANNEL_DESCRIPTIONS:
         abort(400)
     conditions = None
     stated = [
@@ -127,13 +113,13 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
         reference=(form.get("reference") or None) if conditions else None,
         catch_videos="catch_videos" in form and conditions is not None,
         trials=_count(form, "trials", MOST_TRIALS),
-        participants=_count(form, "participants", MAX_PARTICIPANTS),
+        participants=_count(form, "participants", interview.MAX_PARTICIPANTS),
         channel=cast(Channel, channel),
-        pay=read_pay(form.get("pay", ""), channel),
-        minutes=_count(form, "minutes", MAX_MINUTES),
+        pay=interview.read_pay(form.get("pay", ""), channel),
+        minutes=_count(form, "minutes", interview.MAX_MINUTES),
         title=form.get("title") or None,
         organisation=form.get("organisation", ""),
-        contact=read_address(form.get("contact", "")),
+        contact=interview.read_address(form.get("contact", "")),
         ethics=form.get("ethics", ""),
         avatar=form.get("avatar") or None,
         framing=cast("Framing | None", form.get("framing") or None),
@@ -144,7 +130,7 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
             not in ("", question.text)
         },
     )
-    require_stated_pay(requested)
+    interview.require_stated_pay(requested)
     return requested
 
 
@@ -157,12 +143,12 @@ def _condition_rows() -> list[tuple[str, str]]:
 
 def _count(form: Mapping[str, str], key: str, most: int) -> int | None:
     count = form.get(key, "")
-    return read_count(count, most, unit=key) if count else None
+    return interview.read_count(count, most, unit=key) if count else None
 
 
 def _template_and_language(form: Mapping[str, str]) -> tuple[str, str]:
     template, language = form.get("template", ""), form.get("language", "en")
-    if template not in TEMPLATE_DESCRIPTIONS or language not in LANGUAGES:
+    if template not in interview.TEMPLATE_DESCRIPTIONS or language not in interview.LANGUAGES:
         abort(404)
     return template, language
 
@@ -191,18 +177,20 @@ def _page(form: Mapping[str, str], problem: InputError | None = None) -> str:
         template=template,
         language=language,
         default=default,
-        interview=QUESTIONS,
-        participants=participants_question(template),
-        reference=reference_question(template) if template in WITH_REFERENCE else None,
-        stand_ins=STAND_INS,
-        sources=source_descriptions(),
-        channels=CHANNEL_DESCRIPTIONS,
-        languages=LANGUAGES,
+        interview=interview.QUESTIONS,
+        participants=interview.participants_question(template),
+        reference=interview.reference_question(template)
+        if template in interview.WITH_REFERENCE
+        else None,
+        stand_ins=interview.STAND_INS,
+        sources=interview.source_descriptions(),
+        channels=interview.CHANNEL_DESCRIPTIONS,
+        languages=interview.LANGUAGES,
         avatars=AVATARS,
-        framings=FRAMING_DESCRIPTIONS,
-        most_participants=MAX_PARTICIPANTS,
+        framings=interview.FRAMING_DESCRIPTIONS,
+        most_participants=interview.MAX_PARTICIPANTS,
         most_trials=MOST_TRIALS,
-        longest=MAX_MINUTES,
+        longest=interview.MAX_MINUTES,
     )
 
 

@@ -18,10 +18,9 @@ from motion.segment import Segment
 from studyapp.database.tables import Event
 from studyapp.desk.inbox import Inbox
 from studyapp.desk.job_kinds import RECORD
-from studyapp.desk.lab import OpenedStudy, current_lab
+from studyapp.desk.lab import OpenedStudy
 from studyapp.desk.page import page
 from studyapp.researchers.account import Right
-from studyapp.researchers.audit import log_change
 from studyapp.study.design.trial import Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Stimuli, finished_video_path, read_stimuli
@@ -281,13 +280,8 @@ def remove_clip(study: OpenedStudy, condition: str, segment: str) -> ResponseRet
         raise InputError("nothing was removed", remedy="Tick the box to remove the file for good")
     with study.database.writing() as session:
         cell.source.unlink(missing_ok=True)
-        log_change(
-            session,
-            current_lab().clock.now(),
-            Event.MATERIAL_REMOVED,
-            by=study.account.name,
-            detail=cell.source.relative_to(study.folder.root).as_posix(),
-        )
+        name = cell.source.relative_to(study.folder.root).as_posix()
+        study.log(session, Event.MATERIAL_REMOVED, name)
     return redirect(
         url_for("research.clip", study=study.name, condition=condition, segment=segment), 303
     )

@@ -13,10 +13,9 @@ from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError, listed
 from studyapp.database.tables import Event
-from studyapp.desk.lab import OpenedStudy, current_lab
+from studyapp.desk.lab import OpenedStudy
 from studyapp.desk.page import page, writing_files
 from studyapp.researchers.account import Right
-from studyapp.researchers.audit import log_change
 from studyapp.session.versions import definition_in_use
 from studyapp.study.settings.reading import parse_text, read_study, read_text
 from studyapp.study.study_file import ChangedMeanwhileError, replace_text, text_digest
@@ -88,13 +87,8 @@ def _save(study: OpenedStudy, text: str, digest: str) -> None:
         difference = list(difflib.unified_diff(before.split("\n"), text.split("\n"), n=0))[2:]
         lines = sum(line[0] != "@" for line in difference)
         if lines:
-            log_change(
-                session,
-                current_lab().clock.now(),
-                Event.DEFINITION_EDITED,
-                by=study.account.name,
-                detail=f"{lines} line{'s' * (lines != 1)} removed or added",
-            )
+            detail = f"{lines} line{'s' * (lines != 1)} removed or added"
+            study.log(session, Event.DEFINITION_EDITED, detail)
 
 
 def _changed_design(study: OpenedStudy, text: str) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from datetime import datetime
 from typing import Final
 
 from studyapp.database.engine import Database
+from studyapp.monitoring import counts, data_quality
 from studyapp.monitoring.answered_trials import (
     Durations,
     Sides,
@@ -17,25 +18,6 @@ from studyapp.monitoring.answered_trials import (
     durations,
     sides,
     trial_durations,
-)
-from studyapp.monitoring.counts import (
-    Completions,
-    Dropout,
-    Forecast,
-    PlaceCounts,
-    completions,
-    count_places,
-    dropouts,
-    forecast,
-    total_places,
-)
-from studyapp.monitoring.data_quality import (
-    CheckedItem,
-    VideoShowings,
-    checked_items,
-    checks,
-    failed_by_session,
-    played_videos,
 )
 from studyapp.monitoring.study_sessions import SessionProgress, Standing, progress_of_sessions
 from studyapp.session.ending import JUDGED
@@ -117,32 +99,32 @@ class Overview:
     intake: Intake
     is_open: bool
     announced_minutes: int | None
-    arms: tuple[PlaceCounts, ...]
-    forecast: Forecast
-    completions: Completions | None
+    arms: tuple[counts.PlaceCounts, ...]
+    forecast: counts.Forecast
+    completions: counts.Completions | None
     standings: Mapping[Standing, int]
     earlier: int
     screened_out: Mapping[str, int]
     excluded: int
     leaving_out: tuple[SessionProgress, ...]
     analysed: Mapping[str, Counter[str]]
-    dropouts: tuple[Dropout, ...]
+    dropouts: tuple[counts.Dropout, ...]
     failed: Mapping[str, Mapping[int, int]]
-    items: tuple[CheckedItem, ...]
+    items: tuple[data_quality.CheckedItem, ...]
     whole: Durations
     trials: tuple[Durations, ...]
-    videos: tuple[VideoShowings, ...]
+    videos: tuple[data_quality.VideoShowings, ...]
     sides: tuple[Sides, ...]
 
     @property
-    def places(self) -> PlaceCounts:
+    def places(self) -> counts.PlaceCounts:
         """The places of all arms together."""
-        return total_places(self.arms)
+        return counts.total_places(self.arms)
 
     @property
     def most_analysed(self) -> int:
         """The largest number of analysed trials of any emotion."""
-        return max((counts.total() for counts in self.analysed.values()), default=0)
+        return max((by_arm.total() for by_arm in self.analysed.values()), default=0)
 
     @property
     def decisions(self) -> tuple[Decision, ...]:
@@ -165,17 +147,17 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         present = [each for each in everybody if each.present]
         counted = {each.id: each.arm for each in present if each.standing != "withdrawn"}
         trials = [each for each in answered_trials(session) if each.study_session in counted]
-        judged_checks = checks(session, study, counted)
-        videos = played_videos(session, study.display_names)
+        judged_checks = data_quality.checks(session, study, counted)
+        videos = data_quality.played_videos(session, study.display_names)
         balance = sides(session, study.display_names)
         intake = current_intake(session)
         screened_out = count_screened_out(session)
-    arms = count_places(study.arms, present, intake.more_places)
-    places = total_places(arms)
+    arms = counts.count_places(study.arms, present, intake.more_places)
+    places = counts.total_places(arms)
     finished = [each for each in present if each.completed_at]
     done = [each.completed_at for each in finished if each.standing == "done" and each.completed_at]
     began = min((each.consented_at for each in present), default=None)
-    expected = forecast(
+    expected = counts.forecast(
         [each.completed_at for each in finished if each.completed_at], places.remaining, began, now
     )
     return Overview(
@@ -185,20 +167,20 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         announced_minutes=study.page.minutes,
         arms=arms,
         forecast=expected,
-        completions=completions(done, places.wanted, began, expected.at, now),
+        completions=counts.completions(done, places.wanted, began, expected.at, now),
         standings=Counter(each.standing for each in present),
         earlier=len(everybody) - len(present),
         screened_out=screened_out,
         excluded=sum(each.excluded for each in present),
         leaving_out=_leaving_out(present),
         analysed=analysed_by_emotion(trials, counted),
-        dropouts=dropouts(present),
+        dropouts=counts.dropouts(present),
         failed={
             kind: dict(sorted(Counter(failures.values()).items()))
             for kind in JUDGED
-            if (failures := failed_by_session(judged_checks, kind))
+            if (failures := data_quality.failed_by_session(judged_checks, kind))
         },
-        items=checked_items(judged_checks),
+        items=data_quality.checked_items(judged_checks),
         whole=durations(
             "whole study session", [each.seconds for each in finished if each.seconds is not None]
         ),
@@ -208,12 +190,12 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
     )
 
 
-def places_so_far(database: Database, served: ServedStudy, now: datetime) -> PlaceCounts:
+def places_so_far(database: Database, served: ServedStudy, now: datetime) -> counts.PlaceCounts:
     """Return the counts of places of all arms together."""
     with database.reading() as session:
         everybody = progress_of_sessions(session, served, now)
         more = current_intake(session).more_places
-    return total_places(count_places(served.study.arms, everybody, more))
+    return counts.total_places(counts.count_places(served.study.arms, everybody, more))
 
 
 def _leaving_out(present: Sequence[SessionProgress]) -> tuple[SessionProgress, ...]:
@@ -221,7 +203,7 @@ def _leaving_out(present: Sequence[SessionProgress]) -> tuple[SessionProgress, .
     return tuple(sorted(some, key=lambda each: -each.left_out)[:MOST_LISTED])
 
 
-def _of_places(places: PlaceCounts, is_open: bool) -> Iterator[Decision]:
+def _of_places(places: counts.PlaceCounts, is_open: bool) -> Iterator[Decision]:
     if places.remaining and not is_open:
         yield Decision(
             what=f"{places.remaining} places are not done, and the study admits nobody new.",
@@ -229,7 +211,7 @@ def _of_places(places: PlaceCounts, is_open: bool) -> Iterator[Decision]:
         )
 
 
-def _of_video(video: VideoShowings) -> Iterator[Decision]:
+def _of_video(video: data_quality.VideoShowings) -> Iterator[Decision]:
     if video.unplayable >= MOST_UNPLAYABLE:
         yield Decision(
             what=f"{video.unplayable} of {video.shown} said that {video.what} does not play.",
@@ -251,7 +233,7 @@ def _of_video(video: VideoShowings) -> Iterator[Decision]:
         )
 
 
-def _of_item(item: CheckedItem) -> Iterator[Decision]:
+def _of_item(item: data_quality.CheckedItem) -> Iterator[Decision]:
     enough = item.careful >= FEWEST_CAREFUL
     if enough and item.careful_failed / item.careful >= MOST_CAREFUL_FAILED:
         yield Decision(
@@ -262,7 +244,7 @@ def _of_item(item: CheckedItem) -> Iterator[Decision]:
         )
 
 
-def _of_dropout(dropout: Dropout) -> Iterator[Decision]:
+def _of_dropout(dropout: counts.Dropout) -> Iterator[Decision]:
     if dropout.left >= FEWEST_LEFT and dropout.left / dropout.came >= MOST_LEFT:
         where = f"at trial {dropout.position}" if dropout.position else "before the first trial"
         yield Decision(
