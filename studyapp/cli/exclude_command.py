@@ -76,17 +76,6 @@ def _erase(folder: StudyFolder, name: str) -> None:
             scrub(database)
 
 
-def _copies(folder: StudyFolder) -> tuple[str, ...]:
-    """Return the files and folders of the study that may still hold a participant's data."""
-    tables = sorted(
-        path.name
-        for path in folder.root.glob("*")
-        if path.suffix in (".csv", ".parquet") and path.is_file() and path.name != "metrics.parquet"
-    )
-    folders = [path.name for path in (folder.report, folder.jobs) if path.exists()]
-    return (*tables, *(f"{name}/" for name in folders))
-
-
 @click.command("forget", cls=StudyCommand)
 @study_folder
 @click.argument("participant")
@@ -136,7 +125,13 @@ def _describe_erasure(entry: StoredData) -> str:
 
 
 def _describe_manual_steps(folder: StudyFolder) -> str:
-    copies = _copies(folder)
+    """Say which files and folders of the study may still hold a participant's data."""
+    copies = sorted(
+        path.name
+        for path in folder.root.glob("*")
+        if path.suffix in (".csv", ".parquet") and path.is_file() and path.name != "metrics.parquet"
+    )
+    copies += [f"{path.name}/" for path in (folder.report, folder.jobs) if path.exists()]
     local = (
         f"in the study folder, {listed(copies)} may still hold their data: export and report "
         "again, or remove their data there. "

@@ -6,6 +6,7 @@ table from any platform, and the table in its report reproduces the results.
 
 from __future__ import annotations
 
+from collections import Counter, defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -270,14 +271,10 @@ def _known_facts(study: Study, stored: StoredAnswers) -> dict[str, KnownFacts]:
         str(session): KnownFacts(
             trials=int(trials),
             settled=int(settled),
-            failed_catch=(
-                failed.get((session, "catch"), 0) + int(no_catch) if study.catch.trials else None
-            ),
-            failed_attention=(
-                failed.get((session, "attention"), 0) + int(no_attention)
-                if study.attention.trials
-                else None
-            ),
+            failed_catch=failed[session, "catch"] + int(no_catch) if study.catch.trials else None,
+            failed_attention=failed[session, "attention"] + int(no_attention)
+            if study.attention.trials
+            else None,
             decided=f"{reason}{AFTER_LOOK}" if reason and after_look else str(reason),
         )
         for session, trials, settled, no_catch, no_attention, reason, after_look in zip(
@@ -287,26 +284,20 @@ def _known_facts(study: Study, stored: StoredAnswers) -> dict[str, KnownFacts]:
     }
 
 
-def _failures(study: Study, stored: StoredAnswers) -> dict[tuple[int, str], int]:
+def _failures(study: Study, stored: StoredAnswers) -> Counter[tuple[int, str]]:
     """Return how many catch trials and attention checks each study session failed."""
     judged = stored.trials[stored.trials["kind"].isin(["catch", "attention"])]
-    trials = judged["trial"]
-    answers: dict[Any, dict[AnswerKey, int]] = {
-        trial: {
-            (question, number or None): value
-            for question, number, value in zip(
-                group["question"], group["stimulus"].tolist(), group["value"].tolist(), strict=True
-            )
-        }
-        for trial, group in stored.answers[stored.answers["trial"].isin(trials)].groupby("trial")
-    }
-    conditions: dict[Any, tuple[str, ...]] = {
-        trial: tuple(shown)
-        for trial, shown in stored.stimuli[stored.stimuli["trial"].isin(trials)].groupby("trial")[
-            "condition"
-        ]
-    }
-    failed: dict[tuple[int, str], int] = {}
+    answers: defaultdict[Any, dict[AnswerKey, int]] = defaultdict(dict)
+    given = stored.answers[stored.answers["trial"].isin(judged["trial"])]
+    for trial_id, question, number, value in zip(
+        *(given[name] for name in ("trial", "question", "stimulus", "value")), strict=True
+    ):
+        answers[trial_id][question, number or None] = value
+    shown = stored.stimuli[stored.stimuli["trial"].isin(judged["trial"])]
+    conditions: dict[Any, tuple[str, ...]] = (
+        shown.groupby("trial")["condition"].agg(tuple).to_dict()
+    )
+    failed: Counter[tuple[int, str]] = Counter()
     for row in judged.itertuples(index=False):
         trial = JudgedTrial(
             kind=str(row.kind),
@@ -315,9 +306,7 @@ def _failures(study: Study, stored: StoredAnswers) -> dict[tuple[int, str], int]
             expected=_number(row.expected),
             instructed=_number(row.instructed),
         )
-        if study.failed(trial, answers.get(row.trial, {})):
-            key = int(str(row.study_session)), trial.kind
-            failed[key] = failed.get(key, 0) + 1
+        failed[int(str(row.study_session)), trial.kind] += study.failed(trial, answers[row.trial])
     return failed
 
 

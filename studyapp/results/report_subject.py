@@ -153,26 +153,18 @@ def study_stills(folder: StudyFolder, study: Study, segments: Sequence[Segment])
     """
     keys = [(segment.name, name) for segment in segments for name in study.conditions]
     try:
-        videos = {key: video.file for key, video in stimulus_videos(folder, study, keys).items()}
-    except InputError as error:
-        return Stills(reason=f"There are no stills of the conditions: {error.what}.")
-    if not videos:
-        return Stills(reason=NO_VIDEOS)
-    chosen = max(segments, key=lambda segment: sum(name == segment.name for name, _ in videos))
-    chosen_videos = {
-        condition: videos[chosen.name, condition]
-        for condition in study.conditions
-        if (chosen.name, condition) in videos
-    }
-    if not chosen_videos:
-        return Stills(reason=NO_VIDEOS)
-    try:
-        first = next(iter(chosen_videos.values()))
+        existing = stimulus_videos(folder, study, keys)
+        videos = {key: existing[key].file for key in keys if key in existing}
+        if not videos:
+            return Stills(reason=NO_VIDEOS)
+        chosen = max(segments, key=lambda segment: sum(name == segment.name for name, _ in videos))
+        shown = {name: video for (segment, name), video in videos.items() if segment == chosen.name}
+        first = next(iter(shown.values()))
         moments = [moment.seconds for moment in _moments(folder, chosen, first)]
     except InputError as error:
         return Stills(reason=f"There are no stills of the conditions: {error.what}.")
     stills: list[Still] = []
-    for condition, video in chosen_videos.items():
+    for condition, video in shown.items():
         try:
             frames = frames_at(video, moments, STILL_PIXELS)
         except InputError:

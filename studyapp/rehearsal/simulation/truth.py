@@ -32,6 +32,9 @@ from studyapp.study.settings.conditions import comparison_name
 from studyapp.study.settings.sections import explain_errors
 from studyapp.study.settings.study import Study
 
+Fit = Callable[[Population, int, str, str, str], float]
+"""`segment_fit` or `speech_fit`."""
+
 Average = Callable[[np.ndarray, float], float]
 """What raters answer on average, given utilities or gaps (k,) and their standard deviation."""
 
@@ -70,23 +73,10 @@ class _Items:
         """Return a condition's mean utility in logits."""
         return self.population.quality[condition][question]
 
-    def luck(self, condition: str, question: str) -> np.ndarray:
-        """Return what each segment adds to it (S,)."""
-        return np.array(
-            [
-                segment_fit(self.population, self.seed, condition, segment.name, question)
-                for segment in self.segments
-            ]
-        )
-
-    def speech_luck(self, condition: str, question: str) -> np.ndarray:
-        """Return what each segment adds to the cost of another speech (S,)."""
-        return np.array(
-            [
-                speech_fit(self.population, self.seed, condition, segment.name, question)
-                for segment in self.segments
-            ]
-        )
+    def luck(self, condition: str, question: str, fit: Fit = segment_fit) -> np.ndarray:
+        """Return what each segment adds to it, or to the cost of another speech (S,)."""
+        names = (segment.name for segment in self.segments)
+        return np.array([fit(self.population, self.seed, condition, n, question) for n in names])
 
 
 def _of_pairs(study: PairwiseStudy, items: _Items) -> Iterator[KnownValue]:
@@ -143,7 +133,7 @@ def _own_speech(items: _Items, condition: str, question: str, *, ties: bool) -> 
     value, on_these = _averages(
         lambda gap, spread: win_share(population, float(gap[0]), spread, ties=ties),
         gaps=np.array([population.belonging[condition][question]]),
-        luck=items.speech_luck(condition, question)[:, None],
+        luck=items.luck(condition, question, speech_fit)[:, None],
         people_sd=population.participant_sd,
         item_sd=population.item_sd,
     )
