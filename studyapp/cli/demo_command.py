@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 import click
@@ -23,35 +23,31 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.study_file import new_study
 
-SENTENCES: Final = MappingProxyType(
-    {
-        "neutral": "The number nine tram leaves from the station square every twelve minutes, "
-        "and it stops at the museum on its way to the harbour.",
-        "happiness": "We got the house! They called this morning, and next summer we will all "
-        "be having breakfast under that enormous cherry tree.",
-        "anger": "I have told them three times already. Three times! And still nobody has "
-        "bothered to fix that lock or even to call me back.",
-        "sadness": "Her chair is still by the window. I keep setting the table for two, "
-        "and then I remember that there is nobody coming home.",
-        "contempt": "Oh, of course he knows better. He read half an article once, and now he is "
-        "explaining medicine to a room full of doctors.",
-        "surprise": "Wait, you walked all the way here? In this weather? I opened the door "
-        "and I honestly could not believe my own eyes.",
-        "fear": "Did you hear that? There is someone on the stairs again. Please stay here "
-        "with me, and do not turn on the light.",
-        "disgust": "The milk had gone green, there was hair in the sink, and something under "
-        "the counter was moving. I could not stay in that kitchen.",
-    }
-)
+SENTENCES: Final[Mapping[str, str]] = {
+    "neutral": "The number nine tram leaves from the station square every twelve minutes, "
+    "and it stops at the museum on its way to the harbour.",
+    "happiness": "We got the house! They called this morning, and next summer we will all "
+    "be having breakfast under that enormous cherry tree.",
+    "anger": "I have told them three times already. Three times! And still nobody has "
+    "bothered to fix that lock or even to call me back.",
+    "sadness": "Her chair is still by the window. I keep setting the table for two, "
+    "and then I remember that there is nobody coming home.",
+    "contempt": "Oh, of course he knows better. He read half an article once, and now he is "
+    "explaining medicine to a room full of doctors.",
+    "surprise": "Wait, you walked all the way here? In this weather? I opened the door "
+    "and I honestly could not believe my own eyes.",
+    "fear": "Did you hear that? There is someone on the stairs again. Please stay here "
+    "with me, and do not turn on the light.",
+    "disgust": "The milk had gone green, there was hair in the sink, and something under "
+    "the counter was moving. I could not stay in that kitchen.",
+}
 """One sentence per emotion, each at least four seconds long when spoken."""
 
-CONDITIONS: Final = MappingProxyType(
-    {
-        "rule_based": Condition(generator="rule_based"),
-        "mismatched": Condition(generator="mismatched", source="rule_based"),
-        "static": Condition(generator="static"),
-    }
-)
+CONDITIONS: Final[Mapping[str, Condition]] = {
+    "rule_based": Condition(generator="rule_based"),
+    "mismatched": Condition(generator="mismatched", source="rule_based"),
+    "static": Condition(generator="static"),
+}
 
 
 def prepare_demo(folder: StudyFolder) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from types import MappingProxyType
 from typing import Final
 
 from motion.errors import listed
@@ -16,15 +15,13 @@ from studyapp.study.design.trial import Kind
 from studyapp.study.settings.exclusions import Coverage, FailedAttention, FailedCatch
 from studyapp.study.settings.study import Study
 
-KIND_WORDS: Final[Mapping[Kind, str]] = MappingProxyType(
-    {
-        "practice": "practice (discarded)",
-        "main": "main",
-        "repeat": "practice repeated (analysed)",
-        "catch": "catch",
-        "attention": "attention",
-    }
-)
+KIND_WORDS: Final[Mapping[Kind, str]] = {
+    "practice": "practice (discarded)",
+    "main": "main",
+    "repeat": "practice repeated (analysed)",
+    "catch": "catch",
+    "attention": "attention",
+}
 
 
 def design_findings(material: Material) -> Iterator[Finding]:

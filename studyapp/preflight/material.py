@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final, Self
 
 from motion.segment import Segment
@@ -53,7 +52,7 @@ class Material:
     @cached_property
     def segments_by_name(self) -> Mapping[str, Segment]:
         """The segments by name."""
-        return MappingProxyType({segment.name: segment for segment in self.segments})
+        return {segment.name: segment for segment in self.segments}
 
     @cached_property
     def contents(self) -> tuple[Content, ...]:
@@ -66,11 +65,11 @@ class Material:
     def shown(self) -> Mapping[Content, VideoFile]:
         """The videos that exist, by content."""
         if self.media is None:
-            return MappingProxyType({})
+            return {}
         videos = {content: self.media.find(content) for content in self.contents}
-        return MappingProxyType(
-            {content: video for content, video in videos.items() if video and video.file.is_file()}
-        )
+        return {
+            content: video for content, video in videos.items() if video and video.file.is_file()
+        }
 
     @cached_property
     def finished(self) -> Mapping[Path, Content]:
@@ -79,7 +78,7 @@ class Material:
         for content in self.contents:
             if len(content) == 1 and self.study.is_finished(content[0].condition):
                 files.setdefault(finished_video_path(self.folder.videos, content[0]), content)
-        return MappingProxyType(files)
+        return files
 
     @cached_property
     def planned(self) -> tuple[tuple[Arm, tuple[tuple[PlannedTrial, ...], ...]], ...]:

@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final, get_args
 
 from motion.errors import InputError, listed
@@ -70,12 +69,10 @@ def _place_findings(study: Study) -> Iterator[Finding]:
         )
 
 
-PROLIFIC: Final[Mapping[str, Mapping[str, int]]] = MappingProxyType(
-    {
-        "GBP": {"pay-below-prolific-minimum": 6, "pay-below-prolific-advice": 9},
-        "USD": {"pay-below-prolific-minimum": 8, "pay-below-prolific-advice": 12},
-    }
-)
+PROLIFIC: Final[Mapping[str, Mapping[str, int]]] = {
+    "GBP": {"pay-below-prolific-minimum": 6, "pay-below-prolific-advice": 9},
+    "USD": {"pay-below-prolific-minimum": 8, "pay-below-prolific-advice": 12},
+}
 """The least that Prolific allows per hour and what it recommends, by currency, from its payment
 principles (researcher-help.prolific.com)."""
 

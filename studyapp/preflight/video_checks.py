@@ -11,7 +11,6 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from motion.errors import InputError, listed
@@ -34,14 +33,12 @@ from studyapp.study.design.trial import Content, PlannedTrial
 from studyapp.study.folder import similar_file, video_duration
 from studyapp.study.media import VideoFile, finished_video_path, shows_copy
 
-_DIFFERS: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "size": "picture-size-differs",
-        "frame_rate": "frame-rate-differs",
-        "picture": "picture-format-differs",
-        "sound": "sound-format-differs",
-    }
-)
+_DIFFERS: Final[Mapping[str, str]] = {
+    "size": "picture-size-differs",
+    "frame_rate": "frame-rate-differs",
+    "picture": "picture-format-differs",
+    "sound": "sound-format-differs",
+}
 """Must be the same in all videos shown side by side; the findings if it is not."""
 
 LEAST_PIXELS: Final = 360

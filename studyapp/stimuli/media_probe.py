@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, ClassVar, Final, Literal, Self
 
 import av
@@ -159,14 +158,12 @@ class VideoStructure:
         Number of packets of sound.
     """
 
-    WORDS: ClassVar[Mapping[str, str]] = MappingProxyType(
-        {
-            "settings": "settings of the encoder",
-            "pictures": "how many pictures there are",
-            "order": "which pictures are encoded from which others",
-            "sounds": "how long the sound lasts",
-        }
-    )
+    WORDS: ClassVar[Mapping[str, str]] = {
+        "settings": "settings of the encoder",
+        "pictures": "how many pictures there are",
+        "order": "which pictures are encoded from which others",
+        "sounds": "how long the sound lasts",
+    }
     """Should be the same in all videos shown side by side."""
 
     settings: bytes

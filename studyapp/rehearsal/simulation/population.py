@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Final, Literal, get_args
 
 import numpy as np
@@ -33,18 +32,16 @@ UNSOUND: Final[frozenset[Kind]] = frozenset({"careless", "hasty", "side_biased",
 """Kinds whose answers say less than those of the attentive, or nothing: an analysis is better off
 without them. All others judge as the attentive do."""
 
-DESCRIPTIONS: Final[Mapping[Kind, str]] = MappingProxyType(
-    {
-        "attentive": "watch, and answer what they prefer",
-        "hasty": "watch as little as they may, answer at once, see little",
-        "side_biased": "are drawn to one side",
-        "straight_lining": "give the same answer again and again",
-        "careless": "answer at random",
-        "dropping_out": "leave on the way, for good",
-        "returning": "leave on the way and come back",
-        "double_clicking": "press every button twice",
-    }
-)
+DESCRIPTIONS: Final[Mapping[Kind, str]] = {
+    "attentive": "watch, and answer what they prefer",
+    "hasty": "watch as little as they may, answer at once, see little",
+    "side_biased": "are drawn to one side",
+    "straight_lining": "give the same answer again and again",
+    "careless": "answer at random",
+    "dropping_out": "leave on the way, for good",
+    "returning": "leave on the way and come back",
+    "double_clicking": "press every button twice",
+}
 """What each does, in words."""
 
 
@@ -58,9 +55,13 @@ def kind_at(shares: Mapping[Kind, float], drawn: float) -> Kind:
     return KINDS[-1]
 
 
-QUALITY: Final[Mapping[str, float]] = MappingProxyType(
-    {GROUND_TRUTH: 1.0, "rule_based": 0.5, "mismatched": 0.0, "static": -1.0, "broken": -6.0}
-)
+QUALITY: Final[Mapping[str, float]] = {
+    GROUND_TRUTH: 1.0,
+    "rule_based": 0.5,
+    "mismatched": 0.0,
+    "static": -1.0,
+    "broken": -6.0,
+}
 """Latent quality in logits of the conditions, or generators, that every study knows."""
 
 FIRST_UNKNOWN: Final = 0.75

@@ -8,7 +8,6 @@ from dataclasses import KW_ONLY, dataclass, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Final, Literal
 
 import pandas as pd
@@ -19,15 +18,13 @@ from motion.files import harmless_frame, replacing, write_text
 
 ColumnType = Literal["text", "integer", "number", "boolean", "moment"]
 
-DTYPES: Final[Mapping[ColumnType, str]] = MappingProxyType(
-    {
-        "text": "string",
-        "integer": "Int64",
-        "number": "Float64",
-        "boolean": "boolean",
-        "moment": "datetime64[us, UTC]",
-    }
-)
+DTYPES: Final[Mapping[ColumnType, str]] = {
+    "text": "string",
+    "integer": "Int64",
+    "number": "Float64",
+    "boolean": "boolean",
+    "moment": "datetime64[us, UTC]",
+}
 """How each type is held; every one knows missing values."""
 
 
