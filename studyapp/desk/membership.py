@@ -17,23 +17,10 @@ from motion.errors import InputError
 from studyapp.database.tables import Event
 from studyapp.desk.lab import LabStudy, OpenedStudy, current_lab, study_token
 from studyapp.desk.page import page
+from studyapp.researchers import links, logins
 from studyapp.researchers.account import Account, Right, link_identity
 from studyapp.researchers.audit import log_change
 from studyapp.researchers.credentials import new_token
-from studyapp.researchers.links import (
-    Link,
-    UnusableLinkError,
-    find_link,
-    first_owner_link,
-    join,
-)
-from studyapp.researchers.logins import (
-    WrongLoginError,
-    begin_login,
-    end_login,
-    find_account_by_login,
-    log_in,
-)
 from studyapp.web.research import accounts
 from studyapp.web.research.page import refusal_page, researcher, visitor_cookie
 from studyapp.web.research.pages import Page
@@ -45,14 +32,14 @@ def enter_study(study: OpenedStudy, token: str) -> None:
     desk, study_login = current_lab(), study_token(token, study.name)
     now = desk.clock.now()
     if all(
-        find_account_by_login(database, study_login, now, by_hand=True)
+        logins.find_account_by_login(database, study_login, now, by_hand=True)
         for database in (desk.database, study.database)
     ):
         return
     for database, account in ((desk.database, researcher()), (study.database, study.account)):
-        end_login(database, study_login)
+        logins.end_login(database, study_login)
         with database.writing() as session:
-            begin_login(session, account.id, now, study_login)
+            logins.begin_login(session, account.id, now, study_login)
             if database is study.database:
                 log_change(session, now, Event.LOGGED_IN, by=account.name)
 
@@ -62,7 +49,7 @@ def log_out() -> ResponseReturnValue:
     token = visitor_cookie()
     if token is not None:
         lab = current_lab()
-        end_login(lab.database, *(study_token(token, study.name) for study in lab.studies()))
+        logins.end_login(lab.database, *(study_token(token, study.name) for study in lab.studies()))
     return accounts.log_out()
 
 
@@ -75,7 +62,7 @@ def own_study(study: LabStudy, account: Account) -> None:
         If somebody owns it.
     """
     clock = current_lab().clock
-    token = first_owner_link(study.database, clock)
+    token = links.first_owner_link(study.database, clock)
     if token is None:
         raise InputError(
             f"the study {study.name!r} has an owner", remedy="Ask them for a link to join it"
@@ -85,7 +72,7 @@ def own_study(study: LabStudy, account: Account) -> None:
 
 def _join(study: LabStudy, token: str, name: str, account: Account) -> None:
     # Nobody knows the password: researchers who come by the desk log in there.
-    join(
+    links.join(
         study.database,
         current_lab().clock,
         token,
@@ -121,17 +108,17 @@ def use_study_link(study: str, token: str) -> ResponseReturnValue:
     return redirect(url_for("research.study_page", study=study), 303)
 
 
-def _invitation(name: str, token: str) -> tuple[LabStudy, Link]:
+def _invitation(name: str, token: str) -> tuple[LabStudy, links.Link]:
     """Return the study that a link of one of its owners is for, and the link."""
     lab = current_lab()
     study = lab.study(name)
     if study is not None:
-        with suppress(UnusableLinkError):
-            link = find_link(study.database, token, lab.clock.now())
+        with suppress(links.UnusableLinkError):
+            link = links.find_link(study.database, token, lab.clock.now())
             # A new password is of no use where one logs in at the desk.
             if link.role is not None:
                 return study, link
-    abort(make_response(refusal_page(UnusableLinkError(), 404)))
+    abort(make_response(refusal_page(links.UnusableLinkError(), 404)))
 
 
 def existing_account() -> ResponseReturnValue:
@@ -146,8 +133,8 @@ def bring_account() -> ResponseReturnValue:
     study = lab.study(study_name.strip())
     try:
         if study is None or identity is None:
-            raise WrongLoginError
-        token = log_in(
+            raise logins.WrongLoginError
+        token = logins.log_in(
             study.database,
             lab.clock,
             name=name,
@@ -155,10 +142,10 @@ def bring_account() -> ResponseReturnValue:
             code=request.form.get("code", ""),
             address=client_address(),
         )
-        account = find_account_by_login(study.database, token, lab.clock.now(), by_hand=True)
-        end_login(study.database, token)
+        account = logins.find_account_by_login(study.database, token, lab.clock.now(), by_hand=True)
+        logins.end_login(study.database, token)
         if account is None:
-            raise WrongLoginError
+            raise logins.WrongLoginError
         link_identity(study.database, account.id, identity)
     except InputError as error:
         return page("existing_account", problem=error, study=study_name, name=name), 403

@@ -19,7 +19,6 @@ from motion.errors import InputError
 from studyapp.planning.planned_study import (
     PlannedStudy,
     excluded_by_default,
-    has_segments,
     notes_of,
     planned_segments,
 )
@@ -68,7 +67,7 @@ def plan_study(
     own_size = study.arms[0].places, len(segments)
     participants = participants or tuple(own_size[0] * n for n in TIMES_PARTICIPANTS)
     # A study without speech has no size of its own, unless one number of segments is asked for.
-    has_own_size = has_segments(folder, study) or len(items) == 1
+    has_own_size = folder.has_segments(study) or len(items) == 1
     items = items or tuple(own_size[1] * n for n in TIMES_ITEMS)
     planned = PlannedStudy(study=study, segments=segments, excluded=assumed.excluded)
     _refuse_huge(planned.size(1, max(items)), max(participants))

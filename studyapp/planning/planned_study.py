@@ -12,7 +12,6 @@ import numpy as np
 
 from analysis.answers.table import ANALYSED_KINDS
 from analysis.planning.part import Kind, Part, Size, Trials, count_analysed
-from motion.endings import VIDEO_ENDING
 from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment
 from studyapp.study.design.trial import PlannedTrial
@@ -170,12 +169,6 @@ def excluded_by_default(study: Study) -> float:
     return 0.0 if study.replace_excluded else EXCLUDED
 
 
-def has_segments(folder: StudyFolder, study: Study) -> bool:
-    """Tell whether the study has segments already."""
-    has_videos = study.only_finished and any(folder.videos.glob(f"*/*{VIDEO_ENDING}"))
-    return has_videos or (folder.speech / "segments.csv").exists()
-
-
 def planned_segments(
     folder: StudyFolder, study: Study, items: Sequence[int]
 ) -> tuple[Segment, ...]:
@@ -186,7 +179,7 @@ def planned_segments(
     InputError
         If there are no segments yet, and none are tried either.
     """
-    if has_segments(folder, study):
+    if folder.has_segments(study):
         return tuple(folder.segments_of(study))
     if not items:
         raise InputError(

@@ -7,30 +7,18 @@ from contextlib import suppress
 from typing import Final
 
 from motion.errors import InputError
-from studyapp.preflight.catch_checks import catch_picture_findings
-from studyapp.preflight.design_checks import balance_findings, design_findings
+from studyapp.preflight import (
+    catch_checks,
+    design_checks,
+    motion_checks,
+    recruiting_checks,
+    serving_checks,
+    sound_checks,
+    time_checks,
+    video_checks,
+)
 from studyapp.preflight.finding import SEVERITIES, Finding, finding_of_error, make_finding
 from studyapp.preflight.material import Material
-from studyapp.preflight.motion_checks import motion_findings
-from studyapp.preflight.recruiting_checks import (
-    page_findings,
-    pay_findings,
-    prolific_code_findings,
-    recruiting_findings,
-)
-from studyapp.preflight.serving_checks import address_findings, server_findings, serving_findings
-from studyapp.preflight.sound_checks import sound_findings
-from studyapp.preflight.time_checks import (
-    expected_time,
-    minutes_needed,
-    pace_of_study,
-    time_findings,
-)
-from studyapp.preflight.video_checks import (
-    finished_video_findings,
-    shown_video_findings,
-    weight_findings,
-)
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.reading import parse_text, read_text
 from studyapp.study.settings.study import Study
@@ -55,7 +43,7 @@ def check(
     """
     findings = list(_findings(folder, on_step))
     if address is not None:
-        findings += address_findings(address)
+        findings += serving_checks.address_findings(address)
     return sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))
 
 
@@ -66,9 +54,9 @@ def _findings(folder: StudyFolder, on_step: OnStep) -> Iterator[Finding]:
         for problem in error.what.split("; "):
             yield make_finding("study-file", problem, where="study.toml", remedy=error.remedy)
         return
-    yield from page_findings(study)
-    yield from recruiting_findings(study)
-    yield from prolific_code_findings(study, folder.root)
+    yield from recruiting_checks.page_findings(study)
+    yield from recruiting_checks.recruiting_findings(study)
+    yield from recruiting_checks.prolific_code_findings(study, folder.root)
     try:
         material = Material.read(folder, study)
     except InputError as error:
@@ -77,40 +65,42 @@ def _findings(folder: StudyFolder, on_step: OnStep) -> Iterator[Finding]:
             error,
             where=error.where.removeprefix(f"{folder.root}/"),
         )
-        yield from pay_findings(study, None)
+        yield from recruiting_checks.pay_findings(study, None)
         return
     yield from _material_findings(material, study, on_step)
 
 
 _CHECKS: Final[tuple[tuple[str, Callable[[Material], Iterable[Finding]]], ...]] = (
-    ("finished videos", finished_video_findings),
-    ("what videos show", shown_video_findings),
-    ("sound", sound_findings),
-    ("weight of pages", weight_findings),
-    ("motion", motion_findings),
-    ("catch trials", catch_picture_findings),
-    ("design", design_findings),
-    ("balance", balance_findings),
-    ("serving", serving_findings),
+    ("finished videos", video_checks.finished_video_findings),
+    ("what videos show", video_checks.shown_video_findings),
+    ("sound", sound_checks.sound_findings),
+    ("weight of pages", video_checks.weight_findings),
+    ("motion", motion_checks.motion_findings),
+    ("catch trials", catch_checks.catch_picture_findings),
+    ("design", design_checks.design_findings),
+    ("balance", design_checks.balance_findings),
+    ("serving", serving_checks.serving_findings),
 )
 
 
 def _material_findings(material: Material, study: Study, on_step: OnStep) -> Iterator[Finding]:
     """Run all checks, and read a study without errors as its server will."""
-    expected = expected_time(material)
+    expected = time_checks.expected_time(material)
     findings: list[Finding] = []
     for name, check_material in _CHECKS:
         on_step(name)
         findings += check_material(material)
     if expected is None:
-        findings += pay_findings(study, None)
+        findings += recruiting_checks.pay_findings(study, None)
     else:
         pace = None
         with suppress(InputError):  # serving_findings reports a database that cannot be read
-            pace = pace_of_study(material)
-        findings += time_findings(study, expected, pace)
-        findings += pay_findings(study, minutes_needed(expected, pace))
+            pace = time_checks.pace_of_study(material)
+        findings += time_checks.time_findings(study, expected, pace)
+        findings += recruiting_checks.pay_findings(
+            study, time_checks.minutes_needed(expected, pace)
+        )
     yield from findings
     if not any(finding.severity == "error" for finding in findings):
         on_step("the study as it is served")
-        yield from server_findings(material)
+        yield from serving_checks.server_findings(material)

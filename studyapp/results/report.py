@@ -198,8 +198,7 @@ def _playable_pairs(
 def _segments(folder: StudyFolder, study: Study) -> tuple[Segment, ...]:
     """Return the study's segments; empty for a shared copy without videos and speech."""
     is_finished = all(condition.videos for condition in study.conditions.values())
-    has_speech = (folder.speech / "segments.csv").exists()
-    if is_finished and not has_speech and not any(folder.videos.glob("*/*.mp4")):
+    if is_finished and not folder.has_segments(study):
         return ()
     return tuple(folder.segments_of(study))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from operator import itemgetter
 from typing import Any, Final, Literal
@@ -98,14 +98,12 @@ class StoredAnswers:
         """Return the answers of some study sessions."""
         chosen = self.study_sessions[study_sessions]
         trials = self.trials[self.trials["study_session"].isin(chosen["study_session"])]
-        return StoredAnswers(
+        return replace(
+            self,
             study_sessions=chosen,
             trials=trials,
             answers=self.answers[self.answers["trial"].isin(trials["trial"])],
             stimuli=self.stimuli[self.stimuli["trial"].isin(trials["trial"])],
-            looks=self.looks,
-            more_places=self.more_places,
-            screened_out=self.screened_out,
         )
 
 

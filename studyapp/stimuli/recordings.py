@@ -20,12 +20,10 @@ from motion.formats.joint_maps import JointMap
 from motion.placement import place
 from motion.resample import cut
 from motion.segment import Segment, check_name
-from studyapp.stimuli.recorded_beside import (
-    add_transcripts,
-    cut_semantics,
-)
 from studyapp.stimuli.shown_motion import SEGMENT_TOLERANCE, check_same_length, licensed_hands
 from studyapp.stimuli.stored_speech import (
+    add_transcripts,
+    cut_semantics,
     existing_segments,
     require_same_speech,
     require_same_times,

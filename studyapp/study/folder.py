@@ -137,6 +137,13 @@ class StudyFolder:
         """Read and validate the study file."""
         return read_study(self.definition)
 
+    def has_segments(self, study: Study) -> bool:
+        """Return whether there is speech, or finished videos that take its place."""
+        if (self.speech / "segments.csv").exists():
+            return True
+        is_finished = all(condition.videos for condition in study.conditions.values())
+        return is_finished and any(self.videos.glob(f"*/*{VIDEO_ENDING}"))
+
     def segments(self) -> Sequence[Segment]:
         """Read the segments; `InputError` if there are none yet."""
         if not (self.speech / "segments.csv").exists():

@@ -166,9 +166,7 @@ def _material(folder: StudyFolder, study: Study) -> Iterator[Path]:
     if table.exists():
         yield table
         segments = folder.segments()
-    elif all(made.videos for made in study.conditions.values()) and any(
-        folder.videos.glob("*/*.mp4")
-    ):
+    elif folder.has_segments(study):
         segments = folder.segments_of(study)
     yield from (folder.speech / wav for wav in dict.fromkeys(s.wav for s in segments) if wav)
     annotated = (folder.semantics(segment.name) for segment in segments)

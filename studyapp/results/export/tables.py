@@ -20,21 +20,8 @@ from studyapp.researchers.audit import detail_label
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.analysed_tasks import PARTS_OF, AnalysedTask, analysed_tasks
 from studyapp.results.answers import answers_in, missing_answers, snapshot
+from studyapp.results.export import columns
 from studyapp.results.export.codebook import as_json, codebook, codebook_page
-from studyapp.results.export.columns import (
-    ANSWERS,
-    ENDINGS,
-    FORM,
-    LOG,
-    PARTICIPANTS,
-    RECRUITER_IDS,
-    REFUSALS,
-    WATCHING,
-    TableColumns,
-    csv_text,
-    typed,
-    write_table,
-)
 from studyapp.results.export.rows import (
     answers_table,
     form_answers_table,
@@ -62,7 +49,7 @@ EXCLUSION: Final = ("excluded", "exclusion_rule", "exclusion_kind", "exclusion_r
 class ExportedTable:
     """A table: what its columns are, and its typed rows."""
 
-    about: TableColumns
+    about: columns.TableColumns
     frame: pd.DataFrame
 
 
@@ -154,7 +141,7 @@ def export(
         If the study or its database cannot be read, there are no such answers, the key is
         damaged, or the ending is unknown.
     """
-    if path.suffix not in ENDINGS:
+    if path.suffix not in columns.ENDINGS:
         raise InputError(
             f"{path.name} ends neither in .csv nor in .parquet",
             where="--out",
@@ -182,14 +169,14 @@ def export(
     described = []
     for table in tables:
         file = path.with_stem("_".join(filter(None, (path.stem, table.about.name))))
-        write_table(file, table.frame, table.about)
+        columns.write_table(file, table.frame, table.about)
         written.append(file)
         described.append((table.about, [file.name]))
     if names is not None:
-        file = path.with_name(f"{RECRUITER_IDS.name}.csv")
-        write_text(file, csv_text(names.frame, names.about), private=True)
+        file = path.with_name(f"{columns.RECRUITER_IDS.name}.csv")
+        write_text(file, columns.csv_text(names.frame, names.about), private=True)
         written.append(file)
-        described.append((RECRUITER_IDS, [file.name]))
+        described.append((columns.RECRUITER_IDS, [file.name]))
     book = codebook(folder, study, origin, described)
     page = path.with_name(f"{path.stem}_codebook.md")
     write_text(page, codebook_page(book))
@@ -220,12 +207,12 @@ def exported_tables(
     form, refusals = form_answers_table(session), refusals_table(session)
     names = pseudonyms(session, key)
     return (
-        _table(ANSWERS, answers, names),
-        _table(PARTICIPANTS, people, names),
-        _table(FORM, form, names),
-        _table(WATCHING, watching, names),
-        _table(REFUSALS, refusals, names),
-        ExportedTable(about=LOG, frame=typed(_log(session), LOG)),
+        _table(columns.ANSWERS, answers, names),
+        _table(columns.PARTICIPANTS, people, names),
+        _table(columns.FORM, form, names),
+        _table(columns.WATCHING, watching, names),
+        _table(columns.REFUSALS, refusals, names),
+        ExportedTable(about=columns.LOG, frame=columns.typed(_log(session), columns.LOG)),
     )
 
 
@@ -234,7 +221,7 @@ def _withdrawn_tables(session: Session, key: PseudonymKey) -> tuple[ExportedTabl
     answers = answers_table(stored_answers(session, withdrawn=True, in_full=True))
     form = form_answers_table(session, withdrawn=True)
     names = pseudonyms(session, key)
-    return (_table(ANSWERS, answers, names), _table(FORM, form, names))
+    return (_table(columns.ANSWERS, answers, names), _table(columns.FORM, form, names))
 
 
 def _recruiter_ids(session: Session, key: PseudonymKey) -> ExportedTable:
@@ -249,8 +236,10 @@ def _recruiter_ids(session: Session, key: PseudonymKey) -> ExportedTable:
         .where(StudySession.recruiter_participant.is_not(None))
         .order_by(StudySession.id)
     )
-    frame = pd.DataFrame(session.execute(query).all(), columns=list(RECRUITER_IDS.names[1:]))
-    return _table(RECRUITER_IDS, frame, pseudonyms(session, key))
+    frame = pd.DataFrame(
+        session.execute(query).all(), columns=list(columns.RECRUITER_IDS.names[1:])
+    )
+    return _table(columns.RECRUITER_IDS, frame, pseudonyms(session, key))
 
 
 def pseudonyms(session: Session, key: PseudonymKey) -> Mapping[str, str]:
@@ -259,9 +248,11 @@ def pseudonyms(session: Session, key: PseudonymKey) -> Mapping[str, str]:
     return {str(number): name for number, name in named.items()}
 
 
-def _table(about: TableColumns, frame: pd.DataFrame, names: Mapping[str, str]) -> ExportedTable:
+def _table(
+    about: columns.TableColumns, frame: pd.DataFrame, names: Mapping[str, str]
+) -> ExportedTable:
     named = frame.assign(participant=frame["study_session"].astype(str).map(names))
-    return ExportedTable(about=about, frame=typed(named, about))
+    return ExportedTable(about=about, frame=columns.typed(named, about))
 
 
 def _with_watching(answers: pd.DataFrame, watching: pd.DataFrame) -> pd.DataFrame:
@@ -299,7 +290,7 @@ def _log(session: Session) -> pd.DataFrame:
         (line.at.isoformat(), line.event, detail_label(line), line.researcher, line.reason)
         for line in lines
     ]
-    return pd.DataFrame(rows, columns=list(LOG.names))
+    return pd.DataFrame(rows, columns=list(columns.LOG.names))
 
 
 def judge(study: Study, answers: Answers) -> Judged:

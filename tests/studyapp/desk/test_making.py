@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from studyapp.desk import membership
 from studyapp.desk.lab import Lab
+from studyapp.researchers import links
 from studyapp.researchers.account import list_accounts
 from studyapp.study.interview import TEMPLATE_DESCRIPTIONS
 from studyapp.study.protocols.pairwise import PairwiseStudy
@@ -137,7 +137,7 @@ def test_a_study_whose_database_cannot_be_opened_is_not_made(
     def fail(*_: object) -> None:
         raise InputError("the database cannot be opened")
 
-    monkeypatch.setattr(membership, "first_owner_link", fail)
+    monkeypatch.setattr(links, "first_owner_link", fail)
     answer = grace.post(MAKE, template="pairwise", name="new", ethics="Kept words")
     assert answer.status_code == 422
     assert "Kept words" in answer.text

@@ -12,7 +12,6 @@ from motion.errors import InputError
 from studyapp.planning.planned_study import (
     PlannedStudy,
     excluded_by_default,
-    has_segments,
     notes_of,
     planned_segments,
     with_items,
@@ -130,7 +129,7 @@ def test_a_plan_without_material_needs_the_number_of_segments(tmp_path: Path, so
     study = new_study(tmp_path / "study.toml", name="planned", conditions=conditions)
     folder = StudyFolder(tmp_path)
 
-    assert not has_segments(folder, study)
+    assert not folder.has_segments(study)
     with pytest.raises(InputError, match="--items"):
         planned_segments(folder, study, ())
     assert len(planned_segments(folder, study, (8, 16))) == 16
