@@ -35,12 +35,7 @@ MOST_TRIALS: Final = 500
 
 def choose_template() -> ResponseReturnValue:
     """Ask for the protocol and the language of the study."""
-    return page(
-        "choose_template",
-        templates=interview.TEMPLATE_DESCRIPTIONS,
-        languages=interview.LANGUAGES,
-        questions=interview.QUESTIONS,
-    )
+    return page("choose_template", interview=interview)
 
 
 def describe_study() -> ResponseReturnValue:
@@ -177,20 +172,9 @@ def _page(form: Mapping[str, str], problem: InputError | None = None) -> str:
         template=template,
         language=language,
         default=default,
-        interview=interview.QUESTIONS,
-        participants=interview.participants_question(template),
-        reference=interview.reference_question(template)
-        if template in interview.WITH_REFERENCE
-        else None,
-        stand_ins=interview.STAND_INS,
-        sources=interview.source_descriptions(),
-        channels=interview.CHANNEL_DESCRIPTIONS,
-        languages=interview.LANGUAGES,
+        interview=interview,
         avatars=AVATARS,
-        framings=interview.FRAMING_DESCRIPTIONS,
-        most_participants=interview.MAX_PARTICIPANTS,
         most_trials=MOST_TRIALS,
-        longest=interview.MAX_MINUTES,
     )
 
 
