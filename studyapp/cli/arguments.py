@@ -77,6 +77,10 @@ class StudyGroup(click.Group):
             ctx, [".", *args] if args[:1] and args[0] in self.commands else args
         )
 
+    def subcommand(self, name: str) -> Callable[[Callable[..., None]], click.Command]:
+        """Return the decorator of a subcommand, which gets the study folder."""
+        return lambda function: self.command(name)(click.pass_obj(function))
+
 
 class StudyCommand(click.Command):
     """A command of a study and one thing more: within its folder, the folder may be left out."""

@@ -52,9 +52,8 @@ def command(context: click.Context, folder: StudyFolder) -> None:
     context.obj = folder
 
 
-@command.command("codes")
+@command.subcommand("codes")
 @click.option("--again", is_flag=True, help="Replace existing codes.")
-@click.pass_obj
 def codes(folder: StudyFolder, again: bool) -> None:
     """Draw the study's three Prolific codes, and write them into study.toml."""
     drawn = draw_codes(folder, again=again)
@@ -64,11 +63,10 @@ def codes(folder: StudyFolder, again: bool) -> None:
         click.echo("The study already has all its codes; --again replaces them.")
 
 
-@command.command("create")
+@command.subcommand("create")
 @address
 @live
 @yes
-@click.pass_obj
 def create(folder: StudyFolder, address: str, live: bool, yes: bool) -> None:
     """Create a draft on Prolific, or a HIT in Mechanical Turk's sandbox.
 
@@ -80,9 +78,8 @@ def create(folder: StudyFolder, address: str, live: bool, yes: bool) -> None:
         _create_on_mturk(folder, f"{address}/", live=live, yes=yes)
 
 
-@command.command("publish")
+@command.subcommand("publish")
 @yes
-@click.pass_obj
 def publish(folder: StudyFolder, yes: bool) -> None:
     """Publish the study on Prolific, which reserves the money for it."""
     _channel(folder, "prolific")
@@ -101,23 +98,20 @@ def publish(folder: StudyFolder, yes: bool) -> None:
         click.echo("Nothing was published; --yes publishes the study.")
 
 
-@command.command("pause")
-@click.pass_obj
+@command.subcommand("pause")
 def pause(folder: StudyFolder) -> None:
     """Pause the study on Prolific; participants who have begun can finish."""
     _move(folder, "PAUSE")
 
 
-@command.command("resume")
-@click.pass_obj
+@command.subcommand("resume")
 def resume(folder: StudyFolder) -> None:
     """Resume a paused study on Prolific."""
     _move(folder, "START")
 
 
-@command.command("stop")
+@command.subcommand("stop")
 @live
-@click.pass_obj
 def stop(folder: StudyFolder, live: bool) -> None:
     """Stop recruiting; participants who have begun can finish."""
     if _channel(folder, "prolific", "mturk") == "prolific":
@@ -130,9 +124,8 @@ def stop(folder: StudyFolder, live: bool) -> None:
         click.echo(f"HIT {hit} is no longer offered.")
 
 
-@command.command("places")
+@command.subcommand("places")
 @click.argument("count", type=click.IntRange(1, 10_000))
-@click.pass_obj
 def places(folder: StudyFolder, count: int) -> None:
     """Raise the number of places on Prolific to COUNT in total."""
     _channel(folder, "prolific")
@@ -143,9 +136,8 @@ def places(folder: StudyFolder, count: int) -> None:
     click.echo("The number of places here is set in study.toml.")
 
 
-@command.command("status")
+@command.subcommand("status")
 @live
-@click.pass_obj
 def status(folder: StudyFolder, live: bool) -> None:
     """Show the state of recruiting, on the site and in the study."""
     if _channel(folder, "prolific", "mturk", "invitations") == "prolific":
@@ -157,7 +149,7 @@ def status(folder: StudyFolder, live: bool) -> None:
         click.echo(f"{made.made} invitations: {made.begun} begun, {made.completed} completed.")
 
 
-@command.command("approve")
+@command.subcommand("approve")
 @live
 @click.option(
     "--also",
@@ -166,7 +158,6 @@ def status(folder: StudyFolder, live: bool) -> None:
     help="Also pay this submission on Prolific; can be repeated.",
 )
 @yes
-@click.pass_obj
 def approve(folder: StudyFolder, live: bool, also: tuple[str, ...], yes: bool) -> None:
     """Show whom to pay and why, and with --yes pay them.
 
@@ -178,10 +169,9 @@ def approve(folder: StudyFolder, live: bool, also: tuple[str, ...], yes: bool) -
         _approve_on_mturk(folder, live=live, yes=yes)
 
 
-@command.command("return")
+@command.subcommand("return")
 @click.argument("submissions", nargs=-1, required=True)
 @click.option("--reason", required=True, help="The reason that participants are given.")
-@click.pass_obj
 def return_(folder: StudyFolder, submissions: tuple[str, ...], reason: str) -> None:
     """Ask participants to return their SUBMISSIONS on Prolific without pay."""
     _channel(folder, "prolific")
@@ -198,7 +188,7 @@ def return_(folder: StudyFolder, submissions: tuple[str, ...], reason: str) -> N
                 click.echo(f"{name}: return requested")
 
 
-@command.command("invite")
+@command.subcommand("invite")
 @address
 @click.option("--count", type=click.IntRange(1, MOST_INVITATIONS), help="Number of links.")
 @click.option(
@@ -210,7 +200,6 @@ def return_(folder: StudyFolder, submissions: tuple[str, ...], reason: str) -> N
 @click.option(
     "--out", type=FILE, help="The table of links, by default invitations.csv in the study folder."
 )
-@click.pass_obj
 def invite_(
     folder: StudyFolder, address: str, count: int | None, people: Path | None, out: Path | None
 ) -> None:

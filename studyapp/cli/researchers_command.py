@@ -36,8 +36,7 @@ def command(context: click.Context, folder: StudyFolder) -> None:
     context.obj = folder
 
 
-@command.command("list")
-@click.pass_obj
+@command.subcommand("list")
 def list_(folder: StudyFolder) -> None:
     """List all researchers with their roles."""
     database = Database.open_for_reading(database_url_of(folder.root))
@@ -53,10 +52,9 @@ def list_(folder: StudyFolder) -> None:
         click.echo("Nobody yet; 'motionjury serve' prints a link for the first owner.")
 
 
-@command.command("invite")
+@command.subcommand("invite")
 @click.option("--role", type=click.Choice(ROLES), required=True, help="Their role.")
 @address
-@click.pass_obj
 def invite(folder: StudyFolder, role: str, address: str) -> None:
     """Print a link to join the study, valid once within three days."""
     with _open_database(folder) as database:
@@ -64,10 +62,9 @@ def invite(folder: StudyFolder, role: str, address: str) -> None:
     click.echo(f"{address}/research/join/{token}")
 
 
-@command.command("reset")
+@command.subcommand("reset")
 @click.argument("name")
 @address
-@click.pass_obj
 def reset(folder: StudyFolder, name: str, address: str) -> None:
     """Print a link for the researcher NAME to choose a new password, valid once within a day."""
     with _open_database(folder) as database:
@@ -75,9 +72,8 @@ def reset(folder: StudyFolder, name: str, address: str) -> None:
     click.echo(f"{address}/research/join/{token}")
 
 
-@command.command("reset-second-factor")
+@command.subcommand("reset-second-factor")
 @click.argument("name")
-@click.pass_obj
 def reset_second_factor(folder: StudyFolder, name: str) -> None:
     """Let the researcher NAME, who lost their device, log in without a code."""
     with _open_database(folder) as database:
