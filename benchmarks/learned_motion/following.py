@@ -17,8 +17,7 @@ from analysis.metrics.kinematics import WRISTS, joint_motion, select
 from analysis.stats.samples import bootstrap_counts, percentile_interval
 from motion.audio_analysis import DETECTOR
 from motion.clip import ARKIT_NAMES, MotionClip
-from training.corpus.truth import correlate_curves as follow_curve
-from training.corpus.truth import mean_speed
+from training.corpus.truth import correlate_curves, mean_speed
 
 FloatArray = NDArray[np.float64]
 
@@ -101,12 +100,10 @@ def follow(clip: MotionClip, speech: Speech) -> Followed:
         ).above_chance.value
 
     return Followed(
-        wrist_speed=follow_curve(
-            "wrist_speed",
-            mean_speed(select(positions, WRISTS), rate)[inside],
-            speech.wrist_speed[inside],
-        ).correlation,
-        jaw_open=follow_curve("jaw_open", jaw[inside], speech.jaw_open[inside]).correlation,
+        wrist_speed=correlate_curves(
+            mean_speed(select(positions, WRISTS), rate)[inside], speech.wrist_speed[inside]
+        ),
+        jaw_open=correlate_curves(jaw[inside], speech.jaw_open[inside]),
         beats=aligned(speech.onsets, DETECTOR),
         strokes=aligned(speech.strokes, "the process' strokes"),
     )

@@ -224,14 +224,11 @@ def _decided(curve: str, takes: Sequence[MeasuredTake]) -> Decided:
         else np.zeros(0)
         for take in takes
     ]
-    own = [correlate_curves(curve, *both).correlation for both in zip(moved, drive, strict=True)]
-    swapped = [
-        correlate_curves(curve, *both).correlation for both in zip(moved, other, strict=True)
-    ]
+    own = [correlate_curves(*both) for both in zip(moved, drive, strict=True)]
+    swapped = [correlate_curves(*both) for both in zip(moved, other, strict=True)]
     return Decided(
         curve=curve,
-        explained=correlate_curves(curve, np.concatenate(moved), np.concatenate(drive)).correlation
-        ** 2,
+        explained=correlate_curves(np.concatenate(moved), np.concatenate(drive)) ** 2,
         correlation=_mean(own),
         of_other_speech=_mean(swapped),
         takes=int(np.isfinite(own).sum()),

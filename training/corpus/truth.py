@@ -6,6 +6,7 @@ a network's motion can be compared with the process.
 
 from __future__ import annotations
 
+import math
 import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -50,25 +51,6 @@ class MotionCurves:
     brows_up: FloatArray
 
 
-@dataclass(frozen=True, kw_only=True)
-class CurveCorrelation:
-    """Correlation of one motion's curve with another's.
-
-    Attributes
-    ----------
-    curve : str
-        A field of `MotionCurves`.
-    correlation : float
-        Pearson's correlation over frames; NaN if it is undefined.
-    reason : str
-        Why the correlation is undefined; empty if it is not.
-    """
-
-    curve: str
-    correlation: float
-    reason: str = ""
-
-
 def curves_of(body: FloatArray, face: FloatArray, frame_rate: float) -> MotionCurves:
     """Return the curves of a motion.
 
@@ -106,35 +88,21 @@ def wrist_positions(body: FloatArray) -> FloatArray:
     return positions[:, wrists] / _CENTIMETRES
 
 
-def correlate_motions(
-    motion: MotionCurves, reference: MotionCurves
-) -> tuple[CurveCorrelation, ...]:
-    """Return the correlation of each curve of two motions, over their common frames."""
-    return tuple(
-        correlate_curves(field.name, getattr(motion, field.name), getattr(reference, field.name))
+def correlate_motions(motion: MotionCurves, reference: MotionCurves) -> dict[str, float]:
+    """Return the correlation of each curve of two motions; see `correlate_curves`."""
+    return {
+        field.name: correlate_curves(getattr(motion, field.name), getattr(reference, field.name))
         for field in fields(MotionCurves)
-    )
+    }
 
 
-def correlate_curves(curve: str, motion: FloatArray, reference: FloatArray) -> CurveCorrelation:
-    """Return the correlation of two curves (T,), over their common frames."""
+def correlate_curves(motion: FloatArray, reference: FloatArray) -> float:
+    """Return the correlation of two curves (T,), over their common frames; NaN for a constant."""
     frames = min(len(motion), len(reference))
     motion, reference = motion[:frames], reference[:frames]
-    reason = _no_correlation(motion, reference)
-    correlation = float("nan") if reason else float(np.corrcoef(motion, reference)[0, 1])
-    return CurveCorrelation(curve=curve, correlation=correlation, reason=reason)
-
-
-def _no_correlation(motion: FloatArray, reference: FloatArray) -> str:
-    """Return why the correlation of two curves of equal length is undefined; empty if it is not."""
-    if len(motion) < 3:
-        return f"{len(motion)} frames are too few"
-    for values, owner in ((motion, "the motion's"), (reference, "the reference")):
-        if not np.isfinite(values).all():
-            return f"{owner} curve is not finite"
-        if np.ptp(values) < 1e-9:
-            return f"{owner} curve does not change"
-    return ""
+    if frames < 3 or min(np.ptp(motion), np.ptp(reference)) < 1e-9:
+        return math.nan
+    return float(np.corrcoef(motion, reference)[0, 1])
 
 
 def mean_speed(positions: FloatArray, frame_rate: float) -> FloatArray:
