@@ -1,4 +1,4 @@
-"""The results of a rehearsal: in sentences, as tables in CSV, and all of them on a short page."""
+"""The results of a rehearsal: in sentences, and all of them on a short page."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from analysis.report.texts import table
 from analysis.results.known_values import NO_RANK_INTERVAL, KnownDifference, Sign
 from analysis.stats.clustered_mean import LEVEL
 from motion.errors import listed
-from motion.files import write_frame, write_text
+from motion.files import write_text
 from studyapp.rehearsal.recovered import KindRecovered, Recovery
 from studyapp.rehearsal.simulation.population import DESCRIPTIONS
 from studyapp.study.folder import StudyFolder
@@ -204,9 +204,7 @@ PAGE: Final = "recovery.html"
 
 
 def write_recovery(folder: StudyFolder, recovery: Recovery) -> Path:
-    """Write page and tables into the rehearsal's folder and return the page."""
-    for file, frame in recovery_tables(recovery).items():
-        write_frame(folder.rehearsal_findings / file, frame)
+    """Write the page into the rehearsal's folder and return its path."""
     path = folder.rehearsal_findings / PAGE
     with wording.labelled(recovery.labels):
         write_text(path, render_page(recovery_page(recovery)))
@@ -228,7 +226,6 @@ def recovery_page(recovery: Recovery) -> Page:
 
 
 def _sections(recovery: Recovery) -> tuple[Section, ...]:
-    tables = recovery_tables(recovery)
     return (
         Section(
             anchor="values",
@@ -255,7 +252,7 @@ def _sections(recovery: Recovery) -> tuple[Section, ...]:
             tables=(
                 _table(
                     "Participants by kind. Missed: analysed although they should be excluded.",
-                    tables["raters.csv"],
+                    _raters(recovery),
                     text_columns=2,
                     notes=(
                         "The clock of a rehearsal runs faster, and so counts the server's delays "
@@ -272,7 +269,10 @@ def _sections(recovery: Recovery) -> tuple[Section, ...]:
                 _table(
                     "What happened, according to the simulated participants, and what the study "
                     "counted.",
-                    tables["bookkeeping.csv"],
+                    pd.DataFrame(
+                        [vars(check) | {"agrees": check.agrees} for check in recovery.checks],
+                        columns=["what", "happened", "counted", "agrees", "remark"],
+                    ),
                     text_columns=1,
                 ),
             ),
@@ -302,54 +302,6 @@ def _cell(value: object) -> Cell:
             return Cell(text=str(value), value=value)
         case _:
             return Cell(text=str(value).replace("_", " "))
-
-
-VALUES = (
-    *("part", "question", "measure", "about", "true_value", "true_value_on_these_segments"),
-    *("found", "low", "high", "inside", "participants", "reason"),
-)
-DIFFERENCES = (
-    *("part", "question", "measure", "first", "second", "true_value", "found", "low", "high"),
-    *("sign", "participants", "reason"),
-)
-
-
-def recovery_tables(recovery: Recovery) -> dict[str, pd.DataFrame]:
-    """Return every table under the name of its file."""
-    return {
-        "values.csv": _values(recovery),
-        "differences.csv": _differences(recovery),
-        "raters.csv": _raters(recovery),
-        "bookkeeping.csv": pd.DataFrame(
-            [vars(check) | {"agrees": check.agrees} for check in recovery.checks],
-            columns=["what", "happened", "counted", "agrees", "remark"],
-        ),
-    }
-
-
-def _values(recovery: Recovery) -> pd.DataFrame:
-    rows = [
-        vars(known)
-        | vars(found)
-        | {
-            "true_value": known.value,
-            "true_value_on_these_segments": known.on_these_segments,
-            "found": found.estimate,
-            "inside": found.covers(known.value) if found.has_interval else None,
-        }
-        for known, found in recovery.values
-    ]
-    return pd.DataFrame(rows, columns=VALUES)
-
-
-def _differences(recovery: Recovery) -> pd.DataFrame:
-    rows = [
-        vars(each)
-        | vars(each.estimate)
-        | {"true_value": each.truth, "found": each.estimate.estimate, "sign": each.sign}
-        for each in recovery.differences
-    ]
-    return pd.DataFrame(rows, columns=DIFFERENCES)
 
 
 def _raters(recovery: Recovery) -> pd.DataFrame:

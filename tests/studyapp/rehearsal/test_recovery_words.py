@@ -12,7 +12,6 @@ from studyapp.rehearsal.recovery_page import (
     exclusions_in_words,
     recovery_lines,
     recovery_page,
-    recovery_tables,
     values_in_words,
 )
 from studyapp.rehearsal.simulation.population import Kind, Population
@@ -108,14 +107,14 @@ def test_misses_and_miscounts_are_reported_in_tables_and_page() -> None:
     ) in one_interval
     assert "MISCOUNTED: left for good: 3, counted 2." in lines
     assert replace(miscounted, allowed=True).agrees
-    tables = recovery_tables(whole)
-    assert tables["values.csv"]["inside"].tolist() == [True, False]
-    assert tables["differences.csv"]["sign"].tolist() == ["undecided", "undecided"]
-    assert tables["raters.csv"]["excluded_by_catch"].tolist() == [1, 0, 1]
-    assert tables["bookkeeping.csv"]["agrees"].tolist() == [True, False]
     with labelled(RECOVERY.labels):
         page = recovery_page(whole)
     assert page.mark.startswith("Rehearsal")
+    raters, bookkeeping = (section.tables[0] for section in page.sections[2:])
+    by_catch = raters.header.index("excluded by catch")
+    assert [row[by_catch].value for row in raters.rows] == [1, 0, 1]
+    agrees = bookkeeping.header.index("agrees")
+    assert [row[agrees].text for row in bookkeeping.rows] == ["yes", "NO"]
     differences = [[cell.text for cell in row] for row in page.sections[1].tables[0].rows]
     assert [row[1:5] for row in differences] == [
         ["Ours", "theirs", "+.10", "+.05"],
