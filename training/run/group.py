@@ -7,7 +7,7 @@ command. A single process is a group of one.
 from __future__ import annotations
 
 import atexit
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from datetime import timedelta
 from importlib import import_module
 from typing import Any, Final, TypeVar
@@ -89,14 +89,6 @@ class Group:
         packed = torch.tensor(list(values.values()), dtype=torch.float64, device=self._state.device)
         return dict(zip(values, reduce(packed, reduction="sum").tolist(), strict=True))
 
-    def sum_tensors(self, tensors: Sequence[Tensor]) -> list[Tensor]:
-        """Return each tensor's sum over all processes, which must pass the same shapes."""
-        if self.size == 1:
-            return list(tensors)
-        flat = torch.cat([tensor.reshape(-1) for tensor in tensors])
-        parts = reduce(flat, reduction="sum").split([tensor.numel() for tensor in tensors])
-        return [part.view_as(tensor) for part, tensor in zip(parts, tensors, strict=True)]
-
     def from_leader(self, value: _Value) -> _Value:
         """Return the leading process' `value`; the other processes' values are ignored."""
         if self.size == 1:
@@ -125,7 +117,7 @@ class Group:
         for operation in pending:
             operation.wait()
 
-    def hand_out(self, network: nn.Module) -> None:
-        """Copy the leading process' weights to all processes."""
+    def hand_out(self, tensors: Iterable[Tensor]) -> None:
+        """Overwrite each tensor with that of the leading process."""
         if self.size > 1:
-            broadcast(dict(network.state_dict()))
+            broadcast(list(tensors))

@@ -9,7 +9,7 @@ first, and reaches a decay of 0.999 after about 9,000 steps.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from functools import partial
 from typing import Any, Generic, cast
 
@@ -19,14 +19,13 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.amp.autocast_mode import autocast
 from torch.amp.grad_scaler import GradScaler
+from torch.nn.modules.batchnorm import _BatchNorm
 from torch.optim import Adam, AdamW, Optimizer
 from torch.optim.swa_utils import AveragedModel
 
 from motion.errors import InputError
 from training.config import Pass, TrainingConfig
 from training.run.batches import (
-    StepStatistics,
-    batch_normed,
     batches_per_epoch,
     part_seed,
     step_parts,
@@ -68,7 +67,7 @@ class Learner(Generic[Network]):
         self._config = config
         self._group = group
         self._network = task.network()
-        group.hand_out(self._network)
+        group.hand_out(self._network.state_dict().values())
         self._passes = config.passes or (Pass(name=""),)
         self._pass_weights = _PassWeights(self._network, self._passes, config.steps)
         self._optimizer = _optimizer(self._network, config)
@@ -105,9 +104,12 @@ class Learner(Generic[Network]):
             self._average.follow(self._network)
             average = self._average.network
             self._pass_weights.prepare(average, step)
-            for number, p in self._due_passes(step) if batch_normed(average) else ():
-                computed = self._computed(self._own_parts(step), step, number, p, average)
-                StepStatistics(average, self._group, computed).remember()
+            for number, p in self._due_passes(step) if _statistics(average) else ():
+                for compute in self._computed(self._own_parts(step), step, number, p, average):
+                    with torch.no_grad():
+                        compute()
+            self._group.hand_out(_statistics(average))
+        self._group.hand_out(_statistics(self._network))
         return losses
 
     def _due_passes(self, step: int) -> list[tuple[int, Pass]]:
@@ -143,19 +145,12 @@ class Learner(Generic[Network]):
         group = self._group
         parts = self._own_parts(step)
         computed = self._computed(parts, step, number, p, self._network)
-        shared = None
-        if len(parts) * group.size > 1 and batch_normed(self._network):
-            shared = StepStatistics(self._network, group, computed)
         sums: dict[str, float] = {}
         for (_, _, share), compute in zip(parts, computed, strict=True):
-            with shared.applied() if shared is not None else nullcontext():
-                losses = compute()
+            losses = compute()
             torch.autograd.backward(self._scaler.scale(losses["loss"] * share))
             for name, loss in losses.items():
                 sums[name] = sums.get(name, 0.0) + share * float(loss.detach())
-        if shared is not None:
-            shared.pass_back()
-            shared.remember()
         group.sum_gradients(self._network.parameters())
         return group.sum(sums)
 
@@ -267,6 +262,12 @@ class _PassWeights:
                 weights[key].requires_grad_(True)
 
 
+def _statistics(network: nn.Module) -> list[Tensor]:
+    """Return the running statistics of all batch normalisation layers."""
+    layers = (layer for layer in network.modules() if isinstance(layer, _BatchNorm))
+    return [buffer for layer in layers for buffer in layer.buffers()]
+
+
 def _weights(network: nn.Module, p: Pass) -> set[str]:
     """Return the names of the weights in the parts of a pass."""
     names = {name for name, _ in network.named_parameters()}
@@ -320,7 +321,7 @@ class AveragedWeights(AveragedModel, Generic[Network]):
 
     def follow(self, network: Network) -> None:
         """Update the average with the weights after one more step."""
-        statistics = [buffer for layer in batch_normed(self.network) for buffer in layer.buffers()]
+        statistics = _statistics(self.network)
         saved = [buffer.clone() for buffer in statistics]
         # This copies all buffers, including batch statistics.
         self.update_parameters(network)

@@ -179,7 +179,7 @@ class _Run(Generic[Network]):
         network = self._learner.network
         if self._group.leads:
             network.load_state_dict(read_weights(self._folder.best).with_prefix("network"))
-        self._group.hand_out(network)
+        self._group.hand_out(network.state_dict().values())
         return Trained(
             network=network.eval(),
             best=best,

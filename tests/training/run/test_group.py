@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import json
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import torch
 
 from tests.training.lines import CONFIG, Line
-from training.config import TrainingConfig
 from training.run.launching import run_in_processes
 from training.run.loop import train
 from training.run.records import RunFolder
@@ -40,38 +38,32 @@ def learn_in_two(*trainings: Asked) -> int:
     return run_in_processes(2, program)
 
 
-def alone(task: Line, folder: Path, config: TrainingConfig) -> WeightsFile:
-    train(task, config, RunFolder(folder))
-    return state_of(folder)
-
-
 def state_of(folder: Path) -> WeightsFile:
     return read_weights(folder / "checkpoint.safetensors")
-
-
-def assert_alike(together: WeightsFile, one: WeightsFile, rtol: float, atol: float) -> None:
-    torch.testing.assert_close(dict(together.tensors), dict(one.tensors), rtol=rtol, atol=atol)
-    assert together.facts["best"]["measured"] == pytest.approx(one.facts["best"]["measured"])
 
 
 def test_two_processes_equal_one_and_resume_after_ctrl_c(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    config = replace(CONFIG, steps=4, accumulate=2)
-    normed: Asked = (tmp_path / "normed", {"steps": 4, "accumulate": 2, "normed": True}, 0)
+    whole, halted = tmp_path / "whole", tmp_path / "halted"
+    normed: dict[str, object] = {"steps": 4, "accumulate": 2, "normed": True}
+    with_statistics: list[Asked] = [(whole, normed, 0), (halted, normed, 2), (halted, normed, 0)]
     refused: Asked = (tmp_path / "refused", {"batch_size": 1}, 0)
     two = tmp_path / "two"
-    assert learn_in_two(normed, (two, {}, 3), (two, {}, 0), refused) == 1
-    one_normed = alone(Line(normed=True), tmp_path / "one normed", config)
-    assert any(name.endswith("running_var") for name in one_normed.tensors)
-    assert_alike(state_of(tmp_path / "normed"), one_normed, rtol=1e-4, atol=1e-5)
+    assert learn_in_two(*with_statistics, (two, {}, 3), (two, {}, 0), refused) == 1
+    # When it resumed, every process began with the leading one's batch statistics.
+    assert (halted / "stopped at 2").exists()
+    for name, tensor in state_of(whole).tensors.items():
+        assert tensor.equal(state_of(halted).tensors[name]), name
     assert (two / "stopped at 3").exists()
     # An error of every process is shown once.
     assert capfd.readouterr().err.count("2 processes share steps of 1 examples") == 1
-    together, one = state_of(two), alone(Line(), tmp_path / "one", CONFIG)
+    train(Line(), CONFIG, RunFolder(tmp_path / "one"))
+    together, one = state_of(two), state_of(tmp_path / "one")
     assert together.facts["step"] == 8
     assert together.tensors["network.idle.weight"].equal(one.tensors["network.idle.weight"])
-    assert_alike(together, one, rtol=1e-5, atol=1e-6)
+    torch.testing.assert_close(dict(together.tensors), dict(one.tensors), rtol=1e-5, atol=1e-6)
+    assert together.facts["best"]["measured"] == pytest.approx(one.facts["best"]["measured"])
     for name in ("log.jsonl", "timing.jsonl"):
         lines = [(tmp_path / way / name).read_text().splitlines() for way in ("two", "one")]
         assert len(lines[0]) == len(lines[1]) + (name == "timing.jsonl")

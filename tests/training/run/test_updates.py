@@ -39,12 +39,11 @@ def learned(
     return learner
 
 
-@pytest.mark.parametrize(
-    ("accumulate", "normed", "steps"), [(3, False, 6), (10, False, 6), (50, False, 6), (5, True, 2)]
-)
-def test_a_step_in_parts_equals_a_step_in_one(accumulate: int, normed: bool, steps: int) -> None:
+@pytest.mark.parametrize("accumulate", [3, 10, 50])
+def test_a_step_in_parts_equals_a_step_in_one(accumulate: int) -> None:
+    steps = 6
     one, parts = (
-        learned(config, steps=steps, chance=False, normed=normed)
+        learned(config, steps=steps, chance=False)
         for config in (CONFIG, replace(CONFIG, accumulate=accumulate))
     )
     torch.testing.assert_close(parts.tensors(), one.tensors(), rtol=1e-4, atol=1e-5)
