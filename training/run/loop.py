@@ -18,7 +18,7 @@ from training.device import check_device
 from training.run.group import Group
 from training.run.launching import stop_request
 from training.run.learner import Learner
-from training.run.records import RunFolder, RunLog, Stopwatch, draw_curves
+from training.run.records import RunFolder, RunLog, draw_curves
 from training.run.task import Network, Task
 from training.weights_file import WeightsFile, read_weights, write_weights
 
@@ -142,9 +142,6 @@ class _Run(Generic[Network]):
             self._restore(folder.checkpoint)
         self._log = RunLog(folder.log, steps=self._step)
         self._check_alike()
-        self._watch = Stopwatch(
-            folder.timing, step=self._step, device=task.device, processes=group.size
-        )
 
     def _restore(self, path: Path) -> None:
         """Resume from a saved state.
@@ -228,7 +225,6 @@ class _Run(Generic[Network]):
         """Save the state, the best weights and the log; draw the curves if `drawn` or outdated."""
         if not self._group.leads:
             return
-        self._watch.stop(self._step)
         if self._best is not None and self._best_weights is not None:
             write_weights(self._folder.best, self._best_weights, asdict(self._best))
             self._best_weights = None
@@ -246,7 +242,6 @@ class _Run(Generic[Network]):
             **self._identity(),
         }
         write_weights(self._folder.checkpoint, self._learner.tensors(), state)
-        self._watch.start(self._step)
 
     def _check_finite(self, values: Mapping[str, float]) -> None:
         for name, value in values.items():

@@ -1,15 +1,14 @@
-"""Records of a run: its folder, log, timing, curves, and facts for files.
+"""Records of a run: its folder, log, curves, and facts for files.
 
 The log is only appended to, so that a long run saves as quickly as a short one. It is written
 before the state of the run. A crash may therefore leave steps in it that are lost, which are cut
-off on resuming. Durations are in a separate file, because everything else of a run is reproducible.
+off on resuming.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import time
 from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
@@ -41,8 +40,6 @@ class RunFolder:
         The best weights on held-out examples.
     log : Path
         The log: one JSON object per line, a `LogLine`.
-    timing : Path
-        Durations between saves: one JSON object per line, see `Stopwatch`.
     curves : Path
         The log as a picture.
     """
@@ -52,7 +49,6 @@ class RunFolder:
         self.checkpoint = root / "checkpoint.safetensors"
         self.best = root / "best.safetensors"
         self.log = root / "log.jsonl"
-        self.timing = root / "timing.jsonl"
         self.curves = root / "curves.png"
 
 
@@ -142,42 +138,6 @@ class RunLog:
                     return
                 self._lines.append(line)
                 self._saved_bytes += len(content)
-
-
-class Stopwatch:
-    """Records durations between saves.
-
-    Parameters
-    ----------
-    path : Path
-        File to which JSON lines are appended: ``step`` (steps made in all), ``steps`` (since the
-        previous line, or since resuming), ``seconds`` that they took without saving, ``device`` and
-        ``processes``.
-    step : int
-        Number of steps made so far.
-    device : str
-        The device.
-    processes : int
-        Number of processes.
-    """
-
-    def __init__(self, path: Path, *, step: int, device: str, processes: int) -> None:
-        self._path = path
-        self._where = {"device": device, "processes": processes}
-        self._step = step
-        self._began = time.monotonic()
-
-    def stop(self, step: int) -> None:
-        """Write the duration of the steps until `step`; time does not count until `start`."""
-        seconds = round(time.monotonic() - self._began, 3)
-        line = {"step": step, "steps": step - self._step, "seconds": seconds, **self._where}
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(f"{json.dumps(line)}\n")
-
-    def start(self, step: int) -> None:
-        """Start counting time from `step`."""
-        self._step = step
-        self._began = time.monotonic()
 
 
 _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
