@@ -13,7 +13,7 @@ import pandas as pd
 from sqlalchemy import select
 
 from motion.errors import InputError, counted
-from motion.files import sha256_of, write_text
+from motion.files import write_text
 from studyapp.database.tables import StudyVersion
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.answers import (
@@ -48,7 +48,6 @@ from studyapp.results.stored_answers import Answers, Source, stored_answers
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
-CHECKSUMS: Final = "SHA256SUMS"
 STUDY: Final = Path("sourcedata") / "study"
 """The study folder for `motionjury report`."""
 
@@ -124,8 +123,6 @@ def share(
     try:
         on_step("copying the study")
         shared = _write_folder(folder, draft, source, origin, videos, free_text)
-        on_step("computing checksums")
-        _write_checksums(draft)
         if out.exists():
             out.rmdir()
         draft.replace(out)
@@ -318,14 +315,6 @@ def _write_about(root: Path, study: Study, origin: Source, *, people: int) -> No
         study_folder=STUDY.as_posix(),
     )
     write_text(root / "README.md", page)
-    write_text(root / ".bidsignore", f"{CHECKSUMS}\n")
-
-
-def _write_checksums(root: Path) -> None:
-    """Write the checksums of all files for ``sha256sum --check``."""
-    files = sorted(path for path in root.rglob("*") if path.is_file())
-    lines = [f"{sha256_of(path)}  {path.relative_to(root).as_posix()}\n" for path in files]
-    write_text(root / CHECKSUMS, "".join(lines))
 
 
 def _label(name: str) -> str:

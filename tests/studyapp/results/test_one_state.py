@@ -42,7 +42,8 @@ def exported(folder: StudyFolder, out: Path) -> object:
 
 def shared(folder: StudyFolder, out: Path) -> object:
     share(folder, out / "folder")
-    return (out / "folder" / "SHA256SUMS").read_text("utf-8")
+    files = (path for path in (out / "folder").rglob("*") if path.is_file())
+    return {path.relative_to(out): path.read_bytes() for path in files}
 
 
 def live(folder: StudyFolder, _out: Path) -> object:
