@@ -13,12 +13,7 @@ from hypothesis import strategies as st
 
 from motion.audio import LONGEST, Audio, read_audio, write_wav
 from motion.errors import InputError
-
-
-def tone(seconds: float = 1.0, rate: int = 16000, hertz: float = 440.0) -> np.ndarray:
-    return (0.5 * np.sin(2 * np.pi * hertz * np.arange(round(seconds * rate)) / rate)).astype(
-        np.float32
-    )
+from tests.support.sounds import tone
 
 
 def encode(path: Path, samples: np.ndarray, rate: int, codec: str, container: str) -> Path:
@@ -34,7 +29,7 @@ def encode(path: Path, samples: np.ndarray, rate: int, codec: str, container: st
 
 
 def test_pcm_survives_a_round_trip_within_one_step(tmp_path: Path) -> None:
-    audio = Audio(tone(), 16000)
+    audio = tone(1)
     write_wav(tmp_path / "a.wav", audio)
     read = read_audio(tmp_path / "a.wav")
     assert (read.sample_rate, read.notes) == (16000, ())
@@ -49,7 +44,7 @@ def test_pcm_survives_a_round_trip_within_one_step(tmp_path: Path) -> None:
 def test_the_format_follows_the_content_not_the_extension(
     tmp_path: Path, codec: str, container: str, rate: int
 ) -> None:
-    samples = tone(2.0, rate)
+    samples = tone(2, rate=rate).samples
     if container == "flac":
         soundfile.write(tmp_path / "a.wav", samples, rate, format="FLAC")
     else:
@@ -72,7 +67,7 @@ def test_resampling_is_optional_and_keeps_the_duration(
     tmp_path_factory: pytest.TempPathFactory, rate: int, seconds: float
 ) -> None:
     path = tmp_path_factory.mktemp("audio") / "a.wav"
-    soundfile.write(path, tone(seconds, rate), rate)
+    soundfile.write(path, tone(seconds, rate=rate).samples, rate)
     count = round(seconds * rate)
     assert read_audio(path).duration == pytest.approx(count / rate, abs=2 / 16000)
     unchanged = read_audio(path, sample_rate=None)
@@ -87,7 +82,7 @@ def test_channels_are_averaged(tmp_path: Path, count: int) -> None:
 
 
 def test_clipping_levels_are_scaled_down_with_a_note(tmp_path: Path) -> None:
-    soundfile.write(tmp_path / "a.wav", 4 * tone(), 16000, subtype="FLOAT")
+    soundfile.write(tmp_path / "a.wav", 4 * tone(1).samples, 16000, subtype="FLOAT")
     audio = read_audio(tmp_path / "a.wav")
     assert np.abs(audio.samples).max() == pytest.approx(1)
     assert "2.00 of full scale" in audio.notes[0]
@@ -95,14 +90,14 @@ def test_clipping_levels_are_scaled_down_with_a_note(tmp_path: Path) -> None:
 
 def half_of_a_sound(path: Path) -> None:
     if path.suffix == ".m4a":
-        encode(path, tone(8.0, 48000), 48000, "aac", "mp4")
+        encode(path, tone(8, rate=48000).samples, 48000, "aac", "mp4")
     else:
         soundfile.write(path, np.random.default_rng(0).uniform(-0.5, 0.5, 32000), 16000)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
 def sound_with_a_gap(path: Path) -> None:
-    soundfile.write(path, np.append(tone(), np.inf), 16000, subtype="FLOAT")
+    soundfile.write(path, np.append(tone(1).samples, np.inf), 16000, subtype="FLOAT")
 
 
 @pytest.mark.parametrize(
@@ -148,7 +143,7 @@ def test_playlists_are_not_followed(tmp_path: Path) -> None:
 
 
 def test_a_cut_starts_exactly_and_pads_a_short_end_with_silence() -> None:
-    audio = Audio(tone(1.0), 16000)
+    audio = tone(1)
     cut = audio.cut(0.5, 1.05)
     assert len(cut.samples) == 8800
     np.testing.assert_array_equal(cut.samples[:8000], audio.samples[8000:])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.rendering.sample_motion import gesturing_clip
-from motion.audio import Audio, write_wav
+from motion.audio import write_wav
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip, arkit_index
 from motion.formats import write_clip
@@ -16,6 +16,7 @@ from renderer.framing import Camera, frame_clips
 from renderer.look import Look, default_body
 from renderer.video_jobs import ClipJob
 from tests.motion.random_clips import clip_of
+from tests.support.sounds import tone
 
 SECONDS = 0.8
 """Length of the test clip; no whole number of AAC frames."""
@@ -55,9 +56,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory, clip: MotionClip) -> Path:
     """Return a folder with ``clip.npz`` and ``speech.wav``, which hums one second longer."""
     folder = tmp_path_factory.mktemp("inputs")
     write_clip(folder / "clip.npz", clip)
-    moments = np.arange(round((SECONDS + 1) * 16000)) / 16000
-    hum = (0.2 * np.sin(2 * np.pi * 220 * moments)).astype(np.float32)
-    write_wav(folder / "speech.wav", Audio(hum, 16000))
+    write_wav(folder / "speech.wav", tone(SECONDS + 1, 220, loud=0.2))
     return folder
 
 

@@ -21,6 +21,7 @@ from renderer.loudness import (
     integrated_loudness,
     true_peak,
 )
+from tests.support.sounds import tone
 
 needs_espeak = pytest.mark.skipif(
     shutil.which("espeak-ng") is None, reason="espeak-ng is not installed"
@@ -31,11 +32,6 @@ def loudness_by_another(audio: Audio) -> float:
     """Return the loudness in LUFS by pyloudnorm, which shares no code with FFmpeg."""
     meter = pyloudnorm.Meter(audio.sample_rate)
     return float(meter.integrated_loudness(audio.samples.astype(np.float64)))
-
-
-def tone(seconds: float, amplitude: float, hertz: float = 997.0) -> Audio:
-    moments = np.arange(round(seconds * SOUND_RATE)) / SOUND_RATE
-    return Audio(np.float32(amplitude) * np.sin(2 * np.pi * hertz * moments), SOUND_RATE)
 
 
 @needs_espeak
@@ -55,7 +51,7 @@ def test_speech_of_any_level_reaches_the_target_by_another_meter(
 
 @given(amplitude=st.floats(0.001, 1.0), hertz=st.floats(80, 8000))
 def test_nothing_but_the_gain_changes(amplitude: float, hertz: float) -> None:
-    audio = tone(0.6, amplitude, hertz)
+    audio = tone(0.6, hertz, SOUND_RATE, amplitude)
     result = at_common_loudness(audio)
     loudest = np.abs(audio.samples).argmax()
     gain = result.samples[loudest] / audio.samples[loudest]
@@ -77,9 +73,9 @@ def test_peaks_stay_below_the_ceiling_and_a_missed_target_is_noted() -> None:
 @pytest.mark.parametrize(
     ("audio", "message"),
     [
-        (tone(SHORTEST - 0.05, 0.5), "too short"),
-        (tone(2, 0), "it is silent"),
-        (tone(2, 1e-5), "it is silent"),
+        (tone(SHORTEST - 0.05, 997, SOUND_RATE), "too short"),
+        (tone(2, 997, SOUND_RATE, 0), "it is silent"),
+        (tone(2, 997, SOUND_RATE, 1e-5), "it is silent"),
     ],
 )
 def test_sound_without_measurable_loudness_is_unchanged_with_a_note(

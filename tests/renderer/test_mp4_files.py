@@ -27,8 +27,9 @@ from renderer.loudness import read_excerpt
 from renderer.stream_copy import copy_video, end_of, write_dubbed
 from renderer.video_jobs import DubJob
 from tests.support.encoded import VideoRecipe, write_video
+from tests.support.sounds import noise, tone
 
-NOISE = Audio(np.random.default_rng(0).normal(0, 0.05, SOUND_RATE).astype(np.float32), SOUND_RATE)
+NOISE = noise(1, SOUND_RATE)
 
 
 def bit_rate(video: Path) -> bytes:
@@ -166,14 +167,9 @@ def test_an_unreadable_video_leaves_no_copy(tmp_path: Path, content: bytes) -> N
     assert list(tmp_path.iterdir()) == [broken]
 
 
-def tone(seconds: float, pitch: float) -> Audio:
-    moments = np.arange(round(seconds * SOUND_RATE)) / SOUND_RATE
-    return Audio((0.2 * np.sin(2 * np.pi * pitch * moments)).astype(np.float32), SOUND_RATE)
-
-
 def rendered(folder: Path, seconds: float) -> Path:
     """Return a rendered clip with its speech, which is in the same folder."""
-    write_wav(folder / "own.wav", tone(seconds, 200))
+    write_wav(folder / "own.wav", tone(seconds, 200, SOUND_RATE))
     sound = read_excerpt(folder / "own.wav", 0.0, seconds)
     with VideoWriter(folder / "clip.mp4", 64, 64, RATE, sound) as writer:
         for shade in range(round(seconds * RATE)):
@@ -208,7 +204,7 @@ def test_with_its_own_speech_the_file_is_identical(tmp_path: Path, seconds: floa
 def test_another_speech_changes_neither_the_picture_nor_the_length(
     clip: Path, seconds: float
 ) -> None:
-    write_wav(clip.with_name("other.wav"), tone(seconds, 400))
+    write_wav(clip.with_name("other.wav"), tone(seconds, 400, SOUND_RATE))
     video = dubbed(clip, "other.wav", end=min(SECONDS, seconds))
     assert packets(video, "video") == packets(clip, "video")
     assert packets(video, "audio") != packets(clip, "audio")

@@ -15,11 +15,7 @@ from numpy.typing import NDArray
 
 from motion.audio import Audio
 from renderer.encoder import SOUND_RATE
-
-
-def _second_of_sound() -> Audio:
-    moments = np.arange(2 * SOUND_RATE) / SOUND_RATE
-    return Audio((0.1 * np.sin(2 * np.pi * 300 * moments)).astype(np.float32), SOUND_RATE)
+from tests.support.sounds import tone
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +45,7 @@ class VideoRecipe:
     codec: str = "libx264"
     encoder: Mapping[str, str] = field(default_factory=dict)
     layout: Mapping[str, str] = field(default_factory=dict)
-    sound: Audio | None = field(default_factory=_second_of_sound)
+    sound: Audio | None = field(default_factory=lambda: tone(2, 300, SOUND_RATE, 0.1))
     sound_bits: int | None = None
 
 

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from generators.diffsheg.train import training_features
-from motion.audio import Audio, read_audio, write_wav
+from motion.audio import read_audio, write_wav
 from motion.errors import InputError
 from motion.formats.ted_npz import AXES
 from tests.generators.s2ue.small_network import FACE, standing
 from tests.support.fingerprint import fingerprint
+from tests.support.sounds import noise
 from tests.training.data.recordings import (
     DOWN,
     write_beat_motion,
@@ -142,10 +143,7 @@ def test_speech_features_are_the_same_as_in_generation(take: Take, hubert: Huber
 
 
 def ted_take(folder: Path, **files: Path) -> Take:
-    chance = np.random.default_rng(1)
-    write_wav(
-        folder / "a.wav", Audio(0.1 * chance.standard_normal(32000).astype(np.float32), 16000)
-    )
+    write_wav(folder / "a.wav", noise(2))
     directions = np.tile(standing()[:27].reshape(9, 3) * AXES, (30, 1, 1))
     np.savez(folder / "a.npz", directions=directions)
     return take_named("a", folder, motion=folder / "a.npz", **files)

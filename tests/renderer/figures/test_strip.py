@@ -12,11 +12,12 @@ from PIL import Image
 from motion.audio import Audio
 from renderer.figures.plate import Plate, fitted, font, wrapped
 from renderer.figures.strip import Moment, StripLayout, draw_strip, loud_moments
+from tests.support.sounds import tone
 
 RATE = 8000
 
 MOMENTS = (Moment(seconds=0.4, word="no"), Moment(seconds=1.1), Moment(seconds=1.9, word="never"))
-SPEECH = Audio(np.sin(np.arange(16000 * 2) / 20).astype(np.float32), 16000)
+SPEECH = tone(2)
 COLOURS = {"ours": (0, 90, 160), "theirs": (230, 150, 0)}
 
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
-from motion.audio import Audio
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from renderer.clip_video import Stage, still
@@ -27,6 +26,7 @@ from tests.functional.browsing import (
     watched_page,
 )
 from tests.functional.page_checks import SCHEMES, barriers, photograph
+from tests.support.sounds import tone
 
 pytestmark = IN_A_BROWSER
 
@@ -57,8 +57,7 @@ def browser() -> Iterator[Browser]:
 def opened(page: Page, path: Path, **clips: MotionClip) -> None:
     """Open a page that shows clips of one length with a tone as their speech."""
     (first, *_) = clips.values()
-    tone = np.sin(np.arange(round(48_000 * first.duration)) * 0.03) * 0.1
-    speech = Audio(tone.astype(np.float32), 48_000)
+    speech = tone(first.duration, 230, 48_000, 0.1)
     write_motion_page(path, "Motion", [Scene(name="it", clips=clips, speech=speech)], FULL_BODY)
     page.goto(path.as_uri())
     expect(page.get_by_role("button", name="Play")).to_be_visible()

@@ -18,6 +18,7 @@ from transformers import HubertConfig, HubertModel
 from motion.audio import Audio
 from motion.errors import InputError
 from motion.formats.transcript import Word
+from tests.support.sounds import noise, tone
 from training.speech_features.hubert import load_hubert, resample_to_frames, stand_in
 from training.speech_features.spectra import (
     BANDS,
@@ -34,13 +35,8 @@ from training.speech_features.spectra import (
 from training.speech_features.word_vectors import StandIn, load_word_vectors, word_rows
 
 
-def _tone(hertz: float, seconds: float) -> NDArray[np.float32]:
-    times = np.arange(round(16_000 * seconds)) / 16_000
-    return (0.5 * np.sin(2 * np.pi * hertz * times)).astype(np.float32)
-
-
 def test_ten_seconds_give_998_rows_padded_with_zeros() -> None:
-    rows = filterbank(_tone(440, 10.0))
+    rows = filterbank(tone(10).samples)
     padding = 9.173025 / (2 * 5.062332)
     assert tuple(rows.shape) == (1024, 128)
     assert rows[998:].numpy() == pytest.approx(padding)
@@ -49,21 +45,16 @@ def test_ten_seconds_give_998_rows_padded_with_zeros() -> None:
 
 @pytest.mark.parametrize(
     ("samples", "message"),
-    [(_tone(440, 0.3), "0.30 s, too short"), (np.zeros(16_000, np.float32), "is silent")],
+    [(tone(0.3).samples, "0.30 s, too short"), (np.zeros(16_000, np.float32), "is silent")],
 )
 def test_samples_without_speech_are_refused(samples: NDArray[np.float32], message: str) -> None:
     with pytest.raises(InputError, match=message):
         check_speech(samples)
 
 
-def noise(seconds: float, rate: int = RATE, seed: int = 1) -> Audio:
-    rng = np.random.default_rng(seed)
-    return Audio((0.1 * rng.standard_normal(round(seconds * rate))).astype(np.float32), rate)
-
-
 @pytest.mark.parametrize("rate", [15, 30])
 def test_bands_match_librosas_defaults(rate: int) -> None:
-    speech = noise(2.0)
+    speech = noise(2.0, RATE)
     theirs = librosa.feature.melspectrogram(
         y=speech.samples.astype(float), sr=RATE, n_fft=WINDOW, hop_length=RATE // rate, n_mels=BANDS
     )
@@ -71,11 +62,7 @@ def test_bands_match_librosas_defaults(rate: int) -> None:
 
 
 def test_a_tone_has_the_same_band_and_power_at_any_sampling_rate() -> None:
-    tones = [
-        Audio(np.sin(2 * np.pi * 440 * np.arange(2 * rate) / rate).astype(np.float32), rate)
-        for rate in (RATE, 16000, 44100)
-    ]
-    known, *others = (mel_bands(tone, 15)[15] for tone in tones)
+    known, *others = (mel_bands(tone(2, rate=rate), 15)[15] for rate in (RATE, 16000, 44100))
     for other in others:
         assert other.argmax() == known.argmax()
         assert other.max() == pytest.approx(known.max(), rel=0.01)
@@ -84,10 +71,10 @@ def test_a_tone_has_the_same_band_and_power_at_any_sampling_rate() -> None:
 @pytest.mark.parametrize("frame_rate", [0, -15, 29.97])
 def test_a_frame_rate_that_does_not_divide_the_sound_is_refused(frame_rate: float) -> None:
     with pytest.raises(InputError, match="such as 15 or 30"):
-        mel_bands(noise(1.0), frame_rate)
+        mel_bands(noise(1.0, RATE), frame_rate)
 
 
-NOISE = Audio(np.random.default_rng(1).normal(0, 0.1, 32000).astype(np.float32), 16000)
+NOISE = noise(2)
 
 
 def test_a_frame_has_two_rows_of_coefficients_and_their_deltas() -> None:
@@ -103,11 +90,6 @@ def test_a_frame_has_two_rows_of_coefficients_and_their_deltas() -> None:
 def test_the_log_spectrogram_of_silence_is_finite() -> None:
     assert np.isfinite(mfcc(Audio(np.zeros(8000, np.float32), 16000), 15)).all()
     np.testing.assert_allclose(log_mel(NOISE, 15), np.log10(mel_bands(NOISE, 15)), rtol=1e-5)
-
-
-def speech(seconds: float) -> NDArray[np.float32]:
-    rng = np.random.default_rng(4)
-    return (0.1 * rng.standard_normal(round(seconds * 16000))).astype(np.float32)
 
 
 @pytest.fixture(scope="module")
@@ -134,28 +116,28 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("samples", "vectors"), [(0, 1), (399, 1), (400, 1), (720, 2), (16000, 49)]
 )
 def test_features_have_1024_channels_at_50_hertz(samples: int, vectors: int) -> None:
-    assert stand_in().features(speech(1)[:samples]).shape == (vectors, 1024)
+    assert stand_in().features(NOISE.samples[:samples]).shape == (vectors, 1024)
 
 
 def test_the_stand_in_distinguishes_speech_but_not_loudness_and_is_deterministic() -> None:
     torch.manual_seed(3)
     expected = torch.rand(3)
     torch.manual_seed(3)
-    hubert, plain = stand_in(), stand_in().features(speech(1))
+    hubert, plain = stand_in(), stand_in().features(NOISE.samples)
     assert torch.equal(torch.rand(3), expected)
     assert hubert.stands_in
     assert "stand-in" in hubert.description
-    assert torch.equal(hubert.features(speech(1)), plain)
-    quieter = hubert.features(np.float32(0.3) * speech(1) + np.float32(0.2))
+    assert torch.equal(hubert.features(NOISE.samples), plain)
+    quieter = hubert.features(np.float32(0.3) * NOISE.samples + np.float32(0.2))
     torch.testing.assert_close(plain, quieter, rtol=1e-3, atol=1e-3)
-    assert float((plain - hubert.features(speech(2)[16000:])).abs().mean()) > 0.01
+    assert float((plain - hubert.features(noise(2, seed=2).samples)).abs().mean()) > 0.01
 
 
 def test_weights_from_a_folder_are_used_and_identified_by_their_hash(saved: Path) -> None:
     hubert = load_hubert(saved)
     assert not hubert.stands_in
     assert "hubert (sha256 " in hubert.description
-    samples = speech(1)
+    samples = NOISE.samples
     even = torch.from_numpy((samples - samples.mean()) / samples.std())[None]
     with torch.inference_mode():
         expected = HubertModel.from_pretrained(saved).eval()(even).last_hidden_state[0]

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motion.audio import Audio
+from tests.support.sounds import noise
 from training.speech_features.hubert import stand_in
 from training.speech_features.speech_frames import (
     LONG_SPEECH_WINDOW,
@@ -29,11 +30,6 @@ HUBERT = stand_in()
 WINDOW = StreamWindow(past=1, ahead=0.5)
 
 
-def speech(seconds: float) -> np.ndarray:
-    rng = np.random.default_rng(6)
-    return (0.1 * rng.standard_normal(round(seconds * 16000))).astype(np.float32)
-
-
 def streamed(
     pieces: list[np.ndarray], window: StreamWindow = WINDOW, rate: int = 15
 ) -> SpeechFrames:
@@ -43,7 +39,7 @@ def streamed(
     return first
 
 
-SPEECH = speech(3.3)
+SPEECH = noise(3.3).samples
 
 
 @pytest.fixture(scope="module")
@@ -70,17 +66,17 @@ def test_a_window_over_all_speech_gives_the_features_of_each_moment() -> None:
 @pytest.mark.parametrize("rate", [15, 30])
 @pytest.mark.parametrize("seconds", [0.02, 0.4, 1.0, 1.04, 2.0, 2.5])
 def test_the_number_of_frames_matches_the_speech(seconds: float, rate: int) -> None:
-    pieces = [speech(seconds)]
-    count = sum(len(frames) for frames in stream_frames(pieces, rate, HUBERT, WINDOW))
+    audio = noise(seconds)
+    count = sum(len(frames) for frames in stream_frames([audio.samples], rate, HUBERT, WINDOW))
     assert count == round(seconds * rate)
-    assert len(extract_all_frames(Audio(pieces[0], 16000), rate, HUBERT)) == max(1, count)
+    assert len(extract_all_frames(audio, rate, HUBERT)) == max(1, count)
 
 
 def test_a_second_is_encoded_as_soon_as_its_context_is_known() -> None:
     given_out: list[int] = []
 
     def pieces() -> Iterator[np.ndarray]:
-        for piece in np.split(speech(4), 40):
+        for piece in np.split(noise(4).samples, 40):
             given_out.append(len(piece))
             yield piece
 
@@ -137,7 +133,7 @@ def test_long_speech_is_never_encoded_at_once() -> None:
 
 
 def test_long_speech_gives_the_same_features_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
-    audio = Audio(speech(6.5), 16000)
+    audio = noise(6.5)
     whole = extract_all_frames(audio, 15, HUBERT).mel
     monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 4.0)
     monkeypatch.setattr(
