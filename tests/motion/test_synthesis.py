@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,13 +11,11 @@ from motion.audio import Audio
 from motion.errors import InputError
 from motion.segment import EMOTIONS
 from motion.synthesis import PROSODY_OF_EMOTION, speak, speak_as
+from tests.support.sounds import needs_espeak
 
 SENTENCE = "I walked along the river this morning, and everybody was already there."
 
 NEUTRAL = PROSODY_OF_EMOTION["neutral"]
-needs_espeak = pytest.mark.skipif(
-    shutil.which("espeak-ng") is None, reason="espeak-ng is not installed"
-)
 
 
 def pitch(audio: Audio) -> np.ndarray:

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -21,11 +20,7 @@ from renderer.loudness import (
     integrated_loudness,
     true_peak,
 )
-from tests.support.sounds import tone
-
-needs_espeak = pytest.mark.skipif(
-    shutil.which("espeak-ng") is None, reason="espeak-ng is not installed"
-)
+from tests.support.sounds import needs_espeak, tone
 
 
 def loudness_by_another(audio: Audio) -> float:

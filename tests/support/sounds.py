@@ -1,10 +1,17 @@
-"""Tones and noise."""
+"""Tones, noise, and whether there is a voice."""
 
 from __future__ import annotations
 
+import shutil
+
 import numpy as np
+import pytest
 
 from motion.audio import Audio
+
+needs_espeak = pytest.mark.skipif(
+    shutil.which("espeak-ng") is None, reason="espeak-ng is not installed"
+)
 
 
 def tone(seconds: float, hertz: float = 440, rate: int = 16_000, loud: float = 0.5) -> Audio:

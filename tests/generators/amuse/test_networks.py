@@ -51,7 +51,6 @@ def test_motion_and_latents_do_not_depend_on_the_rest_of_the_batch() -> None:
 def test_the_noise_follows_from_a_predicted_velocity(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    torch.manual_seed(4)
     denoiser = Denoiser(replace(SMALL, predicts="v")).eval()
     z0, eps = torch.randn(2, 3, 1, SMALL.width)
     t = torch.tensor([10, 500, 990])
@@ -88,7 +87,6 @@ def test_latents_of_speech_do_not_depend_on_the_batch(speech_model: SpeechModel)
 def test_the_emotions_classifier_may_be_the_latent_itself(
     classified: Literal["tokens", "latent"],
 ) -> None:
-    torch.manual_seed(4)
     encoder = SpeechEncoder(replace(SMALL_SPEECH, classified=classified), classes=3).eval()
     _, logits = encoder(torch.randn(2, 64, 32))
     assert logits is not None
@@ -175,7 +173,6 @@ def test_the_index_maps_are_those_printed_in_the_paper() -> None:
 
 @torch.no_grad()
 def test_swapping_parts_of_equal_speech_costs_nothing() -> None:
-    torch.manual_seed(1)
     equal = _four()[:1].expand(4, -1, -1)
     losses = speech_losses(SpeechModel(SMALL_SPEECH).eval(), equal, equal, CLASSES, SPEECH_LOSSES)
     assert float(losses["con"]) == pytest.approx(0, abs=1e-6)
@@ -185,7 +182,6 @@ def test_swapping_parts_of_equal_speech_costs_nothing() -> None:
 
 @torch.no_grad()
 def test_content_loss_does_not_depend_on_the_scale_of_features() -> None:
-    torch.manual_seed(1)
     model = SpeechModel(SMALL_SPEECH).eval()
     result = []
     for _ in range(2):

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from motion.formats.bvh import read_bvh
+from motion.formats.bvh_motion import BvhMotion
 from motion.skeleton import JOINT_NAMES, PARENTS, REST_JOINTS
 
 Skeleton = Sequence[tuple[str, str | None, tuple[float, float, float]]]
@@ -55,6 +58,10 @@ def bvh_text(
 def save_bvh_text(path: Path, text: str) -> Path:
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def read_chain(folder: Path, rows: np.ndarray, **options: Any) -> BvhMotion:
+    return read_bvh(save_bvh_text(folder / "a.bvh", bvh_text(CHAIN, rows, **options)))
 
 
 def smplx_skeleton(scale: float = 100, turn: np.ndarray | None = None) -> Skeleton:

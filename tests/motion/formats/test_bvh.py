@@ -10,18 +10,13 @@ from scipy.spatial.transform import Rotation
 
 from motion.errors import InputError
 from motion.formats.bvh import BvhFrameCountError, read_bvh
-from motion.formats.bvh_motion import BvhMotion
-from tests.motion.formats.bvh_text import CHAIN, bvh_text, save_bvh_text
+from tests.motion.formats.bvh_text import CHAIN, bvh_text, read_chain, save_bvh_text
 
 ROWS = np.arange(36, dtype=float).reshape(3, 12)
 
 
-def chain(tmp_path: Path, rows: np.ndarray = ROWS, **options: object) -> BvhMotion:
-    return read_bvh(save_bvh_text(tmp_path / "a.bvh", bvh_text(CHAIN, rows, **options)))  # type: ignore[arg-type]
-
-
 def test_skeleton_and_values_are_read(tmp_path: Path) -> None:
-    motion = chain(tmp_path)
+    motion = read_chain(tmp_path, ROWS)
     assert motion.joint_names == ("hip", "knee", "ankle")
     assert [joint.parent for joint in motion.joints] == [-1, 0, 1]
     assert motion.joints[2].offset == (0, -42, 1)
@@ -41,7 +36,9 @@ def test_skeleton_and_values_are_read(tmp_path: Path) -> None:
 def test_a_rounded_frame_time_gives_the_exact_rate(
     tmp_path: Path, frame_time: str, rate: float
 ) -> None:
-    assert chain(tmp_path, frame_time=frame_time).frame_rate == pytest.approx(rate, abs=1e-3)
+    assert read_chain(tmp_path, ROWS, frame_time=frame_time).frame_rate == pytest.approx(
+        rate, abs=1e-3
+    )
 
 
 @given(
@@ -84,7 +81,7 @@ def test_position_channels_replace_offsets_and_missing_rotations_follow_the_pare
 
 
 def test_layout_of_the_text_does_not_matter(tmp_path: Path) -> None:
-    plain = chain(tmp_path)
+    plain = read_chain(tmp_path, ROWS)
     text = bvh_text(CHAIN, ROWS).replace("\n{", " {").replace("\n", "\r\n\r\n  ")
     text = "\ufeff" + text.replace("Zrotation", "ZROTATION").replace("ROOT", "root")
     odd = read_bvh(save_bvh_text(tmp_path / "b.bvh", text.replace("Frames: 3", "frames:\t3")))
@@ -99,7 +96,7 @@ def test_a_header_that_contradicts_the_rows_is_refused_with_possible_rates(
     tmp_path: Path, promised: int, frame_rates: tuple[float, ...]
 ) -> None:
     with pytest.raises(BvhFrameCountError) as refusal:
-        chain(tmp_path, frames=promised, frame_time="0.008333")
+        read_chain(tmp_path, ROWS, frames=promised, frame_time="0.008333")
     assert (refusal.value.rows, refusal.value.frame_rates) == (3, frame_rates)
     for fact in ("a.bvh", f"{promised} frames", "120 per second", "3 rows", "--fps"):
         assert fact in str(refusal.value)

@@ -17,7 +17,7 @@ from motion.formats.bvh_motion import (
     write_clip_bvh,
 )
 from motion.skeleton import JOINT_NAMES, REST_JOINTS, forward_kinematics
-from tests.motion.formats.bvh_text import CHAIN, bvh_text, columns_of, save_bvh_text
+from tests.motion.formats.bvh_text import CHAIN, columns_of, read_chain
 from tests.motion.random_clips import clip_of, clips
 
 TURNS = ("Zrotation", "Xrotation", "Yrotation")
@@ -67,14 +67,10 @@ def test_the_same_motion_gives_the_same_bytes_and_zero_has_no_sign(tmp_path: Pat
     assert [row.split()[:3] for row in rows[:2]] == [["0", "0", "0"]] * 2
 
 
-def chain(tmp_path: Path, rows: np.ndarray) -> BvhMotion:
-    return read_bvh(save_bvh_text(tmp_path / "a.bvh", bvh_text(CHAIN, rows)))
-
-
 def test_a_pose_left_over_in_the_first_frame_is_smoothed_out(tmp_path: Path) -> None:
     rows = np.stack([columns_of(CHAIN, {"knee": (0, 10 + k, 0)}) for k in range(4)])
     rows[0] += columns_of(CHAIN, {"hip": (20, 0, 0)})
-    motion = settle_first_frame(chain(tmp_path, rows))
+    motion = settle_first_frame(read_chain(tmp_path, rows))
     rows[0] -= columns_of(CHAIN, {"hip": (20, 0, 0)})
     np.testing.assert_allclose(motion.values, rows)
     assert "1 joints" in motion.notes[0]
@@ -93,7 +89,7 @@ def test_a_calibration_pose_in_the_first_row_is_removed_in_spite_of_a_later_glit
     rows = np.stack([columns_of(CHAIN, {"knee": (0, angle, 0)}) for angle in angles])
     rows[0] = columns_of(CHAIN, {"hip": (170, 0, 0), "knee": (0, 0, 90)})
     rows[50] = columns_of(CHAIN, {"hip": (170, 0, 0), "knee": (0, 90, 0)})
-    motion = settle_first_frame(chain(tmp_path, rows))
+    motion = settle_first_frame(read_chain(tmp_path, rows))
     assert motion.calibration is not None
     np.testing.assert_allclose(motion.calibration, rows[0])
     np.testing.assert_allclose(motion.values, rows[[1, *range(1, 90)]])
@@ -111,7 +107,7 @@ _JUMPING[3] = columns_of(CHAIN, {"hip": (-170, 0, 90), "knee": (0, 90, 0)})
 def test_quick_starts_and_frequent_jumps_are_not_mistaken_for_calibration(
     tmp_path: Path, rows: np.ndarray
 ) -> None:
-    motion = chain(tmp_path, rows)
+    motion = read_chain(tmp_path, rows)
     assert settle_first_frame(motion) is motion
 
 

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import hashlib
-import shutil
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from motion.errors import InputError
 from motion.formats.beat_tracks import read_semantic_scores
 from motion.formats.bvh import read_bvh
 from motion.formats.transcript import read_transcript
+from tests.support.sounds import needs_espeak
 from tools.corpus_page.__main__ import tables
 from tools.corpus_page.measuring import decided, minutes, read_measured
 from training.corpus.making import RecordingFiles, make_corpus
@@ -23,9 +23,7 @@ from training.corpus.truth import read_truth
 from training.data.folders import read_takes
 from training.spaces.beat import body_values
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("espeak-ng") is None, reason="espeak-ng is not installed"
-)
+pytestmark = needs_espeak
 
 REQUEST = CorpusRequest(speakers=1, sentences=8, takes=1, held_out_speakers=0, frame_rate=15)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import numpy as np
 import soundfile
 
 from motion.clip import ARKIT_NAMES
+from motion.formats.beat_tracks import write_arkit_json
 from motion.skeleton import JOINT_COUNT, joint_index
 from tests.motion.formats.bvh_text import Skeleton, bvh_text, depth_first, save_bvh_text
 from training.data.take import Feature, Take
@@ -22,6 +22,16 @@ SKELETON: Skeleton = [
 
 DOWN = 40.0
 """Degrees by which the right arm jumps down, and in the next frame up again."""
+
+
+def touch(*paths: Path) -> None:
+    for path in paths:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b"not looked at yet")
+
+
+def beat_take(folder: Path, name: str, *endings: str) -> None:
+    touch(*(folder / f"{name}{ending}" for ending in (".bvh", ".wav", *endings)))
 
 
 def is_down(moments: Sequence[float], frames: int, frame_rate: float) -> np.ndarray:
@@ -62,25 +72,13 @@ def write_beat_motion(
     )
 
 
-def write_beat_face(path: Path, seconds: float, moments: Sequence[float] = ()) -> Path:
-    frames = round(seconds * 60)
-    weights = np.zeros((frames, 51))
-    weights[is_down(moments, frames, 60), ARKIT_NAMES.index("jawOpen")] = 0.5
-    face = {
-        "names": list(ARKIT_NAMES[:51]),
-        "frames": [
-            {"weights": row, "time": frame / 60} for frame, row in enumerate(weights.tolist())
-        ],
-    }
-    path.write_text(json.dumps(face), encoding="utf-8")
-    return path
-
-
 def write_beat_take(folder: Path, seconds: float, moments: Sequence[float]) -> None:
     """Write a take of BEAT: motion, sound and face."""
     write_beat_motion(folder / "2_scott_0_9_9.bvh", seconds, moments)
     write_clicks(folder / "2_scott_0_9_9.wav", seconds, moments)
-    write_beat_face(folder / "2_scott_0_9_9.json", seconds, moments)
+    weights = np.zeros((round(seconds * 60), 51))
+    weights[is_down(moments, len(weights), 60), ARKIT_NAMES.index("jawOpen")] = 0.5
+    write_arkit_json(folder / "2_scott_0_9_9.json", weights, 60)
 
 
 def write_smplx(

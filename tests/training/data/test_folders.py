@@ -14,20 +14,17 @@ import pytest
 
 from motion.errors import InputError
 from motion.skeleton import joint_index
-from tests.training.data.recordings import write_clicks, write_show, write_smplx, write_ted
+from tests.training.data.recordings import (
+    beat_take,
+    touch,
+    write_clicks,
+    write_show,
+    write_smplx,
+    write_ted,
+)
 from training.data.folders import read_takes
 from training.data.take import TakeFolder
 from training.features import read_smplx
-
-
-def touch(*paths: Path) -> None:
-    for path in paths:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(b"not looked at yet")
-
-
-def beat_take(folder: Path, name: str, *endings: str) -> None:
-    touch(*(folder / f"{name}{ending}" for ending in (".bvh", ".wav", *endings)))
 
 
 def smplx_take(folder: Path, name: str) -> None:

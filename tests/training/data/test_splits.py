@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motion.errors import InputError
+from tests.training.data.recordings import beat_take
 from training.data.beat import BeatName
 from training.data.folders import read_takes
 from training.data.splitting import held_out_recordings, read_split_list, split_by_hash
@@ -21,8 +22,7 @@ NAMES = ("2_scott_0_9_9", "2_scott_0_10_10", "2_scott_0_11_11")
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     for name in NAMES:
-        for ending in (".bvh", ".wav"):
-            (tmp_path / f"{name}{ending}").write_bytes(b"not looked at yet")
+        beat_take(tmp_path, name)
     return tmp_path
 
 
@@ -107,8 +107,7 @@ def test_missing_lists_and_lists_of_other_takes_are_refused(folder: Path) -> Non
 
 
 def test_without_a_list_the_published_rule_applies_and_is_named(folder: Path) -> None:
-    for ending in (".bvh", ".wav"):
-        (folder / f"2_scott_0_1_1{ending}").write_bytes(b"not looked at yet")
+    beat_take(folder, "2_scott_0_1_1")
     result = read_takes(folder)
     assert splits_of(result) == {**dict.fromkeys(NAMES, "train"), "2_scott_0_1_1": "test"}
     assert result.notes == (
