@@ -93,8 +93,8 @@ def test_the_encoders_start_from_the_weights_of_a_folder(learn: Learn, tmp_path:
 def test_training_runs_on_the_chosen_device(
     learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, ablation: str | None
 ) -> None:
-    choices = {} if ablation is None else {"ablation": ablation}
-    require_one_device(monkeypatch, lambda: learn(1, tmp_path / "out.safetensors", **choices))
+    out = tmp_path / "out.safetensors"
+    require_one_device(monkeypatch, lambda: learn(1, out, ablation=ablation))
 
 
 def test_an_autoencoder_can_replace_the_speech_model(learn: Learn, tmp_path: Path) -> None:
