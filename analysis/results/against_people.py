@@ -196,11 +196,10 @@ def against_people(
     recorded: str | None = None,
     *,
     resamples: int = RESAMPLES,
-    seed: int = SEED,
 ) -> AgainstPeople:
     """Compare all metrics with the answers to one question; see `metrics_against_people`."""
     tallies = tally(protocol, answers)
-    preferences = resample_preferences(tallies, resamples=resamples, seed=seed)
+    preferences = resample_preferences(tallies, resamples=resamples, seed=SEED)
     metrics_of = oriented_metrics(metrics, tallies.conditions, tallies.segments, recorded)
     too_few = _too_few(tallies)
     count = len(tallies.conditions)
@@ -211,9 +210,7 @@ def against_people(
         segments=len(tallies.segments),
         resamples=resamples,
         sampling_range=sampling_range(count) if count > 2 else None,
-        metrics=tuple(
-            _correlate(tallies, preferences, metric, too_few, seed) for metric in metrics_of
-        ),
+        metrics=tuple(_correlate(tallies, preferences, metric, too_few) for metric in metrics_of),
         method=METHOD,
         reason="" if metrics_of else "no metric says which of its scores are better",
     )
@@ -232,7 +229,6 @@ def _correlate(
     preferences: ResampledPreferences,
     metric: OrientedMetric,
     too_few: str,
-    seed: int,
 ) -> MetricAgainstPeople:
     names, places = tallies.conditions, []
     for number in metric.present.tolist():
@@ -250,7 +246,7 @@ def _correlate(
             )
         )
     # A different seed from that of participants and segments.
-    tau, rho = over_conditions(preferences, metric, too_few=too_few, seed=seed + 1)
+    tau, rho = over_conditions(preferences, metric, too_few=too_few, seed=SEED + 1)
     return MetricAgainstPeople(
         metric=metric.name,
         unit=metric.unit,

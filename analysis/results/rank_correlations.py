@@ -225,16 +225,12 @@ def _neither(reason: str) -> tuple[RankCorrelation, RankCorrelation]:
     return RankCorrelation(reason=reason), RankCorrelation(reason=reason)
 
 
-def sampling_range(conditions: int, tau: float = 0.5) -> SamplingRange:
-    """Return the range of Kendall's tau in 95% of studies if its true value is `tau`.
+def sampling_range(conditions: int) -> SamplingRange:
+    """Return the range of Kendall's tau in 95% of studies of at least two conditions.
 
-    Parameters
-    ----------
-    conditions : int
-        Number of the study's conditions; at least two.
-    tau : float
-        Kendall's tau among all conditions, in [-1, 1].
+    Its true value is one half.
     """
+    tau = 0.5
     chance = np.random.default_rng(_SEED)
     taus = _simulated(chance, conditions, float(np.sin(np.pi * tau / 2)), _STUDIES)["kendall"]
     low, high = percentile_interval(taus)
