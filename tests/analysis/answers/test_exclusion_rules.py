@@ -11,7 +11,6 @@ import pytest
 from analysis.answers.exclusion_rules import (
     ExclusionRule,
     ParticipantFacts,
-    Removed,
     SameAnswer,
     answered_too_fast,
     apply_rules,
@@ -26,10 +25,6 @@ from analysis.answers.exclusion_rules import (
 
 def someone(name: str = "a", **facts: Any) -> ParticipantFacts:
     return ParticipantFacts(participant=name, **facts)
-
-
-def applied(participants: list[ParticipantFacts], *rules: ExclusionRule) -> Removed:
-    return apply_rules(participants, rules)
 
 
 def answers_alike(*questions: tuple[str, int, float]) -> tuple[SameAnswer, ...]:
@@ -89,7 +84,7 @@ def test_a_participant_counts_under_the_first_rule_that_removes_them() -> None:
         someone("watching", failed_catch=0, watched=0.2),
         someone("fine", failed_catch=0, watched=1.0),
     ]
-    result = applied(participants, failed_catch_trials(1), watched_less(0.9))
+    result = apply_rules(participants, [failed_catch_trials(1), watched_less(0.9)])
     assert [(outcome.rule, outcome.reached, outcome.removed) for outcome in result.rules] == [
         ("catch", 3, 1),
         ("coverage", 2, 1),
@@ -97,7 +92,7 @@ def test_a_participant_counts_under_the_first_rule_that_removes_them() -> None:
     assert result.removed_by == {"both": 0, "watching": 1}
     assert not any(outcome.exploratory for outcome in result.rules)
     afterwards = failed_catch_trials(1).as_exploratory()
-    other_way = applied(participants, watched_less(0.9), afterwards)
+    other_way = apply_rules(participants, [watched_less(0.9), afterwards])
     assert [outcome.exploratory for outcome in other_way.rules] == [False, True]
     assert other_way.removed_by == {"both": 0, "watching": 0}
     assert result.exclusions.keys() == other_way.exclusions.keys()
@@ -114,6 +109,6 @@ def test_participants_without_the_facts_of_a_rule_are_kept_and_counted(
     watched: list[float], removed: list[str], remark: str
 ) -> None:
     participants = [someone(f"p{place}", watched=share) for place, share in enumerate(watched)]
-    result = applied(participants, watched_less(0.9))
+    result = apply_rules(participants, [watched_less(0.9)])
     assert list(result.exclusions) == removed
     assert result.rules[0].remark.startswith(remark)
