@@ -8,19 +8,21 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import hmac
 import io
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
-from urllib.parse import parse_qsl, quote, urlsplit
+from urllib.parse import parse_qsl, quote, urlencode, urlsplit
 from wsgiref.types import StartResponse, WSGIEnvironment
 from xml.etree import ElementTree
 from xml.sax.saxutils import escape
 
 import pytest
+from botocore.auth import S3SigV4Auth
+from botocore.awsrequest import AWSRequest
+from botocore.credentials import Credentials
 from werkzeug.utils import send_file
 from werkzeug.wrappers import Request, Response
 
@@ -170,64 +172,36 @@ def _failure(status: int, code: str) -> Response:
     return _xml(f"<Error><Code>{code}</Code><Message>{code}</Message></Error>", status)
 
 
-def _mac(key: bytes, text: str) -> bytes:
-    return hmac.digest(key, text.encode(), hashlib.sha256)
-
-
-def signature(
-    method: str,
-    path: str,
-    query: list[tuple[str, str]],
-    headers: list[tuple[str, str]],
-    payload: str,
-    moment: str,
-    scope: str,
-) -> str:
-    """Return a signature as AWS's documentation of Signature Version 4 says."""
-    encoded = sorted((quote(name, safe="-_.~"), quote(value, safe="-_.~")) for name, value in query)
-    canonical = "\n".join(
-        (
-            method,
-            path,
-            "&".join(f"{name}={value}" for name, value in encoded),
-            "".join(f"{name}:{value}\n" for name, value in headers),
-            ";".join(name for name, _ in headers),
-            payload,
-        )
-    )
-    digest = hashlib.sha256(canonical.encode()).hexdigest()
-    key = f"AWS4{SECRET}".encode()
-    for part in scope.split("/"):
-        key = _mac(key, part)
-    return _mac(key, "\n".join(("AWS4-HMAC-SHA256", moment, scope, digest))).hex()
-
-
 def _refusal(request: Request, body: bytes) -> str:
     """Return why a request is refused; empty if it is signed correctly."""
     parts = urlsplit(request.environ["REQUEST_URI"])
-    query = parse_qsl(parts.query, keep_blank_values=True)
-    given = dict(query)
+    given = dict(parse_qsl(parts.query, keep_blank_values=True))
     if "X-Amz-Signature" in given:
-        moment, (known, _, scope) = given["X-Amz-Date"], given["X-Amz-Credential"].partition("/")
+        moment, credential = given["X-Amz-Date"], given["X-Amz-Credential"]
         made = datetime.strptime(moment, "%Y%m%dT%H%M%SZ").replace(tzinfo=UTC)
         if datetime.now(UTC) > made + timedelta(seconds=int(given["X-Amz-Expires"])):
             return "AccessDenied"
         names, payload = given["X-Amz-SignedHeaders"], "UNSIGNED-PAYLOAD"
-        wanted = given["X-Amz-Signature"]
-        query = [pair for pair in query if pair[0] != "X-Amz-Signature"]
+        wanted = given.pop("X-Amz-Signature")
     elif "Authorization" in request.headers:
         _, _, rest = request.headers["Authorization"].partition(" ")
         said = dict(part.strip().split("=", 1) for part in rest.split(","))
-        known, _, scope = said["Credential"].partition("/")
-        moment, names = request.headers["X-Amz-Date"], said["SignedHeaders"]
-        wanted, payload = said["Signature"], request.headers["X-Amz-Content-Sha256"]
+        credential, names = said["Credential"], said["SignedHeaders"]
+        moment, wanted = request.headers["X-Amz-Date"], said["Signature"]
+        payload = request.headers["X-Amz-Content-Sha256"]
         if payload not in ("UNSIGNED-PAYLOAD", hashlib.sha256(body).hexdigest()):
             return "XAmzContentSHA256Mismatch"
     else:
         return "AccessDenied"
-    headers = [(n, " ".join(request.headers.get(n, "").split())) for n in names.split(";")]
-    found = signature(request.method, parts.path, query, headers, payload, moment, scope)
-    return "" if known == KEY and hmac.compare_digest(found, wanted) else "SignatureDoesNotMatch"
+    query = urlencode(given, quote_via=quote, safe="-_.~")
+    headers = {name: request.headers.get(name, "") for name in names.split(";")}
+    again = AWSRequest(request.method, f"http://{request.host}{parts.path}?{query}", headers)
+    again.context["timestamp"] = moment
+    signer = S3SigV4Auth(Credentials(KEY, SECRET), "s3", REGION)
+    canonical = "\n".join((*signer.canonical_request(again).splitlines()[:-1], payload))
+    found = signer.signature(signer.string_to_sign(again, canonical), again)
+    is_signed = (credential, wanted) == (f"{KEY}/{signer.credential_scope(again)}", found)
+    return "" if is_signed else "SignatureDoesNotMatch"
 
 
 ENVIRONMENT = {
