@@ -17,9 +17,9 @@ from studyapp.custody.deployment import PROXIES, Proxy
 from studyapp.web.worker import REQUEST_SECONDS
 from tests.functional.proxies import HOST, PATIENCE, Proxied, any_certificate, behind, program
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.visitor import filled
 from tests.support.hanging_connections import hanging, slow_body, whole_video
 from tests.support.researcher_accounts import PASSWORD
+from tests.support.servers.http_participant import HttpParticipant
 
 pytestmark = pytest.mark.slow
 
@@ -29,8 +29,6 @@ VIDEO_BYTES = 4 << 20
 
 PAGES = 3
 """Consent, instructions and a trial."""
-
-TOKEN = re.compile(r"(?:take|media|join)/([\w-]{20,})")
 
 
 @pytest.fixture(params=PROXIES, scope="module")
@@ -52,48 +50,11 @@ def proxied(
         yield served
 
 
-class Participant:
-    """Goes through the study over HTTPS, and notes every token that a log might hold."""
-
-    def __init__(self, client: httpx.Client, address: str, *, pages: int) -> None:
-        self.client = client
-        self.tokens: set[str] = set()
-        self.page = self.read(client.get(address))
-        for _page in range(pages):
-            self.go_on()
-
-    def read(self, answer: httpx.Response) -> PageReader:
-        if answer.status_code == 303:
-            answer = self.client.get(urljoin(str(answer.url), answer.headers["location"]))
-        assert answer.status_code == 200, answer.text
-        self.address = str(answer.url)
-        self.tokens.update(TOKEN.findall(self.address), TOKEN.findall(answer.text))
-        return PageReader(answer.text)
-
-    @property
-    def video(self) -> str:
-        """Where the first video of the page is."""
-        return urljoin(self.address, str(self.page.one("video")["src"]))
-
-    def go_on(self) -> None:
-        """Report all videos as watched without waiting, and send the page's form."""
-        for video in self.page.soup.select("video"):
-            source = urljoin(self.address, str(video["src"]))
-            assert self.client.get(source, headers={"Range": "bytes=0-"}).status_code == 206
-            report = {"batch": 0, "intervals": [[0.0, float(str(video["data-duration"]))]]}
-            told = self.client.post(
-                urljoin(self.address, str(video["data-watched-url"])), json=report
-            )
-            assert told.json()["missing"] == 0
-        to = urljoin(self.address, self.page.action)
-        self.page = self.read(self.client.post(to, data=filled(self.page)))
-
-
 def test_a_participant_answers_and_the_proxy_reveals_and_logs_nothing(
     proxied: Proxied,
 ) -> None:
     with proxied.client() as client:
-        participant = Participant(client, proxied.address, pages=PAGES)
+        participant = HttpParticipant(client, proxied.address, pages=PAGES)
         page = client.get(participant.address)
         video = participant.video
         whole = client.get(video)
@@ -168,7 +129,7 @@ def test_a_participant_answers_while_300_connections_of_another_address_hang(
 ) -> None:
     tls = any_certificate()
     with proxied.client() as client:
-        other = Participant(client, proxied.address, pages=PAGES)
+        other = HttpParticipant(client, proxied.address, pages=PAGES)
         video = whole_video(urlsplit(other.video).path, HOST)
         slow = slow_body(f"{PREFIX}/", HOST)
         with (
@@ -177,14 +138,14 @@ def test_a_participant_answers_while_300_connections_of_another_address_hang(
         ):
             # Less than after which the lines are ended.
             client.timeout = httpx.Timeout(REQUEST_SECONDS - 5)
-            participant = Participant(client, proxied.address, pages=PAGES + 2)
+            participant = HttpParticipant(client, proxied.address, pages=PAGES + 2)
 
     assert participant.page.soup.select("#answers")
 
 
 def test_while_the_study_is_down_no_address_is_logged(proxied: Proxied) -> None:
     with proxied.client() as client:
-        participant = Participant(client, proxied.address, pages=1)
+        participant = HttpParticipant(client, proxied.address, pages=1)
         proxied.server.send_signal(signal.SIGINT)
         proxied.server.wait(timeout=PATIENCE)
 

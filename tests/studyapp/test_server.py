@@ -1,15 +1,14 @@
 from __future__ import annotations
 
-import asyncio
 import json
 import os
-import random
 import signal
 import socket
 import subprocess
 import sys
 import time
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import httpx
 import pytest
@@ -21,17 +20,17 @@ from studyapp.rehearsal.server import free_port
 from studyapp.web.server import run_server
 from studyapp.web.worker import DELAY_SECONDS, REQUEST_SECONDS, StudyWorker
 from tests.support.hanging_connections import hanging, slow_body, whole_video
-from tests.support.servers.page_scan import seen_videos
+from tests.support.servers.http_participant import HttpParticipant
 from tests.support.servers.study_server import HOST, study_server
-from tests.support.servers.visitor import Ledger, Visitor
-from tests.support.servers.wire import Wire
-from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 
 HEAVY = (
     *("torch", "pyrender", "OpenGL", "matplotlib", "librosa", "anny"),
     *("statsmodels", "scipy", "pandas"),
 )
 """None is needed to serve a study; each takes long to load, or hundreds of megabytes."""
+
+BEFORE_TRIALS = 2
+"""Pages: consent and instructions."""
 
 
 @pytest.mark.parametrize(
@@ -118,63 +117,43 @@ def test_a_worker_quits_even_while_dispatching_a_request() -> None:
     worker.tmp.close()
 
 
-@pytest.fixture
-def slow_study(tmp_path: Path) -> tuple[Path, Path, str]:
-    """Return a fabricated study, its server's log file, and its database's address."""
-    write_fabricated_study(tmp_path, StudyShape(places=4, trials=3, practice=0, catch=1))
-    return tmp_path, tmp_path / "output", sqlite_url(tmp_path / "bench.db")
-
-
 @pytest.mark.slow
 def test_a_participant_takes_part_while_300_connections_hang(
-    slow_study: tuple[Path, Path, str],
+    tiny_study: Path, tmp_path: Path
 ) -> None:
-    folder, output, url = slow_study
-    os.truncate(folder / "video.mp4", 32 << 20)
-    ledger = Ledger()
-
-    async def arrive() -> str:
-        async with Wire(HOST, server.port) as wire:
-            one = Visitor(wire=wire, ledger=ledger, chance=random.Random(1))  # noqa: S311
-            return await one.begin(await one.enrol())
-
-    async def take_part() -> None:
-        async with Wire(HOST, server.port) as wire, asyncio.timeout(60):
-            await Visitor(wire=wire, ledger=ledger, chance=random.Random(2)).take_part()  # noqa: S311
-
-    with study_server(folder, output, database_url=url) as server:
-        video = whole_video(seen_videos(asyncio.run(arrive()))[0].source, HOST)
+    for video in tiny_study.glob("videos/**/*.mp4"):
+        os.truncate(video, 32 << 20)
+    url = sqlite_url(tmp_path / "bench.db")
+    with study_server(tiny_study, tmp_path / "output", database_url=url) as server:
+        with httpx.Client(base_url=f"http://{HOST}:{server.port}", timeout=60) as client:
+            other = HttpParticipant(client, "/", pages=BEFORE_TRIALS)
         with (
             hanging(server.port, slow_body("/", HOST), 300, trickle=b"x"),
-            hanging(server.port, video, 300),
+            hanging(server.port, whole_video(urlsplit(other.video).path, HOST), 300),
+            httpx.Client(base_url=f"http://{HOST}:{server.port}", timeout=60) as client,
         ):
-            asyncio.run(take_part())
+            participant = HttpParticipant(client, "/", pages=BEFORE_TRIALS + 6)
 
-    assert ledger.completed == 1
-    assert ledger.errors == []
-    assert output.read_text("utf-8") == ""
+    assert participant.page.soup.select("#completion-code")
+    assert (tmp_path / "output").read_text("utf-8") == ""
 
 
 @pytest.mark.slow
 def test_a_participant_who_sends_too_many_reports_waits_longer(
-    slow_study: tuple[Path, Path, str],
+    tiny_study: Path, tmp_path: Path
 ) -> None:
-    folder, output, url = slow_study
-
-    async def flood() -> tuple[float, int]:
-        async with Wire(HOST, server.port) as wire, asyncio.timeout(60):
-            one = Visitor(wire=wire, ledger=Ledger(), chance=random.Random(1))  # noqa: S311
-            address = seen_videos(await one.begin(await one.enrol()))[0].watched_address
-            while True:
-                started = time.monotonic()
-                reply = await wire.post(address, b"", "application/json")
-                if reply.status == 429:
-                    waited = time.monotonic() - started
-                    return waited, (await wire.get("/healthz")).status
-
-    with study_server(folder, output, database_url=url, speed=1.0) as server:
-        waited, afterwards = asyncio.run(flood())
+    url = sqlite_url(tmp_path / "bench.db")
+    with (
+        study_server(tiny_study, tmp_path / "output", database_url=url, speed=1.0) as server,
+        httpx.Client(base_url=f"http://{HOST}:{server.port}", timeout=60) as client,
+    ):
+        page = HttpParticipant(client, "/", pages=BEFORE_TRIALS).page
+        address, status = page.value("video", "data-watched-url"), 0
+        while status != 429:
+            started = time.monotonic()
+            status = client.post(address).status_code
+            waited = time.monotonic() - started
+        assert client.get("/healthz").status_code == 200
 
     assert waited >= DELAY_SECONDS
-    assert afterwards == 200
-    assert output.read_text("utf-8") == ""
+    assert (tmp_path / "output").read_text("utf-8") == ""
