@@ -35,13 +35,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.server.databases import BACKENDS, Backend, FreshDatabase, fresh_database
+from benchmarks.server.fabricated_study import StudyShape, write_fabricated_study
 from benchmarks.server.load import arrive, judge, keep_arriving, live
 from benchmarks.server.report_flood import STORED, report_flood_waits
 from benchmarks.server.slow_readers import slow_readers
-from tests.support.servers.databases import BACKENDS, Backend, FreshDatabase, fresh_database
+from benchmarks.server.visitor import REPORT_EVERY, Kind, Ledger
 from tests.support.servers.study_server import StudyServer, study_server
-from tests.support.servers.visitor import REPORT_EVERY, Kind, Ledger
-from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 
 Milliseconds = NDArray[np.float64]
 

@@ -19,19 +19,19 @@ from typing import Final
 import numpy as np
 
 from benchmarks.rendering.sample_motion import gesturing_clip
+from benchmarks.server.databases import Backend, fresh_database
+from benchmarks.server.fabricated_study import StudyShape, write_fabricated_study
 from benchmarks.server.load import arrive, judge
 from benchmarks.server.turns import Waits, read_options
+from benchmarks.server.visitor import Ledger
 from motion.audio import SPEECH_RATE, Audio, write_wav
 from motion.formats import write_clip
 from motion.segment import Segment, write_segments
 from studyapp.desk.jobs import job_log, job_standings
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.desk.job_watching import begin, wait_until_under_way
-from tests.support.servers.databases import Backend, fresh_database
 from tests.support.servers.processes import children, descendants
 from tests.support.servers.study_server import study_server
-from tests.support.servers.visitor import Ledger
-from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.studies.tiny_study import EMOTIONS, STUDY_FILE
 
 CONCURRENCIES: Final = (1, 8, 32, 128)

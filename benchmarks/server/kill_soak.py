@@ -19,15 +19,15 @@ from typing import Final
 
 from sqlalchemy import select
 
+from benchmarks.server.databases import Backend, fresh_database
+from benchmarks.server.fabricated_study import StudyShape, write_fabricated_study
 from benchmarks.server.log_secrets import secrets_in
+from benchmarks.server.visitor import Ledger, StrandedError, Visitor
+from benchmarks.server.wire import Wire
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial
 from studyapp.rehearsal.bookkeeping import answer_checks
-from tests.support.servers.databases import Backend, fresh_database
 from tests.support.servers.study_server import HOST, StudyServer, study_server
-from tests.support.servers.visitor import Ledger, StrandedError, Visitor
-from tests.support.servers.wire import Wire
-from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 
 POLL_SECONDS: Final = 0.01
 QUESTIONS: Final = 2

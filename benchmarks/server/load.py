@@ -9,9 +9,9 @@ from collections.abc import AsyncIterator, Coroutine, Iterable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, replace
 
+from benchmarks.server.visitor import Ledger, StrandedError, Visitor
+from benchmarks.server.wire import Wire
 from tests.support.servers.study_server import HOST
-from tests.support.servers.visitor import Ledger, StrandedError, Visitor
-from tests.support.servers.wire import Wire
 
 
 @asynccontextmanager

@@ -12,15 +12,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from benchmarks.server.databases import Backend, fresh_database
+from benchmarks.server.fabricated_study import StudyShape, write_fabricated_study
 from benchmarks.server.log_secrets import secrets_in
 from benchmarks.server.malformed_requests import Known, malformed_requests
+from benchmarks.server.page_scan import seen_form, seen_videos
+from benchmarks.server.visitor import Ledger, Visitor
+from benchmarks.server.wire import Wire
 from studyapp.database.engine import Database
-from tests.support.servers.databases import Backend, fresh_database
-from tests.support.servers.page_scan import seen_form, seen_videos
 from tests.support.servers.study_server import HOST, study_server
-from tests.support.servers.visitor import Ledger, Visitor
-from tests.support.servers.wire import Wire
-from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.studies.stored import everything_stored
 
 AT_ONCE: Final = 16

@@ -20,15 +20,15 @@ from multiprocessing.synchronize import Event
 from pathlib import Path
 from typing import Final
 
+from benchmarks.server.databases import FreshDatabase, fresh_database
+from benchmarks.server.fabricated_study import StudyShape, write_fabricated_study
 from benchmarks.server.load import Arrived, arrive, beside
+from benchmarks.server.page_scan import SeenVideo, seen_videos
 from benchmarks.server.turns import Waits, read_options
+from benchmarks.server.visitor import Kind, Ledger, StrandedError, Visitor
+from benchmarks.server.wire import LostConnectionError, Wire
 from studyapp.session.watch_evidence import MAX_INTERVALS, MAX_REPORTS
-from tests.support.servers.databases import FreshDatabase, fresh_database
-from tests.support.servers.page_scan import SeenVideo, seen_videos
 from tests.support.servers.study_server import HOST, study_server
-from tests.support.servers.visitor import Kind, Ledger, StrandedError, Visitor
-from tests.support.servers.wire import LostConnectionError, Wire
-from tests.support.studies.fabricated_study import StudyShape, write_fabricated_study
 
 OTHERS: Final = 192
 """Participants who take part in real time."""

@@ -10,10 +10,10 @@ from contextlib import asynccontextmanager
 from typing import Final
 
 from benchmarks.server.load import beside
-from tests.support.servers.page_scan import seen_videos
+from benchmarks.server.page_scan import seen_videos
+from benchmarks.server.visitor import Ledger, Visitor
+from benchmarks.server.wire import Wire
 from tests.support.servers.study_server import HOST
-from tests.support.servers.visitor import Ledger, Visitor
-from tests.support.servers.wire import Wire
 
 BYTES: Final = 1024
 EVERY_SECONDS: Final = 0.25

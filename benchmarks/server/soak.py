@@ -10,9 +10,9 @@ from __future__ import annotations
 import argparse
 import sys
 
+from benchmarks.server.databases import BACKENDS
 from benchmarks.server.kill_soak import Strain, kill_soak
 from benchmarks.server.malformed_soak import malformed_soak
-from tests.support.servers.databases import BACKENDS
 
 
 def main() -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tests.support.servers.databases import BACKENDS
+from benchmarks.server.databases import BACKENDS
 
 
 @dataclass

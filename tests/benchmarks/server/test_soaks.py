@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.server.databases import Backend
 from benchmarks.server.kill_soak import Strain, kill_soak
 from benchmarks.server.log_secrets import secrets_in
 from benchmarks.server.malformed_soak import malformed_soak
-from tests.support.servers.databases import Backend
 from tests.support.servers.throwaway_postgresql import programs
 
 

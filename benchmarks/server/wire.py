@@ -39,8 +39,7 @@ class Wire:
 
     def __init__(self, host: str, port: int) -> None:
         self._host, self._port = host, port
-        self._reader: asyncio.StreamReader | None = None
-        self._writer: asyncio.StreamWriter | None = None
+        self._lines: tuple[asyncio.StreamReader, asyncio.StreamWriter] | None = None
 
     async def __aenter__(self) -> Self:
         """Give the connection, not yet opened."""
@@ -52,9 +51,9 @@ class Wire:
 
     def close(self) -> None:
         """Close the connection; the next request opens another one."""
-        if self._writer is not None:
-            self._writer.close()
-        self._reader = self._writer = None
+        if self._lines is not None:
+            self._lines[1].close()
+        self._lines = None
 
     async def get(self, path: str, headers: Mapping[str, str] = NO_HEADERS) -> Reply:
         """Fetch `path`."""
@@ -85,7 +84,7 @@ class Wire:
         if method == "POST":
             lines.append(f"Content-Length: {len(body)}")
         request = "\r\n".join((*lines, "", "")).encode() + body
-        was_open = self._reader is not None
+        was_open = self._lines is not None
         try:
             return await self._sent(request)
         except (OSError, asyncio.IncompleteReadError, asyncio.LimitOverrunError) as error:
@@ -95,19 +94,16 @@ class Wire:
             raise LostConnectionError(type(error).__name__) from error
 
     async def _sent(self, request: bytes) -> Reply:
-        reader = await self._opened()
-        assert self._writer is not None
-        self._writer.write(request)
-        await self._writer.drain()
+        reader, writer = await self._opened()
+        writer.write(request)
+        await writer.drain()
         return await self._read(reader)
 
-    async def _opened(self) -> asyncio.StreamReader:
-        if self._reader is None or self._reader.at_eof():
+    async def _opened(self) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+        if self._lines is None or self._lines[0].at_eof():
             self.close()
-            self._reader, self._writer = await asyncio.open_connection(
-                self._host, self._port, limit=LARGEST_PART
-            )
-        return self._reader
+            self._lines = await asyncio.open_connection(self._host, self._port, limit=LARGEST_PART)
+        return self._lines
 
     async def _read(self, reader: asyncio.StreamReader) -> Reply:
         head = (await reader.readuntil(b"\r\n\r\n")).decode("latin-1")

@@ -10,9 +10,9 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+from benchmarks.server.page_scan import SeenForm, seen_files, seen_form, seen_videos
+from benchmarks.server.wire import LostConnectionError, Reply, Wire
 from studyapp.rehearsal.bookkeeping import AnswerPlace
-from tests.support.servers.page_scan import SeenForm, seen_files, seen_form, seen_videos
-from tests.support.servers.wire import LostConnectionError, Reply, Wire
 
 Kind = Literal["consent", "start", "begin", "page", "file", "media", "watched", "answers"]
 """What a request is for."""
