@@ -7,7 +7,6 @@ import sqlite3
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
-from functools import cache
 from pathlib import Path
 from types import CodeType
 from typing import Any
@@ -87,7 +86,6 @@ def _leave_commits_in_memory(connection: sqlite3.Connection, _record: object) ->
     connection.execute("PRAGMA synchronous = OFF")
 
 
-@cache
 def _newest_database() -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "new.db"

@@ -44,13 +44,6 @@ def shown_code(page: PageReader) -> str:
     return page.one("#completion-code").get_text(strip=True)
 
 
-def comes_again(visitor: Visitor, query: str) -> Visitor:
-    """Let the same browser come by another address."""
-    again = Visitor(visitor.app, visitor.clock)
-    again.client = visitor.client
-    return again.enrol(query)
-
-
 def test_finishing_returns_to_prolific_with_the_code(
     serve_with: ServeWith, clock: SetClock
 ) -> None:
@@ -251,7 +244,7 @@ def test_a_worker_comes_back_by_another_assignment_of_the_study(
     assert re.search(r"frame-ancestors( https://\w+\.mturk\.com)+$", policy)
     researchers = app.test_client().get("/research/log-in").headers
     assert researchers["X-Frame-Options"] == "DENY"
-    third = comes_again(again, other.replace("a2", "a3")).page()
+    third = again.enrol(other.replace("a2", "a3")).page()
     assert third.value("#leave [name=assignmentId]", "value") == "a2"
     (row,) = stored_in(app, select(StudySession))
     assert (row.recruiter_participant, row.recruiter_study) == ("W1", "h2")

@@ -22,6 +22,7 @@ from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
+from tests.support.studies.redefining import edited
 from tests.support.studies.taking_part_steps import SetClock
 
 
@@ -36,10 +37,8 @@ def folder(folders: Path, request: pytest.FixtureRequest) -> Path:
     folder: Path = folders / request.param
     if not folder.exists():
         write_shown_study(folder, request.param)
-        definition = folder / "study.toml"
-        text = definition.read_text("utf-8")
-        if "sound_check" not in text:
-            definition.write_text(text.replace("[page]", "[page]\nsound_check = true"), "utf-8")
+        with edited(folder / "study.toml") as document:
+            document["page"]["sound_check"] = True
     return folder
 
 
