@@ -21,7 +21,7 @@ from studyapp.cli.arguments import (
     study_folder,
 )
 from studyapp.cli.output import echo_note, progress, sign_of_life
-from studyapp.stimuli.publishing import allow_origin, publish, remove
+from studyapp.stimuli.publishing import allow_origin, publish
 from studyapp.study.folder import StudyFolder
 from studyapp.web.media_store import Place
 
@@ -152,19 +152,12 @@ def preview_command(
 @public_address(
     help="The study's public address; allows its pages to load from the bucket, and tests that.",
 )
-@click.option(
-    "--remove-unused",
-    is_flag=True,
-    help="Remove objects in the bucket's FOLDER that are no longer videos of the study. A server "
-    "that was started earlier may still need them.",
-)
 def publish_media_command(
     folder: StudyFolder,
     bucket: str | None,
     endpoint: str,
     region: str,
     address: str,
-    remove_unused: bool,
 ) -> None:
     """Upload the videos of the study FOLDER to an S3-compatible store.
 
@@ -184,12 +177,6 @@ def publish_media_command(
         origin = f"{parts.scheme}://{parts.netloc}"
         allow_origin(folder, origin)
         click.echo(f"Pages of {origin} can load them; without a signed address, nobody can.")
-    unused = publication.unused
-    if unused and remove_unused:
-        remove(folder, unused)
-        click.echo(f"Removed {len(unused)} unused objects.")
-    elif unused:
-        click.echo(f"{len(unused)} objects there are unused; --remove-unused removes them.")
 
 
 def _parse_place(bucket: str, endpoint: str, region: str) -> Place:

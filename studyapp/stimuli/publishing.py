@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import secrets
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -50,13 +50,10 @@ class Publication:
     ----------
     stored, kept : int
         Copies that were uploaded, and that were already there.
-    unused : tuple of str
-        Objects in the folder that are not videos of the study.
     """
 
     stored: int
     kept: int
-    unused: tuple[str, ...]
 
 
 def publish(
@@ -101,26 +98,7 @@ def publish(
     for done, name in enumerate(missing, 1):
         bucket.put(name, files[copies[name]].read_bytes() + _random_box())
         on_file(done, len(missing))
-    return Publication(
-        stored=len(missing),
-        kept=len(copies) - len(missing),
-        unused=tuple(sorted(existing.keys() - copies.keys())),
-    )
-
-
-def remove(folder: StudyFolder, names: Sequence[str]) -> None:
-    """Remove unused objects from the store.
-
-    Raises
-    ------
-    InputError
-        If the study has no folder of its own, since everything else in the bucket would be removed.
-    """
-    bucket = _bucket_of(folder)[0]
-    if not bucket.place.folder:
-        raise _store_error(bucket, "everything else in the bucket would be removed")
-    for name in names:
-        bucket.delete(name)
+    return Publication(stored=len(missing), kept=len(copies) - len(missing))
 
 
 def allow_origin(folder: StudyFolder, origin: str) -> None:

@@ -235,11 +235,6 @@ class Bucket:
                 for item in page.get("Contents", ())
             }
 
-    def delete(self, name: str) -> None:
-        """Remove an object; one that is not there is no error."""
-        with _as_input_errors(f"delete {name}", self.place):
-            self._connection.delete_object(Bucket=self.place.bucket, Key=name)
-
     def allow(self, origin: str) -> None:
         """Let pages of `origin` load from the bucket, beside those that may already."""
         from botocore.exceptions import ClientError

@@ -8,7 +8,7 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.session.served_study import ServedStudy
-from studyapp.stimuli.publishing import MARK_BYTES, Publication, allow_origin, publish, remove
+from studyapp.stimuli.publishing import MARK_BYTES, Publication, allow_origin, publish
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from studyapp.web.media_store import FILE, Place, PublishedVideo, digests_of, read_published
@@ -42,7 +42,7 @@ def test_every_video_is_stored_as_often_as_a_participant_sees_it(
     done = publish(StudyFolder(tiny_study), place_in(s3_store), silent)
 
     # Sixteen videos; the practice trial's video comes again at the end.
-    assert done == Publication(stored=32, kept=0, unused=())
+    assert done == Publication(stored=32, kept=0)
     assert names_of(tiny_study) == set(s3_store.objects)
     served = ServedStudy.read(tiny_study)
     for content, digest in digests_of(served).items():
@@ -83,8 +83,8 @@ def test_an_interrupted_run_resumes_and_a_second_run_does_nothing(
     before = dict(s3_store.objects)
     s3_store.takes = None
 
-    assert publish(folder, None, silent) == Publication(stored=22, kept=10, unused=())
-    assert publish(folder, None, silent) == Publication(stored=0, kept=32, unused=())
+    assert publish(folder, None, silent) == Publication(stored=22, kept=10)
+    assert publish(folder, None, silent) == Publication(stored=0, kept=32)
     assert before.items() <= s3_store.objects.items()
 
 
@@ -97,15 +97,11 @@ def test_rendering_one_video_again_republishes_all(tiny_study: Path, s3_store: S
 
     done = publish(folder, None, silent)
 
-    assert (done.stored, set(done.unused)) == (32, before)
+    assert done == Publication(stored=32, kept=0)
     assert not before & names_of(tiny_study)
-    remove(folder, done.unused)
-    assert set(s3_store.objects) == names_of(tiny_study)
 
 
-def test_allowed_origins_are_added_and_unused_objects_removed(
-    tiny_study: Path, s3_store: Store
-) -> None:
+def test_allowed_origins_are_added(tiny_study: Path, s3_store: Store) -> None:
     folder = StudyFolder(tiny_study)
     publish(folder, place_in(s3_store, ""), silent)
 
@@ -113,8 +109,6 @@ def test_allowed_origins_are_added_and_unused_objects_removed(
         allow_origin(folder, origin)
 
     assert s3_store.origins == [ORIGIN, "https://other.example.org"]
-    with pytest.raises(InputError, match="everything else in the bucket"):
-        remove(folder, ["somebody/elses.mp4"])
     s3_store.public = True
     with pytest.raises(InputError, match="anybody can load from it"):
         allow_origin(folder, ORIGIN)

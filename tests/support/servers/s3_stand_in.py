@@ -95,9 +95,6 @@ class Store:
             )
         if request.method == "PUT":
             return self._put(name, request, body)
-        if request.method == "DELETE":
-            self.objects.pop(name, None)
-            return Response(status=204)
         return self._get(name, request)
 
     def _cors(self, method: str, body: bytes) -> Response:
