@@ -10,12 +10,14 @@ import base64
 import io
 import json
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import av
 import numpy as np
+from av.video.frame import VideoFrame
 from av.video.reformatter import ColorRange, Interpolation, VideoReformatter
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import NDArray
@@ -168,15 +170,13 @@ def glance_at(video: Path, look: Look | None = None) -> Glance:
     InputError
         If it cannot be read as a video.
     """
-    try:
-        with av.open(str(video)) as container:
-            stream = container.streams.video[0]
-            rate = float(stream.average_rate or _RATE)
-            frames = np.stack(list(_small_frames(container)))
-    except (av.FFmpegError, OSError, IndexError, ValueError) as error:
-        raise InputError(
-            "the video cannot be read", where=video, remedy="Delete it and render again"
-        ) from error
+    with pictures_of(video) as stream:
+        rate, reformatter = float(stream.average_rate or _RATE), VideoReformatter()
+        size = (TILE_SIZE, TILE_SIZE)
+        small = (
+            small_picture(reformatter, frame, size) for frame in stream.container.decode(stream)
+        )
+        frames = np.stack(list(small))
     count = len(frames)
     used_look = look or Look()
     moments = [int((place + 0.5) * count / MOMENTS) for place in range(MOMENTS)]
@@ -199,20 +199,32 @@ def glance_at(video: Path, look: Look | None = None) -> Glance:
     )
 
 
-def _small_frames(container: av.container.InputContainer) -> Iterator[NDArray[np.uint8]]:
-    """Yield each frame as RGB of `TILE_SIZE` × `TILE_SIZE` pixels."""
-    reformatter = VideoReformatter()
-    for frame in container.decode(video=0):
-        small = reformatter.reformat(
-            frame,
-            width=TILE_SIZE,
-            height=TILE_SIZE,
-            format="rgb24",
-            interpolation=Interpolation.AREA,
-            src_color_range=ColorRange.MPEG,
-            dst_color_range=ColorRange.JPEG,
-        )
-        yield np.asarray(small.to_ndarray(), np.uint8)
+@contextmanager
+def pictures_of(video: Path) -> Iterator[Any]:
+    """Yield the pictures of a video as a stream; `InputError` if it cannot be read."""
+    try:
+        with av.open(str(video)) as container:
+            yield container.streams.video[0]
+    except (av.FFmpegError, OSError, IndexError, ValueError) as error:
+        raise InputError(
+            "the video cannot be read", where=video, remedy="Delete it and render again"
+        ) from error
+
+
+def small_picture(
+    reformatter: VideoReformatter, frame: VideoFrame, size: tuple[int, int]
+) -> NDArray[np.uint8]:
+    """Return a frame as RGB with the width and height `size`."""
+    small = reformatter.reformat(
+        frame,
+        width=size[0],
+        height=size[1],
+        format="rgb24",
+        interpolation=Interpolation.AREA,
+        src_color_range=ColorRange.MPEG,
+        dst_color_range=ColorRange.JPEG,
+    )
+    return np.asarray(small.to_ndarray(), np.uint8)
 
 
 def _stillness(is_still: NDArray[np.bool_], rate: float) -> Iterator[str]:

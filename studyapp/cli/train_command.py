@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -108,11 +108,11 @@ def _training_options(*, smallest_batch: int) -> Decorator:
     help="With a folder: the SMPL-X body (.npz) whose expression coefficients the clips have.",
 )
 def evaluator(
-    kind: str,
+    kind: Kind,
     data: Path,
     condition: str,
-    channels: str | None,
-    size: str,
+    channels: Channels | None,
+    size: Size,
     out: Path | None,
     device: str,
     fps: float | None,
@@ -142,10 +142,10 @@ def evaluator(
         data, condition=condition, file_rate=fps, body=body, show_note=echo_note
     )
     request = EvaluatorRequest(
-        kind=cast("Kind", kind),
-        size=cast("Size", size),
-        channels=cast("Channels", channels or CHANNELS_OF_KIND[cast("Kind", kind)][0]),
-        training=replace(TRAINING[cast("Kind", kind), cast("Size", size)], **given),
+        kind=kind,
+        size=size,
+        channels=channels or CHANNELS_OF_KIND[kind][0],
+        training=replace(TRAINING[kind, size], **given),
         frozen=recordings.frozen,
         landmarks=FaceLandmarks.of(recordings.read_body()) if kind == "face" else None,
         device=device,

@@ -8,18 +8,20 @@ Ordinary pairs of the same study are the yardstick.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from itertools import combinations
 from pathlib import Path
 from statistics import median
-from typing import Any, Final
+from typing import Final
 
-import av
 import numpy as np
 from numpy.typing import NDArray
 
 from motion.clip import MotionClip, freeze
+from motion.errors import InputError
 from motion.resample import resample
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
+from renderer.figures.sheet import pictures_of
 from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import Material
 from studyapp.study.settings.study import Study
@@ -113,20 +115,15 @@ def _picture_difference(first: Pictures, second: Pictures) -> float:
 def _read_pictures(video: Path) -> Pictures | None:
     """Return downscaled pictures of a video; None if it cannot be decoded."""
     pictures: list[Pictures] = []
-    try:
-        with av.open(str(video)) as container:
-            if not container.streams.video:
-                return None
-            stream: Any = container.streams.video[0]
-            height = max(2, round(WIDTH * stream.height / stream.width / 2) * 2)
-            for frame in container.decode(stream):
-                if frame.time is None or frame.time + 1e-6 < len(pictures) * PICTURE_SECONDS:
-                    continue
-                grey = frame.reformat(width=WIDTH, height=height, format="gray")
-                pictures.append(grey.to_ndarray().astype(np.float32))
-    except (av.FFmpegError, OSError):
-        return None
-    return np.stack(pictures) if pictures else None
+    with suppress(InputError), pictures_of(video) as stream:
+        height = max(2, round(WIDTH * stream.height / stream.width / 2) * 2)
+        for frame in stream.container.decode(stream):
+            if frame.time is None or frame.time + 1e-6 < len(pictures) * PICTURE_SECONDS:
+                continue
+            grey = frame.reformat(width=WIDTH, height=height, format="gray")
+            pictures.append(grey.to_ndarray().astype(np.float32))
+        return np.stack(pictures)
+    return None
 
 
 def catch_motion_findings(

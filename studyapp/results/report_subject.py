@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-import av
 from av.video.frame import VideoFrame
-from av.video.reformatter import ColorRange, Interpolation, VideoReformatter
+from av.video.reformatter import VideoReformatter
 from PIL import Image
 
 from analysis.measurement.presets import PRESETS, REPORT
@@ -22,6 +21,7 @@ from motion.audio import read_audio
 from motion.errors import InputError
 from motion.files import sha256_of
 from motion.segment import Segment
+from renderer.figures.sheet import pictures_of, small_picture
 from renderer.figures.strip import Moment, even_moments, loud_moments
 from studyapp.results.analysed_tasks import compared_conditions, study_notes
 from studyapp.results.metrics import measure_study
@@ -217,39 +217,23 @@ def frames_at(video: Path, moments: Sequence[float], side: int) -> tuple[Image.I
         If it cannot be read as a video.
     """
     frames: list[Image.Image] = []
-    try:
-        with av.open(str(video)) as container:
-            stream = container.streams.video[0]
-            half = 0.5 / float(stream.average_rate or 30)
-            reformatter = VideoReformatter()
-            last = None
-            for frame in container.decode(stream):
-                last = frame
-                while (
-                    len(frames) < len(moments) and (frame.time or 0) + half > moments[len(frames)]
-                ):
-                    frames.append(_small(reformatter, frame, side))
-                if len(frames) == len(moments):
-                    break
-            if last is None:
-                raise ValueError("no frame")
-            frames += [_small(reformatter, last, side)] * (len(moments) - len(frames))
-    except (av.FFmpegError, OSError, IndexError, ValueError) as error:
-        raise InputError(
-            "the video cannot be read", where=video, remedy="Delete it and render again"
-        ) from error
+    with pictures_of(video) as stream:
+        half = 0.5 / float(stream.average_rate or 30)
+        reformatter = VideoReformatter()
+        last = None
+        for frame in stream.container.decode(stream):
+            last = frame
+            while len(frames) < len(moments) and (frame.time or 0) + half > moments[len(frames)]:
+                frames.append(_small(reformatter, frame, side))
+            if len(frames) == len(moments):
+                break
+        if last is None:
+            raise ValueError("no frame")
+        frames += [_small(reformatter, last, side)] * (len(moments) - len(frames))
     return tuple(frames)
 
 
 def _small(reformatter: VideoReformatter, frame: VideoFrame, side: int) -> Image.Image:
     scale = side / max(frame.width, frame.height)
-    small = reformatter.reformat(
-        frame,
-        width=max(2, round(frame.width * scale)),
-        height=max(2, round(frame.height * scale)),
-        format="rgb24",
-        interpolation=Interpolation.AREA,
-        src_color_range=ColorRange.MPEG,
-        dst_color_range=ColorRange.JPEG,
-    )
-    return Image.fromarray(small.to_ndarray())
+    size = max(2, round(frame.width * scale)), max(2, round(frame.height * scale))
+    return Image.fromarray(small_picture(reformatter, frame, size))
