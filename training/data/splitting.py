@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 import hashlib
-import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,24 +21,17 @@ from motion.errors import InputError, counted, listed
 from training.data.found_take import SPLIT_WORDS, Findings
 from training.data.take import SPLITS, Split, Take
 
-USUAL_NAMES: Final = (
-    "splits.csv",
-    "split.csv",
-    "train_test_split.csv",
-    "train_val_test.json",
-    "splits.json",
-)
-"""Names under which a folder's own list is found."""
+USUAL_NAMES: Final = ("splits.csv", "train_test_split.csv", "train_val_test.json")
+"""Names under which a folder's own list is found; the last two are BEAT2's and TalkSHOW's."""
 
-_NAME_COLUMNS: Final = ("name", "id", "take", "clip", "file", "filename")
-_SPLIT_COLUMNS: Final = ("split", "type", "set", "subset", "partition")
+_NAME_COLUMNS: Final = ("name", "id")
+_SPLIT_COLUMNS: Final = ("split", "type")
 _ENDINGS: Final = (*MOTION_ENDINGS, *SPEECH_ENDINGS, ".json", ".pkl")
 _FORMS: Final = (
-    "Give a CSV with the columns name and split; JSON with lists of names under train, validation "
-    "and test; or a folder of train.txt, validation.txt and test.txt"
+    "Give a CSV with the columns name and split, or JSON with lists of names under train, "
+    "validation and test"
 )
 _BY_SPLIT: Final = TypeAdapter(dict[str, list[str]])
-_BY_NAME: Final = TypeAdapter(dict[str, str])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +41,7 @@ class SplitList:
     Attributes
     ----------
     path : Path
-        File or folder of the list.
+        File of the list.
     splits : mapping of str to split
         Split of each name.
     others : mapping of str to str
@@ -67,15 +59,14 @@ def read_split_list(path: Path) -> SplitList:
     Parameters
     ----------
     path : Path
-        CSV with a column of names (``name``, ``id``, …) and one of splits (``split``, ``type``, …),
-        or two columns without a header; JSON of lists of names by split, or of splits by name; or a
-        folder of ``train.txt``, ``val.txt`` and ``test.txt`` with one name per line. Names may
-        include a file ending. Splits may be called train, val, dev, test, ….
+        CSV with a column of names (``name`` or ``id``) and one of splits (``split`` or ``type``),
+        or JSON of lists of names by split. Names may include a file ending. Splits may be called
+        train, val, dev, test, ….
 
     Raises
     ------
     InputError
-        If it is none of these, names no split, or puts a name into two splits.
+        If it is neither, names no split, or puts a name into two splits.
     """
     splits: dict[str, Split] = {}
     others: dict[str, str] = {}
@@ -107,39 +98,21 @@ def without_ending(name: str) -> str:
 
 def _rows(path: Path) -> Iterator[tuple[str, str, str]]:
     """Yield name, split and position in the list."""
-    if path.is_dir():
-        lists = [file for file in sorted(path.glob("*.txt")) if file.stem.lower() in SPLIT_WORDS]
-        if not lists:
-            raise InputError("the folder holds no split list", where=path, remedy=_FORMS)
-        for file in lists:
-            for line, name in enumerate(_text(file).splitlines(), start=1):
-                if name.strip():
-                    yield name, file.stem, f"{file}, line {line}"
-        return
-    text = _text(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError("the split list cannot be read", where=path, remedy=_FORMS) from error
     if path.suffix.lower() == ".json":
         yield from _json_rows(text, path)
     else:
         yield from _csv_rows(text, path)
 
 
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError("the split list cannot be read", where=path, remedy=_FORMS) from error
-
-
 def _json_rows(text: str, path: Path) -> Iterator[tuple[str, str, str]]:
     try:
-        content = json.loads(text)
-        if isinstance(content, dict) and all(isinstance(value, str) for value in content.values()):
-            for name, word in _BY_NAME.validate_python(content).items():
-                yield name, word, str(path)
-        else:
-            for word, names in _BY_SPLIT.validate_python(content).items():
-                yield from ((name, word, str(path)) for name in names)
-    except (ValueError, ValidationError) as error:
+        for word, names in _BY_SPLIT.validate_json(text).items():
+            yield from ((name, word, str(path)) for name in names)
+    except ValidationError as error:
         raise InputError(
             f"the split list is not JSON of names by split ({str(error).splitlines()[0]})",
             where=path,
@@ -158,15 +131,11 @@ def _csv_rows(text: str, path: Path) -> Iterator[tuple[str, str, str]]:
     header = [cell.lower() for cell in rows[0][0]]
     name_at = next((header.index(name) for name in _NAME_COLUMNS if name in header), None)
     split_at = next((header.index(name) for name in _SPLIT_COLUMNS if name in header), None)
-    if name_at is not None and split_at is not None:
-        rows = rows[1:]
-    elif len(header) == 2 and header[1] in SPLIT_WORDS:
-        name_at, split_at = 0, 1
-    else:
+    if name_at is None or split_at is None:
         raise InputError(
             f"the split list has the columns {', '.join(header)}", where=path, remedy=_FORMS
         )
-    for row, where in rows:
+    for row, where in rows[1:]:
         if len(row) <= max(name_at, split_at) or not row[name_at] or not row[split_at]:
             raise InputError(
                 "the row has no name or no split", where=where, remedy="Complete or remove it"

@@ -38,10 +38,8 @@ WANTED = dict(zip(NAMES, ("train", "validation", "test"), strict=True))
     [
         ("a.csv", "name,split\n{0},train\n{1},validation\n{2},test\n"),
         ("a.csv", "id,type\r\n{0},train\r\n{1},val\r\n{2},test\r\n"),
-        ("a.csv", "\ufeffspeaker,file,Set\ns,{0}.bvh,Training\ns,{1}.wav,dev\ns,{2},TEST\n\n"),
-        ("a.csv", "{0},train\n{1},valid\n{2},test\n"),
+        ("a.csv", "\ufeffspeaker,name,Split\ns,{0}.bvh,Training\ns,{1}.wav,dev\ns,{2},TEST\n\n"),
         ("a.json", '{{"train": ["{0}"], "val": ["{1}"], "test": ["{2}.npz"]}}'),
-        ("a.json", '{{"{0}": "train", "{1}": "dev", "{2}": "test"}}'),
     ],
 )
 def test_lists_are_read_in_the_forms_people_write(folder: Path, name: str, text: str) -> None:
@@ -49,14 +47,6 @@ def test_lists_are_read_in_the_forms_people_write(folder: Path, name: str, text:
     path.parent.mkdir()
     path.write_bytes(text.format(*NAMES).encode())
     assert splits_of(read_takes(folder, split_list=path)) == WANTED
-
-
-def test_a_folder_that_names_a_split_is_a_list(folder: Path) -> None:
-    lists = folder / "lists"
-    lists.mkdir()
-    for name, split in zip(NAMES, ("train", "val", "test"), strict=True):
-        (lists / f"{split}.txt").write_text(f"{name}\n\n")
-    assert splits_of(read_takes(folder, split_list=lists)) == WANTED
 
 
 def test_missing_and_unlisted_clips_are_reported(folder: Path) -> None:
@@ -98,9 +88,6 @@ def test_unusable_lists_are_refused_with_the_reason(
 def test_missing_lists_and_lists_of_other_takes_are_refused(folder: Path) -> None:
     with pytest.raises(InputError, match="cannot be read"):
         read_takes(folder, split_list=folder / "gone.csv")
-    (folder / "lists").mkdir()
-    with pytest.raises(InputError, match="holds no split list"):
-        read_takes(folder, split_list=folder / "lists")
     (folder / "splits.csv").write_text("name,split\nother,train\n")
     with pytest.raises(InputError, match="names none of the 3 takes"):
         read_takes(folder)
