@@ -72,17 +72,8 @@ class Static(Generator):
     def make_clip(self, request: ClipRequest) -> MotionClip:
         """Return the clip; the seed has no effect."""
         frames = request.frames
-        zero_turns, zero_angles = np.zeros((1, 3)), np.zeros(1)
-        trunk = Trunk(
-            pelvis=zero_turns,
-            spine=zero_turns,
-            head=zero_turns,
-            shift=zero_turns,
-            shoulders_up=zero_angles,
-            shoulders_forward=zero_angles,
-        )
         hand = POSES["by_the_side"].channels()[None]
-        poses, trans = pose_body(trunk, {"left": hand, "right": hand})
+        poses, trans = pose_body(Trunk(), {"left": hand, "right": hand})
         return MotionClip(
             poses=np.repeat(poses, frames, axis=0).astype(np.float32),
             trans=np.repeat(trans, frames, axis=0).astype(np.float32),

@@ -9,7 +9,7 @@ wrist (Tolani, Goswami & Badler 2000), is set by a pole: the direction in which 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -137,7 +137,7 @@ _CURL_ORDER: Final = ("thumb", "index", "middle", "ring", "pinky")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trunk:
-    """The motion of everything but the arms and the face.
+    """The motion of everything but the arms and the face; by default one frame, upright.
 
     All turns have shape (T, 3), in degrees about x (nodding, forward positive), y (turning, to the
     body's left positive) and z (tilting, towards the body's right positive).
@@ -152,12 +152,12 @@ class Trunk:
         Degrees of both collar bones.
     """
 
-    pelvis: FloatArray
-    spine: FloatArray
-    head: FloatArray
-    shift: FloatArray
-    shoulders_up: FloatArray
-    shoulders_forward: FloatArray
+    pelvis: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
+    spine: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
+    head: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
+    shift: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
+    shoulders_up: FloatArray = field(default_factory=lambda: np.zeros(1))
+    shoulders_forward: FloatArray = field(default_factory=lambda: np.zeros(1))
 
 
 def pose_body(trunk: Trunk, hands: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray]:

@@ -173,14 +173,6 @@ def test_there_are_no_gestures_in_silence() -> None:
     assert wrist_speed(clip).max() < 0.15
 
 
-def still() -> Trunk:
-    zeros, flat = np.zeros((1, 3)), np.zeros(1)
-    return Trunk(
-        pelvis=zeros, spine=zeros, head=zeros, shift=zeros,
-        shoulders_up=flat, shoulders_forward=flat,
-    )  # fmt: skip
-
-
 ALL_HANDS = {name: form.apex for name, form in FORMS.items()} | {
     f"rest of {emotion}": style.gestures.rest for emotion, style in STYLES.items()
 }
@@ -191,7 +183,7 @@ def test_the_wrist_has_the_hand_poses_position_and_both_sides_mirror_each_other(
     hand: HandPose,
 ) -> None:
     channels = hand.channels()[None]
-    poses, trans = pose_body(still(), {"left": channels, "right": channels})
+    poses, trans = pose_body(Trunk(), {"left": channels, "right": channels})
     (joints,), _ = forward_kinematics(poses, trans, REST_JOINTS)
     for name in ("elbow", "wrist", "index3", "thumb3", "pinky3", "knee"):
         left, right = (joints[joint_index(f"{side}_{name}")] for side in ("left", "right"))
@@ -204,7 +196,7 @@ def test_the_wrist_has_the_hand_poses_position_and_both_sides_mirror_each_other(
 
 def test_clasped_hands_lie_on_each_other() -> None:
     over, under = (POSES[f"clasped_{name}"].channels()[None] for name in ("over", "under"))
-    poses, trans = pose_body(still(), {"left": under, "right": over})
+    poses, trans = pose_body(Trunk(), {"left": under, "right": over})
     (joints,), _ = forward_kinematics(poses, trans, REST_JOINTS)
     left, right = (joints[joint_index(f"{side}_middle1")] for side in ("left", "right"))
     assert 0.03 < np.linalg.norm(left - right) < 0.09

@@ -8,7 +8,6 @@ import av
 import numpy as np
 import pytest
 
-from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.resample import resample
 from renderer.clip_video import Stage, still
@@ -16,6 +15,7 @@ from renderer.encoder import SOUND_RATE
 from renderer.figures.grid_video import GridLayout, Panel, write_grid
 from renderer.framing import Camera
 from renderer.look import BACKGROUND, Look
+from tests.support.sounds import tone
 
 Clips = tuple[MotionClip, MotionClip]
 Write = Callable[..., Path]
@@ -36,17 +36,13 @@ def clips(clip: MotionClip) -> Clips:
     return clip.frames(slice(0, count)), clip.frames(np.arange(len(clip))[: -count - 1 : -1])
 
 
-def hum() -> Audio:
-    times = np.arange(round(SECONDS * SOUND_RATE)) / SOUND_RATE
-    return Audio((0.3 * np.sin(2 * np.pi * 220 * times)).astype(np.float32), SOUND_RATE)
-
-
 @pytest.fixture(scope="module")
 def write(stage: Stage, camera: Camera) -> Write:
     def write(clips: tuple[MotionClip, ...], video: Path, **changes: object) -> Path:
         panels = [Panel(caption=f"condition {k}", clip=clip) for k, clip in enumerate(clips)]
         given = {"speed": 1.0, "skeleton": False, "text": "we got the house", "video": video}
-        write_grid(stage, camera, panels, hum(), **(given | changes))  # type: ignore[arg-type]
+        hum = tone(SECONDS, 220, SOUND_RATE, 0.3)
+        write_grid(stage, camera, panels, hum, **(given | changes))  # type: ignore[arg-type]
         return video
 
     return write
