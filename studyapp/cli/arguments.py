@@ -72,10 +72,13 @@ class StudyGroup(click.Group):
     """A group of a study: within its folder, the folder may be left out."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Take a subcommand's name for what it is, not for a folder."""
-        return super().parse_args(
-            ctx, [".", *args] if args[:1] and args[0] in self.commands else args
-        )
+        """Take a subcommand's name for what it is, not for a folder; its help needs no study."""
+        if args[:1] and args[0] in self.commands:
+            args = [".", *args]
+        ctx.resilient_parsing = not {*args[2:]}.isdisjoint(ctx.help_option_names)
+        rest = super().parse_args(ctx, args)
+        ctx.resilient_parsing = False
+        return rest
 
     def subcommand(self, name: str) -> Callable[[Callable[..., None]], click.Command]:
         """Return the decorator of a subcommand, which gets the study folder."""

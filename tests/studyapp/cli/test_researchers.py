@@ -27,6 +27,10 @@ def token_of(output: str, address: str = "http://127.0.0.1:8000/") -> str:
     return token
 
 
+def test_the_help_of_a_subcommand_needs_no_study() -> None:
+    assert "Print a link to join the study" in run("researchers", "invite", "--help")
+
+
 def test_a_researcher_is_invited_listed_and_given_a_new_password(tiny_study: Path) -> None:
     assert "Nobody yet" in researchers(tiny_study, "list")
     assert not (tiny_study / "responses.db").exists()
