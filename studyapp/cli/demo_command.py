@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from shlex import quote
 from typing import Final
 
 import click
@@ -118,4 +119,4 @@ def command(ctx: click.Context, folder: Path, participants: int, processes: int)
         rehearsal=not has_been_served,
         with_motion=True,
     )
-    click.echo(f"To take part yourself: make serve (or: motionjury serve {folder})")
+    click.echo(f"To take part yourself: make serve (or: motionjury serve {quote(str(folder))})")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from shlex import quote
 
 import click
 
@@ -114,7 +115,7 @@ def command(
 
 def _print_shared(shared: Shared, out: Path, person: str) -> None:
     click.echo(f"Wrote {counted(shared.participants, person)} to {out}")
-    click.echo(f"There, 'motionjury report {shared.study}' reproduces the results.")
+    click.echo(f"What reproduces the results: motionjury report {quote(str(shared.study))}")
     for remark in shared.remarks:
         click.echo(remark)
     click.echo(

@@ -11,6 +11,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from shutil import disk_usage
 from typing import Any, Final, Self
+from urllib.parse import unquote
 
 from alembic import command
 from alembic.config import Config
@@ -320,8 +321,8 @@ def _is_usable(address: URL) -> bool:
 
 
 def display_address(url: str) -> str:
-    """Return the address without its password."""
-    return _address(url).render_as_string(hide_password=True)
+    """Return the address to be read, without its password."""
+    return unquote(_address(url).render_as_string(hide_password=True))
 
 
 def missing_database(url: str) -> InputError:

@@ -40,8 +40,8 @@ def test_tables_follow_their_extension_and_a_shared_folder_is_explained(
     assert f"Wrote 0 answers to {tmp_path / 'out.parquet'}" in output
     assert not list(tmp_path.glob("*.csv"))
 
-    output = run_in_terminal(monkeypatch, "export", study, "--folder", tmp_path / "out")
-    assert f"motionjury report {tmp_path / 'out' / 'sourcedata' / 'study'}" in output
+    output = run_in_terminal(monkeypatch, "export", study, "--folder", tmp_path / "to lend")
+    assert f"motionjury report '{tmp_path / 'to lend' / 'sourcedata' / 'study'}'" in output
     assert "export: copying the study" in output
 
 

@@ -150,7 +150,7 @@ def test_a_database_with_another_schema_is_refused_unchanged(
             (f"{scheme}://someone:secret@127.0.0.1:1/study", "cannot be opened.*onnection refused")
             for scheme in ("postgresql", "postgres", "postgresql+psycopg")
         ),
-        (sqlite_url(Path("/nowhere/responses.db")), "cannot be opened"),
+        (sqlite_url(Path("/no where/für/responses.db")), "/no where/für/.*cannot be opened"),
         ("DAMAGED", r"damaged\.db.*not a database.*backup"),
     ],
 )
