@@ -216,10 +216,13 @@ class Scale:
             axes.set_xticks(list(self.ticks), labels=list(self.ticks.values()))
         axes.tick_params(axis="x", labelsize=SMALL_SIZE, pad=1.5)
         axes.set_xlabel(self.label, fontsize=size, labelpad=2.0)
-        for x, alignment, end in zip((0.0, 1.0), ("left", "right"), self.ends, strict=True):
+        ends = zip((0.0, 1.0), ("left", "right"), self.ends, reversed(self.ends), strict=True)
+        for x, alignment, end, other in ends:
             if not end:
                 continue
-            words = fit_text(end, inches / 2 - 0.2, size=size, lines=2)
+            # Half of the width, or what a short word at the other end leaves.
+            left = inches - sum(_width(c, False) for c in other) * size / POINTS_PER_INCH
+            words = fit_text(end, max(inches / 2 - 0.2, left - 0.5), size=size, lines=2)
             axes.annotate(
                 f"{words} →" if x else f"← {words}",
                 (x, 0),

@@ -217,8 +217,11 @@ def rows(count: int) -> tuple[Row, ...]:
     return tuple(Row(f"{k} {LONG}", "n = 1234") for k in range(count))
 
 
-@pytest.mark.parametrize(("questions", "count"), [(1, 1), (2, 12), (3, 2)])
-def test_bars(figures: list[Figure], questions: int, count: int) -> None:
+@pytest.mark.parametrize(
+    ("questions", "count", "ends"),
+    [(1, 1, (LONG, LONG)), (2, 12, (LONG, LONG)), (3, 2, ("aufnahmen", "other"))],
+)
+def test_bars(figures: list[Figure], questions: int, count: int, ends: tuple[str, str]) -> None:
     bar = Bar(
         start=-60,
         parts=tuple(Part(percent=20.0, colour=colour, hint="") for colour in DIVERGING),
@@ -229,11 +232,14 @@ def test_bars(figures: list[Figure], questions: int, count: int) -> None:
         {f"question {k} {LONG}": (bar,) * count for k in range(questions)},
         rows(count),
         {f"slightly {k} {LONG}": colour for k, colour in enumerate(DIVERGING)},
-        Scale(limits=(-60, 60), ticks={-60: "60%", 0: "0", 60: "60%"}, ends=(LONG, LONG)),
+        Scale(limits=(-60, 60), ticks={-60: "60%", 0: "0", 60: "60%"}, ends=ends),
         Scale(limits=(0, 1), ticks={0: "0", 0.5: ".5", 1: "1"}, label="win share"),
         TEXT,
     )
     check(figures)
+    # A short word leaves its room to the other end, whose words are not broken.
+    at_the_left = {text.get_text() for figure in figures for text, _ in texts(figure)}
+    assert ends[0] == LONG or f"← {ends[0]}" in at_the_left
 
 
 @pytest.mark.parametrize(("questions", "count"), [(1, 3), (4, 12)])
