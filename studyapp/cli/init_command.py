@@ -99,9 +99,9 @@ def command(
     text = render_study_file(study, where=study_folder.definition)
     write_text(study_folder.definition, text)
     lines = (line.split("#")[0].strip() for line in text.splitlines())
-    step = (
-        "put your videos into videos/CONDITION/SEGMENT.mp4, then run 'motionjury check'"
-        if "videos = true" in lines
-        else "import speech with 'motionjury import'"
-    )
+    step = "import speech with 'motionjury import'"
+    if "videos = true" in lines:
+        own = (study.conditions or {}).values()
+        videos = "put your videos into videos/CONDITION/SEGMENT.mp4, then run 'motionjury check'"
+        step = videos if own and all(each.videos for each in own) else f"{step}, {videos}"
     click.echo(f"{study_folder.definition} is ready. Next: {step}.")

@@ -57,8 +57,10 @@ def test_finished_videos_have_catch_trials_if_flawed_videos_are_planned(tmp_path
 
     output = run("init", tmp_path / "with", *videos, "--catch-videos")
     run("init", tmp_path / "without", *videos)
+    mixed = run("init", tmp_path / "mixed", *videos[:2], "--condition", "theirs=files")
 
-    assert "videos/CONDITION/SEGMENT.mp4" in output
+    assert "Next: put your videos into videos/CONDITION/SEGMENT.mp4" in output
+    assert "Next: import speech with 'motionjury import', put your videos into" in mixed
     flawed, none = (read_study(tmp_path / name / "study.toml") for name in ("with", "without"))
     assert (flawed.catch.videos, flawed.catch.trials) == (True, 3)
     assert (none.catch.trials, none.attention.trials) == (0, 2)
