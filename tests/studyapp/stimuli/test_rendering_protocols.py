@@ -1,4 +1,4 @@
-"""Each template's study, from speech to videos that can be served."""
+"""Each template's study, from speech to videos that can be served, and to a report."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import av
+import pandas as pd
 import pytest
 
 from motion.clip import moving_channels
@@ -22,6 +23,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from studyapp.study.study_file import new_study
 from tests.studyapp.conftest import OwnStudy
+from tests.support.command_line import run
 from tests.support.studies.finished_study import PROTOCOLS
 from tests.support.studies.redefining import edited
 
@@ -39,6 +41,13 @@ def test_every_template_runs_unchanged(
     with edited(folder.definition) as document:
         document["video"].update({"size": 64, "frame_rate": 10})
         document["freeze"] = FROZEN
+        document["participants_per_comparison" if template == "pairwise" else "participants"] = 3
+        groups = {
+            group["name"]: set(group["conditions"])
+            for group in document.get("blocks", document.get("sets", ()))
+        }
+        for block in document.get("blocks", ()):
+            block.pop("shortest", block.pop("longest", 0))
     import_take(folder, take(speech=2.0, motion=2.0, segment=1.0))
     generate(folder)
     shown = read_motion_shown(folder, folder.study(), tuple(folder.segments()))
@@ -66,6 +75,18 @@ def test_every_template_runs_unchanged(
     for clip in read_stimuli(folder.stimuli).clips:
         pictures[clip.condition, clip.segment].add(encoded_picture(folder.root / clip.file))
     assert {len(different) for different in pictures.values()} == {1}
+
+    run("rehearse", folder.root, "--seed", 1)
+    run("metrics", folder.root, "--processes", 1)
+    run("report", folder.root)
+    run("export", folder.root, "--rehearsal")
+    rows = pd.read_csv(folder.root / "rehearsal_responses.csv", keep_default_na=False)
+    main = rows[rows["kind"] == "main"]
+    for part, conditions in groups.items():
+        assert set(main.loc[main["part"] == part, "condition"]) == conditions
+    page = (folder.report / "report.html").read_text("utf-8")
+    assert all(name.replace("_", " ") in page for name in folder.study().conditions)
+    assert "of them in an earlier run" in run("rehearse", folder.root, "--seed", 1)
 
 
 def encoded_picture(video: Path) -> bytes:
