@@ -7,7 +7,6 @@ bring their own.
 
 from __future__ import annotations
 
-import zipfile
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -93,7 +92,7 @@ def _shape_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
 
 
 def read_expression_matrix(path: Path) -> FloatArray:
-    """Read the matrix from ``.npz`` (one array), ``.npy`` or ``.csv``.
+    """Read the matrix from a ``.npy`` file.
 
     Parameters
     ----------
@@ -104,7 +103,7 @@ def read_expression_matrix(path: Path) -> FloatArray:
     -------
     ndarray, shape (100, 52), float32
         One row for each expression coefficient, one column for each action in the order of
-        `motion.clip.ARKIT_NAMES`. A file may have rows and columns the other way round.
+        `motion.clip.ARKIT_NAMES`.
 
     Raises
     ------
@@ -115,8 +114,16 @@ def read_expression_matrix(path: Path) -> FloatArray:
         raise InputError(
             "there is no such expression matrix", where=path, remedy="Check video.expression_matrix"
         )
-    array = _numbers(path)
-    if array.dtype.kind not in "fiu" or array.shape not in (_SHAPE, _SHAPE[::-1]):
+    try:
+        with path.open("rb") as file:
+            array = np.lib.format.read_array(file, allow_pickle=False)
+    except (ValueError, OSError) as error:
+        raise InputError(
+            "the file cannot be read as an expression matrix",
+            where=path,
+            remedy="Save it with numpy.save",
+        ) from error
+    if array.dtype.kind not in "fiu" or array.shape != _SHAPE:
         raise InputError(
             f"the expression matrix has shape {array.shape} and type {array.dtype}",
             where=path,
@@ -128,30 +135,4 @@ def read_expression_matrix(path: Path) -> FloatArray:
             where=path,
             remedy="Replace NaN, infinite and huge values",
         )
-    matrix = array if array.shape == _SHAPE else array.T
-    return np.ascontiguousarray(matrix, np.float32)
-
-
-def _numbers(path: Path) -> NDArray[np.generic]:
-    """Return the one array in the file."""
-    try:
-        if path.suffix.lower() == ".csv":
-            lines = path.read_text(encoding="utf-8-sig").splitlines()
-            return np.loadtxt(lines, delimiter=",", ndmin=2) if any(lines) else np.zeros((0, 0))
-        with path.open("rb") as file:
-            content = np.load(file, allow_pickle=False)
-            if isinstance(content, np.ndarray):
-                return content
-            if len(content.files) != 1:
-                raise InputError(
-                    f"the file holds {len(content.files)} arrays, not one",
-                    where=path,
-                    remedy="Save the expression matrix alone",
-                )
-            return np.asarray(content[content.files[0]])
-    except (ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(
-            "the file cannot be read as an expression matrix",
-            where=path,
-            remedy="Save it with numpy.save or numpy.savez, or as a .csv of plain numbers",
-        ) from error
+    return np.ascontiguousarray(array, np.float32)

@@ -88,7 +88,7 @@ class Video(Section):
     body : str or None
         A licensed SMPL-X model file (``.npz``) that replaces the avatar.
     expression_matrix : str or None
-        A file (``.npz``, ``.npy`` or ``.csv``) of 100 SMPL-X expression coefficients by 52 ARKit
+        A file (``.npy``) of 100 SMPL-X expression coefficients by 52 ARKit
         actions, which converts between them where the body supports only one.
     """
 

@@ -53,30 +53,9 @@ def test_unsupported_features_are_noted(
     assert sentence is None or re.search(sentence, message[0])
 
 
-def _written(folder: Path, name: str, matrix: np.ndarray) -> Path:
-    path = folder / name
-    if name.endswith(".npy"):
-        np.save(path, matrix)
-    elif name.endswith(".npz"):
-        np.savez(path, matrix=matrix)
-    else:
-        np.savetxt(path, matrix, delimiter=",")
-    return path
-
-
-@pytest.mark.parametrize("name", ["m.npy", "m.npz", "m.csv"])
-@pytest.mark.parametrize("transposed", [False, True])
-def test_a_matrix_is_read_in_every_format_and_orientation(
-    tmp_path: Path, name: str, transposed: bool
-) -> None:
-    path = _written(tmp_path, name, MATRIX.T if transposed else MATRIX)
-    np.testing.assert_allclose(read_expression_matrix(path), MATRIX, rtol=1e-6)
-
-
-def test_a_matrix_saved_by_a_spreadsheet_is_read(tmp_path: Path) -> None:
-    plain = _written(tmp_path, "m.csv", MATRIX).read_text()
-    (tmp_path / "m.csv").write_text(plain.replace(",", ", "), encoding="utf-8-sig", newline="\r\n")
-    np.testing.assert_allclose(read_expression_matrix(tmp_path / "m.csv"), MATRIX, rtol=1e-6)
+def test_a_matrix_is_read(tmp_path: Path) -> None:
+    np.save(tmp_path / "m.npy", MATRIX.astype(np.float64))
+    np.testing.assert_array_equal(read_expression_matrix(tmp_path / "m.npy"), MATRIX)
 
 
 @pytest.mark.parametrize(
@@ -86,9 +65,10 @@ def test_a_matrix_saved_by_a_spreadsheet_is_read(tmp_path: Path) -> None:
         ("m.npy", np.full((100, 52), np.nan), "not a usable number"),
         ("m.npy", np.full((100, 52), "x"), "type <U1"),
         ("m.npy", np.full((100, 52), None), "cannot be read"),
+        ("m.npy", MATRIX.T, r"shape \(52, 100\)"),
         ("words.csv", b"hello,world", "cannot be read"),
         ("torn.npz", b"PK\x03\x04", "cannot be read"),
-        ("empty.csv", b"", r"shape \(0, 0\)"),
+        ("empty.npy", b"", "cannot be read"),
         ("gone.npy", None, "no such expression matrix"),
     ],
 )
@@ -97,7 +77,7 @@ def test_files_that_are_not_matrices_are_refused(
 ) -> None:
     path = tmp_path / name
     if isinstance(content, np.ndarray):
-        _written(tmp_path, name, content)
+        np.save(path, content)
     elif content is not None:
         path.write_bytes(content)
     with pytest.raises(InputError, match=message) as caught:

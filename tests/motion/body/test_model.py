@@ -133,9 +133,9 @@ def test_a_face_in_other_parameters_needs_a_matrix(
 ) -> None:
     rng = np.random.default_rng(5)
     matrix = rng.normal(0, 1, (100, 52)).astype(np.float32)
-    np.savetxt(tmp_path / "matrix.csv", matrix, delimiter=",")
+    np.save(tmp_path / "matrix.npy", matrix)
     slots = arrays | {"arkit_slots": np.array(has_arkit_slots)}
-    body = _read(tmp_path, slots, expression_matrix=tmp_path / "matrix.csv")
+    body = _read(tmp_path, slots, expression_matrix=tmp_path / "matrix.npy")
     if has_arkit_slots:
         coefficients = rng.normal(0, 1, (2, 100)).astype(np.float32)
         foreign = _clip(2, expressions=coefficients)
