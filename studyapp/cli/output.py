@@ -97,7 +97,7 @@ class _Lines:
             with suppress(OSError):
                 progress = Progress(done=done, total=total, words=words)
                 write_text(Path(self._file), progress.model_dump_json())
-        if (done or detail) and (done == total or now - self._printed >= _LINE_SECONDS):
+        if total and (done or detail) and (done == total or now - self._printed >= _LINE_SECONDS):
             self._printed = now
             click.echo(words, err=True)
 

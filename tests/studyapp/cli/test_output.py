@@ -22,6 +22,8 @@ def test_without_a_terminal_progress_is_printed_as_lines(
     clock: list[float], capsys: pytest.CaptureFixture[str]
 ) -> None:
     with progress("render", "frame") as show:
+        show(0, 0, "0 of 0 videos")
+    with progress("render", "frame") as show:
         clock[0] += 100
         show(100, 1000)
         for done in range(200, 1001, 100):
