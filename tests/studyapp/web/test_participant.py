@@ -124,6 +124,7 @@ def test_instructions_follow_the_study_and_never_reveal_practice_trials(
         ("mismatch", ANOTHER + 'parts = ["fit"]\n', "Answer all questions under them."),
         ("ranking", "", "Put the videos in order, best first."),
         ("ranking", ANOTHER, "best first, separately for each question."),
+        ("ranking", ANOTHER.replace("is calmer", "face is calmer"), "press Larger videos"),
         ("rating", "", "Answer the questions under each video."),
     ],
 )
