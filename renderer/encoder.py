@@ -44,11 +44,11 @@ _SOUND_BITS_PER_SECOND: Final = 128_000
 _HEADER: Final = 8
 """Bytes of a box header: four for its size, four for its type (ISO/IEC 14496-12, 4.2)."""
 _SOUND_RATES: Final = re.compile(
-    rb"esds.{4}\x03\x80{3}.{4}\x04\x80{3}.{2}\x15.{3}(?P<rates>.{8})", re.DOTALL
+    rb"esds.{4}\x03[\x80-\xff]{3}.{4}\x04[\x80-\xff]{3}.{2}\x15.{3}(?P<rates>.{8})", re.DOTALL
 )
-"""FFmpeg's descriptor of a stream of sound: tag and length of the stream's and of the decoder's
-descriptor, kind of stream, size of the buffer, then the largest and the mean bit rate (ISO/IEC
-14496-1, 7.2.6.5 and 7.2.6.6)."""
+"""FFmpeg's descriptor of a stream of sound: tag and length, always in four bytes, of the stream's
+and of the decoder's descriptor, kind of stream, size of the buffer, then the largest and the mean
+bit rate (ISO/IEC 14496-1, 7.2.6.5 and 7.2.6.6)."""
 
 
 def video_frame(picture: NDArray[np.uint8]) -> Any:

@@ -58,6 +58,23 @@ def test_only_the_bit_rates_of_the_sound_are_cleared(
     assert not after[changed].any()
 
 
+def test_bit_rates_of_sound_with_a_long_setup_are_cleared(tmp_path: Path) -> None:
+    video, long = tmp_path / "video.mp4", tmp_path / "long.mp4"
+    write_video(video, VideoRecipe(sound=NOISE))
+    with av.open(str(video)) as source, av.open(str(long), "w") as target:
+        stream: Any = target.add_stream_from_template(source.streams.audio[0])
+        stream.codec_context.extradata += bytes(200)
+        for packet in source.demux(audio=0):
+            if packet.pts is not None:
+                packet.stream = stream
+                target.mux(packet)
+    assert any(bit_rate(long))
+
+    clear_bit_rates(long)
+
+    assert long.read_bytes().count(b"\x15" + bytes(11) + b"\x05") == 1
+
+
 def boxes(data: bytes) -> list[bytes]:
     kinds, at = [], 0
     while at < len(data):
