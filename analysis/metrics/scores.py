@@ -211,6 +211,8 @@ def clip_means(condition: str, scores: Sequence[ClipScore]) -> Iterator[Conditio
             spread=float(values.std(ddof=1)) if len(values) > 1 else math.nan,
             scored=len(values),
             reason=counted([result.reason for result in results if result.reason], len(results)),
+            remark="",
+            interval=None,
         )
 
 
