@@ -192,6 +192,8 @@ def read_answers(study: Study, trial: AskedTrial, fields: Fields) -> SubmittedAn
             "The form held an answer to a question that this study does not ask.",
             "Please reload the page and answer the questions shown.",
         )
+    # A menu or number field left empty is sent too, unless a script keeps the form back.
+    fields = {name: values for name, values in fields.items() if list(values) != [""]}
     for ask in asks:
         if fields.get(ask.field):
             _check_value(ask, fields[ask.field])

@@ -108,6 +108,7 @@ UNUSABLE_RANKINGS: list[tuple[dict[str, str | list[str]], str]] = [
     ({"realism:2": "1"}, "same rank"),
     ({"realism:2": "3"}, "not one of the choices"),
     ({"realism:2": []}, "Question 1 about B is not answered"),
+    ({"realism:2": [""]}, "Question 1 about B is not answered"),
     ({"realism:0": "1"}, "does not ask"),
     ({"realism:2": ["1", "2"]}, "not one of the choices"),
     ({"realism:reasons": "face"}, "reason was ticked"),
