@@ -8,12 +8,12 @@ from typing import Final
 
 from motion.errors import InputError
 from studyapp.desk.lab import OpenedStudy, current_lab, study_token
+from studyapp.monitoring.overview import over_because, places_so_far
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import count_answers
 from studyapp.researchers.logins import unblinding_reason
 from studyapp.study.interview import MAX_PARTICIPANTS, read_count
 from studyapp.web.research.page import visitor_cookie
-from studyapp.web.research.results import over_because
 
 Form = Mapping[str, str]
 
@@ -75,7 +75,10 @@ def reason_to_look(study: OpenedStudy) -> str | None:
         if not count_answers(session):
             return ""
     now, served, token = current_lab().clock.now(), study.study.served(), visitor_cookie()
-    over = "" if served is None else over_because(study.database, served, now)
+    over = ""
+    if served is not None:
+        places = places_so_far(study.database, served, now)
+        over = over_because(study.database, served.study, places)
     study_login = "" if token is None else study_token(token, study.name)
     return over or unblinding_reason(study.database, study_login, now) or None
 

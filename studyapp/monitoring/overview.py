@@ -22,8 +22,9 @@ from studyapp.monitoring.answered_trials import (
 from studyapp.monitoring.study_sessions import SessionProgress, Standing, progress_of_sessions
 from studyapp.session.ending import JUDGED
 from studyapp.session.form_answers import count_screened_out
-from studyapp.session.intake import Intake, current_intake
+from studyapp.session.intake import Intake, current_intake, is_closed
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.settings.study import Study
 
 KINDS: Final = ("practice", "main", "repeat", *JUDGED)
 MOST_LISTED: Final = 20
@@ -196,6 +197,18 @@ def places_so_far(database: Database, served: ServedStudy, now: datetime) -> cou
         everybody = progress_of_sessions(session, served, now)
         more = current_intake(session).more_places
     return counts.total_places(counts.count_places(served.study.arms, everybody, more))
+
+
+EVERYBODY: Final = "everybody has finished"
+CLOSED: Final = "the study is closed"
+"""Reasons to look at the end, for the log, which nobody has to give."""
+
+
+def over_because(database: Database, study: Study, places: counts.PlaceCounts) -> str:
+    """Return why no more participants are expected; empty if some are."""
+    if not places.remaining:
+        return EVERYBODY
+    return CLOSED if not places.active and is_closed(database, study) else ""
 
 
 def _leaving_out(present: Sequence[SessionProgress]) -> tuple[SessionProgress, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -19,12 +19,13 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
 from studyapp.desk.jobs import RESEARCHER
+from studyapp.monitoring.overview import over_because, places_so_far
 from studyapp.researchers.audit import StudyState, log_look
 from studyapp.researchers.interim_figures import Document
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
 from studyapp.results.answers import has_current_design, read_answers
 from studyapp.results.stored_answers import Answers, StoredAnswers
-from studyapp.session.intake import is_closed
+from studyapp.session.served_study import ServedStudy
 from studyapp.side_process import give_way
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
@@ -72,23 +73,25 @@ def record_look(
     Returns
     -------
     str
-        A warning about interim looks; empty once all have finished or the study is closed.
+        A warning about interim looks; empty once no more participants are expected.
     """
     shared = folder.shared_answers.is_dir()
     if shared or answers.origin != "participants" or answers.stored is None:
         return ""
     state = study_state(study, answers.stored)
-    problem, closed = "", not study.open
+    problem = over = ""
     try:
         database = Database.open(database_url_of(folder.root))
         with closing(database):
             with database.writing() as session:
                 by = os.environ.get(RESEARCHER, "")
                 log_look(session, Clock().now(), state, way=way, by=by, reason=reason)
-            closed = is_closed(database, study)
+            with suppress(InputError):  # without its videos, it is not known who takes part
+                places = places_so_far(database, ServedStudy.read(folder.root), Clock().now())
+                over = over_because(database, study, places)
     except (InputError, SQLAlchemyError, OSError) as error:
         problem = str(error).splitlines()[0]
-    if closed or not state.is_interim:
+    if over or not state.is_interim:
         return ""
     logged = (
         f"This look could not be logged: {problem} Mention it when you publish."

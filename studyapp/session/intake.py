@@ -44,7 +44,7 @@ def current_intake(session: Session) -> Intake:
 
 
 def is_closed(database: Database, study: Study) -> bool:
-    """Return whether the study is closed to newcomers for good, by its file or a researcher."""
+    """Return whether the study is closed to newcomers, by its file or a researcher."""
     with database.reading() as session:
         return not study.open or current_intake(session).state == "closed"
 

@@ -12,6 +12,7 @@ from flask.typing import ResponseReturnValue
 from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.monitoring.one_study_session import contents_shown, one_study_session
+from studyapp.monitoring.overview import over_because
 from studyapp.monitoring.overview import overview as overview_of
 from studyapp.monitoring.study_sessions import (
     ORDERS,
@@ -48,7 +49,6 @@ from studyapp.web.research.motion_scenes import (
     send_scene,
 )
 from studyapp.web.research.page import Data, is_rehearsed, open_data, page, researcher
-from studyapp.web.research.results import over_because
 from studyapp.web.site import study_site
 
 
@@ -95,7 +95,7 @@ def overview(data: Data) -> ResponseReturnValue:
         progress = overview_of(database, site.served, site.clock.now())
     if data == "study":
         agreement = stored_figures(site.database, site.clock, "agreement", site.figures)
-        over = over_because(site.database, site.served, site.clock.now())
+        over = over_because(site.database, site.study, progress.places)
     return page(
         "overview",
         over=over,

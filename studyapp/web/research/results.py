@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from datetime import datetime
 from typing import Final
 
 from flask import abort, redirect, request, url_for
@@ -11,33 +10,28 @@ from flask.typing import ResponseReturnValue
 
 from analysis.stats.multiple_testing import LEVEL, equally_spaced, false_positive_rate
 from motion.errors import InputError
-from studyapp.database.engine import Database
 from studyapp.database.tables import Look
 from studyapp.monitoring.counts import PlaceCounts
-from studyapp.monitoring.overview import places_so_far
+from studyapp.monitoring.overview import over_because, places_so_far
 from studyapp.researchers.audit import latest_looks, log_look
 from studyapp.researchers.interim_figures import stored_figures
 from studyapp.researchers.logins import UNBLINDED_FOR, unblind, unblinding_reason
 from studyapp.session.intake import is_closed
-from studyapp.session.served_study import ServedStudy
 from studyapp.web.research.page import page, researcher, visitor_cookie
 from studyapp.web.site import study_site
 
 TABLED: Final = (1, 2, 3, 5, 10, 20)
 """Numbers of looks for which the page tells the rate of false positives."""
 
-EVERYBODY: Final = "everybody has finished"
-CLOSED: Final = "the study is closed"
-"""Reasons to look at the end, for the log, which nobody has to give."""
-
 
 def results() -> ResponseReturnValue:
     """Show the results, and log the look; before the end, ask for a reason first."""
     site, token = study_site(), visitor_cookie()
-    over = over_because(site.database, site.served, site.clock.now())
+    places = places_so_far(site.database, site.served, site.clock.now())
+    over = over_because(site.database, site.study, places)
     reason = over or unblinding_reason(site.database, token or "", site.clock.now())
     if not reason:
-        return _reason_page()
+        return _reason_page(places)
     figures = stored_figures(site.database, site.clock, "results", site.figures)
     # At the end, only numbers of all answers are shown; they may be due in a minute.
     is_due = bool(over and figures.answers and not figures.problem)
@@ -64,14 +58,6 @@ def results() -> ResponseReturnValue:
     )
 
 
-def over_because(database: Database, served: ServedStudy, now: datetime) -> str:
-    """Return why no more participants are expected; empty if some are."""
-    places = places_so_far(database, served, now)
-    if not places.remaining:
-        return EVERYBODY
-    return CLOSED if not places.active and is_closed(database, served.study) else ""
-
-
 def ask_for_results() -> ResponseReturnValue:
     """Log the reason, and go on to the results."""
     site, token, reason = study_site(), visitor_cookie(), request.form.get("reason", "")
@@ -80,14 +66,14 @@ def ask_for_results() -> ResponseReturnValue:
     try:
         unblind(site.database, site.clock, token, by=researcher().name, reason=reason)
     except InputError as error:
-        return _reason_page(error, reason), 422
+        places = places_so_far(site.database, site.served, site.clock.now())
+        return _reason_page(places, error, reason), 422
     return redirect(url_for("research.results"), 303)
 
 
-def _reason_page(problem: InputError | None = None, reason: str = "") -> str:
+def _reason_page(places: PlaceCounts, problem: InputError | None = None, reason: str = "") -> str:
     site = study_site()
     earlier_looks = latest_looks(site.database)
-    places = places_so_far(site.database, site.served, site.clock.now())
     return page(
         "unblind",
         problem=problem,

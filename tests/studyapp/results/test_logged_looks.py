@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -56,6 +56,13 @@ def complete(folder: StudyFolder) -> None:
     with writing(folder.responses) as session:
         last = update(StudySession).where(StudySession.completed_at.is_(None))
         session.execute(last.values(completed_at=NOON, completion_code="CODE-OF-THE-LAST"))
+
+
+def seen_last(folder: StudyFolder, moment: datetime) -> None:
+    """Let the one who has not finished have done something last at `moment`."""
+    with writing(folder.responses) as session:
+        last = update(StudySession).where(StudySession.completed_at.is_(None))
+        session.execute(last.values(last_active_at=moment))
 
 
 def noted(folder: StudyFolder, reason: str = "") -> str:
@@ -110,11 +117,14 @@ def test_a_report_counts_as_a_look_only_for_later_answers(
         session.add(
             IntakeChange(at=NOON, state="closed", more_places=0, reason="enough", researcher="")
         )
+    seen_last(folder, datetime.now(UTC))
+    assert noted(folder) == said[0]
+    seen_last(folder, datetime.now(UTC) - timedelta(days=1))
     assert noted(folder) == ""
 
     complete(folder)
     assert noted(folder) == ""
-    assert len(stored_looks(folder)) == 4
+    assert len(stored_looks(folder)) == 5
     first, _ = before(folder).looks
     assert (first.by, first.finished, first.planned) == ("command line", 2, 3)
     assert before(folder).false_positive_rate == pytest.approx(false_positive_rate([2, 3]))
