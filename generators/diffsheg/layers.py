@@ -16,7 +16,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from training.diffusion import LINEAR
-from training.speech_features.hubert import interpolate_features
+from training.layers.interpolation import interpolate_features
 
 
 def frame_positions(longest: int, width: int) -> Tensor:

@@ -23,12 +23,12 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
-from transformers.modeling_outputs import BaseModelOutput
 
 from motion.audio import SPEECH_RATE
 from motion.audio_analysis import load_librosa
 from motion.files import sha256_of
 from training.device import check_device
+from training.layers.interpolation import interpolate_features
 from training.released_weights import CONFIG, WEIGHTS, SavedNetworks
 
 WINDOW: Final = 400
@@ -50,6 +50,13 @@ _QUIETEST: Final = 1e-2
 
 _CENTRE, _SPREAD = 1.0, 4.5
 """Mean and standard deviation of the log power of speech."""
+
+
+@dataclass(frozen=True, eq=False)
+class HubertOutput:
+    """The features (1, n, channels), named as in transformers' outputs."""
+
+    last_hidden_state: Tensor
 
 
 class SoundContext(nn.Module):
@@ -82,7 +89,7 @@ class SoundContext(nn.Module):
             "mix", torch.randn(band_features, mixed, generator=chance) / math.sqrt(band_features)
         )
 
-    def forward(self, samples: Tensor) -> BaseModelOutput:
+    def forward(self, samples: Tensor) -> HubertOutput:
         """Return features of sound of unit variance, (1, N) samples at 16 kHz."""
         windows = samples[0].unfold(0, WINDOW, HOP) * self.hann
         loudness = windows.square().mean(dim=1).pow(0.3)
@@ -93,7 +100,7 @@ class SoundContext(nn.Module):
         context = _means(bands, _OFFSETS, spread=2, padding=silence)
         stress = _means(_stress_features(loudness), _STRESS_OFFSETS, spread=1, padding=0.0)
         features = torch.cat([(context @ self.mix).tanh(), stress], dim=1)
-        return BaseModelOutput(last_hidden_state=features[None])
+        return HubertOutput(features[None])
 
 
 def _stress_features(loudness: Tensor) -> Tensor:
@@ -230,12 +237,3 @@ def resample_to_frames(features: Tensor, frames: int) -> Tensor:
     return interpolate_features(
         features, torch.linspace(0, len(features) - 1, frames, dtype=torch.float64)
     )
-
-
-def interpolate_features(features: Tensor, positions: Tensor) -> Tensor:
-    """Return `features` (n, channels) at fractional `positions`, linearly between neighbours."""
-    positions = positions.clamp(0, len(features) - 1)
-    lower = positions.floor().long()
-    upper = (lower + 1).clamp(max=len(features) - 1)
-    share = (positions - lower).to(features.dtype)[:, None]
-    return (1 - share) * features[lower] + share * features[upper]

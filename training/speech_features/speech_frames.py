@@ -13,12 +13,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from motion.audio import SPEECH_RATE, Audio
-from training.speech_features.hubert import (
-    RATE,
-    Hubert,
-    interpolate_features,
-    resample_to_frames,
-)
+from training.layers.interpolation import interpolate_features
+from training.speech_features.hubert import RATE, Hubert, resample_to_frames
 from training.speech_features.spectra import check_speech, filterbank, log_mel, mel_bands, mfcc
 
 
