@@ -242,8 +242,12 @@ def _table_specs() -> dict[str, _TableSpec]:
 
 def html(name: str, **facts: object) -> str:
     """Return a template as HTML, with every text of `facts` escaped."""
-    environment = _templates(autoescape=True, keep_trailing_newline=True)
-    return environment.get_template(name).render(facts)
+    return _html_environment().get_template(name).render(facts)
+
+
+@cache
+def _html_environment() -> Environment:
+    return _templates(autoescape=True, keep_trailing_newline=True)
 
 
 def _templates(**options: Any) -> Environment:
