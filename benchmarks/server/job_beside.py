@@ -43,8 +43,8 @@ CLIP_SECONDS: Final = 120.0
 FRAME_RATE: Final = 30.0
 
 
-def job_waits(backend: Backend, seconds: float) -> dict[int, Waits]:
-    """Return participants' waiting times, by the number of concurrent participants.
+def job_waits(backend: Backend, seconds: float) -> Iterator[tuple[int, Waits]]:
+    """Yield numbers of concurrent participants, each with their waiting times.
 
     Parameters
     ----------
@@ -63,9 +63,8 @@ def job_waits(backend: Backend, seconds: float) -> dict[int, Waits]:
             study_server(served, served / "output", database_url=database.url) as server,
             rendering(rendered / "jobs") as processes,
         ):
-            return {
-                count: _waits(server.port, count, seconds, processes) for count in CONCURRENCIES
-            }
+            for count in CONCURRENCIES:
+                yield count, _waits(server.port, count, seconds, processes)
 
 
 def _waits(port: int, count: int, seconds: float, processes: Sequence[int]) -> Waits:
@@ -142,7 +141,7 @@ def main() -> None:
     """Measure on both databases, and print the waits without and with the job."""
     options = read_options("Measure what a rendering job costs participants.", seconds=3.0)
     for backend in options.database:
-        for count, waits in job_waits(backend, options.seconds).items():
+        for count, waits in job_waits(backend, options.seconds):
             waits.print(f"{backend}_{count}", "job", total="job")
 
 
