@@ -106,6 +106,8 @@ def test_without_answers_nothing_is_computed_and_no_look_is_logged(
 
     assert "Nobody has answered yet" in owner.get(RESULTS).text
     assert "Nobody has answered yet" in owner.get("/research/").text
+    owner.post("/research/newcomers/state", state="closed", reason="until Monday")
+    assert "No more participants are expected" not in owner.get("/research/").text
     assert (figures.work(), latest_looks(log_in.stored)) == (0, [])
 
 
