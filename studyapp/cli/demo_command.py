@@ -101,7 +101,7 @@ the true value, as such intervals do; a first report should show the usual case.
 def command(ctx: click.Context, folder: Path, participants: int, processes: int) -> None:
     """Run a whole study on synthetic speech in FOLDER, up to its report.
 
-    Run the command again to continue an interrupted run.
+    Run the command again to continue after an interruption.
     """
     study_folder = StudyFolder(folder)
     if prepare_demo(study_folder):

@@ -115,7 +115,7 @@ def command(
 
 def _print_shared(shared: Shared, out: Path, person: str) -> None:
     click.echo(f"Wrote {counted(shared.participants, person)} to {out}")
-    click.echo(f"What reproduces the results: motionjury report {quote(str(shared.study))}")
+    click.echo(f"To reproduce the results: motionjury report {quote(str(shared.study))}")
     for remark in shared.remarks:
         click.echo(remark)
     click.echo(
