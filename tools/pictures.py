@@ -66,6 +66,7 @@ def served(folder: StudyFolder) -> Iterator[Served]:
             page = browser.new_page(viewport=LAPTOP)
             page.set_default_timeout(PATIENCE)
             yield Served(f"{address}/", link, database, page)
+        folder.elsewhere.unlink()
 
 
 def play_first_trial(page: Page, address: str, database: Path) -> None:

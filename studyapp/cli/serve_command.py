@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path, PurePosixPath
 from typing import Any
 from urllib.parse import urlsplit
@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 import click
 
 from motion.errors import InputError
+from motion.files import write_text
 from studyapp.cli.arguments import (
     FOLDER,
     public_address,
@@ -27,7 +28,12 @@ from studyapp.custody.deployment import (
     Deployment,
     write_deployment,
 )
-from studyapp.database.engine import Database, database_url_of
+from studyapp.database.engine import (
+    Database,
+    database_url_of,
+    display_address,
+    refuse_second_database,
+)
 from studyapp.desk.server import open_desk, run_desk
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.researchers.audit import COMMAND_LINE
@@ -119,6 +125,8 @@ def command(
             where=f"accel-redirect {accel_prefix!r}",
             remedy="Begin it with /, such as /videos-of-one/",
         )
+    if not os.environ.get("DATABASE_URL"):
+        refuse_second_database(folder)
     url = address or f"http://{server['host']}:{server['port']}{path}"
     run_server(
         folder.root,
@@ -140,7 +148,11 @@ def _print_links(folder: StudyFolder, url: str, *, as_test: bool) -> None:
         click.echo(f"Take part as a test at {link} (once; it is never analysed).")
         if os.environ.get("DISPLAY") or sys.platform == "darwin":
             click.launch(link)
-    database = Database.open(database_url_of(folder.root))
+    database_url = database_url_of(folder.root)
+    if os.environ.get("DATABASE_URL"):
+        with suppress(OSError):  # the server may not be allowed to write there
+            write_text(folder.elsewhere, display_address(database_url), private=True)
+    database = Database.open(database_url)
     if not _print_owners_link(database, url, "the study's"):
         click.echo(f"Watch the study at {url}/research/.")
 

@@ -325,6 +325,17 @@ def display_address(url: str) -> str:
     return unquote(_address(url).render_as_string(hide_password=True))
 
 
+def refuse_second_database(folder: StudyFolder) -> None:
+    """Raise `InputError` where an empty database would begin beside the one in use elsewhere."""
+    if folder.elsewhere.exists() and not folder.responses.exists():
+        raise InputError(
+            f"the answers of {folder.root.resolve().name} are in another database",
+            where=folder.elsewhere.read_text("utf-8"),
+            remedy="Set DATABASE_URL to its address; to begin without these answers, remove "
+            f"{folder.elsewhere}",
+        )
+
+
 def missing_database(url: str) -> InputError:
     """Return the error where the database at `url` is needed and there is none."""
     return InputError(

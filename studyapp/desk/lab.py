@@ -22,7 +22,7 @@ from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.engine import Database, refuse_second_database, sqlite_url
 from studyapp.database.tables import Event, StudySession
 from studyapp.monitoring.overview import places_so_far
 from studyapp.researchers.account import Account, find_account_by_identity
@@ -116,6 +116,7 @@ class LabStudy:
         """The study's database, made where there is none."""
         with self._lock:
             if self._database is None:
+                refuse_second_database(self.folder)
                 self._database = Database.open(sqlite_url(self.folder.responses))
             return self._database
 

@@ -65,6 +65,9 @@ class StudyFolder:
     responses = _PathInFolder("responses.db")
     """SQLite database of real participants."""
 
+    elsewhere = _PathInFolder("database.txt")
+    """The address of the database of participants that was named in place of `responses`."""
+
     rehearsal = _PathInFolder("rehearsal.db")
     """SQLite database of simulated participants; never mixed with the real one."""
 

@@ -10,6 +10,7 @@ import pytest
 
 from studyapp.cli import serve_command
 from studyapp.clock import Clock
+from studyapp.database.engine import sqlite_url
 from studyapp.researchers.account import list_accounts
 from studyapp.researchers.links import first_owner_link, join
 from tests.support.command_line import refused, run
@@ -56,6 +57,22 @@ def test_serving_prints_a_link_until_there_is_an_owner(tiny_study: Path) -> None
         assert [account.role for account in list_accounts(database)] == ["owner"]
         assert first_owner_link(database, Clock()) is None
     assert "Watch the study at http://127.0.0.1:8000/research/." in run("serve", tiny_study)
+
+
+@pytest.mark.usefixtures("started")
+def test_serving_starts_no_empty_database_beside_one_elsewhere(
+    tiny_study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DATABASE_URL", sqlite_url(tmp_path / "elsewhere.db"))
+    run("serve", tiny_study)
+    monkeypatch.delenv("DATABASE_URL")
+
+    message = refused("serve", tiny_study)
+
+    assert "in another database" in message and f"{tmp_path}/elsewhere.db" in message
+    assert not (tiny_study / "responses.db").exists()
+    (tiny_study / "database.txt").unlink()
+    run("serve", tiny_study)
 
 
 def test_files_of_a_server_are_written_and_listed(tiny_study: Path, tmp_path: Path) -> None:

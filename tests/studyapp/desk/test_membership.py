@@ -18,6 +18,7 @@ from studyapp.database.engine import Database
 from studyapp.desk.lab import Lab, LabStudy
 from studyapp.researchers.account import list_accounts, remove_access
 from studyapp.researchers.links import invite, join, offer_new_password
+from studyapp.study.folder import StudyFolder
 from tests.studyapp.desk.conftest import Researcher
 from tests.studyapp.web.research.research_browser import ResearchBrowser
 from tests.support.researcher_accounts import PASSWORD
@@ -68,9 +69,15 @@ def test_a_damaged_study_is_named_to_owners_and_hides_no_other(
     shutil.copytree(tiny.folder.root, lab.folder / "other")
     with closing(sqlite3.connect(tiny.folder.responses)) as database:
         database.execute("DROP TABLE researchers")
+    served_alone = StudyFolder(lab.folder / "alone")
+    served_alone.root.mkdir()
+    shutil.copyfile(tiny.folder.definition, served_alone.definition)
+    served_alone.elsewhere.write_text("postgresql://db/alone", "utf-8")
     page = ada.get("/research/")
     assert "other" in page.text
     assert "The database of tiny cannot be read" in page.text
+    assert "The database of alone cannot be read" in page.text
+    assert not served_alone.responses.exists()
     assert "restore a backup" in ada.get(TINY, 409).text
     assert "tiny" not in researcher("Mary", "viewer").get("/research/").text
 
