@@ -34,6 +34,7 @@ from studyapp.database.engine import (
     display_address,
     refuse_second_database,
 )
+from studyapp.desk.lab import ACCOUNTS
 from studyapp.desk.server import open_desk, run_desk
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.researchers.audit import COMMAND_LINE
@@ -256,6 +257,13 @@ def deploy_command(
         kind, title = "study", study.study().title
     else:
         kind, title = "desk", place.name
+        is_new = next(folder.iterdir(), None) is None
+        if not (is_new or (folder / ACCOUNTS).exists() or next(folder.glob("*/study.toml"), None)):
+            raise InputError(
+                "this folder is neither a study nor a desk",
+                where=folder.resolve(),
+                remedy="Name a study's folder, a folder of studies, or an empty one for a new desk",
+            )
         # A desk has a host of its own, and keeps answers in the studies' own folders.
         refused = {"--prefix": bool(prefix), "--database": database != DATABASES[0]}
         refuse_options([name for name, is_refused in refused.items() if is_refused], "a desk")
