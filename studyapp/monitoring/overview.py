@@ -219,7 +219,7 @@ def _leaving_out(present: Sequence[SessionProgress]) -> tuple[SessionProgress, .
 def _of_places(places: counts.PlaceCounts, is_open: bool) -> Iterator[Decision]:
     if places.remaining and not is_open:
         yield Decision(
-            what=f"{places.remaining} places are not done, and the study admits nobody new.",
+            what=f"{places.done} of {places.wanted} places are done, and nobody new is admitted.",
             remedy="Admit participants again, here or by 'open = true' in study.toml, or leave it.",
         )
 

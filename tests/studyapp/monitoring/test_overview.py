@@ -186,7 +186,7 @@ def quiet(opened: Database, served: ServedStudy, clock: SetClock) -> Overview:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"is_open": False}, "6 places are not done"),
+        ({"is_open": False}, "4 of 10 places are done, and nobody new is admitted"),
         ({"videos": (video(unplayable=2),)}, "2 of 20 said that s: a | b does not play"),
         (
             {"videos": (video(stalled=4, stalled_seconds=12.0),)},
