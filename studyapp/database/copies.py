@@ -227,8 +227,6 @@ def _copy_rows(source: Connection, target: Connection, tables: MetaData) -> None
 
 def _advance_sequences(connection: Connection, tables: MetaData) -> None:
     """Advance PostgreSQL's sequences to the highest id of each table."""
-    if connection.dialect.name != "postgresql":
-        return
     for table in tables.sorted_tables:
         counter = func.pg_get_serial_sequence(table.name, "id")
         highest = select(func.max(table.c.id)).scalar_subquery()

@@ -12,10 +12,8 @@ from typing import Final, NamedTuple
 from sqlalchemy import case, func, select
 from sqlalchemy.orm import Session
 
+from analysis.answers.table import ANALYSED_KINDS
 from studyapp.database.tables import StudySession, Trial, TrialStimulus
-
-ANALYSED: Final = ("main", "repeat")
-"""Kinds of trial whose answers the analysis uses."""
 
 MAX_DEVIATION: Final = 3.0
 """From one half, in standard errors of a fair coin; more is unlikely by chance."""
@@ -55,7 +53,7 @@ def analysed_by_emotion(
     """
     counts: defaultdict[str, Counter[str]] = defaultdict(Counter)
     for trial in trials:
-        if trial.kind in ANALYSED:
+        if trial.kind in ANALYSED_KINDS:
             counts[trial.emotion][arms[trial.study_session]] += 1
     return dict(sorted(counts.items()))
 
@@ -147,7 +145,7 @@ def sides(session: Session, names: Mapping[str, str]) -> tuple[Sides, ...]:
         .join(Trial, Trial.id == TrialStimulus.trial_id)
         .where(
             Trial.answered_at.is_not(None),
-            Trial.kind.in_(ANALYSED),
+            Trial.kind.in_(ANALYSED_KINDS),
             TrialStimulus.number > 0,
             TrialStimulus.trial_id.in_(judged),
         )

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
-from datetime import datetime, timedelta
+from dataclasses import dataclass, fields, replace
+from datetime import datetime
 from typing import Any, Final, Literal, get_args
 
 from sqlalchemy import Select, func, select
@@ -15,14 +15,12 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession, Trial, Video
 from studyapp.monitoring.data_quality import checks, failed_by_session
 from studyapp.researchers.exclusion_decisions import current_exclusions
+from studyapp.session.places import stale_before
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import state_of
 
 Standing = Literal["done", "replaced", "active", "stale", "unwatched", "lapsed", "withdrawn"]
 STANDINGS: Final[tuple[Standing, ...]] = get_args(Standing)
-
-
-LEFT: Final = ("stale", "lapsed")
 
 ROWS: Final = 100
 """Study sessions on one page."""
@@ -52,6 +50,8 @@ class SessionProgress:
         Whether a researcher excludes it from the analysis.
     recruiter_participant : str or None
         The recruiter's name for the participant, for owners alone; None without a recruiter.
+    failures : int or None
+        Failed catch trials and attention checks, in lists alone; None before the first check.
     """
 
     id: int
@@ -67,6 +67,7 @@ class SessionProgress:
     left_out: int = 0
     excluded: bool = False
     recruiter_participant: str | None = None
+    failures: int | None = None
 
     @property
     def seconds(self) -> float | None:
@@ -78,7 +79,7 @@ class SessionProgress:
     @property
     def has_left(self) -> bool:
         """Whether the participant has been silent for longer than a place is kept."""
-        return self.standing in LEFT
+        return self.standing in ("stale", "lapsed")
 
     @property
     def stands_at(self) -> int:
@@ -86,7 +87,9 @@ class SessionProgress:
         return 0 if self.started_at is None else self.settled + 1
 
 
-STORED: Final = tuple({each.name for each in fields(SessionProgress)} - {"present", "standing"})
+STORED: Final = tuple(
+    {each.name for each in fields(SessionProgress)} - {"present", "standing", "failures"}
+)
 """Fields that the database holds."""
 
 
@@ -94,7 +97,7 @@ def progress_of_sessions(
     session: Session, served: ServedStudy, now: datetime, *, only: int | None = None
 ) -> list[SessionProgress]:
     """Return every study session, the first one first; or `only` that of one number."""
-    silent_since = now - timedelta(minutes=served.study.lease_minutes)
+    silent_since = stale_before(served, now)
     rows: Sequence[Any] = session.connection().execute(_query(only)).all()
     return [
         SessionProgress(
@@ -157,29 +160,15 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
     return query if only is None else query.where(StudySession.id == only)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ListedSession:
-    """A study session in a list.
-
-    Attributes
-    ----------
-    failures : int or None
-        Failed catch trials and attention checks; None before the first check.
-    """
-
-    progress: SessionProgress
-    failures: int | None
-
-
 Order = Literal["number", "recruiter", "duration", "failures"]
 """The keys by which a list can be sorted."""
 
 ORDERS: Final[tuple[Order, ...]] = get_args(Order)
 
-_KEYS: Final[Mapping[Order, Callable[[ListedSession], float | str | None]]] = {
-    "number": lambda each: each.progress.id,
-    "recruiter": lambda each: each.progress.recruiter_participant,
-    "duration": lambda each: each.progress.seconds,
+_KEYS: Final[Mapping[Order, Callable[[SessionProgress], float | str | None]]] = {
+    "number": lambda each: each.id,
+    "recruiter": lambda each: each.recruiter_participant,
+    "duration": lambda each: each.seconds,
     "failures": lambda each: each.failures,
 }
 
@@ -217,7 +206,7 @@ class Selection:
 
 def list_study_sessions(
     database: Database, served: ServedStudy, selection: Selection, now: datetime
-) -> list[ListedSession]:
+) -> list[SessionProgress]:
     """Return the study sessions of `selection`, in its order; equal ones by number."""
     with database.reading() as session:
         study_sessions = progress_of_sessions(session, served, now)
@@ -231,26 +220,26 @@ def list_study_sessions(
     for check in judged_checks:
         failures[check.study_session] += check.failed
     listed = [
-        ListedSession(progress=each, failures=failures.get(each.id))
+        replace(each, failures=failures.get(each.id))
         for each in study_sessions
         if _is_selected(each, selection)
     ]
     return _sorted(listed, selection)
 
 
-def _sorted(listed: Sequence[ListedSession], selection: Selection) -> list[ListedSession]:
+def _sorted(listed: Sequence[SessionProgress], selection: Selection) -> list[SessionProgress]:
     key = _KEYS[selection.order]
     known = [(value, each) for each in listed if (value := key(each)) is not None]
     known.sort(key=lambda pair: pair[0], reverse=not selection.rising)
     return [each for _, each in known] + [each for each in listed if key(each) is None]
 
 
-def rows_on_page(listed: Sequence[ListedSession], number: int) -> Sequence[ListedSession]:
+def rows_on_page(listed: Sequence[SessionProgress], number: int) -> Sequence[SessionProgress]:
     """Return the rows on page `number`, from 1."""
     return listed[(number - 1) * ROWS : number * ROWS]
 
 
-def page_numbers(listed: Sequence[ListedSession]) -> Iterable[int]:
+def page_numbers(listed: Sequence[SessionProgress]) -> Iterable[int]:
     """Return the numbers of all pages."""
     return range(1, max(1, -(-len(listed) // ROWS)) + 1)
 

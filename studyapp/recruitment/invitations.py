@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import csv
 import io
-import secrets
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -27,6 +26,7 @@ from studyapp.researchers.credentials import token_hash
 from studyapp.session.intake import add_places, current_intake
 from studyapp.session.places import has_open_place
 from studyapp.session.served_study import ServedStudy
+from studyapp.session.trials import new_token
 from studyapp.session.versions import open_study
 from studyapp.study.folder import StudyFolder
 
@@ -134,9 +134,6 @@ def _rows(path: Path) -> list[list[str]]:
         ) from None
 
 
-BYTES: Final = 24
-
-
 @dataclass(frozen=True, kw_only=True)
 class InvitationCounts:
     """How many invitations were made, and with how many somebody has begun or finished."""
@@ -148,7 +145,7 @@ class InvitationCounts:
 
 def make_invitations(database: Database, count: int, clock: Clock) -> list[str]:
     """Return the tokens of `count` new invitations; nobody can read them again."""
-    tokens = [secrets.token_urlsafe(BYTES) for _ in range(count)]
+    tokens = [new_token() for _ in range(count)]
     now = clock.now()
     with database.writing() as session:
         session.add_all(Invitation(token_hash=token_hash(token), made_at=now) for token in tokens)

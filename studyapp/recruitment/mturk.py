@@ -148,10 +148,6 @@ SCHEMA: Final = (
 TIMES_AS_LONG: Final = 4
 """A worker may take so many times the study's duration before the assignment is withdrawn."""
 
-SECONDS_PER_MINUTE: Final = 60
-SECONDS_PER_HOUR: Final = 3600
-SECONDS_PER_DAY: Final = 86_400
-
 
 def hit_request(study: Study, address: str, *, made_before: int, live: bool) -> dict[str, Any]:
     """Return the HIT of `study`, which workers see in a frame that shows `address`.
@@ -185,16 +181,13 @@ def hit_request(study: Study, address: str, *, made_before: int, live: bool) -> 
         "Keywords": recruited.keywords,
         "Reward": recruited.reward,
         "MaxAssignments": recruited.assignments or count_places(study),
-        "LifetimeInSeconds": recruited.hours_to_accept * SECONDS_PER_HOUR,
-        "AssignmentDurationInSeconds": minutes * SECONDS_PER_MINUTE * TIMES_AS_LONG,
-        "AutoApprovalDelayInSeconds": recruited.days_to_review * SECONDS_PER_DAY,
+        "LifetimeInSeconds": recruited.hours_to_accept * 3600,
+        "AssignmentDurationInSeconds": minutes * 60 * TIMES_AS_LONG,
+        "AutoApprovalDelayInSeconds": recruited.days_to_review * 86_400,
         "Question": f'<ExternalQuestion xmlns="{SCHEMA}"><ExternalURL>{escape(address)}'
         "</ExternalURL><FrameHeight>0</FrameHeight></ExternalQuestion>",
         "UniqueRequestToken": hashlib.sha256(once.encode()).hexdigest(),
     }
-
-
-SUBMITTED = "Submitted"
 
 
 def request_of(folder: StudyFolder, address: str, *, live: bool) -> dict[str, Any]:
@@ -258,6 +251,6 @@ def _hits_in(record: RecruitmentRecord, *, live: bool) -> tuple[str, ...]:
 
 
 def _decide(assignment: Assignment, participant: KnownParticipant) -> PaymentDecision:
-    if assignment.status != SUBMITTED:
+    if assignment.status != "Submitted":
         return PaymentDecision(verdict="settled", reason=assignment.status.lower())
     return judge_assignment(participant.code, assignment.answer, participant.study_status)

@@ -53,18 +53,6 @@ EVENT_LABELS: Final[Mapping[Event, str]] = MappingProxyType(
 """Labels of events whose names are not clear enough."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class LoggedChange:
-    """One line of the log in words; see `studyapp.database.tables.AuditLine`."""
-
-    id: int
-    at: datetime
-    researcher: str
-    event: str
-    detail: str
-    reason: str
-
-
 def read_reason(text: str) -> str:
     """Return a researcher's reason on one line.
 
@@ -114,13 +102,18 @@ def log_change(
     )
 
 
+def event_label(line: AuditLine) -> str:
+    """Return what was done, in words."""
+    return EVENT_LABELS.get(Event(line.event), line.event.replace("_", " "))
+
+
 def detail_label(line: AuditLine) -> str:
     """Return the study session and the details of a change, in words."""
     subject = "" if line.study_session is None else f"study session {line.study_session}"
     return ", ".join(filter(None, (subject, line.detail)))
 
 
-def latest_changes(database: Database, *, before: int | None = None) -> list[LoggedChange]:
+def latest_changes(database: Database, *, before: int | None = None) -> Sequence[AuditLine]:
     """Return the newest `MAX_LINES` lines of the log older than `before`, the newest first.
 
     Parameters
@@ -132,17 +125,7 @@ def latest_changes(database: Database, *, before: int | None = None) -> list[Log
     if before is not None:
         query = query.where(AuditLine.id < before)
     with database.reading() as session:
-        return [
-            LoggedChange(
-                id=line.id,
-                at=line.at,
-                researcher=line.researcher,
-                event=EVENT_LABELS.get(Event(line.event), line.event.replace("_", " ")),
-                detail=detail_label(line),
-                reason=line.reason,
-            )
-            for line in session.scalars(query)
-        ]
+        return session.scalars(query).all()
 
 
 Way = Literal["page", "report", "export"]

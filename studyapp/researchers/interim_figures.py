@@ -179,11 +179,9 @@ def stored_figures(
     with database.reading() as session:
         answers, state = count_answers(session), _state(session)
         row = _row(session, what)
-    begun = None
-    if answers and _is_due(row, state, now, MIN_INTERVALS[what]):
-        begun = _claim(database, what, state, now)
-    if begun is not None:
-        figures.begin(partial(_compute, database, clock, what, begun, figures))
+    is_due = answers and _is_due(row, state, now, MIN_INTERVALS[what])
+    if is_due and _claim(database, what, state, now):
+        figures.begin(partial(_compute, database, clock, what, now, figures))
         with database.reading() as session:
             row = _row(session, what)
     if row is None:
@@ -230,18 +228,18 @@ def _is_due(row: InterimFigures | None, state: str, now: datetime, rest: timedel
     return changed and has_passed(rest, row.tried_at, now) and not _is_running(row, now)
 
 
-def _claim(database: Database, what: FigureKind, state: str, now: datetime) -> datetime | None:
-    """Claim the computation for this process; None if another one was first."""
+def _claim(database: Database, what: FigureKind, state: str, now: datetime) -> bool:
+    """Claim the computation for this process; False if another one was first."""
     with database.writing() as session:
         take_turn(session.connection(), Turn.FIGURES)
         row = _row(session, what)
         if not _is_due(row, state, now, MIN_INTERVALS[what]):
-            return None
+            return False
         if row is None:
             row = InterimFigures(what=what, state="", document="", problem="")
             session.add(row)
         row.begun_at = now
-        return now
+        return True
 
 
 def _compute(

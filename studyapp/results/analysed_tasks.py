@@ -198,9 +198,13 @@ def _table(protocol: str, rows: pd.DataFrame, *, has_sets: bool = False) -> pd.D
     A study with several sets names them even if only one has answers yet.
     """
     named = rows.drop(columns="trial").rename(
-        columns={"study_session": "participant", "position": "trial", "seconds": "response_seconds"}
+        columns={
+            "study_session": "participant",
+            "position": "trial",
+            "seconds": "response_seconds",
+            "part": "set",
+        }
     )
-    named = named.rename(columns={"part": "set"})
     names = [*SHARED, *OWN[protocol]]
     if not has_sets:
         names.remove("set")
@@ -212,14 +216,8 @@ def _table(protocol: str, rows: pd.DataFrame, *, has_sets: bool = False) -> pd.D
 def _text(column: pd.Series[Any]) -> pd.Series[str]:
     """Return cells as text; missing values are empty, whole numbers have no point."""
     codes, values = pd.factorize(column)
-    words = np.array([*(_word(value) for value in values), ""], dtype=object)
-    return pd.Series(words[codes], dtype=str)
-
-
-def _word(value: object) -> str:
-    if isinstance(value, float):
-        return f"{value:.10g}"
-    return str(value)
+    words = [f"{value:.10g}" if isinstance(value, float) else str(value) for value in values]
+    return pd.Series(np.array([*words, ""], dtype=object)[codes], dtype=str)
 
 
 def sides(stimuli: pd.DataFrame) -> pd.DataFrame:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import fields, replace
 from pathlib import Path
@@ -118,32 +118,28 @@ def study_state(study: Study, stored: StoredAnswers) -> StudyState:
     )
 
 
-def agreement_so_far(folder: StudyFolder) -> Document:
-    """Return how much participants agree, which does not reveal what they prefer.
+SUMMARIES: Final[
+    Mapping[str, Callable[[AnalysedTask], Iterable[AgreedSoFar] | Iterable[HeadlineNumber]]]
+] = {
+    "agreement": lambda task: agreed_so_far(task.table, task.left_out),
+    "results": lambda task: headline_numbers(task.table, task.left_out.analysed),
+}
+
+
+def figures_so_far(folder: StudyFolder, what: str) -> Document:
+    """Return figures of the answers so far.
+
+    Parameters
+    ----------
+    what : {'agreement', 'results'}
+        How much participants agree, which does not reveal what they prefer; or the headline
+        numbers of the report.
 
     Raises
     ------
     InputError
         If the study cannot be read, or its answers contradict it.
     """
-    return _document(folder, lambda task: agreed_so_far(task.table, task.left_out))
-
-
-def results_so_far(folder: StudyFolder) -> Document:
-    """Return the report's headline numbers for the answers so far.
-
-    Raises
-    ------
-    InputError
-        If the study cannot be read, or its answers contradict it.
-    """
-    return _document(folder, lambda task: headline_numbers(task.table, task.left_out.analysed))
-
-
-def _document(
-    folder: StudyFolder,
-    summarise: Callable[[AnalysedTask], Iterable[AgreedSoFar] | Iterable[HeadlineNumber]],
-) -> Document:
     study = folder.study()
     answers = read_answers(folder, "participants")
     if answers.stored is None or answers.origin == "none":
@@ -155,7 +151,9 @@ def _document(
         state=study_state(study, answers.stored),
         answered=max(task.left_out.recruited for task in tasks),
         analysed=max(task.left_out.attentive for task in tasks),
-        rows=tuple(_row(task.protocol, number) for task in tasks for number in summarise(task)),
+        rows=tuple(
+            _row(task.protocol, number) for task in tasks for number in SUMMARIES[what](task)
+        ),
     )
 
 
@@ -166,10 +164,6 @@ def _row(task: str, number: AgreedSoFar | HeadlineNumber) -> dict[str, Any]:
     return row | {"task": task, "set": number.set or ""}
 
 
-DOCUMENTS: Final[dict[str, Callable[[StudyFolder], Document]]] = {
-    "agreement": agreement_so_far,
-    "results": results_so_far,
-}
 PROCESSOR_SECONDS: Final = 120
 
 
@@ -177,7 +171,7 @@ def main(arguments: Sequence[str]) -> int:
     """Print the document of ``FOLDER agreement|results``; return the exit status."""
     folder, name = arguments
     try:
-        document = DOCUMENTS[name](StudyFolder(Path(folder)))
+        document = figures_so_far(StudyFolder(Path(folder)), name)
     except InputError as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         return 1

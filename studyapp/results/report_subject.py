@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -42,7 +41,7 @@ def study_subject(
     notes: Sequence[str] = (),
 ) -> Subject:
     """Return the subject of a study's report, with metrics and stills."""
-    stills = study_stills(folder, study, segments)
+    stills, no_stills = study_stills(folder, study, segments)
     return Subject(
         title=study.title,
         origin=origin,
@@ -73,8 +72,8 @@ def study_subject(
         study_sha256=sha256_of(folder.definition),
         seed=study.seed,
         metrics=_metrics(folder, study, segments),
-        stills=stills.stills,
-        no_stills=stills.reason,
+        stills=stills,
+        no_stills=no_stills,
     )
 
 
@@ -128,41 +127,34 @@ _QUALITY: Final = 80
 NO_VIDEOS: Final = "There are no videos of the conditions here, so there are no stills of them."
 
 
-@dataclass(frozen=True, kw_only=True)
-class Stills:
-    """Stills of a study.
-
-    Attributes
-    ----------
-    stills : tuple of Still
-        By condition, then moment.
-    reason : str
-        Why there are none, as a sentence; else empty.
-    """
-
-    stills: tuple[Still, ...] = ()
-    reason: str = ""
-
-
-def study_stills(folder: StudyFolder, study: Study, segments: Sequence[Segment]) -> Stills:
+def study_stills(
+    folder: StudyFolder, study: Study, segments: Sequence[Segment]
+) -> tuple[tuple[Still, ...], str]:
     """Take stills from the videos that participants see.
 
     They show the first segment with videos of all conditions, or else of most, at the loudest
     syllable in each of `STILL_COUNT` equal parts of its speech. Conditions whose videos are missing
     or damaged have no stills.
+
+    Returns
+    -------
+    stills : tuple of Still
+        By condition, then moment.
+    reason : str
+        Why there are none, as a sentence; else empty.
     """
     keys = [(segment.name, name) for segment in segments for name in study.conditions]
     try:
         existing = stimulus_videos(folder, study, keys)
         videos = {key: existing[key].file for key in keys if key in existing}
         if not videos:
-            return Stills(reason=NO_VIDEOS)
+            return (), NO_VIDEOS
         chosen = max(segments, key=lambda segment: sum(name == segment.name for name, _ in videos))
         shown = {name: video for (segment, name), video in videos.items() if segment == chosen.name}
         first = next(iter(shown.values()))
         moments = [moment.seconds for moment in _moments(folder, chosen, first)]
     except InputError as error:
-        return Stills(reason=f"There are no stills of the conditions: {error.what}.")
+        return (), f"There are no stills of the conditions: {error.what}."
     stills: list[Still] = []
     for condition, video in shown.items():
         try:
@@ -178,9 +170,7 @@ def study_stills(folder: StudyFolder, study: Study, segments: Sequence[Segment])
             )
             for seconds, frame in zip(moments, frames, strict=True)
         ]
-    return Stills(
-        stills=tuple(stills), reason="" if stills else "No video of a condition can be read."
-    )
+    return tuple(stills), "" if stills else "No video of a condition can be read."
 
 
 def _moments(folder: StudyFolder, segment: Segment, video: Path) -> tuple[Moment, ...]:

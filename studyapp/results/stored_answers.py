@@ -324,11 +324,6 @@ def _frame(session: Session, query: Select[*tuple[object, ...]]) -> pd.DataFrame
 
 def _watched(session: Session, chosen: ColumnElement[bool]) -> pd.DataFrame:
     """Return the watched share of the videos of each answered trial."""
-    frame = pd.DataFrame(list(_shares(session, chosen)), columns=["trial", "watched"])
-    return frame.astype({"trial": "int64", "watched": "float64"})
-
-
-def _shares(session: Session, chosen: ColumnElement[bool]) -> Iterator[tuple[int, float]]:
     query = _in_answered_trials(
         select(Trial.id, Video.duration, Video.sent_at, WatchRecord.intervals)
         .join(Video, Video.trial_id == Trial.id)
@@ -337,6 +332,9 @@ def _shares(session: Session, chosen: ColumnElement[bool]) -> Iterator[tuple[int
     ).order_by(Trial.id)
     blocks = session.execute(query.execution_options(yield_per=BATCH_ROWS)).partitions()
     rows: Iterator[tuple[Any, ...]] = (tuple(row) for block in blocks for row in block)
-    for trial, videos in groupby(rows, key=itemgetter(0)):
-        share = watched_share(row[1:] for row in videos)
-        yield trial, round(share, 4)
+    shares = [
+        (trial, round(watched_share(row[1:] for row in videos), 4))
+        for trial, videos in groupby(rows, key=itemgetter(0))
+    ]
+    frame = pd.DataFrame(shares, columns=["trial", "watched"])
+    return frame.astype({"trial": "int64", "watched": "float64"})

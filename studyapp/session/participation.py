@@ -43,22 +43,6 @@ from studyapp.study.settings.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)
-class Break:
-    """A break between two trials.
-
-    Attributes
-    ----------
-    position : int
-        Position of the trial after it.
-    minutes_left : int
-        See `studyapp.session.trials.minutes_left`.
-    """
-
-    position: int
-    minutes_left: int
-
-
-@dataclass(frozen=True, kw_only=True)
 class Situation:
     """What a participant's page shows: the first of these that is due.
 
@@ -70,8 +54,10 @@ class Situation:
         Number of wrong tries; None if the sound check is not due.
     form : {'demographics', 'closing'} or None
         Questions about the participant that must be answered now.
-    offered_break : Break or None
-        A break that is offered now.
+    break_before : int or None
+        Position of the trial before which a break is offered now.
+    minutes_left : int or None
+        In a break; see `studyapp.session.trials.minutes_left`.
     has_tried_comprehension : bool
         Whether one of the two tries at the questions about the instructions is over.
     exit : Exit or None
@@ -87,7 +73,8 @@ class Situation:
     practice: int
     sound_tries: int | None = None
     form: Stage | None = None
-    offered_break: Break | None = None
+    break_before: int | None = None
+    minutes_left: int | None = None
     has_tried_comprehension: bool = False
     exit: Exit | None = None
     trial: ShownTrial | None = None
@@ -132,8 +119,7 @@ def load_situation(database: Database, served: ServedStudy, token: str, clock: C
             return replace(situation, form=form, has_tried_comprehension=has_tried)
         minutes = _minutes_left(session, study_session, served.study)
         if (position := break_due(study_session, served.study)) is not None:
-            offered_break = Break(position=position, minutes_left=minutes)
-            return replace(situation, offered_break=offered_break)
+            return replace(situation, break_before=position, minutes_left=minutes)
         trials = study_session.trials
         load_videos(session, [trial, *following_trials(trials, trial)[:1]])
         if trial.shown_at is None:

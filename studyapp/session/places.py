@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping
-from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cache
 from typing import Any, Final
@@ -102,37 +101,26 @@ def take_open_place(
     for index, (arm, design) in enumerate(RANDOM.sample(list(wanted), len(wanted))):
         count = wanted[arm, design]
         parameters |= {f"arm{index}": arm, f"design{index}": design, f"wanted{index}": count}
-    connection, queries = session.connection(), _place_queries(len(wanted))
+    connection = session.connection()
+    open_places, skipping, waiting = _place_queries(len(wanted))
     while True:
         # Skip places that others have locked; if none is left, wait, as the others may fail.
-        for query in (queries.skipping, queries.waiting):
+        for query in (skipping, waiting):
             place = connection.execute(query, parameters).first()
             if place is not None:
                 return place
-        if connection.execute(queries.open_places, parameters).first() is None:
+        if connection.execute(open_places, parameters).first() is None:
             return None
 
 
-@dataclass(frozen=True, kw_only=True)
-class _PlaceQueries:
-    """Three queries for the open places that the next newcomers get.
-
-    Attributes
-    ----------
-    open_places : Select
-        All of them, in order.
-    skipping, waiting : Select
-        The first one, locked; skipping those that others have locked, or waiting for them.
-    """
-
-    open_places: Select[Any]
-    skipping: Select[int, str, str, int]
-    waiting: Select[int, str, str, int]
-
-
 @cache
-def _place_queries(arms: int) -> _PlaceQueries:
-    """Return the queries for open places of so many arms.
+def _place_queries(
+    arms: int,
+) -> tuple[Select[Any], Select[int, str, str, int], Select[int, str, str, int]]:
+    """Return three queries for open places of so many arms.
+
+    All of them that the next newcomers get; and the first, locked, skipping places that others have
+    locked, or waiting for them.
 
     Places are in the order in which successive newcomers would get them: by how many places of the
     arm are then held. Taking places from the head does not change the order, so simultaneous
@@ -171,10 +159,10 @@ def _place_queries(arms: int) -> _PlaceQueries:
         .order_by(ordered.c.turn, ordered.c.chance)
         .limit(1)
     )
-    return _PlaceQueries(
-        open_places=open_places,
-        skipping=foremost.with_for_update(of=Place, skip_locked=True),
-        waiting=foremost.with_for_update(of=Place),
+    return (
+        open_places,
+        foremost.with_for_update(of=Place, skip_locked=True),
+        foremost.with_for_update(of=Place),
     )
 
 

@@ -72,7 +72,6 @@ OUR_FAULT: Final = (
     Message("What you answered before is stored. Please wait a moment and try again."),
 )
 
-FIRST_FAULT_OF_OURS: Final = 500
 NUL: Final = "\0"
 
 
@@ -109,8 +108,8 @@ def register_error_pages(app: Flask) -> None:
 
     @app.errorhandler(HTTPException)
     def fail(error: HTTPException) -> ResponseReturnValue:
-        status = error.code or FIRST_FAULT_OF_OURS
-        default = OUR_FAULT if status >= FIRST_FAULT_OF_OURS else NOT_UNDERSTOOD
+        status = error.code or 500
+        default = OUR_FAULT if status >= 500 else NOT_UNDERSTOOD
         return _page(WORDS.get(status, default), status)
 
 

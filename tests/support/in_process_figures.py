@@ -12,7 +12,7 @@ from studyapp.researchers.interim_figures import (
     FigureProcess,
     NoFiguresError,
 )
-from studyapp.results.looks import DOCUMENTS
+from studyapp.results.looks import figures_so_far
 from studyapp.study.folder import StudyFolder
 
 
@@ -33,6 +33,6 @@ class InProcessFigures(FigureProcess):
     def compute(self, what: FigureKind, *, seconds: float = TIMEOUT_SECONDS) -> str:
         del seconds
         try:
-            return DOCUMENTS[what](StudyFolder(self.folder)).model_dump_json()
+            return figures_so_far(StudyFolder(self.folder), what).model_dump_json()
         except InputError as error:
             raise NoFiguresError(str(error)) from error

@@ -6,7 +6,6 @@ consent, except how many were screened out, and that somebody named by a recruit
 
 from __future__ import annotations
 
-import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -28,6 +27,7 @@ from studyapp.session.refusal import (
     TakenPartError,
     UnacceptableError,
 )
+from studyapp.session.trials import new_token
 from studyapp.study.settings.presentation import Device, Message
 from studyapp.study.settings.questions import Stage
 from studyapp.study.settings.study import Study
@@ -49,8 +49,6 @@ from studyapp.web.participants.recruiter_names import (
 from studyapp.web.site import study_site
 
 pages = Blueprint("entrance", __name__)
-
-NO_PROBLEMS: Final[Mapping[str, str]] = MappingProxyType({})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +96,7 @@ def entrance_page(
     *,
     has_sound: bool,
     problem: str = "",
-    problems: Mapping[str, str] = NO_PROBLEMS,
+    problems: Mapping[str, str] | None = None,
     refused: bool = False,
 ) -> str:
     """Return a page of the entrance to `study`, for a device that may be `refused`."""
@@ -111,7 +109,7 @@ def entrance_page(
         recruiter=entrant.recruiter,
         answers=entrant.answers,
         problem=problem,
-        problems=problems,
+        problems=problems or {},
         devices=_devices_needed(study),
         refused=refused,
     )
@@ -121,7 +119,7 @@ def entrance_page(
 @pages.get("/")
 def arrive() -> ResponseReturnValue:
     """Ask for eligibility, or describe the study; nothing is stored."""
-    visit = secrets.token_urlsafe(24)
+    visit = new_token()
     if is_preview(request.args):
         return Entrant(visit=visit, recruiter={}, answers={}).page("preview")
     entrant = Entrant(visit=visit, recruiter=read_names(request.args), answers={})

@@ -214,7 +214,7 @@ def situation_page(
     if situation.sound_tries is not None:
         page = "sound_check"
     else:
-        page = "break" if situation.offered_break is not None else situation.state
+        page = "break" if situation.break_before is not None else situation.state
     return render_template(
         f"{page}.html",
         study=study,

@@ -72,8 +72,6 @@ def guard(
 
 
 NAME: Final = "research"
-NOT_FOUND: Final = 404
-OUR_FAULT: Final = 500
 
 
 @dataclass(frozen=True)
@@ -221,8 +219,8 @@ def fail(error: HTTPException) -> ResponseReturnValue:
     if visitor_cookie() is None:
         # The guard may not have been asked yet, and no login may be replaced.
         recognise()
-    status = error.code or OUR_FAULT
-    if status == NOT_FOUND:
+    status = error.code or 500
+    if status == 404:
         return problem_page(
             "There is no such page", "Check the address, or go on from the overview.", status
         )

@@ -23,7 +23,13 @@ from studyapp.monitoring.study_sessions import (
     rows_on_page,
 )
 from studyapp.researchers.account import Right
-from studyapp.researchers.audit import MAX_LINES, MAX_REASON_LENGTH, latest_changes
+from studyapp.researchers.audit import (
+    MAX_LINES,
+    MAX_REASON_LENGTH,
+    detail_label,
+    event_label,
+    latest_changes,
+)
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.researchers.interim_figures import stored_figures
 from studyapp.researchers.pseudonyms import (
@@ -121,7 +127,7 @@ def study_sessions(data: Data) -> ResponseReturnValue:
             return redirect(url_for("research.study_session", data=data, number=match), 303)
         listed = list_study_sessions(database, site.served, selection, site.clock.now())
         shown = rows_on_page(listed, number)
-        pseudonyms = _pseudonyms(database, names, [each.progress.id for each in shown])
+        pseudonyms = _pseudonyms(database, names, [each.id for each in shown])
     return page(
         "study_sessions",
         data=data,
@@ -205,7 +211,9 @@ def changes() -> ResponseReturnValue:
     """Show who changed what, when and why, newest first."""
     lines = latest_changes(study_site().database, before=_number("before"))
     older = lines[-1].id if len(lines) == MAX_LINES else None
-    return page("changes", lines=lines, older=older)
+    return page(
+        "changes", lines=lines, older=older, event_label=event_label, detail_label=detail_label
+    )
 
 
 def _selection() -> Selection:

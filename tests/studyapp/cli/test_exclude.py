@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from studyapp.database.engine import Database
+from studyapp.database.tables import Event
 from studyapp.researchers.audit import latest_changes
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.tables import export, pseudonyms
@@ -69,8 +70,8 @@ def test_a_participant_is_excluded_and_reinstated_by_number_or_pseudonym(
         assert reasons(database) == ["asleep", "", "", ""]
         assert "exclusion rules still apply" in output
         assert [(line.researcher, line.event) for line in latest_changes(database)[:2]] == [
-            ("", "participant reinstated"),
-            ("", "participant excluded"),
+            ("", Event.REINSTATED),
+            ("", Event.EXCLUDED),
         ]
 
 

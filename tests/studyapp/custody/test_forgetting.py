@@ -16,7 +16,13 @@ from studyapp.database.scrubbing import scrub
 from studyapp.database.tables import AuditLine, Event, InterimFigures, Look, Place, StudySession
 from studyapp.database.tables.base import Base
 from studyapp.recruitment.invitations import make_invitations
-from studyapp.researchers.audit import StudyState, latest_changes, log_change, log_look
+from studyapp.researchers.audit import (
+    StudyState,
+    detail_label,
+    latest_changes,
+    log_change,
+    log_look,
+)
 from studyapp.researchers.credentials import token_hash
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.researchers.pseudonyms import PseudonymKey
@@ -166,8 +172,8 @@ def test_the_log_records_the_erasure_without_a_name(person: Participant) -> None
         assert session.scalars(select(Look.reason)).all() == ["(erased) wrote"]
         assert session.scalars(select(InterimFigures)).all() == []
     lines = list(reversed(latest_changes(person.database)))
-    assert lines[-1].event == "participant forgotten"
-    assert lines[-1].detail == "study session 1, arm rule_based-mismatched, was started"
+    assert lines[-1].event == Event.FORGOTTEN
+    assert detail_label(lines[-1]) == "study session 1, arm rule_based-mismatched, was started"
     assert (lines[0].researcher, lines[0].reason) == ("ada", "(erased) wrote to us")
 
 

@@ -11,7 +11,7 @@ import pytest
 from studyapp.desk.job_kinds import RUN, SHARED, TAKE_HOME
 from studyapp.desk.jobs import Job
 from studyapp.desk.lab import LabStudy
-from studyapp.researchers.audit import latest_changes, latest_looks
+from studyapp.researchers.audit import event_label, latest_changes, latest_looks
 from tests.studyapp.desk.conftest import Joined
 from tests.studyapp.desk.job_watching import SLOW, begin, wait_until_ended
 from tests.studyapp.web.research.research_browser import ResearchBrowser
@@ -23,7 +23,8 @@ JOBS = f"{TINY}jobs/"
 
 
 def changes(tiny: LabStudy) -> list[tuple[str, str, str]]:
-    return [(each.researcher, each.event, each.detail) for each in latest_changes(tiny.database)]
+    lines = latest_changes(tiny.database)
+    return [(line.researcher, event_label(line), line.detail) for line in lines]
 
 
 def write_earlier_results(tiny: LabStudy) -> None:

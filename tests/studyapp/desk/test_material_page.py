@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from studyapp.database.tables import Event
 from studyapp.desk.job_kinds import RECORD
 from studyapp.desk.lab import Lab, LabStudy
 from studyapp.desk.material_page import Material
@@ -154,6 +155,6 @@ def test_a_file_is_deleted_after_confirmation(
     assert "damaged" not in ada.get(f"{MATERIAL}/mismatched/take-1").text
     newest = latest_changes(tiny.database)[0]
     assert (newest.event, newest.detail) == (
-        "file removed",
+        Event.MATERIAL_REMOVED,
         "motion/mismatched/take-1.npz",
     )

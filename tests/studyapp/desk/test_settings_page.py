@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from studyapp.database.tables import Event
 from studyapp.desk.lab import Lab, LabStudy
 from studyapp.researchers.audit import latest_changes
 from tests.studyapp.desk.conftest import Joined
@@ -38,7 +39,7 @@ def test_the_file_is_saved_as_typed(tiny: LabStudy, ada: ResearchBrowser, file: 
     newest = latest_changes(tiny.database)[0]
     assert (newest.researcher, newest.event, newest.detail) == (
         "Ada",
-        "study file edited",
+        Event.DEFINITION_EDITED,
         "2 lines removed or added",
     )
 
@@ -128,7 +129,7 @@ def test_changing_the_design_while_people_take_part_makes_a_new_version(
     assert now.study.questions[0].text.endswith("follow the speech better?")
     assert taken.standing().problem is None
     newest = latest_changes(taken.database)[0]
-    assert (newest.researcher, newest.event) == ("Ada", "new version")
+    assert (newest.researcher, newest.event) == ("Ada", Event.NEW_VERSION)
 
 
 def test_the_number_of_participants_may_change_while_people_take_part(

@@ -19,7 +19,6 @@ from studyapp.monitoring.counts import (
 from studyapp.monitoring.data_quality import Check, checked_items, failed_by_session
 from studyapp.monitoring.study_sessions import (
     ROWS,
-    ListedSession,
     SessionProgress,
     Standing,
     page_numbers,
@@ -132,10 +131,7 @@ def test_a_check_that_only_careful_raters_fail_is_identified() -> None:
 
 
 def test_a_long_list_is_cut_into_pages_without_loss() -> None:
-    long = [
-        ListedSession(progress=session_progress("done", id=number), failures=None)
-        for number in range(2 * ROWS + 1)
-    ]
+    long = [session_progress("done", id=number) for number in range(2 * ROWS + 1)]
 
     pages = list(page_numbers(long))
 

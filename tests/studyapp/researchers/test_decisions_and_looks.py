@@ -8,7 +8,7 @@ from sqlalchemy import select, update
 from motion.errors import InputError
 from studyapp.custody.forgetting import erase
 from studyapp.database.engine import Database
-from studyapp.database.tables import AuditLine, ExclusionDecision
+from studyapp.database.tables import AuditLine, Event, ExclusionDecision
 from studyapp.researchers.audit import (
     ERASED,
     StudyState,
@@ -78,7 +78,7 @@ def test_the_newest_decision_holds_and_none_is_lost(
 def test_an_impossible_decision_changes_nothing(participant: Participant, clock: SetClock) -> None:
     database = participant.database
     participant.another().enrol("gone").withdraw()
-    before = latest_changes(database)
+    before = len(latest_changes(database))
 
     for reason in ("", " \n", "x" * 501, "a\0b", "a\udc80b"):
         with pytest.raises(InputError, match="reason of 1 to 500"):
@@ -91,7 +91,7 @@ def test_an_impossible_decision_changes_nothing(participant: Participant, clock:
         exclude(database, clock, 2)
 
     assert excluded(database) == {}
-    assert latest_changes(database) == before
+    assert len(latest_changes(database)) == before
     exclude(database, clock, 1)
     with pytest.raises(InputError, match="1 is already excluded by hand"):
         exclude(database, clock, 1)
@@ -138,7 +138,7 @@ def test_a_look_is_in_both_logs_and_researchers_are_numbered(
     assert [look.researcher for look in looks] == ["Ada", "Grace", "", "Ada"]
     assert {(look.finished, look.planned, look.answers) for look in looks} == {(12, 25, 300)}
     newest = latest_changes(opened)[0]
-    assert (newest.event, newest.researcher) == ("results looked at", "Ada")
+    assert (newest.event, newest.researcher) == (Event.LOOKED_AT, "Ada")
     assert newest.detail == "12 of 25 participants had finished"
     shared = read_once(opened, stored_answers).looks
     numbered = ["researcher 1", "command line", "researcher 2", "researcher 1"]

@@ -24,7 +24,7 @@ from studyapp.researchers.interim_figures import (
     StoredFigures,
     stored_figures,
 )
-from studyapp.results.looks import agreement_so_far
+from studyapp.results.looks import figures_so_far
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from tests.support.in_process_figures import InProcessFigures
@@ -149,7 +149,7 @@ def test_the_process_returns_documents_or_a_reason(
     (tiny_study / "analysis.py").write_text("raise SystemExit(5)", "utf-8")
     process = FigureProcess(tiny_study, sqlite_url(tiny_study / "responses.db"))
 
-    agreement = agreement_so_far(StudyFolder(tiny_study))
+    agreement = figures_so_far(StudyFolder(tiny_study), "agreement")
     results = Document.model_validate_json(process.compute("results"))
 
     assert agreement.state == results.state == StudyState(finished=2, planned=4, answers=28)

@@ -16,7 +16,7 @@ from studyapp.database.tables import StudySession
 from studyapp.results.answers import answers_to_report
 from studyapp.results.export.sharing import share
 from studyapp.results.export.tables import export
-from studyapp.results.looks import agreement_so_far
+from studyapp.results.looks import figures_so_far
 from studyapp.session.ending import withdraw
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -47,7 +47,7 @@ def shared(folder: StudyFolder, out: Path) -> object:
 
 
 def live(folder: StudyFolder, _out: Path) -> object:
-    return agreement_so_far(folder)
+    return figures_so_far(folder, "agreement")
 
 
 @pytest.mark.parametrize(

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from analysis.report.content import Still
 from studyapp.results.report_subject import (
     NO_VIDEOS,
     STILL_COUNT,
     STILL_PIXELS,
-    Stills,
     frames_at,
     study_stills,
 )
@@ -27,7 +27,7 @@ def folder(own_study: OwnStudy) -> StudyFolder:
     return own_study("rating")
 
 
-def stills(folder: StudyFolder) -> Stills:
+def stills(folder: StudyFolder) -> tuple[tuple[Still, ...], str]:
     study = folder.study()
     return study_stills(folder, study, tuple(folder.segments_of(study)))
 
@@ -35,17 +35,17 @@ def stills(folder: StudyFolder) -> Stills:
 def test_every_condition_is_shown_at_the_same_moments_of_the_first_segment(
     folder: StudyFolder,
 ) -> None:
-    found = stills(folder)
-    assert found.reason == ""
-    assert {still.segment for still in found.stills} == {min(SEGMENTS)}
+    found, reason = stills(folder)
+    assert reason == ""
+    assert {still.segment for still in found} == {min(SEGMENTS)}
     times = {
-        condition: tuple(s.seconds for s in found.stills if s.condition == condition)
+        condition: tuple(s.seconds for s in found if s.condition == condition)
         for condition in ("ours", "theirs", "real")
     }
     assert len(set(times.values())) == 1
     assert len(times["ours"]) == STILL_COUNT
     assert list(times["ours"]) == sorted(times["ours"])
-    start, image = "data:image/webp;base64,", found.stills[0].image
+    start, image = "data:image/webp;base64,", found[0].image
     assert image.startswith(start) and len(image) < 20_000
     with Image.open(io.BytesIO(base64.b64decode(image.removeprefix(start)))) as picture:
         assert max(picture.size) == STILL_PIXELS
@@ -60,15 +60,15 @@ def test_a_segment_with_all_videos_is_preferred_and_damaged_ones_are_left_out(
     (folder.videos / "ours" / f"{first}.mp4").unlink()
     (folder.videos / "theirs" / f"{second}.mp4").write_bytes(b"damaged")
 
-    found = study_stills(folder, study, segments)
+    found, _ = study_stills(folder, study, segments)
 
-    assert {still.segment for still in found.stills} == {second}
-    assert {still.condition for still in found.stills} == {"ours", "real"}
-    assert len(found.stills) == 2 * STILL_COUNT
+    assert {still.segment for still in found} == {second}
+    assert {still.condition for still in found} == {"ours", "real"}
+    assert len(found) == 2 * STILL_COUNT
 
 
 def test_without_videos_a_sentence_says_so(tiny_study: Path) -> None:
-    assert stills(StudyFolder(tiny_study)) == Stills(reason=NO_VIDEOS)
+    assert stills(StudyFolder(tiny_study)) == ((), NO_VIDEOS)
 
 
 def left_edge(picture: np.ndarray) -> int:

@@ -181,17 +181,17 @@ def test_breaks_come_between_trials_but_not_right_before_the_end(
 ) -> None:
     breaks = []
     while (situation := resting.look()).state != "completed":
-        if (offered := situation.offered_break) is None:
+        if (position := situation.break_before) is None:
             resting.take_trial()
             continue
-        breaks.append(offered.position)
+        breaks.append(position)
         assert situation.trial is None
         for stale in (1, 2, 6):
             resting.do(leave_break, stale)
-            assert resting.look().offered_break == offered
+            assert resting.look() == situation
         for _ in range(2):
-            resting.do(leave_break, offered.position)
-        assert resting.trial().position == offered.position
+            resting.do(leave_break, position)
+        assert resting.trial().position == position
 
     assert breaks == [3, 5]
 
@@ -199,13 +199,13 @@ def test_breaks_come_between_trials_but_not_right_before_the_end(
 def test_a_break_does_not_count_towards_the_next_trials_time(resting: Participant) -> None:
     for _ in range(2):
         resting.take_trial()
-    offered = resting.look().offered_break
+    offered = resting.look().minutes_left
     assert offered is not None
 
     resting.clock.advance(minutes=30)
     resting.do(leave_break, 3)
 
-    assert resting.trial().minutes_left == offered.minutes_left
+    assert resting.trial().minutes_left == offered
 
 
 def test_a_trial_that_was_shown_is_not_interrupted_by_a_new_rule(
