@@ -59,7 +59,18 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
     InputError
         If the study file does not say what Prolific needs, or nobody could open the address.
     """
-    _require(study, address)
+    missing = [
+        *(f"recruitment.prolific.{key}" for key in study.recruitment.missing_codes),
+        *([] if study.recruitment.prolific.reward else ["recruitment.prolific.reward"]),
+        *([] if study.page.minutes else ["page.minutes"]),
+    ]
+    if missing:
+        raise InputError(
+            f"Prolific needs {', '.join(missing)}",
+            where="study.toml",
+            remedy="Fill them in; 'motionjury recruit STUDY codes' draws the codes",
+        )
+    require_public(address)
     recruited = study.recruitment.prolific
     screened_out: dict[str, Any] = {"action": "REQUEST_RETURN", "return_reason": RETURN_REASON}
     if recruited.screened_out_reward:
@@ -103,21 +114,6 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
 
 def _code(kind: str, code: str, action: dict[str, Any]) -> dict[str, Any]:
     return {"code": code, "code_type": kind, "actor": "participant", "actions": [action]}
-
-
-def _require(study: Study, address: str) -> None:
-    missing = [
-        *(f"recruitment.prolific.{key}" for key in study.recruitment.missing_codes),
-        *([] if study.recruitment.prolific.reward else ["recruitment.prolific.reward"]),
-        *([] if study.page.minutes else ["page.minutes"]),
-    ]
-    if missing:
-        raise InputError(
-            f"Prolific needs {', '.join(missing)}",
-            where="study.toml",
-            remedy="Fill them in; 'motionjury recruit STUDY codes' draws the codes",
-        )
-    require_public(address)
 
 
 @dataclass(frozen=True, kw_only=True)

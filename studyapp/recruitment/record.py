@@ -6,13 +6,13 @@ The record of what was made there is kept beside the study, in ``recruitment.jso
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
 import tomlkit
 from pydantic import BaseModel, ConfigDict, ValidationError
+from tomlkit.exceptions import TOMLKitError
 
 from motion.errors import InputError
 from motion.files import write_text
@@ -91,16 +91,18 @@ def draw_codes(folder: StudyFolder, *, again: bool = False) -> list[str]:
     """
     text = read_text(folder.definition)
     try:
-        written = _prolific(tomllib.loads(text))
-        drawn = {key: draw_code() for key in KEYS if again or not written.get(key)}
-        if drawn:
-            _require_unmade(folder)
-        text = _replaced(text, {key: drawn[key] for key in drawn if key in written})
-        text = _added(text, {key: drawn[key] for key in drawn if key not in written})
-    except tomllib.TOMLDecodeError as error:
+        document = tomlkit.parse(text)
+    except TOMLKitError as error:
         raise InputError(
             f"not valid TOML: {error}", where=folder.definition, remedy="Mend that line"
         ) from None
+    written = _prolific(document)
+    drawn = {key: draw_code() for key in KEYS if again or not written.get(key)}
+    if drawn:
+        _require_unmade(folder)
+    missing = {key: code for key, code in drawn.items() if key not in written}
+    written.update({key: code for key, code in drawn.items() if key in written})
+    text = _added(tomlkit.dumps(document), missing)
     parse_text(text, where=folder.definition)
     if drawn:
         write_text(folder.definition, text)
@@ -119,20 +121,12 @@ def _require_unmade(folder: StudyFolder) -> None:
         )
 
 
-def _prolific(document: Mapping[str, Any]) -> Mapping[str, Any]:
+def _prolific(document: Mapping[str, Any]) -> dict[str, Any]:
     """Return the table of Prolific's keys; an empty one if there is none."""
     table: Any = document
     for key in ("recruitment", "prolific"):
         table = table.get(key, {}) if isinstance(table, dict) else {}
     return table if isinstance(table, dict) else {}
-
-
-def _replaced(text: str, codes: Mapping[str, str]) -> str:
-    """Return `text` with its codes replaced."""
-    document: Any = tomlkit.parse(text)
-    for key, code in codes.items():
-        document["recruitment"]["prolific"][key] = code
-    return tomlkit.dumps(document) if codes else text
 
 
 def _added(text: str, codes: Mapping[str, str]) -> str:
