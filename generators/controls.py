@@ -30,13 +30,12 @@ from generators.interface import (
 )
 from generators.rule_based.body_pose import Trunk, pose_body
 from generators.rule_based.vocabulary import POSES
+from motion.arrays import Floats, Floats32
 from motion.clip import ARKIT_NAMES, MotionClip
 from motion.errors import InputError
 from motion.resample import resample
 from motion.segment import Segment
 from motion.skeleton import joint_index
-
-FloatArray = NDArray[np.float64]
 
 _COST_OF_MISSING_SECOND: Final = 4.0
 _COST_OF_OWN_MOTION: Final = 1e9
@@ -199,7 +198,7 @@ def _stutter(frames: int, frame_rate: float, rng: np.random.Generator) -> NDArra
     return index
 
 
-def _break_body(clip: MotionClip, rng: np.random.Generator) -> NDArray[np.float32]:
+def _break_body(clip: MotionClip, rng: np.random.Generator) -> Floats32:
     """Return the clip's poses, shape (T, 55, 3), with faults from the first half second on."""
     poses = clip.poses.astype(float)
     rate = clip.frame_rate
@@ -222,20 +221,20 @@ def _break_body(clip: MotionClip, rng: np.random.Generator) -> NDArray[np.float3
     return poses.astype(np.float32)
 
 
-def _random_turn(degrees: tuple[float, float], rng: np.random.Generator) -> FloatArray:
+def _random_turn(degrees: tuple[float, float], rng: np.random.Generator) -> Floats:
     """Return a turn, axis-angle, about a random axis by an angle within `degrees`."""
     axis = rng.normal(size=3)
-    turn: FloatArray = axis / np.linalg.norm(axis) * np.radians(rng.uniform(*degrees))
+    turn: Floats = axis / np.linalg.norm(axis) * np.radians(rng.uniform(*degrees))
     return turn
 
 
-def _turn(rotvecs: FloatArray, turn: FloatArray) -> None:
+def _turn(rotvecs: Floats, turn: Floats) -> None:
     """Turn `rotvecs`, shape (T, 3), by `turn` in place."""
     if len(rotvecs):
         rotvecs[:] = (Rotation.from_rotvec(turn) * Rotation.from_rotvec(rotvecs)).as_rotvec()
 
 
-def _break_face(clip: MotionClip, rng: np.random.Generator) -> NDArray[np.float32] | None:
+def _break_face(clip: MotionClip, rng: np.random.Generator) -> Floats32 | None:
     """Return the clip's facial actions, flickering and sometimes at full strength."""
     if clip.arkit is None:
         return None

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any, Generic, TypedDict, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from torch import nn
 
 from generators.interface import ClipRequest, Generator, OnPart, SpeechSegment, with_length
 from generators.learned_settings import ModelSettings
 from generators.registry import TrainedGenerator, TrainingRequest, run_folder
+from motion.arrays import Floats
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
 from motion.resample import resample
@@ -67,7 +67,7 @@ class NetworkGenerator(Generator, Generic[SettingsT]):
         """Return motion at the network's frame rate, and further facts for its provenance."""
 
 
-def check_finite(motion: NDArray[np.float64], checkpoint: Path) -> None:
+def check_finite(motion: Floats, checkpoint: Path) -> None:
     """Check a network's motion.
 
     Raises
@@ -83,11 +83,9 @@ def check_finite(motion: NDArray[np.float64], checkpoint: Path) -> None:
         )
 
 
-def concatenate_parts(
-    parts: Iterable[NDArray[np.float64]], frames: int, on_part: OnPart
-) -> NDArray[np.float64]:
+def concatenate_parts(parts: Iterable[Floats], frames: int, on_part: OnPart) -> Floats:
     """Concatenate parts (some frames, values); report the progress towards `frames`."""
-    finished: list[NDArray[np.float64]] = []
+    finished: list[Floats] = []
     done = 0
     for part in parts:
         finished.append(part)

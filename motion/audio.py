@@ -15,8 +15,8 @@ import soundfile
 from av.audio.frame import AudioFrame
 from av.audio.resampler import AudioResampler
 from av.container import InputContainer
-from numpy.typing import NDArray
 
+from motion.arrays import Floats, Floats32
 from motion.errors import InputError, found_at
 from motion.files import replacing
 from motion.segment import excerpt_bounds
@@ -74,7 +74,7 @@ class Audio:
         If the samples are empty, not finite, not mono or the rate is not positive.
     """
 
-    samples: NDArray[np.float32]
+    samples: Floats32
     sample_rate: int
     notes: tuple[str, ...] = ()
 
@@ -100,7 +100,7 @@ class Audio:
         """Length in seconds."""
         return len(self.samples) / self.sample_rate
 
-    def samples_at(self, sample_rate: int) -> NDArray[np.float64]:
+    def samples_at(self, sample_rate: int) -> Floats:
         """Return the samples at another rate, low-pass filtered if it is lower."""
         # Imported here: it takes a moment to load, and most audio is read at the rate it needs.
         from scipy.signal import resample_poly
@@ -206,15 +206,13 @@ def _check_whole_wav(path: Path) -> None:
         )
 
 
-def _decode(
-    container: InputContainer, sample_rate: int | None, path: Path
-) -> tuple[NDArray[np.float32], int]:
+def _decode(container: InputContainer, sample_rate: int | None, path: Path) -> tuple[Floats32, int]:
     """Return the channel-averaged samples of the first audio stream, and their rate."""
     stream = container.streams.audio[0]
     rate = sample_rate or stream.rate
     # Interleaved, since PyAV crashes on planes of eight and more channels.
     resampler = AudioResampler(format="flt", rate=rate)
-    chunks: list[NDArray[np.float32]] = []
+    chunks: list[Floats32] = []
     seconds = 0.0
     for frame in container.decode(stream):
         seconds += frame.samples / frame.sample_rate
@@ -230,10 +228,10 @@ def _decode(
     return (np.concatenate(chunks) if chunks else np.zeros(0, np.float32)), rate
 
 
-def _mono(frame: AudioFrame) -> NDArray[np.float32]:
+def _mono(frame: AudioFrame) -> Floats32:
     # FFmpeg's own mixdown of float audio adds the channels up, which overflows full scale.
     channels = frame.to_ndarray().reshape(-1, frame.layout.nb_channels)
-    return cast("NDArray[np.float32]", channels.mean(axis=1, dtype=np.float32))
+    return cast("Floats32", channels.mean(axis=1, dtype=np.float32))
 
 
 def _ending_notes(path: Path, format_names: tuple[str, ...]) -> tuple[str, ...]:

@@ -19,8 +19,8 @@ from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats
 from motion.audio import SPEECH_RATE, Audio
 
 DETECTOR: Final = "librosa 0.11 spectral-flux onsets, 16 kHz, 10 ms hop"
@@ -89,7 +89,7 @@ def _lock() -> Iterator[None]:
         os.close(lock)
 
 
-def speech_onsets(audio: Audio) -> NDArray[np.float64]:
+def speech_onsets(audio: Audio) -> Floats:
     """Return the times at which sounds begin in `audio`.
 
     Parameters

@@ -14,6 +14,7 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.arrays import Floats32
 from motion.errors import InputError
 from motion.skeleton import (
     FACE_JOINTS,
@@ -24,8 +25,6 @@ from motion.skeleton import (
     RIGHT_HAND_JOINTS,
     joint_index,
 )
-
-FloatArray = NDArray[np.float32]
 
 ARKIT_NAMES: Final = (
     "browDownLeft", "browDownRight", "browInnerUp", "browOuterUpLeft", "browOuterUpRight",
@@ -98,12 +97,12 @@ class MotionClip:
         If a shape, value or the frame rate is not as stated.
     """
 
-    poses: FloatArray
-    trans: FloatArray
+    poses: Floats32
+    trans: Floats32
     frame_rate: float
-    betas: FloatArray = field(default_factory=lambda: np.zeros(0, np.float32))
-    expressions: FloatArray | None = None
-    arkit: FloatArray | None = None
+    betas: Floats32 = field(default_factory=lambda: np.zeros(0, np.float32))
+    expressions: Floats32 | None = None
+    arkit: Floats32 | None = None
     gender: str = "neutral"
     provenance: Mapping[str, str] = field(default_factory=dict)
 

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import correlate1d, maximum_filter1d
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats
 from motion.clip import MotionClip
 from motion.skeleton import PARENTS, REST_JOINTS, forward_kinematics, joint_index
-
-FloatArray = NDArray[np.float64]
 
 _STILL: Final = 1e-4
 """Range in metres of a height that counts as constant; less than any recording's noise."""
@@ -75,7 +74,7 @@ def ground_height(rest_joints: NDArray[np.floating]) -> float:
     return float(min(rest_joints[joint_index(f"{side}_foot"), 1] for side in _SIDES))
 
 
-def sole_heights(clip: MotionClip, rest_joints: NDArray[np.floating]) -> FloatArray:
+def sole_heights(clip: MotionClip, rest_joints: NDArray[np.floating]) -> Floats:
     """Return the height of the lowest heel or toe in each frame, shape (T,), in metres.
 
     They are the ends of a flat plate at the height of the foot joint, which turns with the foot.
@@ -92,13 +91,13 @@ def sole_heights(clip: MotionClip, rest_joints: NDArray[np.floating]) -> FloatAr
     return np.asarray(np.min(heights, axis=0))
 
 
-def _hann_average(values: FloatArray, radius: int) -> FloatArray:
+def _hann_average(values: Floats, radius: int) -> Floats:
     """Return `values`, shape (T, …), averaged by a Hann window of `radius` frames to each side."""
     weights = np.hanning(2 * radius + 3)[1:-1]
     return np.asarray(correlate1d(values, weights / weights.sum(), axis=0, mode="nearest"))
 
 
-def _smooth(lift: FloatArray, radius: int) -> FloatArray:
+def _smooth(lift: Floats, radius: int) -> Floats:
     """Return `lift` averaged over `radius` frames on each side, at most `SINKS_AT_MOST` below."""
     smooth = _hann_average(lift, radius)
     return np.maximum(smooth, lift - SINKS_AT_MOST)
@@ -203,7 +202,7 @@ def clear_of_body(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
     )
 
 
-def _arm_rotation_angles(before: MotionClip, after: MotionClip) -> FloatArray:
+def _arm_rotation_angles(before: MotionClip, after: MotionClip) -> Floats:
     """Return the larger of both arms' turns in each frame, in radians."""
     turns = []
     for side in ("left", "right"):
@@ -213,7 +212,7 @@ def _arm_rotation_angles(before: MotionClip, after: MotionClip) -> FloatArray:
     return np.asarray(np.max(turns, axis=0))
 
 
-def _outward_turns(clip: MotionClip, side: str, sign: float) -> FloatArray:
+def _outward_turns(clip: MotionClip, side: str, sign: float) -> Floats:
     """Return the axis-angle turn in the world that moves each frame's hand out, shape (T, 3)."""
     positions, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     outward = sign * rotations[:, 0, :, 0]
@@ -234,9 +233,7 @@ def _outward_turns(clip: MotionClip, side: str, sign: float) -> FloatArray:
     return best
 
 
-def _columns(
-    positions: FloatArray, rotations: FloatArray
-) -> list[tuple[FloatArray, FloatArray, float]]:
+def _columns(positions: Floats, rotations: Floats) -> list[tuple[Floats, Floats, float]]:
     """Return start and end, shape (T, 3), and radius of each column that hands must stay out of."""
     pelvis, chest = positions[:, joint_index("pelvis")], positions[:, joint_index("spine3")]
     aside = _TRUNK_ASIDE * rotations[:, 0, :, 0]
@@ -250,14 +247,14 @@ def _columns(
     ]
 
 
-def _nearest_point(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
+def _nearest_point(point: Floats, start: Floats, end: Floats) -> Floats:
     """Return the point between `start` and `end` that is nearest to `point`, frame by frame."""
     segment = end - start
     share = ((point - start) * segment).sum(axis=1) / (segment**2).sum(axis=1)
     return np.asarray(start + np.clip(share, 0, 1)[:, None] * segment)
 
 
-def _smooth_turns(turns: FloatArray, radius: int) -> FloatArray:
+def _smooth_turns(turns: Floats, radius: int) -> Floats:
     """Return smoothed turns, at least as large as `turns` unless directions cancel.
 
     The maximum size within `radius`, averaged over `radius`, is at least the size itself. It
@@ -270,7 +267,7 @@ def _smooth_turns(turns: FloatArray, radius: int) -> FloatArray:
     return np.asarray(smoothed * share[:, None])
 
 
-def _rotate_arm(clip: MotionClip, shoulder: int, turn: FloatArray) -> MotionClip:
+def _rotate_arm(clip: MotionClip, shoulder: int, turn: Floats) -> MotionClip:
     """Return the clip with one shoulder turned further, in the world."""
     _, rotations = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     parent = Rotation.from_matrix(rotations[:, PARENTS[shoulder]])

@@ -26,14 +26,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import find_peaks
 
+from motion.arrays import Floats, Indices
 from motion.audio import SPEECH_RATE, Audio
 from motion.audio_analysis import load_librosa
-
-FloatArray = NDArray[np.float64]
 
 _HOP: Final = 160
 _STEPS_PER_SECOND: Final = SPEECH_RATE / _HOP
@@ -72,10 +70,10 @@ class Prosody:
     """
 
     frame_rate: float
-    energy: FloatArray
-    syllables: FloatArray
-    accents: FloatArray
-    prominence: FloatArray
+    energy: Floats
+    syllables: Floats
+    accents: Floats
+    prominence: Floats
 
 
 def prosody(audio: Audio, frame_rate: float) -> Prosody:
@@ -110,7 +108,7 @@ def prosody(audio: Audio, frame_rate: float) -> Prosody:
     )
 
 
-def _energy(samples: FloatArray) -> FloatArray:
+def _energy(samples: Floats) -> Floats:
     """Return the energy envelope, one value per analysis step; 1 is the loud level, not a cap."""
     window = np.hanning(_WINDOW)
     power = np.convolve(samples**2, window / window.sum())
@@ -123,7 +121,7 @@ def _energy(samples: FloatArray) -> FloatArray:
     return np.asarray(np.maximum(1 + decibels / _DYNAMIC_RANGE, 0))
 
 
-def _pitch(samples: FloatArray, energy: FloatArray) -> FloatArray:
+def _pitch(samples: Floats, energy: Floats) -> Floats:
     """Return the fundamental frequency in Hz, one value per analysis step, NaN unvoiced."""
     if not energy.any() or len(samples) < _PITCH_WINDOW:
         return np.full(len(energy), np.nan)
@@ -144,7 +142,7 @@ def _pitch(samples: FloatArray, energy: FloatArray) -> FloatArray:
     return pitch
 
 
-def _nuclei(energy: FloatArray) -> NDArray[np.intp]:
+def _nuclei(energy: Floats) -> Indices:
     """Return the analysis steps of the syllable nuclei."""
     nuclei, _ = find_peaks(
         energy,
@@ -155,9 +153,7 @@ def _nuclei(energy: FloatArray) -> NDArray[np.intp]:
     return nuclei
 
 
-def _accents(
-    energy: FloatArray, pitch: FloatArray, nuclei: NDArray[np.intp]
-) -> tuple[FloatArray, FloatArray]:
+def _accents(energy: Floats, pitch: Floats, nuclei: Indices) -> tuple[Floats, Floats]:
     """Return the times of the accented syllables and how much each stands out."""
     if not len(nuclei):
         return np.zeros(0), np.zeros(0)
@@ -174,7 +170,7 @@ def _accents(
     return nuclei[strong] / _STEPS_PER_SECOND, prominence
 
 
-def _rise_of_energy(energy: FloatArray) -> FloatArray:
+def _rise_of_energy(energy: Floats) -> Floats:
     """Return each step's energy above the average of the speech around it."""
     speech = (energy >= _PAUSE_ENERGY).astype(float)
     width = _CONTEXT / 2 * _STEPS_PER_SECOND
@@ -183,7 +179,7 @@ def _rise_of_energy(energy: FloatArray) -> FloatArray:
     return np.asarray(energy - mean)
 
 
-def _height_of_pitch(pitch: FloatArray, nuclei: NDArray[np.intp]) -> FloatArray:
+def _height_of_pitch(pitch: Floats, nuclei: Indices) -> Floats:
     """Return the pitch at each nucleus relative to the pitch around it, in semitones.
 
     The pitch around it, because pitch falls over an utterance (declination).
@@ -202,7 +198,7 @@ def _height_of_pitch(pitch: FloatArray, nuclei: NDArray[np.intp]) -> FloatArray:
     return heights
 
 
-def _standardised(values: FloatArray, least_spread: float) -> FloatArray:
+def _standardised(values: Floats, least_spread: float) -> Floats:
     """Return `values` minus their mean, divided by their spread or `least_spread` if larger.
 
     Otherwise inaudible differences would count as much as audible ones.

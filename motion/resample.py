@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats, Floats32
 from motion.clip import MotionClip, check_frame_rate
 from motion.segment import excerpt_bounds
-
-FloatArray = NDArray[np.float32]
 
 
 def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
@@ -54,7 +53,7 @@ def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
 
 def frame_positions(
     frames: int, given_rate: float, frame_rate: float
-) -> tuple[NDArray[np.int_], NDArray[np.int_], NDArray[np.float64]]:
+) -> tuple[NDArray[np.int_], NDArray[np.int_], Floats]:
     """Return the source frames around each frame at another rate.
 
     Parameters
@@ -80,7 +79,7 @@ def frame_positions(
     return previous, following, position - previous
 
 
-def slerp(first: FloatArray, second: FloatArray, share: NDArray[np.float64]) -> FloatArray:
+def slerp(first: Floats32, second: Floats32, share: Floats) -> Floats32:
     """Return the rotation vectors `share` of the way along the shortest turn.
 
     Parameters
@@ -101,13 +100,10 @@ def slerp(first: FloatArray, second: FloatArray, share: NDArray[np.float64]) -> 
 
 
 def _blend(
-    values: FloatArray,
-    previous: NDArray[np.int_],
-    following: NDArray[np.int_],
-    share: NDArray[np.float64],
-) -> FloatArray:
+    values: Floats32, previous: NDArray[np.int_], following: NDArray[np.int_], share: Floats
+) -> Floats32:
     weight = share.astype(np.float32)[:, None]
-    return cast("FloatArray", (1 - weight) * values[previous] + weight * values[following])
+    return cast("Floats32", (1 - weight) * values[previous] + weight * values[following])
 
 
 def cut(clip: MotionClip, start: float, end: float) -> MotionClip:

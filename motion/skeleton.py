@@ -13,6 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.arrays import Floats, Floats32
+
 _ROWS: Final = tuple(
     csv.DictReader(Path(__file__).with_name("skeleton.csv").read_text("utf-8").splitlines())
 )
@@ -35,10 +37,8 @@ def joint_index(name: str) -> int:
 
 
 def forward_kinematics(
-    poses: NDArray[np.floating],
-    trans: NDArray[np.floating],
-    rest_joints: NDArray[np.floating],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    poses: NDArray[np.floating], trans: NDArray[np.floating], rest_joints: NDArray[np.floating]
+) -> tuple[Floats, Floats]:
     """Return positions and rotations of all joints in the world.
 
     Parameters
@@ -76,9 +76,7 @@ def forward_kinematics(
     return positions, rotations
 
 
-REST_JOINTS: Final[NDArray[np.float64]] = np.array(
-    [[float(row[axis]) for axis in "xyz"] for row in _ROWS]
-)
+REST_JOINTS: Final[Floats] = np.array([[float(row[axis]) for axis in "xyz"] for row in _ROWS])
 """Joints of the default body in T-pose, shape (55, 3), metres: palms down, y up, facing +z, left at
 +x.
 
@@ -106,7 +104,7 @@ _THUMB_ROTATIONS: Final = ((-0.02, 0.26, 0.29), (0.05, 0.10, -0.05), (0.05, 0.10
 """Rotations of the left thumb's joints, axis-angle in radians: next to the index finger."""
 
 
-def _relaxed_hands() -> NDArray[np.float32]:
+def _relaxed_hands() -> Floats32:
     # With the arms out and the palms down, fingers bend about z: left ones turn downwards with a
     # negative angle, right ones, as their mirror images, with a positive one.
     left = np.zeros((len(LEFT_HAND_JOINTS), 3), np.float32)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from motion.arrays import Floats32
 from motion.body.model import BodyModel, read_body
 from motion.body.surface import VertexNormals, surface_colours
 from motion.clip import MotionClip
@@ -76,14 +77,14 @@ class Stage:
                 planes = self._renderer.draw(vertices, normals, box, shadow, VIDEO)
                 yield canvas.video_frame(planes, box)
 
-    def _shadows(self, clip: MotionClip, batch: NDArray[np.float32]) -> list[ContactShadow | None]:
+    def _shadows(self, clip: MotionClip, batch: Floats32) -> list[ContactShadow | None]:
         """Return the shadow in each frame of `batch`; None if the ground is not shown."""
         if self.look.framing != "full_body":
             return [None] * len(batch)
         ground = self._caster.ground(clip)
         return [self._caster.shadow(vertices, ground) for vertices in batch]
 
-    def _vertices(self, clip: MotionClip) -> Iterator[NDArray[np.float32]]:
+    def _vertices(self, clip: MotionClip) -> Iterator[Floats32]:
         """Yield the vertices of `FRAMES_AT_ONCE` frames at a time, shape (n, V, 3)."""
         for start in range(0, len(clip), FRAMES_AT_ONCE):
             yield self.body.vertices(clip, slice(start, start + FRAMES_AT_ONCE))

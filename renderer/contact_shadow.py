@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats, Floats32, Indices
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.placement import ground_height
 from motion.skeleton import joint_index
-
-Floats = NDArray[np.float32]
 
 ELLIPSES: Final = 3
 """Ellipses of a shadow: left foot, right foot, body."""
@@ -53,11 +51,11 @@ class ContactShadow:
     """
 
     ground: float
-    centres: Floats
-    axes: Floats
-    darkness: Floats
+    centres: Floats32
+    axes: Floats32
+    darkness: Floats32
 
-    def corners(self) -> Floats:
+    def corners(self) -> Floats32:
         """Return the corners of a level rectangle around all ellipses, shape (4, 3)."""
         half = np.linalg.norm(self.axes, axis=2)
         left, back = (self.centres - half).min(axis=0)
@@ -86,7 +84,7 @@ class ShadowCaster:
         """Return the height of the ground under a body of the clip's shape."""
         return ground_height(self._body.joints(clip.betas)) - self._thickness
 
-    def shadow(self, vertices: Floats, ground: float) -> ContactShadow:
+    def shadow(self, vertices: Floats32, ground: float) -> ContactShadow:
         """Return the shadow of a body with `vertices`, shape (V, 3), above `ground`."""
         feet = [vertices[sole] for sole in self._soles]
         lifts = np.array([max(float(foot[:, 1].min()) - ground, 0.0) for foot in feet])
@@ -106,7 +104,7 @@ class ShadowCaster:
         )
 
 
-def _sole(body: BodyModel, strongest: NDArray[np.intp], side: str) -> NDArray[np.intp]:
+def _sole(body: BodyModel, strongest: Indices, side: str) -> Indices:
     """Return the vertices of one foot's sole, from heel to toes."""
     joints = [joint_index(f"{side}_{part}") for part in ("ankle", "foot")]
     foot = np.flatnonzero(np.isin(strongest, joints))
@@ -115,7 +113,7 @@ def _sole(body: BodyModel, strongest: NDArray[np.intp], side: str) -> NDArray[np
     return np.asarray(sole[np.argsort(body.template[sole, 2], kind="stable")])
 
 
-def _foot_axes(sole: Floats) -> NDArray[np.float64]:
+def _foot_axes(sole: Floats32) -> Floats:
     """Return the half axes of the ellipse under a sole, along it and across it, shape (2, 2)."""
     heel_to_toes = (sole[-1] - sole[0])[[0, 2]].astype(np.float64)
     length = float(np.linalg.norm(heel_to_toes))

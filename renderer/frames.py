@@ -14,14 +14,13 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.arrays import Floats, Floats32
 from motion.errors import InputError
 from renderer.contact_shadow import ELLIPSES, ContactShadow
 from renderer.framing import Camera, look_at
 from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS, Colour
 from renderer.opengl import PLATFORM, pyrender
 from renderer.picture import RGB, SUPERSAMPLING, PixelBox
-
-Floats = NDArray[np.float32]
 
 _SHADERS: Final = Path(__file__).parent / "shaders"
 _PLATFORM_CLASSES: Final = {"osmesa": "OSMesaPlatform", "egl": "EGLPlatform"}
@@ -47,7 +46,7 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
         cache = importlib.import_module("pyrender.shader_program").ShaderProgramCache
         self._program_cache = cache(str(_SHADERS))
         self.box = PixelBox.full(size)
-        self.channels: NDArray[np.float64] = RGB
+        self.channels: Floats = RGB
         self.shadow: ContactShadow | None = None
 
     def _forward_pass(self, scene: Any, flags: int, seg_node_map: Any = None) -> None:
@@ -113,7 +112,7 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
         program._bind()
         return program, new
 
-    def projection(self, scene: Any) -> NDArray[np.float64]:
+    def projection(self, scene: Any) -> Floats:
         """Return the matrix from positions to clip space, y down, shape (4, 4)."""
         view, lens = self._get_camera_matrices(scene)
         return np.asarray(np.diag([1.0, -1.0, 1.0, 1.0]) @ lens @ view)
@@ -156,7 +155,7 @@ class FrameRenderer:
     def __init__(
         self,
         faces: NDArray[np.integer],
-        colours: Floats,
+        colours: Floats32,
         camera: Camera,
         size: int,
         background: Colour = BACKGROUND,
@@ -208,7 +207,7 @@ class FrameRenderer:
         self._gl.glDeleteFramebuffers(1, [self._framebuffer])
         self._platform.delete_context()
 
-    def box_around(self, points: Sequence[Floats]) -> PixelBox:
+    def box_around(self, points: Sequence[Floats32]) -> PixelBox:
         """Return the part of the picture that contains arrays of points, shape (..., 3)."""
         projection = self._renderer.projection(self.scene)
         boxes = [PixelBox.around(part, projection, self.side) for part in points]
@@ -216,11 +215,11 @@ class FrameRenderer:
 
     def draw(
         self,
-        vertices: Floats,
-        normals: Floats,
+        vertices: Floats32,
+        normals: Floats32,
         box: PixelBox | None = None,
         shadow: ContactShadow | None = None,
-        channels: NDArray[np.float64] = RGB,
+        channels: Floats = RGB,
     ) -> NDArray[np.uint8]:
         """Return the frame, `SUPERSAMPLING` times the requested size on each side.
 
@@ -248,7 +247,7 @@ class FrameRenderer:
         return self._render(box or PixelBox.full(self.side), channels, shadow)
 
     def _render(
-        self, box: PixelBox, channels: NDArray[np.float64], shadow: ContactShadow | None = None
+        self, box: PixelBox, channels: Floats, shadow: ContactShadow | None = None
     ) -> NDArray[np.uint8]:
         """Return the part of the picture in `box`, shape (3, height, width)."""
         gl, renderer = self._gl, self._renderer
@@ -266,7 +265,7 @@ class FrameRenderer:
             )
         return self._pixels
 
-    def _replace_attributes(self, primitive: Any, attributes: NDArray[np.float32]) -> None:
+    def _replace_attributes(self, primitive: Any, attributes: Floats32) -> None:
         """Overwrite the interleaved vertex attributes of a `primitive` that was already drawn."""
         gl = self._gl
         gl.glBindBuffer(gl.GL_ARRAY_BUFFER, primitive._buffers[0])

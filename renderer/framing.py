@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -112,16 +113,14 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
     return Camera(eye=(x, y, z), target=(a, b, c), field_of_view=field_of_view)
 
 
-def _rotated(points: NDArray[np.float64], turn: float) -> NDArray[np.float64]:
+def _rotated(points: Floats, turn: float) -> Floats:
     """Return `points`, shape (n, 3), turned by degrees from +z towards +x."""
     if not turn:
         return points
     return np.asarray(Rotation.from_euler("y", turn, degrees=True).apply(points))
 
 
-def _half_extent(
-    points: NDArray[np.float64], middle: float, height: float, depth: float, slope: float
-) -> float:
+def _half_extent(points: Floats, middle: float, height: float, depth: float, slope: float) -> float:
     """Return half the extent of the picture at `depth` that just contains `points`."""
     aside = np.maximum(np.abs(points[:, 0] - middle), np.abs(points[:, 1] - height))
     half = aside / (1 - _MARGIN) + slope * (points[:, 2] - depth)
@@ -133,7 +132,7 @@ def _rounded(metres: float | np.floating) -> float:
     return round(round(float(metres) / _STEP) * _STEP, 4)
 
 
-def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> NDArray[np.float64]:
+def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> Floats:
     """Return points of the posed body that must be in the picture, shape (n, 3)."""
     step = max(1, len(clip) // _MAX_FRAMES)
     sampled = clip.frames(slice(None, None, step))
@@ -156,7 +155,7 @@ def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> NDArray[np
     return np.concatenate([fingers, *(np.repeat(sampled, repeats, 0) for sampled in other_points)])
 
 
-def project(points: NDArray[np.floating], camera: Camera, size: int) -> NDArray[np.float64]:
+def project(points: NDArray[np.floating], camera: Camera, size: int) -> Floats:
     """Project `points` into a picture of `size` × `size` pixels.
 
     Parameters
@@ -183,7 +182,7 @@ def project(points: NDArray[np.floating], camera: Camera, size: int) -> NDArray[
     return np.stack([x, y, ahead], axis=-1)
 
 
-def look_at(eye: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
+def look_at(eye: Floats, target: Floats) -> Floats:
     """Return the pose, shape (4, 4), of a camera at `eye` that looks at `target`, y up."""
     back = eye - target
     back = back / np.linalg.norm(back)

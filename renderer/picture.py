@@ -15,6 +15,7 @@ import numpy as np
 from av.video.reformatter import Interpolation, VideoReformatter
 from numpy.typing import NDArray
 
+from motion.arrays import Floats, Floats32
 from renderer.look import BACKGROUND, Colour
 
 _RED, _BLUE = 0.2126, 0.0722
@@ -71,9 +72,7 @@ class PixelBox:
         return cls(left=left, top=top, width=right - left, height=bottom - top)
 
     @classmethod
-    def around(
-        cls, vertices: NDArray[np.float32], projection: NDArray[np.float64], side: int
-    ) -> Self:
+    def around(cls, vertices: Floats32, projection: Floats, side: int) -> Self:
         """Return the bounding box of `vertices` in a square picture.
 
         Parameters
@@ -94,7 +93,7 @@ class PixelBox:
         return cls(left=left, top=top, width=right - left, height=bottom - top)
 
 
-def _span(positions: NDArray[np.float32], side: int) -> tuple[int, int]:
+def _span(positions: Floats32, side: int) -> tuple[int, int]:
     """Return the first pixel, and the one after the last, of `positions` in [-1, 1]."""
     low = (float(positions.min()) + 1) / 2 * side - _MARGIN
     high = (float(positions.max()) + 1) / 2 * side + _MARGIN

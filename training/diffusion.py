@@ -15,8 +15,9 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
+
+from motion.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Diffusion:
     scaled: bool = False
 
     @cached_property
-    def alpha_bar(self) -> NDArray[np.float64]:
+    def alpha_bar(self) -> Floats:
         """Share of the signal's variance that is left after each step, (steps,)."""
         power = 2 if self.scaled else 1
         ends = self.beta_start ** (1 / power), self.beta_end ** (1 / power)

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats, Floats32
 from motion.audio import SPEECH_RATE, read_audio
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
@@ -43,15 +43,13 @@ from training.speech_features.spectra import (
 from training.speech_features.speech_frames import at_speech_rate, extract_frames
 from training.speech_features.word_vectors import WordVectors, word_rows
 
-FloatArray = NDArray[np.float32]
-
 VERSION: Final = "1"
 """Incremented whenever a feature of the same take changes."""
 
 _SHOW_BODY: Final = 3 * len(SHOW_JOINTS)
 
 
-def _feature(name: str, compute: Callable[[Take], FloatArray], details: str = "") -> Feature:
+def _feature(name: str, compute: Callable[[Take], Floats32], details: str = "") -> Feature:
     """Return a feature whose version has `details` of its settings."""
     return Feature(name=name, version=f"{VERSION} {details}".rstrip(), compute=compute)
 
@@ -62,7 +60,7 @@ def beat_gesture(frame_rate: float) -> Feature:
     Rotations between two recorded frames are interpolated along the shortest turn.
     """
 
-    def compute(take: Take) -> FloatArray:
+    def compute(take: Take) -> Floats32:
         motion = read_beat_bvh(take)
         before, after, share = frame_positions(len(motion.values), motion.frame_rate, frame_rate)
         first, second = (
@@ -74,20 +72,20 @@ def beat_gesture(frame_rate: float) -> Feature:
     return _feature("gesture", compute)
 
 
-def _joints(values: NDArray[np.float64]) -> FloatArray:
+def _joints(values: Floats) -> Floats32:
     return values.reshape(len(values), len(UPPER_BODY_JOINTS), 3).astype(np.float32)
 
 
 def beat_expression(frame_rate: float) -> Feature:
     """Return BEAT's 51 facial weights, in [0, 1]."""
 
-    def compute(take: Take) -> FloatArray:
+    def compute(take: Take) -> Floats32:
         return face_values(_facial_weights(take, frame_rate)).astype(np.float32)
 
     return _feature("expression", compute)
 
 
-def _facial_weights(take: Take, frame_rate: float, alternative: str = "") -> FloatArray:
+def _facial_weights(take: Take, frame_rate: float, alternative: str = "") -> Floats32:
     if take.face is None:
         raise InputError(
             "the take has no facial weights",
@@ -107,7 +105,7 @@ def show_expression(frame_rate: float) -> Feature:
     return _feature("expression", lambda take: _show_motion(take, frame_rate)[:, _SHOW_BODY:])
 
 
-def _show_motion(take: Take, frame_rate: float) -> FloatArray:
+def _show_motion(take: Take, frame_rate: float) -> Floats32:
     return show_values(resample(read_smplx(take), frame_rate)).astype(np.float32)
 
 
@@ -134,7 +132,7 @@ def mel(frame_rate: float) -> Feature:
 def hubert_features(frame_rate: float, hubert: Hubert) -> Feature:
     """Return HuBERT's features of the speech, 1024 channels; see `extract_frames`."""
 
-    def compute(take: Take) -> FloatArray:
+    def compute(take: Take) -> Floats32:
         chunks = extract_frames(read_audio(take.speech), frame_rate, hubert)
         return np.concatenate([chunk.hubert.numpy() for chunk in chunks])
 
@@ -147,7 +145,7 @@ def semantic_scores(frame_rate: float) -> Feature:
     Frames without a gesture and takes without annotation have 0.
     """
 
-    def compute(take: Take) -> FloatArray:
+    def compute(take: Take) -> Floats32:
         frames = max(1, round(read_audio(take.speech).duration * frame_rate))
         spans = read_semantic_scores(take.semantic) if take.semantic else ()
         return semantic_weights(spans, frames, frame_rate).astype(np.float32)[:, None]
@@ -158,7 +156,7 @@ def semantic_scores(frame_rate: float) -> Feature:
 def whole_body(frame_rate: float) -> Feature:
     """Return the body's 6D rotations and translation, 333 channels, placed on the floor."""
 
-    def compute(take: Take) -> FloatArray:
+    def compute(take: Take) -> Floats32:
         clip = resample(read_motion(take.motion), frame_rate)
         return smplx_6d_values(clip).astype(np.float32)
 
@@ -168,7 +166,7 @@ def whole_body(frame_rate: float) -> Feature:
 def speech_filterbank(bands: int) -> Feature:
     """Return the standardised filterbank of the speech, one row per 10 ms."""
 
-    def compute(take: Take) -> FloatArray:
+    def compute(take: Take) -> Floats32:
         samples = at_speech_rate(read_audio(take.speech))
         check_speech(samples)
         rows = round(len(samples) / SPEECH_RATE * ROWS_PER_SECOND)
@@ -206,18 +204,18 @@ def bone_features(
             remedy="Train with --ablation without_face, or give recordings with faces",
         )
 
-    def motion(take: Take) -> FloatArray:
+    def motion(take: Take) -> Floats32:
         if kind == "ted":
             return _ted_values(take, frame_rate)
         clip = _resampled_clip(kind, take, frame_rate, faces=faces)
         return bone_and_landmark_values(clip, face if faces else None).astype(np.float32)
 
-    def with_still_face(take: Take) -> FloatArray:
+    def with_still_face(take: Take) -> Floats32:
         values = motion(take)
         still = np.zeros((len(values), 3 * face.count), np.float32)
         return np.concatenate([values, still], axis=1)
 
-    def words(take: Take) -> FloatArray:
+    def words(take: Take) -> Floats32:
         audio = read_audio(take.speech)
         spoken = () if take.transcript is None else read_transcript(take.transcript, audio)
         frames = max(1, round(audio.duration * frame_rate))
@@ -233,7 +231,7 @@ def bone_features(
     )
 
 
-def _ted_values(take: Take, frame_rate: float) -> FloatArray:
+def _ted_values(take: Take, frame_rate: float) -> Floats32:
     """Return directions of TED Gesture's bones, interpolated linearly between frames."""
     motion = read_ted_npz(take.motion)
     before, after, share = frame_positions(len(motion.directions), motion.frame_rate, frame_rate)

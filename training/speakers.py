@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from motion.arrays import Floats32
 from motion.errors import InputError, found_at, listed
 
 
@@ -75,7 +75,7 @@ class Speakers:
         with found_at(checkpoint):
             return self.number(requested)
 
-    def one_hot(self, names: Sequence[str]) -> NDArray[np.float32]:
+    def one_hot(self, names: Sequence[str]) -> Floats32:
         """Return one-hot vectors, (names, width), of `number_or_substitute` of each name."""
         vectors = np.zeros((len(names), self.width), np.float32)
         vectors[np.arange(len(names)), [self.number_or_substitute(name) - 1 for name in names]] = 1

@@ -12,10 +12,10 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from analysis.answers.table import Column
+from motion.arrays import Bools, Floats, Indices
 from motion.errors import InputError
 from motion.files import APOSTROPHE, cell_as_given
 
@@ -23,10 +23,6 @@ PARQUET: Final = (".parquet", ".pq")
 """Endings of Parquet files; everything else is read as CSV."""
 
 _SEPARATORS: Final = (",", ";", "\t")
-
-Rows = NDArray[np.bool_]
-
-Codes = NDArray[np.intp]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,7 +47,7 @@ class Cells:
     numbers: pd.Index[int]
     ignored: tuple[str, ...]
 
-    def part(self, rows: NDArray[np.bool_]) -> Cells:
+    def part(self, rows: Bools) -> Cells:
         """Return the selected rows."""
         return replace(
             self, rows=self.rows[rows].reset_index(drop=True), numbers=self.numbers[rows]
@@ -178,7 +174,7 @@ class Checking:
         Rows of main and repeated trials, which need more cells than others.
     """
 
-    def __init__(self, cells: Cells, analysed: Rows | None = None) -> None:
+    def __init__(self, cells: Cells, analysed: Bools | None = None) -> None:
         self._cells = cells
         self.analysed = np.ones(len(cells.rows), bool) if analysed is None else analysed
 
@@ -191,19 +187,19 @@ class Checking:
             np.append(name_of, -1)[codes], categories=pd.Index(list(names), dtype=object)
         )
 
-    def numbers(self, column: Column) -> NDArray[np.float64]:
+    def numbers(self, column: Column) -> Floats:
         """Return a column of numbers, with NaN for empty cells."""
         codes, values = self._distinct(column)
         return np.append(np.asarray(values, np.float64), np.nan)[codes]
 
-    def filled(self, column: Column) -> Rows:
+    def filled(self, column: Column) -> Bools:
         """Return which rows have a nonempty cell in `column`."""
         if column.name not in self._cells.rows:
             return np.zeros(len(self._cells.rows), bool)
         codes, texts = pd.factorize(self._cells.rows[column.name])
         return np.array([str(text).strip() not in column.missing for text in texts], bool)[codes]
 
-    def refuse(self, bad: Rows, column: str, problem: Callable[[int], str], remedy: str) -> None:
+    def refuse(self, bad: Bools, column: str, problem: Callable[[int], str], remedy: str) -> None:
         """Raise an error about the first row of `bad`, if there is one.
 
         Raises
@@ -219,7 +215,7 @@ class Checking:
         """Return the number of a row in the file."""
         return int(self._cells.numbers[row])
 
-    def _distinct(self, column: Column) -> tuple[Codes, list[Any]]:
+    def _distinct(self, column: Column) -> tuple[Indices, list[Any]]:
         """Return each row's index into the values, -1 for an empty cell, and the values."""
         if column.name not in self._cells.rows:
             return np.full(len(self._cells.rows), -1, np.intp), []

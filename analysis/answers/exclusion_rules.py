@@ -11,7 +11,8 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+
+from motion.arrays import Floats
 
 BY_HAND: Final = "researcher"
 """Name of the rule that removes participants whom researchers exclude one by one."""
@@ -81,7 +82,7 @@ class ParticipantFacts(KnownFacts):
     participant: str
     marked: str = ""
     watched: float = math.nan
-    seconds: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    seconds: Floats = field(default_factory=lambda: np.zeros(0))
     same_answers: tuple[SameAnswer, ...] | None = None
 
 

@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from analysis.answers.exclusion_rules import (
     ExclusionRule,
@@ -23,6 +22,7 @@ from analysis.answers.exclusion_rules import (
     marked,
 )
 from analysis.answers.table import ANALYSED_KINDS, AnswerTable
+from motion.arrays import Bools, Ints
 
 MAX_CATCH_FAILURES: Final = 1
 """Failed catch trials that a participant may have by default."""
@@ -242,22 +242,20 @@ def facts_of(table: AnswerTable, known: Mapping[str, KnownFacts]) -> tuple[Parti
     return tuple(participants)
 
 
-def _wrong_side(catch: pd.DataFrame) -> NDArray[np.bool_]:
+def _wrong_side(catch: pd.DataFrame) -> Bools:
     """Return which answers prefer the correct side neither weakly nor strongly."""
     sign = np.where(catch["correct_side"].astype(object) == "right", 1, -1)
     return np.asarray((catch["value"].to_numpy() - MIDDLE) * sign <= 0, bool)
 
 
-def _disobeyed(attention: pd.DataFrame) -> NDArray[np.bool_]:
+def _disobeyed(attention: pd.DataFrame) -> Bools:
     """Return which answers differ from the instructed one, if there is one."""
     instructed = attention["instructed"].to_numpy(np.float64)
     values = attention["value"].to_numpy(np.float64)
     return np.asarray(np.isfinite(instructed) & (values != instructed), bool)
 
 
-def _failed(
-    answers: pd.DataFrame, wrong: Callable[[pd.DataFrame], NDArray[np.bool_]]
-) -> dict[str, int] | None:
+def _failed(answers: pd.DataFrame, wrong: Callable[[pd.DataFrame], Bools]) -> dict[str, int] | None:
     """Return how many presentations each participant failed; one wrong answer is enough."""
     if answers.empty:
         return None
@@ -273,7 +271,7 @@ def _failed(
     return {str(name): int(count) for name, count in counts.items()}
 
 
-def _presentations(answers: pd.DataFrame) -> NDArray[np.int64]:
+def _presentations(answers: pd.DataFrame) -> Ints:
     """Return the number of each row's presentation; its rows differ only in the question.
 
     Without trial numbers, a second answer to a question belongs to a second showing.

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from analysis.answers.cells import Cells, Checking, read_cells
 from analysis.answers.table import ANALYSED_KINDS, MISSING, SHARED, AnswerTable, Column, Layout
+from motion.arrays import Bools
 
 NOT_EXCLUDED: Final = frozenset({"false", "0", "no", "n", "f"})
 EXCLUDED: Final = frozenset({"true", "1", "yes", "y", "t", "x"})
@@ -20,7 +21,6 @@ MARKED: Final = "marked as excluded in the table"
 
 _COLUMN: Final = {column.name: column for column in SHARED}
 
-Rows = NDArray[np.bool_]
 
 SLIPS: Final = 0.05
 """Share of the ratings below which one far above all others may be a slip."""
@@ -223,7 +223,7 @@ def _ambiguous_trials(answers: pd.DataFrame, layout: Layout) -> pd.Series[str]:
     return answers["trial"].where(repeated)
 
 
-def _appearing(columns: pd.DataFrame, where: Rows) -> tuple[str, ...]:
+def _appearing(columns: pd.DataFrame, where: Bools) -> tuple[str, ...]:
     """Return the names in the rows `where`, in the order of appearance in all rows."""
     names = columns.astype(object).to_numpy()
     present = {name for name in pd.unique(names[where].ravel()) if not pd.isna(name)}
@@ -256,10 +256,10 @@ def _reason(text: str) -> str:
 def _notes(
     cells: Cells,
     kinds: NDArray[np.object_],
-    instructed: Rows,
+    instructed: Bools,
     layout: Layout,
     answers: pd.DataFrame,
-    analysed: Rows,
+    analysed: Bools,
     has_scale: bool,
 ) -> Iterator[str]:
     if oddity := _oddity(answers, analysed, layout, has_scale=has_scale):
@@ -290,7 +290,7 @@ def _notes(
         )
 
 
-def _oddity(answers: pd.DataFrame, analysed: Rows, layout: Layout, *, has_scale: bool) -> str:
+def _oddity(answers: pd.DataFrame, analysed: Bools, layout: Layout, *, has_scale: bool) -> str:
     """Return a note about odd values in a table; empty if there are none."""
     shown = answers[analysed]
     if layout.protocol == "rating" and not has_scale:

@@ -8,8 +8,6 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter
 
 if TYPE_CHECKING:
@@ -26,8 +24,6 @@ KINDS: Final = ("practice", "main", "repeat", "catch", "attention")
 ANALYSED_KINDS: Final = ("main", "repeat")
 """Kinds of trial whose answers are analysed; practice and catch trials and attention
 checks never are."""
-
-Rows = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,16 @@ from types import MappingProxyType
 from typing import Annotated, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 from scipy.spatial.transform import Rotation
 
 from analysis.metrics.kinematics import GESTURE_JOINTS
+from motion.arrays import Floats32, Ints
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE, MotionClip
 from motion.errors import InputError
 from motion.skeleton import JOINT_NAMES, joint_index
 
-FloatArray = NDArray[np.float32]
 Face = Literal["arkit", "expressions"]
 Channels = Literal["body", "gesture", "expression", "both", "landmarks"]
 
@@ -64,7 +63,7 @@ class ClipView:
         return len(self.floor)
 
     @property
-    def floor(self) -> FloatArray:
+    def floor(self) -> Floats32:
         """Spread of each channel below which it counts as still, shape (channels,)."""
         counts = {
             _SMALLEST_TURN: 6 * (len(self.joints) + (self.face == "expressions")),
@@ -73,7 +72,7 @@ class ClipView:
         }
         return np.repeat(np.array([*counts], np.float32), [*counts.values()])
 
-    def frames(self, clip: MotionClip) -> FloatArray:
+    def frames(self, clip: MotionClip) -> Floats32:
         """Return the clip's frames, shape (T, channels).
 
         Raises
@@ -109,7 +108,7 @@ class ClipView:
         return "; ".join(parts)
 
 
-def _required(values: FloatArray | None, name: str) -> FloatArray:
+def _required(values: Floats32 | None, name: str) -> Floats32:
     if values is None:
         raise InputError(
             f"the clip holds no {name}, which the network was trained on",
@@ -190,12 +189,12 @@ class WindowConfig(Facts):
         return self.window / self.frame_rate
 
 
-def window_starts(frames: int, window: int, stride: int) -> NDArray[np.int64]:
+def window_starts(frames: int, window: int, stride: int) -> Ints:
     """Return the starts of a clip's complete windows, every `stride` frames."""
     return np.arange(0, frames - window + 1, stride, dtype=np.int64)
 
 
-def long_enough(frames: FloatArray, window: int, frame_rate: float) -> FloatArray:
+def long_enough(frames: Floats32, window: int, frame_rate: float) -> Floats32:
     """Return a clip's frames, shape (T, C), with at least `window` of them.
 
     Raises
@@ -215,7 +214,7 @@ def long_enough(frames: FloatArray, window: int, frame_rate: float) -> FloatArra
     return np.concatenate([frames, np.repeat(frames[-1:], missing, axis=0)])
 
 
-def cut_windows(frames: FloatArray, window: int, stride: int) -> FloatArray:
+def cut_windows(frames: Floats32, window: int, stride: int) -> Floats32:
     """Return the windows of a clip's frames, shape (T, C), as shape (n, window, C)."""
     starts = window_starts(len(frames), window, stride)
     return np.asarray(frames[starts[:, None] + np.arange(window)])

@@ -13,7 +13,6 @@ from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from pydantic import Field, ValidationError
 from torch import Tensor
 
@@ -21,14 +20,13 @@ from analysis.evaluators import feature_networks as names
 from analysis.evaluators.clip_views import TOLERANCE, ClipView, Facts, cut_windows, long_enough
 from analysis.evaluators.design import Design, Network
 from analysis.evaluators.examples import Normalisation
+from motion.arrays import Floats32
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip, freeze
 from motion.errors import InputError, found_at
 from motion.files import sha256_of
 from motion.resample import resample
 from training.weights_file import WeightsFile, read_weights, write_weights
-
-FloatArray = NDArray[np.float32]
 
 _BATCH_SIZE: Final = 64
 
@@ -143,7 +141,7 @@ class Evaluator:
     def _view(self) -> ClipView:
         return self.facts.view(self.landmarks)
 
-    def embed(self, clip: MotionClip) -> FloatArray:
+    def embed(self, clip: MotionClip) -> Floats32:
         """Return the embedding of each window of a clip.
 
         Parameters
@@ -165,7 +163,7 @@ class Evaluator:
         with torch.inference_mode():
             return np.asarray(in_batches(self.network.embed, windows).numpy())
 
-    def classify(self, clip: MotionClip) -> FloatArray:
+    def classify(self, clip: MotionClip) -> Floats32:
         """Return the probability of each emotion in each window of a clip.
 
         Returns
@@ -187,7 +185,7 @@ class Evaluator:
         with torch.inference_mode():
             return np.asarray(in_batches(self.network, windows).softmax(dim=1).numpy())
 
-    def _windows(self, clip: MotionClip) -> FloatArray:
+    def _windows(self, clip: MotionClip) -> Floats32:
         """Return the windows of a clip as the network's input, shape (n, window, channels)."""
         rate, window = self.facts.network.frame_rate, self.facts.network.window
         frames = self._view.frames(resample(freeze(clip, self.facts.frozen), rate))

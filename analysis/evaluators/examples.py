@@ -9,14 +9,12 @@ from typing import Any, Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from analysis.evaluators.clip_views import window_starts
 from analysis.evaluators.design import Network
+from motion.arrays import Floats32, Ints
 from training.data.splitting import held_out_recordings
-
-FloatArray = NDArray[np.float32]
 
 _BATCH_SIZE: Final = 64
 
@@ -34,11 +32,11 @@ class Normalisation:
         In the channels' own units; no deviation is below its floor.
     """
 
-    mean: FloatArray
-    deviation: FloatArray
+    mean: Floats32
+    deviation: Floats32
 
     @classmethod
-    def of(cls, clips: Sequence[FloatArray], *, floor: FloatArray) -> Normalisation:
+    def of(cls, clips: Sequence[Floats32], *, floor: Floats32) -> Normalisation:
         """Return the normalisation of recorded frames.
 
         Parameters
@@ -54,7 +52,7 @@ class Normalisation:
         deviation = np.maximum(np.sqrt(squares / frames), floor)
         return cls(mean=np.asarray(mean, np.float32), deviation=np.asarray(deviation, np.float32))
 
-    def __call__(self, frames: FloatArray) -> FloatArray:
+    def __call__(self, frames: Floats32) -> Floats32:
         """Return frames, shape (T, C), in standard deviations from the mean."""
         return np.asarray((frames - self.mean) / self.deviation, np.float32)
 
@@ -84,7 +82,7 @@ class Examples:
         """Return the number of windows."""
         return len(self.starts)
 
-    def batch(self, rows: NDArray[np.int64]) -> tuple[Tensor, Tensor]:
+    def batch(self, rows: Ints) -> tuple[Tensor, Tensor]:
         """Return the windows of `rows`, shape (b, window, C), and their labels, shape (b,)."""
         index = torch.from_numpy(rows).to(self.starts.device)
         within = torch.arange(self.window, device=self.starts.device)
@@ -120,14 +118,14 @@ class Split:
 
 
 def split(
-    clips: Sequence[FloatArray],
+    clips: Sequence[Floats32],
     recordings: Sequence[str],
     labels: Sequence[str],
     *,
     names: Sequence[str],
     window: int,
     stride: int,
-    floor: FloatArray,
+    floor: Floats32,
     seed: int,
     device: str,
 ) -> Split:
@@ -226,7 +224,7 @@ class FeatureTask:
         """Return a fresh network."""
         return self.fresh(self.training.frames.shape[1]).to(self.device)
 
-    def losses(self, network: Network, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+    def losses(self, network: Network, rows: Ints) -> Mapping[str, Tensor]:
         """Return the losses of a batch."""
         return network.losses(*self.training.batch(rows))
 

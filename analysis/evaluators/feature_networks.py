@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.metrics.frechet import Rule
+from motion.arrays import Floats32
 from motion.clip import MotionClip
 from motion.errors import InputError
 
@@ -208,9 +208,6 @@ def networks(sources: Iterable[Source]) -> tuple[Network, ...]:
     )
 
 
-Array = NDArray[np.float32]
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ClipFeatures:
     """A network's features of one clip.
@@ -225,8 +222,8 @@ class ClipFeatures:
         Why there are no features; empty if there are some.
     """
 
-    features: Array = field(default_factory=lambda: np.zeros((0, 0), np.float32))
-    emotions: Array = field(default_factory=lambda: np.zeros((0, 0), np.float32))
+    features: Floats32 = field(default_factory=lambda: np.zeros((0, 0), np.float32))
+    emotions: Floats32 = field(default_factory=lambda: np.zeros((0, 0), np.float32))
     reason: str = ""
 
     @property
@@ -238,7 +235,7 @@ class ClipFeatures:
 def clip_features(
     network: Network,
     frozen: tuple[str, ...],
-    kept: Callable[[Callable[[MotionClip], Array]], Array],
+    kept: Callable[[Callable[[MotionClip], Floats32]], Floats32],
 ) -> ClipFeatures:
     """Return a network's features of one clip, or why there are none.
 
@@ -261,7 +258,7 @@ def clip_features(
     return ClipFeatures(features=array[:, :end], emotions=array[:, end:])
 
 
-def _features(network: Network, clip: MotionClip) -> Array:
+def _features(network: Network, clip: MotionClip) -> Floats32:
     """Return features followed by emotions, shape (w, d + labels)."""
     opened = _opened(network.source, network.sha256)
     parts = [opened.embed(clip)] + ([opened.classify(clip)] if network.labels else [])

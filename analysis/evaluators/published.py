@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from torch import nn
 
 from analysis.evaluators.clip_views import cut_windows
@@ -18,11 +18,10 @@ from analysis.evaluators.evaluator import SHOWN_OF_HASH, in_batches
 from analysis.evaluators.published_networks import load_weights
 from analysis.evaluators.published_presets import PRESETS, Preset
 from analysis.metrics.frechet import Rule
+from motion.arrays import Floats, Floats32
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.resample import resample
-
-FloatArray = NDArray[np.float32]
 
 _MEAN: Final = "bvh_mean.npy"
 _SPREAD: Final = "bvh_std.npy"
@@ -50,7 +49,7 @@ class PublishedEvaluator:
     preset: Preset
     sha256: str
     network: nn.Module
-    statistics: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+    statistics: tuple[Floats, Floats] | None = None
     labels: tuple[str, ...] = ()
 
     @property
@@ -63,7 +62,7 @@ class PublishedEvaluator:
         """How the published code computes the Fréchet distance."""
         return self.preset.rule
 
-    def features(self, motion: ArrayLike) -> FloatArray:
+    def features(self, motion: ArrayLike) -> Floats32:
         """Return the published features of motion in the network's own representation.
 
         Parameters
@@ -87,7 +86,7 @@ class PublishedEvaluator:
         with torch.inference_mode():
             return np.asarray(in_batches(self.network, torch.from_numpy(windows)).numpy())
 
-    def embed(self, clip: MotionClip) -> FloatArray:
+    def embed(self, clip: MotionClip) -> Floats32:
         """Return one row of features for each window, or part of a window, of a clip, (w, d).
 
         Raises
@@ -110,7 +109,7 @@ class PublishedEvaluator:
             windows = frames[None]
         return self.features(windows).reshape(-1, preset.features)
 
-    def classify(self, clip: MotionClip) -> FloatArray:
+    def classify(self, clip: MotionClip) -> Floats32:
         """Raise an error: a published evaluator classifies no emotions."""
         raise InputError(
             f"{self.preset.title} classifies no emotions",
@@ -129,7 +128,7 @@ class PublishedEvaluator:
             "batch normalisation": "as stored (evaluation mode)",
         }
 
-    def _check(self, motion: FloatArray) -> None:
+    def _check(self, motion: Floats32) -> None:
         preset = self.preset
         frames = f"{preset.window}" if preset.window else f"{preset.shortest} or more"
         fits = motion.ndim == 3 and len(motion) and motion.shape[2] == preset.channels
@@ -146,7 +145,7 @@ class PublishedEvaluator:
                 "the motion holds a value that is not finite", remedy="Repair or cut it"
             )
 
-    def _normalised(self, frames: NDArray[np.float64]) -> FloatArray:
+    def _normalised(self, frames: Floats) -> Floats32:
         if self.preset is not PRESETS["beat"]:
             return frames.astype(np.float32)
         if self.statistics is None:
@@ -202,7 +201,7 @@ def load_published(
     )
 
 
-def _channels(file: Path) -> NDArray[np.float64]:
+def _channels(file: Path) -> Floats:
     channels = PRESETS["beat"].channels
     try:
         values = np.load(file, allow_pickle=False)

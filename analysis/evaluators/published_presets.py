@@ -9,13 +9,13 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from torch import nn
 
 from analysis.evaluators.feature_networks import PUBLISHED
 from analysis.evaluators.published_networks import EmageNetwork, TalkShowNetwork, YoonNetwork
 from analysis.metrics.frechet import Rule
+from motion.arrays import Floats
 from motion.clip import MotionClip
 from motion.formats.bvh_motion import BvhMotion
 from motion.formats.joint_maps import choose_joint_map
@@ -24,8 +24,6 @@ from motion.formats.ted_npz import BONES
 from motion.skeleton import FINGERS, RELAXED_HANDS, REST_JOINTS, forward_kinematics, joint_index
 from training.spaces.beat import BEAT_SKELETON, UPPER_BODY_JOINTS
 from training.spaces.smplx_bodies import rotation_rows
-
-FloatArray = NDArray[np.float64]
 
 MEAN_DIRECTIONS: Final = np.array(
     [
@@ -61,7 +59,7 @@ TALKSHOW_JOINTS: Final = tuple(
 """The 43 SMPL-X joints that TalkSHOW's network sees, in its order."""
 
 
-def talkshow_frames(clip: MotionClip) -> FloatArray:
+def talkshow_frames(clip: MotionClip) -> Floats:
     """Return the axis-angles that TalkSHOW's published code picks, (T, 129).
 
     Its fingers are relative to SMPL-X's mean hands; here they are relative to relaxed hands.
@@ -71,7 +69,7 @@ def talkshow_frames(clip: MotionClip) -> FloatArray:
     return np.asarray(poses[:, list(TALKSHOW_JOINTS)].reshape(len(clip), -1))
 
 
-def ted_frames(clip: MotionClip) -> FloatArray:
+def ted_frames(clip: MotionClip) -> Floats:
     """Return the directions of nine bones of the upper body less their mean, (T, 27)."""
     joints = ted_joints(clip)
     parents, children = np.array(BONES).T
@@ -80,7 +78,7 @@ def ted_frames(clip: MotionClip) -> FloatArray:
     return np.asarray(directions.reshape(len(clip), -1) - MEAN_DIRECTIONS)
 
 
-def ted_joints(clip: MotionClip) -> FloatArray:
+def ted_joints(clip: MotionClip) -> Floats:
     """Return TED Gesture's ten joints on the body, shape (T, 10, 3), in its axes and in metres.
 
     Spine, neck, nose, crown, then shoulder, elbow and wrist of the left and of the right. SMPL-X
@@ -103,7 +101,7 @@ def ted_joints(clip: MotionClip) -> FloatArray:
     return np.asarray(np.stack([*trunk, nose, crown, *limbs], axis=1) * _TO_TED)
 
 
-def beat_frames(clip: MotionClip) -> FloatArray:
+def beat_frames(clip: MotionClip) -> Floats:
     """Return local Euler angles of BEAT's 47 joints, about x, y, z, in degrees, (T, 141).
 
     This reverses the retargeting of BEAT's recordings to our body: spine and neck bend in their
@@ -181,7 +179,7 @@ class Preset:
     title: str
     source: str
     sees: str
-    frames: Callable[[MotionClip], NDArray[np.float64]]
+    frames: Callable[[MotionClip], Floats]
     channels: int
     features: int
     frame_rate: float

@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 
 from analysis.evaluators.clip_views import (
     JOINTS_OF_CHANNELS,
@@ -33,6 +31,7 @@ from analysis.evaluators.training_clips import (
     labels_in_order,
     read_training_clips,
 )
+from motion.arrays import Floats32
 from motion.clip import MotionClip, freeze
 from motion.errors import InputError
 from motion.resample import resample
@@ -180,7 +179,7 @@ class _InputReader:
         self._frame_rate = frame_rate
         self.face: Face | None = None
 
-    def read(self, clip: MotionClip) -> NDArray[np.float32]:
+    def read(self, clip: MotionClip) -> Floats32:
         """Return the clip's frames at the network's frame rate, shape (T, C)."""
         if self.face is None and self._request.channels in ("expression", "both"):
             self.face = face_of(clip)

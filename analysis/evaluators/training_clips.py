@@ -7,13 +7,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.evaluators.clip_views import long_enough
+from motion.arrays import Floats32
 from motion.clip import MotionClip
 from motion.errors import InputError
-
-FloatArray = NDArray[np.float32]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +54,7 @@ class TrainingClips:
     """
 
     sources: tuple[ClipSource, ...]
-    frames: tuple[FloatArray, ...]
+    frames: tuple[Floats32, ...]
     skipped: tuple[InputError, ...]
 
     @property
@@ -79,7 +77,7 @@ class TrainingClips:
 
 def read_training_clips(
     sources: Iterable[ClipSource],
-    read_input: Callable[[MotionClip], FloatArray],
+    read_input: Callable[[MotionClip], Floats32],
     *,
     window: int,
     frame_rate: float,
@@ -105,7 +103,7 @@ def read_training_clips(
     """
     ordered = sorted(sources, key=lambda source: source.name)
     used: list[ClipSource] = []
-    frames: list[FloatArray] = []
+    frames: list[Floats32] = []
     skipped: list[InputError] = []
     for number, source in enumerate(ordered, start=1):
         try:

@@ -6,7 +6,6 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.evaluators.feature_networks import COMMANDS, Network
 from analysis.measurement.feature_scores import (
@@ -22,7 +21,7 @@ from analysis.measurement.segment_scores import (
     pose_settings,
 )
 from analysis.metrics.diversity import mean_pair_distance, motion_features
-from analysis.metrics.kinematics import Counts, speed_distance
+from analysis.metrics.kinematics import speed_distance
 from analysis.metrics.scores import (
     ClipScore,
     ConditionScore,
@@ -31,6 +30,7 @@ from analysis.metrics.scores import (
     clip_means,
     whole_condition,
 )
+from motion.arrays import Floats32, Ints
 
 _EXPRESSIONS: Final = "mean distance between clips (expressions)"
 
@@ -114,7 +114,7 @@ def condition_scores(
 def distances(
     condition: str,
     clips: Sequence[ClipMeasurements],
-    recorded_speeds: Sequence[Counts],
+    recorded_speeds: Sequence[Ints],
     setup: Setup,
 ) -> Iterator[ConditionScore]:
     """Yield the distances of a condition that the preset asks for.
@@ -142,7 +142,7 @@ def distances(
         yield whole_condition(condition, result, len(speeds))
 
 
-def _pair_distance(clips: Sequence[NDArray[np.float32]], setup: Setup) -> MetricResult:
+def _pair_distance(clips: Sequence[Floats32], setup: Setup) -> MetricResult:
     return mean_pair_distance(
         motion_features([clip.astype(np.float64) for clip in clips]),
         settings=pose_settings(setup.frame_rate)
@@ -150,11 +150,11 @@ def _pair_distance(clips: Sequence[NDArray[np.float32]], setup: Setup) -> Metric
     )
 
 
-def _cut(clips: Sequence[NDArray[np.float32]], frame_rate: float) -> str:
+def _cut(clips: Sequence[Floats32], frame_rate: float) -> str:
     return f"clips cut to the shortest, {min(map(len, clips)) / frame_rate:.2f} s"
 
 
-def _expression_distance(clips: Sequence[NDArray[np.float32]], setup: Setup) -> MetricResult:
+def _expression_distance(clips: Sequence[Floats32], setup: Setup) -> MetricResult:
     kinds = {clip.shape[1] for clip in clips}
     reason = ""
     if "face" in setup.motion.frozen:

@@ -16,12 +16,10 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats32
 from motion.errors import InputError
 from motion.files import replacing, sha256_of
-
-Array = NDArray[np.float32]
 
 _EXTENSION: Final = ".npy"
 
@@ -64,8 +62,8 @@ class KeptArrays:
         self.used: set[Path] = set()
 
     def array(
-        self, kind: Kind, sources: Sequence[Path], settings: str, compute: Callable[[], Array]
-    ) -> Array:
+        self, kind: Kind, sources: Sequence[Path], settings: str, compute: Callable[[], Floats32]
+    ) -> Floats32:
         """Return an array of one file or several, computed unless it is kept.
 
         Parameters
@@ -114,7 +112,7 @@ def forget_unused(used: Collection[Path]) -> None:
                 path.unlink(missing_ok=True)
 
 
-def _read(path: Path, kind: Kind) -> Array | None:
+def _read(path: Path, kind: Kind) -> Floats32 | None:
     """Return the array at `path`; None if it is missing, damaged or of another shape."""
     try:
         array = np.load(path, allow_pickle=False)

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Final, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.evaluators.feature_networks import ClipFeatures, Network, clip_features
 from analysis.measurement.kept_arrays import KeptArrays, Kind
@@ -19,6 +18,7 @@ from analysis.measurement.presets import Preset
 from analysis.measurement.recorded_spread import RecordedSpread
 from analysis.metrics.kinematics import GESTURE_JOINTS, JointMotion, packed_joints
 from analysis.metrics.self_penetration import PenetrableBody
+from motion.arrays import Floats, Floats32
 from motion.audio import read_audio
 from motion.audio_analysis import speech_onsets
 from motion.body.face_landmarks import FaceLandmarks
@@ -30,8 +30,6 @@ from motion.formats.beat_tracks import face_beside
 from motion.resample import resample
 from motion.skeleton import JOINT_COUNT, joint_index
 
-FloatArray = NDArray[np.float64]
-Array = NDArray[np.float32]
 Excerpt = tuple[Path, float, float]
 """A recording, and the start and end of an excerpt in seconds; infinity for its end."""
 
@@ -159,7 +157,7 @@ class Landmarks:
         Why there are no landmarks.
     """
 
-    positions: FloatArray | None = None
+    positions: Floats | None = None
     reason: str = ""
 
 
@@ -185,17 +183,17 @@ class MeasuredClip:
     """
 
     joints: JointMotion
-    rotations: FloatArray | None = None
+    rotations: Floats | None = None
     landmarks: Landmarks = field(default_factory=Landmarks)
-    face: Array | None = None
+    face: Floats32 | None = None
     features: Mapping[str, ClipFeatures] = field(default_factory=dict)
-    depths: Array | None = None
+    depths: Floats32 | None = None
 
 
 class Onsets(NamedTuple):
     """The onsets of an excerpt of speech, and its length, in seconds."""
 
-    times: FloatArray
+    times: Floats
     speech_duration: float
 
 
@@ -238,7 +236,7 @@ class Reader:
     def _onsets(self, speech: Excerpt) -> Onsets:
         recording, start, end = speech
 
-        def compute() -> Array:
+        def compute() -> Floats32:
             audio = read_audio(recording)
             excerpt = audio.cut(start, audio.duration if math.isinf(end) else end)
             return np.append(speech_onsets(excerpt), excerpt.duration).astype(np.float32)
@@ -288,8 +286,8 @@ class Reader:
         return self._last[1]
 
     def _kept(
-        self, kind: Kind, path: Path, settings: str, compute: Callable[[MotionClip], Array]
-    ) -> Array:
+        self, kind: Kind, path: Path, settings: str, compute: Callable[[MotionClip], Floats32]
+    ) -> Floats32:
         files = self._setup.motion.files(path)
         return self.kept.array(kind, files, settings, lambda: compute(self._read(path)))
 

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.metrics.point_errors import box_scale
-
-FloatArray = NDArray[np.float64]
+from motion.arrays import Bools, Floats
 
 _STILL: Final = 1e-4
 """Radians of standard deviation below which a channel does not move."""
@@ -35,14 +33,14 @@ class ClipExtent:
     """
 
     frames: int
-    total: FloatArray
-    squares: FloatArray
-    box: FloatArray
-    face_box: FloatArray | None = None
+    total: Floats
+    squares: Floats
+    box: Floats
+    face_box: Floats | None = None
 
     @classmethod
     def of(
-        cls, rotations: FloatArray, positions: FloatArray, landmarks: FloatArray | None = None
+        cls, rotations: Floats, positions: Floats, landmarks: Floats | None = None
     ) -> ClipExtent:
         """Return the extent of one recording.
 
@@ -77,13 +75,13 @@ class RecordedSpread:
         The same for face landmarks; NaN if no recording has a face.
     """
 
-    mean: FloatArray
-    deviation: FloatArray
-    moving: NDArray[np.bool_]
+    mean: Floats
+    deviation: Floats
+    moving: Bools
     scale: float
     face_scale: float
 
-    def normalised(self, rotations: FloatArray) -> FloatArray:
+    def normalised(self, rotations: Floats) -> Floats:
         """Return rotations of shape (T, J, 3) in standard deviations, for moving joints only."""
         standard = (rotations - self.mean) / self.deviation
         return np.asarray(standard[:, self.moving])
@@ -112,5 +110,5 @@ def recorded_spread(extents: Iterable[ClipExtent]) -> RecordedSpread | None:
     )
 
 
-def _box(points: FloatArray) -> FloatArray:
+def _box(points: Floats) -> Floats:
     return np.stack([points.min(axis=(0, 1)), points.max(axis=(0, 1))])

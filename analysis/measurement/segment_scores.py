@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analysis.evaluators.feature_networks import ClipFeatures
@@ -32,7 +31,6 @@ from analysis.metrics.kinematics import (
     FEET,
     GESTURE_JOINTS,
     UPPER_BODY_JOINTS,
-    Counts,
     foot_sliding,
     mean_derivative,
     select,
@@ -41,14 +39,12 @@ from analysis.metrics.kinematics import (
 from analysis.metrics.point_errors import S2UE_FRAME_RATE, point_error, velocity_error
 from analysis.metrics.scores import MetricResult
 from analysis.metrics.self_penetration import self_penetration
+from motion.arrays import Floats, Floats32, Ints
 from motion.audio_analysis import DETECTOR
 from motion.errors import InputError
 from motion.formats.beat_tracks import SemanticSpan, read_semantic_scores, semantic_weights
 from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
 from motion.resample import frame_positions
-
-FloatArray = NDArray[np.float64]
-Array = NDArray[np.float32]
 
 _FACE_SETTINGS: Final = {
     "positions": "on the mean shape of one body, the head held still",
@@ -100,9 +96,9 @@ class ClipMeasurements:
     """
 
     scores: tuple[MetricResult, ...] = ()
-    upper_body: Array | None = None
-    face: Array | None = None
-    speeds: Counts | None = None
+    upper_body: Floats32 | None = None
+    face: Floats32 | None = None
+    speeds: Ints | None = None
     features: Mapping[str, ClipFeatures] = field(default_factory=dict)
 
 
@@ -249,7 +245,7 @@ def pose_settings(frame_rate: float) -> dict[str, str]:
     }
 
 
-def _beats(positions: FloatArray, onsets: Onsets, setup: Setup) -> Iterator[MetricResult]:
+def _beats(positions: Floats, onsets: Onsets, setup: Setup) -> Iterator[MetricResult]:
     for settings in setup.preset.beats:
         yield from beat_alignment(
             select(positions, settings.joints),
@@ -289,7 +285,7 @@ def _correct(
 
 def _represented(
     clip: MeasuredClip, settings: CorrectSettings, spread: RecordedSpread | None
-) -> FloatArray | None:
+) -> Floats | None:
     """Return the motion in the representation of `settings`; None if it is unknown."""
     if settings.representation == "positions":
         return select(clip.joints.relative, UPPER_BODY_JOINTS)
@@ -303,9 +299,7 @@ def _represented(
     return np.asarray(angles.reshape(clip.rotations.shape))
 
 
-def _joint_errors(
-    generated: FloatArray, recorded: FloatArray, setup: Setup
-) -> Iterator[MetricResult]:
+def _joint_errors(generated: Floats, recorded: Floats, setup: Setup) -> Iterator[MetricResult]:
     if setup.spread is None or not setup.preset.joint_errors:
         return
     rate = min(setup.frame_rate, S2UE_FRAME_RATE)
@@ -339,7 +333,7 @@ def _landmark_errors(
         yield replace(result, settings={**result.settings, **_FACE_SETTINGS})
 
 
-def _at_lower_rate(points: FloatArray, frame_rate: float, lower: float) -> FloatArray:
+def _at_lower_rate(points: Floats, frame_rate: float, lower: float) -> Floats:
     """Return points at a lower frame rate, linearly interpolated."""
     before, after, share = frame_positions(len(points), frame_rate, lower)
     weight = share[:, None, None]

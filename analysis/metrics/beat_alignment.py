@@ -12,15 +12,14 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter1d
 from scipy.signal import find_peaks
 
 from analysis.metrics.kinematics import ARM_JOINTS
 from analysis.metrics.point_errors import LEAST_OVERLAP
 from analysis.metrics.scores import Better, Metric, MetricResult
+from motion.arrays import Floats
 
-FloatArray = NDArray[np.float64]
 Direction = Literal["motion to audio", "audio to motion"]
 
 SHIFTS: Final = 200
@@ -156,8 +155,8 @@ def extremum_order(window: float, frame_rate: float) -> int:
 
 
 def motion_beats(
-    speed: FloatArray, frame_rate: float, window: float, shallowest: float = SHALLOWEST
-) -> FloatArray:
+    speed: Floats, frame_rate: float, window: float, shallowest: float = SHALLOWEST
+) -> Floats:
     """Return the times of the local minima of a speed curve.
 
     Parameters
@@ -185,7 +184,7 @@ def motion_beats(
     return np.asarray((middles[is_lowest] + 0.5) / frame_rate, np.float64)
 
 
-def alignment_score(queries: FloatArray, targets: FloatArray, sigma: float) -> float:
+def alignment_score(queries: Floats, targets: Floats, sigma: float) -> float:
     """Return the mean Gaussian closeness of each query to its nearest target.
 
     Parameters
@@ -207,11 +206,7 @@ def alignment_score(queries: FloatArray, targets: FloatArray, sigma: float) -> f
 
 
 def chance_score(
-    motion: FloatArray,
-    audio: FloatArray,
-    duration: float,
-    sigma: float,
-    direction: Direction,
+    motion: Floats, audio: Floats, duration: float, sigma: float, direction: Direction
 ) -> float:
     """Return the mean score over motion beats shifted circularly within the clip.
 
@@ -227,8 +222,8 @@ def chance_score(
 
 
 def beat_alignment(
-    positions: FloatArray,
-    onsets: FloatArray,
+    positions: Floats,
+    onsets: Floats,
     *,
     speech_duration: float,
     frame_rate: float,
@@ -303,7 +298,7 @@ def beat_alignment(
     )
 
 
-def _speeds(positions: FloatArray, settings: BeatSettings) -> FloatArray:
+def _speeds(positions: Floats, settings: BeatSettings) -> Floats:
     """Return the movement of joints or the turning of bones per frame, shape (joints, T - 1)."""
     if not settings.bones:
         return np.asarray(np.linalg.norm(np.diff(positions, axis=0), axis=2).T)

@@ -16,12 +16,11 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.metrics.point_errors import paired
 from analysis.metrics.scores import Metric, MetricResult
+from motion.arrays import Bools, Floats
 
-FloatArray = NDArray[np.float64]
 Representation = Literal["positions", "normalised rotations", "euler angles"]
 
 _WORDS: Final[Mapping[Representation, str]] = {
@@ -96,9 +95,7 @@ AMUSE: Final = CorrectSettings(
 )
 
 
-def correct_joints(
-    generated: FloatArray, recorded: FloatArray, settings: CorrectSettings
-) -> NDArray[np.bool_]:
+def correct_joints(generated: Floats, recorded: Floats, settings: CorrectSettings) -> Bools:
     """Return which joints are correct, shape (T, J), of motions of shape (T, J, 3).
 
     Differences of Euler angles are wrapped to ±180°.
@@ -114,11 +111,7 @@ def correct_joints(
 
 
 def correct_share(
-    generated: FloatArray,
-    recorded: FloatArray,
-    weights: FloatArray | None = None,
-    *,
-    settings: CorrectSettings,
+    generated: Floats, recorded: Floats, weights: Floats | None = None, *, settings: CorrectSettings
 ) -> MetricResult:
     """Return the share of joints and frames whose motion is correct (PCM).
 

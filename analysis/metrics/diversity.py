@@ -11,15 +11,13 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import pdist
 
 from analysis.metrics.scores import Metric, MetricResult
+from motion.arrays import Floats
 
-FloatArray = NDArray[np.float64]
 
-
-def l1_deviation(values: FloatArray, *, settings: Mapping[str, str] | None = None) -> MetricResult:
+def l1_deviation(values: Floats, *, settings: Mapping[str, str] | None = None) -> MetricResult:
     """Return the mean L1 distance of a clip's frames from their mean (L1div).
 
     Parameters
@@ -42,7 +40,7 @@ def l1_deviation(values: FloatArray, *, settings: Mapping[str, str] | None = Non
 
 
 def mean_pair_distance(
-    features: FloatArray,
+    features: Floats,
     *,
     name: str = "mean distance between clips",
     unit: str = "m",
@@ -74,7 +72,7 @@ def mean_pair_distance(
 
 
 def feature_variance(
-    features: FloatArray,
+    features: Floats,
     *,
     name: str = "variance of features",
     settings: Mapping[str, str] | None = None,
@@ -104,7 +102,7 @@ def feature_variance(
     return metric.score(float(features.var(axis=0, ddof=1).mean()), len(features), description)
 
 
-def motion_features(clips: Sequence[FloatArray]) -> FloatArray:
+def motion_features(clips: Sequence[Floats]) -> Floats:
     """Return one vector per clip whose Euclidean distance is a root mean square in metres.
 
     Parameters

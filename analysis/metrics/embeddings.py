@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-Clips = NDArray[np.int64]
+from motion.arrays import Floats, Ints
 
 SEED: Final = 0
 """Seed of every draw, so that two runs give equal numbers."""
@@ -31,20 +29,20 @@ class Embeddings:
         Index of each row's clip, from 0 without gaps; rows of one clip are not independent.
     """
 
-    values: FloatArray
-    clips: Clips
+    values: Floats
+    clips: Ints
 
     def __len__(self) -> int:
         """Return the number of rows."""
         return len(self.values)
 
-    def rows(self, index: NDArray[np.int64]) -> Embeddings:
+    def rows(self, index: Ints) -> Embeddings:
         """Return the rows at `index`."""
         clips = np.unique(self.clips[index], return_inverse=True)[1].astype(np.int64)
         return Embeddings(values=self.values[index], clips=clips)
 
 
-def embeddings(values: FloatArray, clips: Sequence[object] | None = None) -> Embeddings:
+def embeddings(values: Floats, clips: Sequence[object] | None = None) -> Embeddings:
     """Return embeddings with their clips numbered.
 
     Parameters
@@ -78,7 +76,7 @@ def drawn(sample: Embeddings, count: int) -> Embeddings:
     return sample.rows(np.sort(chosen))
 
 
-def resampled_clips(sample: Embeddings, count: int, seed: int) -> Iterator[NDArray[np.int64]]:
+def resampled_clips(sample: Embeddings, count: int, seed: int) -> Iterator[Ints]:
     """Yield the rows of `count` bootstrap samples of whole clips."""
     chance = np.random.default_rng(seed)
     order = np.argsort(sample.clips, kind="stable")

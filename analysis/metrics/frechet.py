@@ -29,8 +29,7 @@ from analysis.metrics.embeddings import (
     resampled_clips,
 )
 from analysis.metrics.scores import Metric, MetricResult
-
-FloatArray = NDArray[np.float64]
+from motion.arrays import Floats
 
 FEWEST_PER_DIMENSION: Final = 2
 """Samples of fewer than this many times the dimensions are flagged."""
@@ -50,7 +49,7 @@ DRAWS: Final = 4
 """Draws per size; their mean is fitted."""
 
 
-def frechet_of_samples(x: FloatArray, y: FloatArray) -> float:
+def frechet_of_samples(x: Floats, y: Floats) -> float:
     """Return the Fréchet distance of the normal distributions fitted to two samples.
 
     Parameters
@@ -216,14 +215,14 @@ def _bootstrap_error(x: Embeddings, y: Embeddings, resamples: int) -> float:
     return float(np.std(scores, ddof=1))
 
 
-def _distance(shift: FloatArray, factor1: FloatArray, factor2: FloatArray) -> float:
+def _distance(shift: Floats, factor1: Floats, factor2: Floats) -> float:
     """Return the distance of normals with covariances FᵀF, from factors F of shape (k, d)."""
     cross = np.linalg.svd(factor1 @ factor2.T, compute_uv=False).sum()
     distance = shift @ shift + np.sum(factor1**2) + np.sum(factor2**2) - 2 * cross
     return max(0.0, float(distance))
 
 
-def _sample_factor(centred: FloatArray) -> FloatArray:
+def _sample_factor(centred: Floats) -> Floats:
     """Return a factor F of min(n, d) rows with FᵀF the covariance of centred samples."""
     count, dimensions = centred.shape
     if count <= dimensions:
@@ -231,7 +230,7 @@ def _sample_factor(centred: FloatArray) -> FloatArray:
     return _root(centred.T @ centred / (count - 1))
 
 
-def _root(covariance: FloatArray) -> FloatArray:
+def _root(covariance: Floats) -> Floats:
     """Return a square factor F with FᵀF = `covariance`."""
     values, vectors = eigh(covariance, check_finite=False)
     return np.sqrt(np.clip(values, 0, None))[:, None] * vectors.T
@@ -254,7 +253,7 @@ _OFFSET: Final = 1e-6
 _IMAGINARY: Final = 1e-3
 
 
-def published_distance(x: FloatArray, y: FloatArray, rule: Rule) -> float:
+def published_distance(x: Floats, y: Floats, rule: Rule) -> float:
     """Return the Fréchet distance of two samples by a published rule.
 
     If a sample has no more rows than columns, the product is singular, and its root depends on
@@ -281,7 +280,7 @@ def published_distance(x: FloatArray, y: FloatArray, rule: Rule) -> float:
     return float(shift @ shift + np.trace(first) + np.trace(second) - 2 * np.trace(root).real)
 
 
-def _matrix_root(product: FloatArray) -> NDArray[np.complex128]:
+def _matrix_root(product: Floats) -> NDArray[np.complex128]:
     with warnings.catch_warnings():
         # The remark about the number of samples states that the product is singular.
         warnings.simplefilter("ignore", LinAlgWarning)

@@ -12,12 +12,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.metrics.embeddings import FEWEST_CLIPS, Embeddings
 from analysis.metrics.scores import Metric, MetricResult
-
-FloatArray = NDArray[np.float64]
+from motion.arrays import Floats
 
 _BLOCK: Final = 1000
 """Rows of the kernel matrix held at a time, which bounds the memory."""
@@ -85,13 +83,13 @@ class _Side:
         Sum over pairs of a row of the clip and a row of the other sample.
     """
 
-    rows: FloatArray
-    touching: FloatArray
+    rows: Floats
+    touching: Floats
     total: float
-    across: FloatArray
+    across: Floats
 
     @classmethod
-    def of(cls, sample: Embeddings, across: FloatArray) -> _Side:
+    def of(cls, sample: Embeddings, across: Floats) -> _Side:
         values, clips = sample.values, sample.clips
         sums = _kernel_sums(values, values)[0]
         sums -= (np.einsum("nd,nd->n", values, values) / values.shape[1] + 1) ** 3
@@ -108,7 +106,7 @@ class _Side:
         )
 
     @property
-    def left(self) -> FloatArray:
+    def left(self) -> Floats:
         """Rows that remain when each clip in turn is left out."""
         return np.asarray(self.rows.sum() - self.rows)
 
@@ -127,7 +125,7 @@ class _Side:
         return float((clips - 1) / clips * np.sum((without - without.mean()) ** 2))
 
 
-def _kernel_sums(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _kernel_sums(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     """Return the sums of the kernel matrix over its columns and over its rows."""
     rows, columns = np.zeros(len(x)), np.zeros(len(y))
     for start in range(0, len(x), _BLOCK):
@@ -137,5 +135,5 @@ def _kernel_sums(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
     return rows, columns
 
 
-def _kernel(x: FloatArray, y: FloatArray) -> FloatArray:
+def _kernel(x: Floats, y: Floats) -> Floats:
     return np.asarray((x @ y.T / x.shape[1] + 1) ** 3)

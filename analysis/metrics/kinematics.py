@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 from analysis.metrics.embeddings import FEWEST_CLIPS, SEED
 from analysis.metrics.scores import Metric, MetricResult
+from motion.arrays import Floats, Floats32, Ints
 from motion.clip import MotionClip
 from motion.placement import stand_on_ground
 from motion.resample import resample
@@ -28,8 +28,6 @@ from motion.skeleton import (
     forward_kinematics,
     joint_index,
 )
-
-FloatArray = NDArray[np.float64]
 
 HIGHEST_FRAME_RATE: Final = 30.0
 """Metrics use at most 30 frames per second, whatever the clips' rate."""
@@ -73,7 +71,7 @@ def common_frame_rate(frame_rates: Collection[float]) -> float:
     return min(HIGHEST_FRAME_RATE, *frame_rates)
 
 
-def select(positions: FloatArray, joints: Sequence[str]) -> FloatArray:
+def select(positions: Floats, joints: Sequence[str]) -> Floats:
     """Return the positions of the named joints, shape (T, len(joints), 3)."""
     return positions[:, [joint_index(name) for name in joints]]
 
@@ -91,11 +89,11 @@ class JointMotion:
         values are rounded to single precision, whether computed or read.
     """
 
-    relative: FloatArray
-    pelvis: FloatArray
+    relative: Floats
+    pelvis: Floats
 
     @classmethod
-    def of(cls, packed: NDArray[np.float32]) -> JointMotion:
+    def of(cls, packed: Floats32) -> JointMotion:
         """Return the motion that `packed_joints` packed."""
         values = packed.astype(np.float64)
         return cls(relative=values[:, :JOINT_COUNT], pelvis=values[:, JOINT_COUNT])
@@ -114,7 +112,7 @@ def joint_motion(clip: MotionClip, frame_rate: float) -> JointMotion:
     return JointMotion.of(packed_joints(clip, frame_rate))
 
 
-def packed_joints(clip: MotionClip, frame_rate: float) -> NDArray[np.float32]:
+def packed_joints(clip: MotionClip, frame_rate: float) -> Floats32:
     """Return a `joint_motion` as one array, shape (T, 56, 3): the pelvis comes last."""
     grounded = stand_on_ground(resample(clip, frame_rate), REST_JOINTS)
     relative = forward_kinematics(grounded.poses, np.zeros_like(grounded.trans), REST_JOINTS)[0]
@@ -177,7 +175,7 @@ GENEA_ACCELERATION: Final = DerivativeSettings(
 
 
 def mean_derivative(
-    positions: NDArray[np.float64], *, frame_rate: float, settings: DerivativeSettings
+    positions: Floats, *, frame_rate: float, settings: DerivativeSettings
 ) -> MetricResult:
     """Return the mean magnitude of a derivative of position over frames and joints.
 
@@ -219,7 +217,7 @@ def mean_derivative(
     return metric.score(float(sizes.mean()), sizes.size, description)
 
 
-def foot_sliding(positions: FloatArray, *, frame_rate: float) -> MetricResult:
+def foot_sliding(positions: Floats, *, frame_rate: float) -> MetricResult:
     """Return the mean sliding speed of the feet over frames in which they are on the ground.
 
     Parameters
@@ -257,8 +255,6 @@ def foot_sliding(positions: FloatArray, *, frame_rate: float) -> MetricResult:
     return metric.score(float((speed[standing] * weight).mean()), int(standing.sum()), description)
 
 
-Counts = NDArray[np.int64]
-
 BIN: Final = 0.05
 """Metres per second."""
 
@@ -266,7 +262,7 @@ _BINS: Final = 80
 _RESAMPLES: Final = 200
 
 
-def speed_counts(positions: FloatArray, frame_rate: float) -> Counts:
+def speed_counts(positions: Floats, frame_rate: float) -> Ints:
     """Return the number of a clip's frames at each speed.
 
     Parameters
@@ -288,7 +284,7 @@ def speed_counts(positions: FloatArray, frame_rate: float) -> Counts:
     return np.bincount(flat, minlength=joints * _BINS).reshape(joints, _BINS)
 
 
-def speed_distance(generated: Counts, recorded: Counts, *, frame_rate: float) -> MetricResult:
+def speed_distance(generated: Ints, recorded: Ints, *, frame_rate: float) -> MetricResult:
     """Return the Hellinger distance of the speed histograms of two sets of clips.
 
     Parameters
@@ -324,14 +320,14 @@ def speed_distance(generated: Counts, recorded: Counts, *, frame_rate: float) ->
     return metric.score(value, int(generated[:, 0].sum()), description, interval=interval)
 
 
-def _hellinger(x: FloatArray | Counts, y: FloatArray | Counts) -> FloatArray:
+def _hellinger(x: Floats | Ints, y: Floats | Ints) -> Floats:
     """Return the distances of histograms of shape (..., J, bins), mean over joints."""
     shares = [counts / counts.sum(axis=-1, keepdims=True) for counts in (x, y)]
     common = np.sqrt(shares[0] * shares[1]).sum(axis=-1)
     return np.asarray(np.sqrt(np.maximum(0, 1 - common)).mean(axis=-1))
 
 
-def _spread(generated: Counts, recorded: Counts) -> float:
+def _spread(generated: Ints, recorded: Ints) -> float:
     """Return the standard deviation of the distance over bootstrap samples of clips."""
     chance = np.random.default_rng(SEED)
     drawn = []

@@ -16,11 +16,10 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.metrics.scores import Metric, MetricResult
+from motion.arrays import Floats
 
-FloatArray = NDArray[np.float64]
 Norm = Literal["L1", "L2"]
 
 LEAST_OVERLAP: Final = 0.9
@@ -86,7 +85,7 @@ MACE_POSES: Final = _acceleration("MAcE-P", _JOINTS)
 MACE_LANDMARKS: Final = _acceleration("MAcE-LM", _LANDMARKS)
 
 
-def paired(generated: FloatArray, recorded: FloatArray) -> tuple[FloatArray, FloatArray, str]:
+def paired(generated: Floats, recorded: Floats) -> tuple[Floats, Floats, str]:
     """Return two clips cut to the shorter one's length, and why they cannot be paired, if so.
 
     Parameters
@@ -111,7 +110,7 @@ def paired(generated: FloatArray, recorded: FloatArray) -> tuple[FloatArray, Flo
     return generated[:frames], recorded[:frames], reason
 
 
-def box_scale(clips: Iterable[FloatArray]) -> float:
+def box_scale(clips: Iterable[Floats]) -> float:
     """Return the factor that scales all points of all clips into a box with a diagonal of 1 m.
 
     Parameters
@@ -134,8 +133,8 @@ def box_scale(clips: Iterable[FloatArray]) -> float:
 
 
 def point_error(
-    generated: FloatArray,
-    recorded: FloatArray,
+    generated: Floats,
+    recorded: Floats,
     *,
     frame_rate: float,
     settings: PointSettings,
@@ -170,8 +169,8 @@ def point_error(
 
 
 def velocity_error(
-    generated: FloatArray,
-    recorded: FloatArray,
+    generated: Floats,
+    recorded: Floats,
     *,
     frame_rate: float,
     norm: Norm,

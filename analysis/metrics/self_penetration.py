@@ -16,17 +16,14 @@ from itertools import product
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from trimesh.triangles import closest_point
 
 from analysis.metrics.scores import Metric, MetricResult
+from motion.arrays import Bools, Floats, Floats32, Ints
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS, joint_index
-
-FloatArray = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 SAMPLES_PER_SECOND: Final = 2.0
 """Sampled frames: a hand that sinks in usually stays for longer than half a second."""
@@ -78,9 +75,9 @@ class PenetrableBody:
     """
 
     body: BodyModel
-    moving: Index
-    solids: tuple[Index, ...]
-    faces: Index
+    moving: Ints
+    solids: tuple[Ints, ...]
+    faces: Ints
 
     @classmethod
     def of(cls, body: BodyModel) -> PenetrableBody:
@@ -96,7 +93,7 @@ class PenetrableBody:
             faces=body.faces[is_solid[body.faces].all(axis=1)],
         )
 
-    def depths(self, clip: MotionClip) -> NDArray[np.float32]:
+    def depths(self, clip: MotionClip) -> Floats32:
         """Return the depth of the deepest vertex in each sampled frame of `clip`.
 
         Parameters
@@ -113,7 +110,7 @@ class PenetrableBody:
         sampled = self.body.vertices(poses.frames(sampled_frames(len(clip), clip.frame_rate)))
         return np.array([self._depth(vertices) for vertices in sampled], np.float32)
 
-    def _depth(self, vertices: NDArray[np.float32]) -> float:
+    def _depth(self, vertices: Floats32) -> float:
         """Return the depth of a frame's deepest vertex, in metres."""
         placed = vertices.astype(np.float64)
         points = placed[self.moving]
@@ -129,7 +126,7 @@ class PenetrableBody:
                 return float(distances[part[inside][0]])
         return 0.0
 
-    def _within_bounds(self, placed: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
+    def _within_bounds(self, placed: Floats, points: Floats) -> Bools:
         """Return which points lie within the bounds of a solid in 26 directions."""
         along = points @ _DIRECTIONS.T
         is_within = np.zeros(len(points), bool)
@@ -139,14 +136,14 @@ class PenetrableBody:
         return is_within
 
 
-def sampled_frames(frames: int, frame_rate: float) -> Index:
+def sampled_frames(frames: int, frame_rate: float) -> Ints:
     """Return the sampled frames of a clip: the middle one of each half second."""
     count = max(1, math.floor(frames / frame_rate * SAMPLES_PER_SECOND))
     middles = (np.arange(count) + 0.5) * frame_rate / SAMPLES_PER_SECOND
     return np.minimum(middles.astype(np.int64), frames - 1)
 
 
-def winding_numbers(points: FloatArray, vertices: FloatArray, faces: Index) -> FloatArray:
+def winding_numbers(points: Floats, vertices: Floats, faces: Ints) -> Floats:
     """Return the winding number of a surface around each point: 1 inside, 0 outside.
 
     Parameters
@@ -175,7 +172,7 @@ def winding_numbers(points: FloatArray, vertices: FloatArray, faces: Index) -> F
     lengths = np.sqrt(np.maximum(square - 2 * along + np.einsum("vx,vx->v", placed, placed), 0))
     first, second, third = (faces[:, corner] for corner in range(3))
 
-    def dot(start: Index, end: Index) -> FloatArray:
+    def dot(start: Ints, end: Ints) -> Floats:
         corners_dot = np.einsum("fx,fx->f", placed[start], placed[end])
         return np.asarray(corners_dot - along[:, start] - along[:, end] + square)
 
@@ -188,7 +185,7 @@ def winding_numbers(points: FloatArray, vertices: FloatArray, faces: Index) -> F
     return np.asarray(np.arctan2(volume, denominator).sum(axis=1) / (2 * np.pi))
 
 
-def self_penetration(depths: NDArray[np.float32], *, body: str) -> Iterator[MetricResult]:
+def self_penetration(depths: Floats32, *, body: str) -> Iterator[MetricResult]:
     """Yield the depth and the share of frames of one clip.
 
     Parameters
@@ -227,7 +224,7 @@ def _indices(names: Sequence[str]) -> list[int]:
     return [joint_index(name) for name in names]
 
 
-def _main_joints(body: BodyModel) -> Index:
+def _main_joints(body: BodyModel) -> Ints:
     """Return the joint of the skeleton that moves each vertex most, shape (V,)."""
     weights = body.weights.toarray()
     by_joint = weights[:, :JOINT_COUNT].copy()
@@ -237,7 +234,7 @@ def _main_joints(body: BodyModel) -> Index:
     return np.asarray(by_joint.argmax(axis=1), np.int64)
 
 
-def _distances(points: FloatArray, triangles: FloatArray) -> FloatArray:
+def _distances(points: Floats, triangles: Floats) -> Floats:
     """Return the points' distances to the nearest of the triangles with the nearest centres."""
     near = cKDTree(triangles.mean(axis=1)).query(points, k=min(_NEAREST, len(triangles)))[1]
     near = near.reshape(len(points), -1)

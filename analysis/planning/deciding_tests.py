@@ -13,7 +13,6 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.planning.part import Part
@@ -23,9 +22,7 @@ from analysis.stats.clustered_mean import Clusters, clustered_variance
 from analysis.stats.multiple_testing import holm_rows
 from analysis.stats.strength_differences import difference_tests
 from analysis.stats.strength_models import plackett_luce
-
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
+from motion.arrays import Floats, Indices
 
 LEVEL: Final = 0.05
 """Corrected p values below this are significant."""
@@ -61,10 +58,10 @@ class DecidingTests:
         return tuple(self._groups(rows) >= FEWEST for rows in self._rows)
 
     @cached_property
-    def _rows(self) -> list[NDArray[np.intp]]:
+    def _rows(self) -> list[Indices]:
         return [self.part.trials.of_pair(a, b) for a, b in self.pairs]
 
-    def _groups(self, rows: NDArray[np.intp]) -> int:
+    def _groups(self, rows: Indices) -> int:
         """Return the number of participants or of items in these trials, whichever is smaller."""
         trials = self.part.trials
         return min(len(np.unique(codes[rows])) for codes in (trials.participants, trials.items))
@@ -93,7 +90,7 @@ class DecidingTests:
         return results
 
     def _clustered(
-        self, answers: Floats, rows: NDArray[np.intp], pair: tuple[int, int], modelled: bool
+        self, answers: Floats, rows: Indices, pair: tuple[int, int], modelled: bool
     ) -> tuple[Floats, Floats]:
         participants, items = self.part.trials.participants[rows], self.part.trials.items[rows]
         if self.part.kind == "pairs":
@@ -106,7 +103,7 @@ class DecidingTests:
         a, b = pair
         return clustered_tests(scores[..., a] - scores[..., b], participants, items)
 
-    def _sided(self, preferences: Floats, rows: NDArray[np.intp]) -> SidedAnswers:
+    def _sided(self, preferences: Floats, rows: Indices) -> SidedAnswers:
         trials, signed = self.part.trials, preferences[rows].astype(np.int64)
         left, right = trials.sides
         on_right = (left > right)[rows]
@@ -141,7 +138,7 @@ class DecidingTests:
         return difference_tests(fit.strengths, fit.two_way)[first, second], signs
 
 
-def clustered_tests(values: Floats, participants: Codes, items: Codes) -> tuple[Floats, Floats]:
+def clustered_tests(values: Floats, participants: Indices, items: Indices) -> tuple[Floats, Floats]:
     """Test whether the means of many studies of one design are zero.
 
     The same as `analysis.stats.clustered_mean.clustered_mean` of each row.

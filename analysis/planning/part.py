@@ -15,11 +15,9 @@ from typing import Final, Literal
 
 import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
-from numpy.typing import NDArray
 from scipy.special import expit, logit
 
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
+from motion.arrays import Floats, Indices
 
 Kind = Literal["pairs", "ratings", "rankings"]
 
@@ -68,11 +66,11 @@ class Trials:
         The conditions shown, for pairs; None if every trial shows all conditions.
     """
 
-    participants: Codes
-    items: Codes
+    participants: Indices
+    items: Indices
     conditions: int
-    left: Codes | None = None
-    right: Codes | None = None
+    left: Indices | None = None
+    right: Indices | None = None
 
     @property
     def pairs(self) -> tuple[tuple[int, int], ...]:
@@ -90,13 +88,13 @@ class Trials:
         return len(np.unique(self.items))
 
     @property
-    def sides(self) -> tuple[Codes, Codes]:
+    def sides(self) -> tuple[Indices, Indices]:
         """The conditions shown on the left and on the right, for pairs."""
         if self.left is None or self.right is None:
             raise ValueError("trials of pairs need the conditions that they show")
         return self.left, self.right
 
-    def of_pair(self, a: int, b: int) -> NDArray[np.intp]:
+    def of_pair(self, a: int, b: int) -> Indices:
         """Return the trials that show the conditions `a` and `b`."""
         if self.left is None:
             return np.arange(len(self.participants))
@@ -236,7 +234,7 @@ def _worths(
 
 
 def _group_draws(
-    codes: NDArray[np.intp], studies: int, shape: tuple[int, ...], generator: np.random.Generator
+    codes: Indices, studies: int, shape: tuple[int, ...], generator: np.random.Generator
 ) -> Floats:
     """Return a normal draw for each group, repeated for its trials."""
     draws = generator.standard_normal((studies, int(codes.max(initial=-1)) + 1, *shape))

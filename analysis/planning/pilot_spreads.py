@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from analysis.answers.table import AnswerTable
@@ -21,6 +20,7 @@ from analysis.results.mixed_models import (
     sided,
 )
 from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit
+from motion.arrays import Floats, Ints
 from motion.errors import InputError
 
 MANY: Final = 10
@@ -163,9 +163,7 @@ def _of_rankings(answers: pd.DataFrame) -> Iterator[Spreads]:
 
 
 def _converged_fit(
-    values: NDArray[np.int64],
-    covariates: dict[str, NDArray[np.float64]],
-    random: Sequence[RandomEffect],
+    values: Ints, covariates: dict[str, Floats], random: Sequence[RandomEffect]
 ) -> OrdinalFit | None:
     if any(len(np.unique(effect.groups)) < 2 for effect in random):
         return None

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.planning.deciding_tests import (
     LEVEL,
@@ -18,8 +17,7 @@ from analysis.planning.deciding_tests import (
     detection_shares,
 )
 from analysis.planning.part import Opinions, Part, Trials, simulate_answers
-
-Floats = NDArray[np.float64]
+from motion.arrays import Floats
 
 AT_ONCE: Final = 400_000
 """Answers held in memory at once."""

@@ -9,7 +9,6 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy import stats
 from threadpoolctl import threadpool_limits
 
@@ -35,8 +34,7 @@ from analysis.results.resamples import (
 )
 from analysis.stats.clustered_mean import LEVEL, Interval
 from analysis.stats.samples import percentile_interval
-
-Floats = NDArray[np.float64]
+from motion.arrays import Floats
 
 SEED: Final = 0
 

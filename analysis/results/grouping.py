@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.stats.multiple_testing import holm
+from motion.arrays import Bools, Indices
 from motion.errors import InputError
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from analysis.answers.table import AnswerTable
 
-Codes = NDArray[np.intp]
 
 Result = TypeVar("Result")
 ResultT = TypeVar("ResultT", covariant=True)
@@ -165,12 +164,12 @@ def split_by_key(
             )
 
 
-def codes(answers: pd.DataFrame, column: str) -> Codes:
+def codes(answers: pd.DataFrame, column: str) -> Indices:
     """Return a column of names as numbers from 0."""
     return np.asarray(answers[column].cat.codes, np.intp)
 
 
-def shown_codes(answers: pd.DataFrame) -> dict[str, Codes]:
+def shown_codes(answers: pd.DataFrame) -> dict[str, Indices]:
     """Return the code of each answer's condition; for pairs those of both, a before b."""
     if "left" not in answers:
         return {"condition": codes(answers, "condition")}
@@ -178,7 +177,7 @@ def shown_codes(answers: pd.DataFrame) -> dict[str, Codes]:
     return {"a": np.minimum(left, right), "b": np.maximum(left, right)}
 
 
-def is_on_right(answers: pd.DataFrame) -> NDArray[np.bool_]:
+def is_on_right(answers: pd.DataFrame) -> Bools:
     """Return which answers had a (the own speech in a mismatch task) on the right."""
     if "left" in answers:
         return np.asarray(codes(answers, "right") < codes(answers, "left"))

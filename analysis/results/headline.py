@@ -13,7 +13,6 @@ from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from analysis.answers.participants import LeftOut
 from analysis.answers.table import AnswerTable
@@ -39,6 +38,7 @@ from analysis.stats.agreement import (
 from analysis.stats.clustered_mean import Estimate, Interval, clustered_mean
 from analysis.stats.intraclass import Intraclass, intraclass_correlation
 from analysis.stats.rankings import Placements, placements, rank_summaries
+from motion.arrays import Ints
 
 Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 
@@ -282,7 +282,7 @@ def retest_of(answers: pd.DataFrame) -> Retest:
     )
 
 
-def _signed_values(answers: pd.DataFrame) -> NDArray[np.int64]:
+def _signed_values(answers: pd.DataFrame) -> Ints:
     """Return ratings, or preferences for the first side instead of for the left."""
     if {"left", "right_speech"} & set(answers):
         return sided(answers).signed

@@ -9,7 +9,6 @@ from typing import Final, Literal, TypeVar
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from analysis.answers.table import AnswerTable
 from analysis.results.grouping import (
@@ -24,9 +23,8 @@ from analysis.results.mixed_models import sided
 from analysis.stats.clustered_mean import UNTESTED, Estimate, clustered_mean
 from analysis.stats.f_tests import FTest, between_groups, between_segments
 from analysis.stats.multiple_testing import holm
+from motion.arrays import Floats, Indices
 
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
 By = Literal["emotion", "speaker", "segment"]
 
 KINDS: Final[tuple[By, ...]] = ("emotion", "speaker", "segment")
@@ -58,10 +56,10 @@ class Cell(Estimate):
 
 def cells(
     values: Floats,
-    levels: Codes,
+    levels: Indices,
     names: Sequence[str],
-    participants: Codes,
-    segments: Codes,
+    participants: Indices,
+    segments: Indices,
     *,
     null: float,
     limits: tuple[float, float] = (-math.inf, math.inf),

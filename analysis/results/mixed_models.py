@@ -9,7 +9,6 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from analysis.results.grouping import codes, is_on_right, shown_conditions
 from analysis.stats.ordinal.mixed_model import (
@@ -17,9 +16,7 @@ from analysis.stats.ordinal.mixed_model import (
     fit,
     likelihood_ratio,
 )
-
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
+from motion.arrays import Bools, Floats, Indices, Ints
 
 SEPARATED: Final = (
     "the answers are separated: all prefer the same side, so the log-odds have no finite estimate"
@@ -49,13 +46,13 @@ class SidedAnswers:
         The participant and the segment of each answer.
     """
 
-    responses: NDArray[np.int64]
-    on_right: NDArray[np.bool_]
-    participants: Codes
-    segments: Codes
+    responses: Ints
+    on_right: Bools
+    participants: Indices
+    segments: Indices
 
     @property
-    def signed(self) -> NDArray[np.int64]:
+    def signed(self) -> Ints:
         """-2 (strongly against) … 2 (strongly for the first side)."""
         return np.where(self.on_right, self.responses - 3, 3 - self.responses)
 

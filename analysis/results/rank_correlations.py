@@ -10,13 +10,11 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.results.resamples import OrientedMetric, ResampledPreferences
 from analysis.stats.clustered_mean import Interval
 from analysis.stats.samples import bootstrap_counts, percentile_interval
-
-Floats = NDArray[np.float64]
+from motion.arrays import Floats
 
 FEWEST: Final = 3
 """Fewest conditions: two always agree entirely or not at all."""

@@ -12,7 +12,6 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy import sparse
 
 from analysis.metrics.scores import Better, StudyMetrics
@@ -21,10 +20,7 @@ from analysis.results.mixed_models import sided
 from analysis.results.strengths import RANKING
 from analysis.stats.samples import bootstrap_counts
 from analysis.stats.strength_models import fit_strengths_of_tables
-
-Floats = NDArray[np.float64]
-
-Codes = NDArray[np.intp]
+from motion.arrays import Floats, Indices
 
 PREFERENCE: Final = {
     "pairwise": "Bradley–Terry strength in logits, ties counting one half, adding up to zero",
@@ -57,7 +53,7 @@ class Tallies:
 
     conditions: tuple[str, ...]
     segments: tuple[str, ...]
-    groups: Codes
+    groups: Indices
     sums: sparse.csr_array
     counts: sparse.csr_array
 
@@ -226,7 +222,7 @@ class OrientedMetric:
     left_out: Mapping[int, str]
 
     @property
-    def present(self) -> NDArray[np.intp]:
+    def present(self) -> Indices:
         """The conditions that have a score."""
         return np.array([c for c in range(len(self.whole)) if c not in self.left_out], np.intp)
 

@@ -10,7 +10,6 @@ from typing import Any, Final, Literal
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.results.grouping import PairKey, codes, shown_conditions
@@ -21,9 +20,7 @@ from analysis.stats.samples import group_means
 from analysis.stats.strength_differences import difference_tests, omnibus, rank_intervals
 from analysis.stats.strength_models import Votes, bradley_terry, plackett_luce
 from analysis.stats.strengths import FittedStrengths
-
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
+from motion.arrays import Floats
 
 ONE_SEGMENT: Final = "one segment: intervals and ranks hold for this segment alone"
 

@@ -20,8 +20,7 @@ from scipy import stats
 from analysis.stats.clustered_mean import Interval
 from analysis.stats.rankings import Blocks, Placements, blocks_of_rankings, friedman
 from analysis.stats.samples import bootstrap_counts, finite, percentile_interval
-
-Floats = NDArray[np.float64]
+from motion.arrays import Floats, Ints
 
 RESAMPLES: Final = 2000
 BLOCK: Final = 200
@@ -183,7 +182,7 @@ def _kappas(tables: Floats) -> Floats:
         return np.where(expected > 0, 1 - observed / expected, math.nan)
 
 
-def _spearman(first: NDArray[np.int64], repeat: NDArray[np.int64]) -> float:
+def _spearman(first: Ints, repeat: Ints) -> float:
     if not (np.ptp(first) and np.ptp(repeat)):
         return math.nan
     return float(stats.spearmanr(first, repeat).statistic)

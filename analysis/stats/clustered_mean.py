@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse, stats
 
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
+from motion.arrays import Floats, Indices
 
 TWO_WAY: Final = "clustered by participant and segment"
 ONE_WAY_PARTICIPANTS: Final = "clustered by participant only, the larger variance"
@@ -42,7 +41,7 @@ class ClusteredVariance:
 
 
 def clustered_variance(
-    influences: Floats, participants: Codes, segments: Codes, weights: Floats | None = None
+    influences: Floats, participants: Indices, segments: Indices, weights: Floats | None = None
 ) -> ClusteredVariance:
     """Return the variances of estimates, clustered by participant and segment.
 
@@ -222,8 +221,8 @@ class Estimate(Interval):
 class Clusters:
     """The participant and the segment of each answer, as numbers from 0."""
 
-    participants: NDArray[np.intp]
-    segments: NDArray[np.intp]
+    participants: Indices
+    segments: Indices
 
     @classmethod
     def of(cls, participants: NDArray[np.generic], segments: NDArray[np.generic]) -> Clusters:
@@ -244,7 +243,7 @@ class Clusters:
 
 
 def clustered_mean(
-    values: NDArray[np.float64],
+    values: Floats,
     participants: NDArray[np.generic],
     segments: NDArray[np.generic],
     *,
@@ -293,10 +292,10 @@ def clustered_mean(
 
 def with_interval(
     estimate: Estimate,
-    influences: NDArray[np.float64],
+    influences: Floats,
     clusters: Clusters,
     *,
-    weights: NDArray[np.float64] | None = None,
+    weights: Floats | None = None,
     null: float = 0.0,
 ) -> Estimate:
     """Return an estimate with its clustered interval, and its test against `null`.
@@ -318,7 +317,7 @@ def with_interval(
     )
 
 
-def _unequal(values: NDArray[np.float64], participants: NDArray[np.intp]) -> str:
+def _unequal(values: Floats, participants: Indices) -> str:
     """Return a caution if participants answered very unequally often; '' otherwise."""
     counts = np.bincount(participants)
     if float(freedom_of(counts / len(values))) >= (len(counts) - 1) * EVEN:
@@ -330,7 +329,7 @@ def _unequal(values: NDArray[np.float64], participants: NDArray[np.intp]) -> str
     )
 
 
-def _why_no_interval(values: NDArray[np.float64], participants: int) -> str:
+def _why_no_interval(values: Floats, participants: int) -> str:
     if not len(values):
         return "no answers"
     if participants < 2:

@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 from scipy import sparse, stats
 
 from analysis.stats.samples import ROUNDING, finite, group_means
-
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
+from motion.arrays import Floats, Indices
 
 MIN_F: Final = (
     "min F′ of groups within participants and of groups between segments; participants and "
@@ -130,7 +128,9 @@ def _df(variances: Sequence[float], dfs_rest: Sequence[float]) -> float:
     return float(sum(variances) ** 2 / sum(squares))
 
 
-def between_groups(values: Floats, groups: Codes, participants: Codes, segments: Codes) -> FTest:
+def between_groups(
+    values: Floats, groups: Indices, participants: Indices, segments: Indices
+) -> FTest:
     """Test whether emotions or speakers differ; each holds several segments (Clark 1973).
 
     One F compares the groups with their interaction with participants who answered about all
@@ -166,7 +166,7 @@ def between_groups(values: Floats, groups: Codes, participants: Codes, segments:
     return combine(noise, count - 1, dfs_rest, df_of_zero=min(dfs_rest), method=MIN_F)
 
 
-def between_segments(values: Floats, participants: Codes, segments: Codes) -> FTest:
+def between_segments(values: Floats, participants: Indices, segments: Indices) -> FTest:
     """Test whether segments differ beyond the differences between their participants.
 
     The study's segments are fixed; several answers of one participant about a segment count as
@@ -211,7 +211,7 @@ def between_segments(values: Floats, participants: Codes, segments: Codes) -> FT
     )
 
 
-def _complete_means(values: Floats, group: Codes, participants: Codes, count: int) -> Floats:
+def _complete_means(values: Floats, group: Indices, participants: Indices, count: int) -> Floats:
     """Return means by participant and group, for participants who answered about every group."""
     person = np.unique(participants, return_inverse=True)[1]
     cell = person * count + group
@@ -232,7 +232,7 @@ def _within_participants(means: Floats) -> float:
     return _ratio(between, residual, float((centred**2).sum()))
 
 
-def _one_way(means: Floats, group: Codes, df_rest: int) -> float:
+def _one_way(means: Floats, group: Indices, df_rest: int) -> float:
     """Return F between groups of segments' means; NaN if all are equal."""
     sizes = np.bincount(group)
     centres = np.bincount(group, weights=means) / sizes

@@ -17,8 +17,7 @@ from scipy import stats
 
 from analysis.stats.clustered_mean import Interval
 from analysis.stats.samples import finite
-
-Floats = NDArray[np.float64]
+from motion.arrays import Floats, Indices
 
 COMPLETE: Final = "two-way random effects, absolute agreement"
 INCOMPLETE: Final = (
@@ -136,9 +135,7 @@ def _why_not(y: Floats, items: int, raters: int) -> str:
     return ""
 
 
-def _variances(
-    y: Floats, raters: NDArray[np.intp], items: NDArray[np.intp]
-) -> tuple[float, float, float]:
+def _variances(y: Floats, raters: Indices, items: Indices) -> tuple[float, float, float]:
     """Return item, rater and residual variances (Henderson's method 1).
 
     The expectation of each of three sums of squares is a known mixture of them.

@@ -10,9 +10,8 @@ from statistics import NormalDist
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from motion.arrays import Floats
 
 
 def holm(p_values: Sequence[float]) -> tuple[float, ...]:

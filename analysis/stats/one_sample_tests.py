@@ -12,9 +12,9 @@ from scipy import stats
 
 from analysis.stats.clustered_mean import Estimate, Interval
 from analysis.stats.samples import ROUNDING, finite, tied_ranks
+from motion.arrays import Bools, Floats
 from motion.errors import InputError
 
-Floats = NDArray[np.float64]
 Verdict = Literal["equivalent", "different", "equivalent and different", "undecided", "unknown"]
 
 
@@ -110,7 +110,7 @@ def signed_rank(values: Floats) -> SignedRank:
     return SignedRank(p_value=float(2 * stats.norm.sf(abs(above) / deviation)))
 
 
-def _by_counting(ranks: Floats, positive: NDArray[np.bool_]) -> float:
+def _by_counting(ranks: Floats, positive: Bools) -> float:
     """Return p from the exact distribution of the sum of doubled ranks with random signs."""
     doubled = np.rint(2 * ranks).astype(np.int64)
     total, above = int(doubled.sum()), int(doubled[positive].sum())

@@ -15,15 +15,13 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.stats.clustered_mean import Estimate, clustered_mean
 from analysis.stats.multiple_testing import holm
 from analysis.stats.one_sample_tests import signed_rank
 from analysis.stats.samples import tied_ranks
-
-Floats = NDArray[np.float64]
+from motion.arrays import Bools, Floats, Indices
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,8 +43,8 @@ class Placements:
 
     conditions: tuple[str, ...]
     given: Floats
-    participants: NDArray[np.intp]
-    segments: NDArray[np.intp]
+    participants: Indices
+    segments: Indices
     participant_names: tuple[str, ...]
     segment_names: tuple[str, ...]
 
@@ -66,7 +64,7 @@ class Placements:
         return self.better + (self.tied + 1) / 2
 
     @cached_property
-    def complete(self) -> NDArray[np.bool_]:
+    def complete(self) -> Bools:
         """Mask of the rankings that place every condition."""
         return np.asarray(~np.isnan(self.given).any(axis=1))
 

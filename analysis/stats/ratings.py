@@ -19,9 +19,7 @@ from scipy import stats
 
 from analysis.stats.clustered_mean import LEVEL, Clusters, Estimate, clustered_mean, with_interval
 from analysis.stats.samples import finite
-
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
+from motion.arrays import Bools, Floats, Indices
 
 PAIRED: Final = "paired ratings"
 UNPAIRED: Final = "all ratings, since few participants rated both conditions in one segment"
@@ -45,14 +43,14 @@ class RatedCells:
     """
 
     means: Floats
-    participants: Codes
-    segments: Codes
-    first: Codes
+    participants: Indices
+    segments: Indices
+    first: Indices
 
 
 def rated_cells(
     values: NDArray[np.number],
-    conditions: Codes,
+    conditions: Indices,
     participants: NDArray[np.generic],
     segments: NDArray[np.generic],
     *,
@@ -118,7 +116,7 @@ def mean_difference(cells: RatedCells, a: int, b: int) -> Estimate:
     return replace(difference, method=f"{PAIRED}, {difference.method}" if difference.method else "")
 
 
-def _of_all(cells: RatedCells, pair: Sequence[int], rated: NDArray[np.bool_]) -> Estimate:
+def _of_all(cells: RatedCells, pair: Sequence[int], rated: Bools) -> Estimate:
     """Return the difference of two means of unpaired ratings."""
     rows, column = np.nonzero(rated)
     values = cells.means[rows, np.array(pair)[column]]
@@ -138,7 +136,7 @@ def _of_all(cells: RatedCells, pair: Sequence[int], rated: NDArray[np.bool_]) ->
 
 def cliffs_delta(
     values: NDArray[np.number],
-    of_first: NDArray[np.bool_],
+    of_first: Bools,
     participants: NDArray[np.generic],
     segments: NDArray[np.generic],
 ) -> Estimate:

@@ -13,15 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from motion.arrays import Floats, Indices
 from motion.errors import InputError
-
-Floats = NDArray[np.float64]
 
 ROUNDING: Final = 1e-9
 """Numbers that differ by less, relative to the largest, are equal."""
 
 
-def finite(values: NDArray[np.number]) -> NDArray[np.float64]:
+def finite(values: NDArray[np.number]) -> Floats:
     """Return `values` as floats.
 
     Raises
@@ -54,7 +53,7 @@ def group_means(values: Floats, groups: NDArray[np.generic]) -> Floats:
     return np.asarray(np.bincount(codes, weights=values) / counts, np.float64)
 
 
-def levels(values: Floats) -> NDArray[np.intp]:
+def levels(values: Floats) -> Indices:
     """Return the index of each value among the sorted distinct ones, from 0.
 
     Parameters

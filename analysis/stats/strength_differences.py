@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse, stats
 
 from analysis.stats.clustered_mean import (
@@ -20,9 +19,7 @@ from analysis.stats.clustered_mean import (
     one_way,
 )
 from analysis.stats.f_tests import FTest
-
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
+from motion.arrays import Floats, Indices
 
 MIXED: Final = f"{TWO_WAY}; by one of them alone if that variance is larger"
 
@@ -59,10 +56,10 @@ class TwoWayErrors:
     def of(
         cls,
         influences: Floats,
-        situation: Codes,
-        kind: Codes,
-        participants: Codes,
-        segments: Codes,
+        situation: Indices,
+        kind: Indices,
+        participants: Indices,
+        segments: Indices,
     ) -> TwoWayErrors | None:
         """Return the errors, or None for one participant.
 
@@ -113,7 +110,7 @@ class TwoWayErrors:
 
 
 def _variances(
-    influences: Floats, squares: Floats, counts: Sequence[sparse.csr_array], answers: Codes
+    influences: Floats, squares: Floats, counts: Sequence[sparse.csr_array], answers: Indices
 ) -> ClusteredVariance:
     """Return the variances of several estimates; without influences, 0 with NaN degrees.
 
@@ -139,7 +136,7 @@ def _variances(
     )
 
 
-def count_kinds(kind: Codes, groups: Codes, kinds: int) -> sparse.csr_array:
+def count_kinds(kind: Indices, groups: Indices, kinds: int) -> sparse.csr_array:
     """Return the number of answers of each kind by group, shape (groups that occur, kinds)."""
     # Counted first, so that a million answers are sorted only once.
     cells, counts = np.unique(groups * kinds + kind, return_counts=True)

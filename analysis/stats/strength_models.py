@@ -18,7 +18,6 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from analysis.stats.strength_differences import standard_errors
 from analysis.stats.strengths import (
@@ -30,9 +29,7 @@ from analysis.stats.strengths import (
     strength_fields,
     unknown_strengths,
 )
-
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
+from motion.arrays import Bools, Floats, Indices
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,14 +49,14 @@ class Votes:
     """
 
     conditions: tuple[str, ...]
-    left: Codes
-    right: Codes
-    outcome: Codes
-    participant: Codes
-    segment: Codes
+    left: Indices
+    right: Indices
+    outcome: Indices
+    participant: Indices
+    segment: Indices
 
     @cached_property
-    def pair(self) -> Codes:
+    def pair(self) -> Indices:
         """The ordered pair of each answer, as left * conditions + right."""
         return self.left * len(self.conditions) + self.right
 
@@ -248,7 +245,7 @@ def plackett_luce(rankings: pd.DataFrame, conditions: Sequence[str]) -> Plackett
     )
 
 
-def _stages(rankings: pd.DataFrame, names: Sequence[str]) -> tuple[list[Stage], NDArray[np.intp]]:
+def _stages(rankings: pd.DataFrame, names: Sequence[str]) -> tuple[list[Stage], Indices]:
     """Return every choice of the next best, and a row of its ranking."""
     number = {name: place for place, name in enumerate(names)}
     levels_of: dict[object, dict[float, set[int]]] = {}
@@ -344,7 +341,7 @@ def fit_strengths_of_tables(wins: Floats) -> Floats:
     return centred
 
 
-def _connected(compared: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _connected(compared: Bools) -> Bools:
     """Return which of the graphs, shape (B, k, k), are connected."""
     count = compared.shape[-1]
     reached = compared | np.eye(count, dtype=bool)

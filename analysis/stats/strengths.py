@@ -14,7 +14,6 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.special import expit
@@ -24,10 +23,8 @@ from analysis.stats.strength_differences import (
     count_kinds,
     standard_errors,
 )
+from motion.arrays import Bools, Floats, Indices
 from motion.errors import listed
-
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
 
 STEPS: Final = 100
 FLAT: Final = 1e-10
@@ -52,9 +49,9 @@ class Choices:
 
     features: Floats
     sizes: Sequence[int]
-    chosen: Codes
-    participant: Codes
-    segment: Codes
+    chosen: Indices
+    participant: Indices
+    segment: Indices
 
     @cached_property
     def votes(self) -> Floats:
@@ -62,12 +59,12 @@ class Choices:
         return np.bincount(self.chosen, minlength=len(self.features)).astype(np.float64)
 
     @cached_property
-    def starts(self) -> Codes:
+    def starts(self) -> Indices:
         """Index of each situation's first alternative."""
         return np.cumsum([0, *self.sizes[:-1]])
 
     @cached_property
-    def situation_of(self) -> Codes:
+    def situation_of(self) -> Indices:
         """Situation of each alternative, shape (alternatives,)."""
         return np.repeat(np.arange(len(self.sizes)), self.sizes)
 
@@ -200,7 +197,7 @@ class Links:
         Which conditions never lost to which; empty if there is one tier.
     """
 
-    tiers: Codes
+    tiers: Indices
     unlinked: str
     unbeaten: str
 
@@ -234,7 +231,7 @@ def links(beats: Floats, names: Sequence[str]) -> Links:
     return Links(tiers=np.asarray(tiers, np.intp), unlinked=unlinked, unbeaten="; ".join(unbeaten))
 
 
-def _named(names: Sequence[str], chosen: NDArray[np.bool_]) -> str:
+def _named(names: Sequence[str], chosen: Bools) -> str:
     return listed([name for name, yes in zip(names, chosen, strict=True) if yes])
 
 
@@ -277,7 +274,7 @@ class FittedStrengths:
     log_likelihood: float = math.nan
     n: int
     participants: int
-    tiers: Codes
+    tiers: Indices
     unbeaten: str = ""
     reason: str = ""
 

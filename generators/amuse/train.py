@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from generators.amuse import network_file
@@ -21,6 +20,7 @@ from generators.amuse.network_file import SpeechNetwork
 from generators.learned import cut_windows, describe_training, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from generators.settings import content
+from motion.arrays import Floats32, Ints
 from motion.audio import read_audio
 from motion.errors import InputError
 from training.config import Pass
@@ -86,9 +86,7 @@ class MotionTask(WindowTask):
             first_weights.standardise_inputs(layer, latents.relu())
         return model.to(self.device)
 
-    def losses_of(
-        self, name: str, network: MotionModel, rows: NDArray[np.int64]
-    ) -> Mapping[str, Tensor]:
+    def losses_of(self, name: str, network: MotionModel, rows: Ints) -> Mapping[str, Tensor]:
         """Return `motion_losses` of a stage, in which one learns alone or both together."""
         return self._losses(network, self.training, rows, without(self.weights, name))
 
@@ -103,7 +101,7 @@ class MotionTask(WindowTask):
         return {name: float(value) for name, value in losses.items()}
 
     def _losses(
-        self, network: MotionModel, windows: Windows, rows: NDArray[np.int64], weights: Weights
+        self, network: MotionModel, windows: Windows, rows: Ints, weights: Weights
     ) -> Mapping[str, Tensor]:
         values = self.tensors(windows, rows)
         noise = torch.randn(2 + DRAWS, len(rows), *network.prior.latent_shape).to(self.device)
@@ -182,7 +180,7 @@ def speech_latents(
     remaining frames. The speech model is moved to `device`.
     """
 
-    def compute(take: Take) -> NDArray[np.float32]:
+    def compute(take: Take) -> Floats32:
         audio = read_audio(take.speech)
         total = max(1, round(audio.duration * FRAME_RATE))
         count = 1 + max(0, total - frames) // stride

@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional
 
@@ -21,6 +20,7 @@ from generators.amuse.speech import AnySpeechModel, SpeechAutoencoder, SpeechMod
 from generators.learned import cut_windows, describe_training, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from generators.settings import content
+from motion.arrays import Ints
 from motion.errors import InputError, listed
 from training.data.labelled_windows import Classes, check_texts, macro_f1, quadruples
 from training.data.windows import Windows
@@ -75,7 +75,7 @@ class SpeechTask(WindowTask):
 
     config: SpeechConfig
     weights: Mapping[str, float]
-    quadruples: NDArray[np.int64]
+    quadruples: Ints
     classes: Classes
     encoder_weights: Mapping[str, Tensor] = field(default_factory=dict)
 
@@ -100,7 +100,7 @@ class SpeechTask(WindowTask):
                     initialise_from_speech(encoder.transformer, filterbanks)
         return network.to(self.device)
 
-    def losses(self, network: AnySpeechModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+    def losses(self, network: AnySpeechModel, rows: Ints) -> Mapping[str, Tensor]:
         """Return `speech_losses` of quadruples with random masks, shifts and noise.
 
         An auto-encoder reconstructs them unchanged.
@@ -143,19 +143,19 @@ class SpeechTask(WindowTask):
         return {"loss": sum(losses_by_name.values()), **losses_by_name, **scores}
 
     @cached_property
-    def validation_rows(self) -> NDArray[np.int64]:
+    def validation_rows(self) -> Ints:
         """Rows of `held_out` for validation."""
         labelled = self.classes.labelled_rows(self.held_out)
         return labelled[evenly_spaced(len(labelled), MOST_HELD_OUT)]
 
     @cached_property
-    def held_out_quadruples(self) -> NDArray[np.int64]:
+    def held_out_quadruples(self) -> Ints:
         """Rows of `held_out`, (quadruples, 4); empty if no two speakers share two texts there."""
         rows = quadruples(self.held_out, limit=MOST_QUADRUPLES, seed=0)
         rows = rows[np.isin(rows, self.classes.labelled_rows(self.held_out)).all(axis=1)]
         return rows[evenly_spaced(len(rows), MOST_HELD_OUT // 4)]
 
-    def _encode(self, network: SpeechModel, rows: NDArray[np.int64]) -> tuple[Tensor, SpeechOutput]:
+    def _encode(self, network: SpeechModel, rows: Ints) -> tuple[Tensor, SpeechOutput]:
         """Return held-out filterbanks and their latents."""
         filterbanks = self._filterbanks(self.held_out, rows)
         outputs = [network(part) for part in torch.split(filterbanks, _AT_ONCE)]
@@ -174,12 +174,12 @@ class SpeechTask(WindowTask):
             means[part] = self.classes.means(LABELS[part], torch.cat(z).cpu(), numbers.cpu())
         return means
 
-    def _filterbanks(self, windows: Windows, rows: NDArray[np.int64]) -> Tensor:
+    def _filterbanks(self, windows: Windows, rows: Ints) -> Tensor:
         values = self.tensors(windows, rows)["filterbank"]
         # The released size has a few more rows than ten seconds; they are empty.
         return functional.pad(values, (0, 0, 0, self.config.frames - values.shape[1]))
 
-    def _numbers(self, windows: Windows, rows: NDArray[np.int64]) -> Tensor:
+    def _numbers(self, windows: Windows, rows: Ints) -> Tensor:
         """Return the numbers of emotions and of speakers, (2, rows)."""
         return torch.from_numpy(self.classes.numbers(windows, rows)).to(self.device)
 

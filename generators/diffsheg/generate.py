@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
 from generators.diffsheg.config import (
     BLEND_BELOW,
@@ -22,6 +21,7 @@ from generators.diffsheg.sampling import WindowSampler, stream
 from generators.interface import OnPart, SpeechSegment
 from generators.learned import NetworkGenerator, check_finite, concatenate_parts, network_provenance
 from generators.learned_settings import DiffShegSettings
+from motion.arrays import Floats, Floats32
 from motion.body.skinning import ForearmTwists
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -79,9 +79,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             **self._facts(speaker, speech.segment.speaker),
         }
 
-    def stream(
-        self, chunks: Iterable[NDArray[np.float32]], *, seed: int
-    ) -> Iterator[NDArray[np.float64]]:
+    def stream(self, chunks: Iterable[Floats32], *, seed: int) -> Iterator[Floats]:
         """Yield motion of live speech as soon as it is final.
 
         The motion does not depend on the division of the speech into chunks. A frame is final, at
@@ -110,9 +108,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
         speech_frames = stream_frames(chunks, int(config.frame_rate), self._hubert, StreamWindow())
         return self._denormalised_motion(speech_frames, seed, self._speaker_number(None))
 
-    def stream_clips(
-        self, chunks: Iterable[NDArray[np.float32]], *, seed: int
-    ) -> Iterator[MotionClip]:
+    def stream_clips(self, chunks: Iterable[Floats32], *, seed: int) -> Iterator[MotionClip]:
         """Yield clips of live speech as soon as they are final.
 
         Joined in order, they equal the clip of all the speech at once, bit by bit.
@@ -145,7 +141,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
 
     def _denormalised_motion(
         self, speech: Iterable[SpeechFrames], seed: int, speaker: int
-    ) -> Iterator[NDArray[np.float64]]:
+    ) -> Iterator[Floats]:
         """Yield the network's motion to speech, denormalised, (some frames, values)."""
         config = self._network.model.config
         windows = stream(
@@ -171,7 +167,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
             self._sampler = (speaker, WindowSampler(denoiser, person, self._sampling))
         return self._sampler[1]
 
-    def _clip(self, motion: NDArray[np.float64]) -> MotionClip:
+    def _clip(self, motion: Floats) -> MotionClip:
         make_clip = beat_clip if self._network.dataset == "beat" else show_clip
         return make_clip(motion, self._network.model.config.frame_rate)
 

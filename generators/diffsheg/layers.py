@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
+from motion.arrays import Floats, Floats32
 from training.diffusion import LINEAR
 from training.layers.interpolation import interpolate_features
 
@@ -282,7 +282,7 @@ class LinearSkip(nn.Module):
         self.register_buffer("directions", torch.eye(part))
         self.register_buffer("variances", torch.ones(frames, part))
 
-    def fit(self, windows: NDArray[np.float32]) -> None:
+    def fit(self, windows: Floats32) -> None:
         """Estimate the variances from normalised motion, (windows, frames, part)."""
         frames, part = windows.shape[1:]
         poses = windows.reshape(-1, part).astype(np.float64)
@@ -328,9 +328,9 @@ def _full_precision(device: str) -> AbstractContextManager[object]:
 
 
 @cache
-def _cosines(frames: int) -> NDArray[np.float64]:
+def _cosines(frames: int) -> Floats:
     """Return the matrix of the orthonormal DCT-II, (waves, frames)."""
     waves, times = np.arange(frames)[:, None], np.arange(frames) + 0.5
-    cosines: NDArray[np.float64] = np.cos(np.pi * waves * times / frames) * np.sqrt(2 / frames)
+    cosines: Floats = np.cos(np.pi * waves * times / frames) * np.sqrt(2 / frames)
     cosines[0] /= np.sqrt(2)
     return cosines

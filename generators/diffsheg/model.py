@@ -10,9 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Final, cast
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -27,6 +25,7 @@ from generators.diffsheg.layers import (
     frame_positions,
     zeroed,
 )
+from motion.arrays import Floats32
 from training.diffusion import LINEAR, step_embedding
 
 MEL_GAIN: Final = 2.0
@@ -247,7 +246,7 @@ class Denoiser(nn.Module):
         x0_hat = LINEAR.x0_hat(x_t, eps, t)
         return x0_hat.detach() if self.config.detached else x0_hat
 
-    def fit_skips(self, windows: NDArray[np.float32]) -> None:
+    def fit_skips(self, windows: Floats32) -> None:
         """Fit the skips of all branches to normalised motion.
 
         Parameters

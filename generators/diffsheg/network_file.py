@@ -13,11 +13,11 @@ from typing import Final, Literal
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from generators.diffsheg.config import BEAT, SHOW, DenoiserConfig
 from generators.diffsheg.model import Denoiser
+from motion.arrays import Bools, Floats
 from motion.errors import InputError
 from training.released_weights import ReleasedNames, fill, read_saved, tensors_in
 from training.weights_file import NetworkKind, TrainedNetwork, holds_facts
@@ -45,20 +45,20 @@ class Normalisation:
         A value with a zero `std` is constant.
     """
 
-    mean: NDArray[np.float64]
-    std: NDArray[np.float64]
+    mean: Floats
+    std: Floats
 
-    def normalised(self, motion: NDArray[np.float64]) -> NDArray[np.float64]:
+    def normalised(self, motion: Floats) -> Floats:
         """Return `motion` (T, values), normalised; constant values are 0."""
         varies = self._varies
         return np.asarray((motion - self.mean) * varies / np.where(varies, self.std, 1.0))
 
-    def restored(self, normalised: NDArray[np.float64]) -> NDArray[np.float64]:
+    def restored(self, normalised: Floats) -> Floats:
         """Return motion (T, values), denormalised; constant values are their mean."""
         return np.asarray(self.mean + np.where(self._varies, self.std, 0.0) * normalised)
 
     @property
-    def _varies(self) -> NDArray[np.bool_]:
+    def _varies(self) -> Bools:
         return np.asarray(self.std >= _LARGEST_ROUNDING)
 
 
@@ -130,7 +130,7 @@ def read_normalisation(folder: Path, config: DenoiserConfig) -> Normalisation:
     return Normalisation(mean, std)
 
 
-def _read_statistic(folder: Path, name: str, width: int) -> NDArray[np.float64]:
+def _read_statistic(folder: Path, name: str, width: int) -> Floats:
     path = next(
         (path for path in (folder / name, folder / "facial52" / name) if path.is_file()),
         folder / name,

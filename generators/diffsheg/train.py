@@ -11,7 +11,6 @@ from typing import Any, Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from generators.diffsheg.config import (
@@ -31,6 +30,7 @@ from generators.learned import (
     run_training,
 )
 from generators.registry import TrainedGenerator, TrainingRequest
+from motion.arrays import Floats, Floats32, Ints
 from motion.errors import InputError
 from training.data.feature_cache import PreparedTakes
 from training.data.take import Feature, TakeFolder
@@ -99,7 +99,7 @@ class DiffShegTask(WindowTask):
             network.fit_skips(self._covariance_windows)
         return network.to(self.device)
 
-    def losses(self, network: Denoiser, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+    def losses(self, network: Denoiser, rows: Ints) -> Mapping[str, Tensor]:
         """Return `motion_losses` of a batch with random steps and noise."""
         batch = self._batch(self.training, rows)
         steps = torch.randint(0, LINEAR.steps, (len(rows),)).to(self.device)
@@ -133,7 +133,7 @@ class DiffShegTask(WindowTask):
         return {METRIC: means["loss"] - self.weights.velocity * means["velocity"], **means}
 
     @cached_property
-    def _covariance_windows(self) -> NDArray[np.float32]:
+    def _covariance_windows(self) -> Floats32:
         """Normalised motion of evenly spaced training windows."""
         rows = evenly_spaced(len(self.training), _MOST_COVARIANCE_WINDOWS)
         return self._normalised_motion(dict(self.training.batch(rows)))
@@ -145,14 +145,14 @@ class DiffShegTask(WindowTask):
         eps: Tensor = network(noisy, steps, *(batch[name] for name in ("mel", "hubert", "person")))
         return motion_losses(noise, eps, steps, self.weights, batch.get("semantic"))
 
-    def _batch(self, windows: Windows, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+    def _batch(self, windows: Windows, rows: Ints) -> Mapping[str, Tensor]:
         """Return windows by feature, with normalised ``motion`` and one-hot ``person``."""
         values = dict(windows.batch(rows))
         values["motion"] = self._normalised_motion(values)
         values["person"] = self.speakers.one_hot(windows.speakers(rows))
         return {name: torch.from_numpy(array).to(self.device) for name, array in values.items()}
 
-    def _normalised_motion(self, values: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
+    def _normalised_motion(self, values: dict[str, Floats32]) -> Floats32:
         """Return normalised motion, and remove its two features from `values`."""
         motion = np.concatenate([values.pop(name) for name in ("gesture", "expression")], axis=-1)
         return self.normalisation.normalised(motion.astype(np.float64)).astype(np.float32)
@@ -283,7 +283,7 @@ def _requested_preset(request: TrainingRequest, dataset: str) -> TrainingPreset:
 def normalisation_of(prepared: PreparedTakes) -> Normalisation:
     """Return mean and standard deviation of each value over all frames of the training takes."""
 
-    def motions() -> Iterator[NDArray[np.float64]]:
+    def motions() -> Iterator[Floats]:
         for number, take in enumerate(prepared.takes):
             if take.split == "train":
                 parts = [prepared.arrays[name][number] for name in ("gesture", "expression")]

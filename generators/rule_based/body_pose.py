@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from generators.rule_based.vocabulary import (
@@ -25,9 +24,8 @@ from generators.rule_based.vocabulary import (
     PRONATION,
     SPREAD,
 )
+from motion.arrays import Floats
 from motion.skeleton import JOINT_COUNT, REST_JOINTS, forward_kinematics, joint_index
-
-FloatArray = NDArray[np.float64]
 
 _STRAIGHTEST: Final = 0.999
 _NEAREST: Final = 0.35
@@ -48,9 +46,9 @@ class Limb:
         smoothly, because a limb that snaps straight looks wrong.
     """
 
-    upper: FloatArray
-    lower: FloatArray
-    folds_toward: FloatArray
+    upper: Floats
+    lower: Floats
+    folds_toward: Floats
     comfort: float
 
     @property
@@ -59,9 +57,7 @@ class Limb:
         return float(np.linalg.norm(self.upper) + np.linalg.norm(self.lower))
 
 
-def solve(
-    limb: Limb, root: FloatArray, target: FloatArray, pole: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def solve(limb: Limb, root: Floats, target: Floats, pole: Floats) -> tuple[Floats, Floats]:
     """Return the rotations of two bones that put the limb's end at `target`.
 
     Parameters
@@ -95,7 +91,7 @@ def solve(
     )
 
 
-def _reachable_share(share: FloatArray, comfort: float) -> FloatArray:
+def _reachable_share(share: Floats, comfort: float) -> Floats:
     """Return the share of the limb's length to span, eased near a straight limb."""
     margin = _STRAIGHTEST - comfort
     excess = np.maximum(share - comfort, 0)
@@ -103,14 +99,12 @@ def _reachable_share(share: FloatArray, comfort: float) -> FloatArray:
     return np.asarray(np.maximum(eased, _NEAREST))
 
 
-def _bone_turn(
-    bone: FloatArray, rest_hinge: FloatArray, direction: FloatArray, hinge: FloatArray
-) -> FloatArray:
+def _bone_turn(bone: Floats, rest_hinge: Floats, direction: Floats, hinge: Floats) -> Floats:
     """Return the rotation that takes `bone` to `direction` and its hinge to `hinge`."""
     return _frame(direction, hinge) @ np.swapaxes(_frame(bone, rest_hinge), -1, -2)
 
 
-def _frame(direction: FloatArray, hinge: FloatArray) -> FloatArray:
+def _frame(direction: Floats, hinge: Floats) -> Floats:
     x = direction / np.linalg.norm(direction, axis=-1, keepdims=True)
     z = np.cross(x, hinge)
     z /= np.linalg.norm(z, axis=-1, keepdims=True)
@@ -152,15 +146,15 @@ class Trunk:
         Degrees of both collar bones.
     """
 
-    pelvis: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
-    spine: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
-    head: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
-    shift: FloatArray = field(default_factory=lambda: np.zeros((1, 3)))
-    shoulders_up: FloatArray = field(default_factory=lambda: np.zeros(1))
-    shoulders_forward: FloatArray = field(default_factory=lambda: np.zeros(1))
+    pelvis: Floats = field(default_factory=lambda: np.zeros((1, 3)))
+    spine: Floats = field(default_factory=lambda: np.zeros((1, 3)))
+    head: Floats = field(default_factory=lambda: np.zeros((1, 3)))
+    shift: Floats = field(default_factory=lambda: np.zeros((1, 3)))
+    shoulders_up: Floats = field(default_factory=lambda: np.zeros(1))
+    shoulders_forward: Floats = field(default_factory=lambda: np.zeros(1))
 
 
-def pose_body(trunk: Trunk, hands: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
+def pose_body(trunk: Trunk, hands: Mapping[str, Floats]) -> tuple[Floats, Floats]:
     """Return the joint rotations and the translation of a standing body.
 
     Parameters
@@ -192,7 +186,7 @@ def pose_body(trunk: Trunk, hands: Mapping[str, FloatArray]) -> tuple[FloatArray
     return poses, trunk.shift
 
 
-def _collar(trunk: Trunk, hand: FloatArray, sign: float) -> FloatArray:
+def _collar(trunk: Trunk, hand: Floats, sign: float) -> Floats:
     """Return the collar bone's turn, which rises and advances with its arm."""
     place = hand[:, PLACE] / np.linalg.norm(hand[:, PLACE], axis=1, keepdims=True)
     lift = trunk.shoulders_up + _LIFT_WITH_ARM * place[:, 1] + _LIFT_LEVEL
@@ -201,12 +195,7 @@ def _collar(trunk: Trunk, hand: FloatArray, sign: float) -> FloatArray:
 
 
 def _pose_arm(
-    poses: FloatArray,
-    joints: FloatArray,
-    turns: FloatArray,
-    side: str,
-    sign: float,
-    hand: FloatArray,
+    poses: Floats, joints: Floats, turns: Floats, side: str, sign: float, hand: Floats
 ) -> None:
     """Write shoulder, elbow, wrist and fingers of one arm into `poses`."""
     shoulder, elbow, wrist = (joint_index(f"{side}_{j}") for j in ("shoulder", "elbow", "wrist"))
@@ -248,9 +237,7 @@ def _pose_arm(
     poses[:, first : first + 15] = _finger_rotations(hand, sign)
 
 
-def _pose_leg(
-    poses: FloatArray, joints: FloatArray, turns: FloatArray, side: str, sign: float
-) -> None:
+def _pose_leg(poses: Floats, joints: Floats, turns: Floats, side: str, sign: float) -> None:
     """Write hip, knee and ankle of one leg into `poses`, with the foot fixed."""
     hip, knee, ankle = (joint_index(f"{side}_{joint}") for joint in ("hip", "knee", "ankle"))
     leg = Limb(
@@ -270,7 +257,7 @@ def _pose_leg(
     poses[:, ankle] = _matrix_rotvec(np.swapaxes(lower, 1, 2))
 
 
-def _finger_rotations(hand: FloatArray, sign: float) -> FloatArray:
+def _finger_rotations(hand: Floats, sign: float) -> Floats:
     """Return the rotations of a hand's 15 joints, shape (T, 15, 3), in the skeleton's order."""
     rotations = np.zeros((len(hand), 15, 3))
     curls = hand[:, CURLS]
@@ -285,11 +272,11 @@ def _finger_rotations(hand: FloatArray, sign: float) -> FloatArray:
     return rotations
 
 
-def _rotvec(turn: FloatArray) -> FloatArray:
+def _rotvec(turn: Floats) -> Floats:
     """Return turns in degrees, about y, then x, then z, as axis-angle, shape (T, 3)."""
     about_yxz = turn[:, [1, 0, 2]]
     return np.asarray(Rotation.from_euler("YXZ", about_yxz, degrees=True).as_rotvec())
 
 
-def _matrix_rotvec(matrix: FloatArray) -> FloatArray:
+def _matrix_rotvec(matrix: Floats) -> Floats:
     return np.asarray(Rotation.from_matrix(matrix).as_rotvec())

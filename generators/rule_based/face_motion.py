@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import ShortTimeFFT
 
@@ -18,11 +17,10 @@ from generators.rule_based.time_courses import (
     smooth_noise,
 )
 from generators.rule_based.vocabulary import EmotionStyle
+from motion.arrays import Floats
 from motion.audio import Audio
 from motion.clip import ARKIT_NAMES
 from motion.prosody import Prosody
-
-FloatArray = NDArray[np.float64]
 
 _BROW_LEAD: Final = 0.06
 _WAVERING: Final = 0.12
@@ -44,10 +42,10 @@ def move_face(
     style: EmotionStyle,
     audio: Audio,
     prosody: Prosody,
-    head_in_world: FloatArray,
-    times: FloatArray,
+    head_in_world: Floats,
+    times: Floats,
     rng: np.random.Generator,
-) -> FloatArray:
+) -> Floats:
     """Return the face's movement.
 
     Parameters
@@ -95,7 +93,7 @@ def _sides(name: str) -> tuple[str, ...]:
     return (name,) if name in ARKIT_NAMES else (f"{name}Left", f"{name}Right")
 
 
-def _add_weights(arkit: FloatArray, name: str, course: FloatArray) -> None:
+def _add_weights(arkit: Floats, name: str, course: Floats) -> None:
     for action in _sides(name):
         arkit[:, ARKIT_NAMES.index(action)] += course
 
@@ -110,8 +108,8 @@ _OPENING: Final = 0.16
 
 
 def gaze(
-    head_in_world: FloatArray, looks_away: float, times: FloatArray, rng: np.random.Generator
-) -> dict[str, FloatArray]:
+    head_in_world: Floats, looks_away: float, times: Floats, rng: np.random.Generator
+) -> dict[str, Floats]:
     """Return the weights of the eyes' actions, each of shape (T,).
 
     The eyes rest on the viewer or on something nearby, jump between the two (saccades), and
@@ -148,7 +146,7 @@ def gaze(
     }
 
 
-def blinks(per_minute: float, times: FloatArray, rng: np.random.Generator) -> FloatArray:
+def blinks(per_minute: float, times: Floats, rng: np.random.Generator) -> Floats:
     """Return the closure of the lids at each time, shape (T,), in [0, 1].
 
     Parameters
@@ -172,8 +170,8 @@ def blinks(per_minute: float, times: FloatArray, rng: np.random.Generator) -> Fl
 
 
 def speaking_mouth(
-    audio: Audio, prosody: Prosody, times: FloatArray, opening: float
-) -> Mapping[str, FloatArray]:
+    audio: Audio, prosody: Prosody, times: Floats, opening: float
+) -> Mapping[str, Floats]:
     """Return the weights of the mouth's actions, each of shape (T,); silence gives zeros.
 
     Three bands of the spectrum drive jaw, spread and rounded lips, as in Llorach, Evans, Blat,
@@ -195,7 +193,7 @@ def speaking_mouth(
     loudness = np.clip((prosody.energy - _SPEECH_ENERGY) / (1 - _SPEECH_ENERGY), 0, 1)
     width = max(_LIP_INERTIA * prosody.frame_rate, 1e-3)
 
-    def lips(weight: FloatArray) -> FloatArray:
+    def lips(weight: Floats) -> Floats:
         return np.asarray(gaussian_filter1d(weight, width, mode="nearest"))
 
     voiced = loudness * (1 - share["hiss"])
@@ -218,7 +216,7 @@ def speaking_mouth(
     }
 
 
-def _band_shares(audio: Audio, times: FloatArray) -> dict[str, FloatArray]:
+def _band_shares(audio: Audio, times: Floats) -> dict[str, Floats]:
     """Return the shares of open vowels, front vowels and hiss at each time, in [0, 1]."""
     rate = audio.sample_rate
     window = np.hanning(max(round(_WINDOW * rate), 4))
@@ -230,7 +228,7 @@ def _band_shares(audio: Audio, times: FloatArray) -> dict[str, FloatArray]:
     moments = transform.t(len(samples))
     frequency = transform.f
 
-    def band(limits: tuple[float, float]) -> FloatArray:
+    def band(limits: tuple[float, float]) -> Floats:
         in_band = (frequency >= limits[0]) & (frequency < limits[1])
         return np.asarray(np.interp(times, moments, np.sqrt(power[in_band].sum(axis=0))))
 
@@ -242,7 +240,7 @@ def _band_shares(audio: Audio, times: FloatArray) -> dict[str, FloatArray]:
     }
 
 
-def _stretch(share: FloatArray) -> FloatArray:
+def _stretch(share: Floats) -> Floats:
     """Scale `share` so that the low and high values of this voice become 0 and 1."""
     low, high = np.percentile(share, [15, 95])
     return np.asarray(np.clip((share - low) / max(high - low, 1e-6), 0, 1))

@@ -13,12 +13,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from generators.rule_based.vocabulary import FORMS, GestureForm, GestureManner
+from motion.arrays import Floats, Indices
 from motion.prosody import Prosody
-
-FloatArray = NDArray[np.float64]
 
 HANDS: Final = ("left", "right")
 
@@ -131,7 +129,7 @@ def plan_gestures(
     return tuple(gestures)
 
 
-def _on_syllable(stroke: float, begin: float, apex: float, syllables: FloatArray) -> float:
+def _on_syllable(stroke: float, begin: float, apex: float, syllables: Floats) -> float:
     """Return the start of the stroke, moved to a nearby syllable if there is one.
 
     Hands are in time with the voice at the start of a stroke, too, not only at its end.
@@ -165,7 +163,7 @@ def endings(gestures: Sequence[Gesture], tempo: float) -> tuple[Ending, ...]:
     return tuple(endings)
 
 
-def _pick_accents(prosody: Prosody, least_gap: float) -> NDArray[np.intp]:
+def _pick_accents(prosody: Prosody, least_gap: float) -> Indices:
     """Return the strongest accents that are at least `least_gap` seconds apart, in time order."""
     picked: list[int] = []
     for accent in np.argsort(-prosody.prominence, kind="stable"):
@@ -176,7 +174,7 @@ def _pick_accents(prosody: Prosody, least_gap: float) -> NDArray[np.intp]:
     return np.array(sorted(picked), dtype=np.intp)
 
 
-def _units(apexes: FloatArray, tempo: float) -> list[list[float]]:
+def _units(apexes: Floats, tempo: float) -> list[list[float]]:
     """Group the apexes into units within which the hand does not return to rest."""
     units: list[list[float]] = []
     for apex in apexes.tolist():

@@ -10,7 +10,6 @@ from dataclasses import astuple, dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from generators.rule_based.gesture_plan import HANDS, Gesture, endings, plan_gestures
 from generators.rule_based.time_courses import Movement, follow, on_accents, smooth_noise
@@ -28,9 +27,8 @@ from generators.rule_based.vocabulary import (
     GestureManner,
     HandPose,
 )
+from motion.arrays import Floats
 from motion.prosody import Prosody
-
-FloatArray = NDArray[np.float64]
 
 _GESTURE_CENTRE: Final = np.array([-0.10, -0.48, 0.52])
 _PLACE_VARIETY: Final = np.array([0.05, 0.045, 0.04])
@@ -55,8 +53,8 @@ _JOINT_LIMITS: Final = ((PRONATION, 80.0), (FLEXION, 70.0), (DEVIATION, 20.0))
 
 
 def move_hands(
-    style: EmotionStyle, prosody: Prosody, times: FloatArray, rng: np.random.Generator
-) -> dict[str, FloatArray]:
+    style: EmotionStyle, prosody: Prosody, times: Floats, rng: np.random.Generator
+) -> dict[str, Floats]:
     """Return the pose of each hand at each time.
 
     Parameters
@@ -90,9 +88,9 @@ def _course(
     gestures: Sequence[Gesture],
     rests: Sequence[Rest],
     manner: GestureManner,
-    times: FloatArray,
+    times: Floats,
     rng: np.random.Generator,
-) -> FloatArray:
+) -> Floats:
     """Return the planned course of `hand`, shape (T, 16)."""
     habit = _variety(rng) * 0.5
     habit[ELBOW_OUT] += manner.elbows_out
@@ -140,7 +138,7 @@ def _course(
     return course
 
 
-def _rest_pose(rest: Rest, hand: str, personal: FloatArray) -> FloatArray:
+def _rest_pose(rest: Rest, hand: str, personal: Floats) -> Floats:
     """Return the channels of a rest pose, including the three further ones."""
     pose = rest.poses[hand]
     if rest.clasped:  # Clasped hands fit together in one way only.
@@ -149,7 +147,7 @@ def _rest_pose(rest: Rest, hand: str, personal: FloatArray) -> FloatArray:
 
 
 def _settling(
-    poses: Sequence[tuple[float, FloatArray]], free: float, next_gesture: float, tempo: float
+    poses: Sequence[tuple[float, Floats]], free: float, next_gesture: float, tempo: float
 ) -> list[Movement]:
     """Return the changes of pose of a hand that is `free` until its next gesture."""
     duration = _SETTLING / tempo
@@ -162,7 +160,7 @@ def _settling(
 
 def _key_poses(
     gesture: Gesture, manner: GestureManner, size: float, rng: np.random.Generator
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[Floats, Floats]:
     """Return the hand at the end and at the start of the gesture's stroke."""
     apex = gesture.form.apex.channels()
     apex[PLACE] = _GESTURE_CENTRE + (apex[PLACE] - _GESTURE_CENTRE) * (0.4 + 0.6 * size)
@@ -178,7 +176,7 @@ def _key_poses(
     return np.array([*apex, 1.0, 0.0, 0.0]), np.array([*upbeat, 1.0, 0.0, 0.0])
 
 
-def _variety(rng: np.random.Generator) -> FloatArray:
+def _variety(rng: np.random.Generator) -> Floats:
     """Return small random differences, shape (13,), between gestures."""
     variety = np.zeros(CHANNELS)
     variety[PLACE] = rng.normal(0, _PLACE_VARIETY)
@@ -187,7 +185,7 @@ def _variety(rng: np.random.Generator) -> FloatArray:
     return variety
 
 
-def _within_joint_limits(course: FloatArray) -> FloatArray:
+def _within_joint_limits(course: Floats) -> Floats:
     for channel, limit in _JOINT_LIMITS:
         course[:, channel] = np.clip(course[:, channel], -limit, limit)
     course[:, CURLS] = np.clip(course[:, CURLS], 0, 1)
@@ -285,8 +283,8 @@ _CURLS_CLASPED: Final = 0.5
 
 
 def _drifts(
-    times: FloatArray, restlessness: float, rng: np.random.Generator
-) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+    times: Floats, restlessness: float, rng: np.random.Generator
+) -> tuple[dict[str, Floats], dict[str, Floats]]:
     """Return the drift of each hand on its own, and of both together, shape (T, 13) each."""
     slow, quick = 0.1 * restlessness, 1.0 * restlessness
     own = {hand: _DRIFT * smooth_noise(times, CHANNELS, slow, quick, rng) for hand in HANDS}
@@ -297,9 +295,7 @@ def _drifts(
     return own, dict(zip(HANDS, (left, right), strict=True))
 
 
-def _with_idling(
-    course: FloatArray, own: FloatArray, together: FloatArray, beats: FloatArray
-) -> FloatArray:
+def _with_idling(course: Floats, own: Floats, together: Floats, beats: Floats) -> Floats:
     """Return the course, shape (T, 13), with drift, and small beats on accents at rest."""
     free = np.repeat(course[:, _ALONE, None], CHANNELS, axis=1)
     free[:, CURLS] = np.maximum(free[:, CURLS], _CURLS_CLASPED)

@@ -6,15 +6,13 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from generators.rule_based.body_pose import Trunk
 from generators.rule_based.time_courses import on_accents, pulse, smooth_noise
 from generators.rule_based.vocabulary import PLACE, EmotionStyle
+from motion.arrays import Floats
 from motion.prosody import Prosody
-
-FloatArray = NDArray[np.float64]
 
 _SOFT_KNEES: Final = -0.014
 _SHIFT: Final = (0.011, 0.0, 0.005)
@@ -33,8 +31,8 @@ _HEAD_STAYS: Final = 0.85
 def move_trunk(
     style: EmotionStyle,
     prosody: Prosody,
-    hands: Mapping[str, FloatArray],
-    times: FloatArray,
+    hands: Mapping[str, Floats],
+    times: Floats,
     rng: np.random.Generator,
 ) -> Trunk:
     """Return the motion of trunk and head.
@@ -78,11 +76,11 @@ def move_trunk(
 def _head(
     style: EmotionStyle,
     prosody: Prosody,
-    carried: FloatArray,
-    times: FloatArray,
-    drift: FloatArray,
+    carried: Floats,
+    times: Floats,
+    drift: Floats,
     rng: np.random.Generator,
-) -> FloatArray:
+) -> Floats:
     """Return the head's turn on the trunk; it faces the viewer while the trunk moves."""
     posture, life = style.posture, style.liveliness
     head = -_HEAD_STAYS * carried
@@ -96,13 +94,13 @@ def _head(
     return head
 
 
-def _nods(prosody: Prosody, times: FloatArray) -> FloatArray:
+def _nods(prosody: Prosody, times: Floats) -> Floats:
     """Return nods, slightly up, then down on each accent; 1 is the strongest's lowest point."""
     up = on_accents(prosody, times + 0.2, rise=0.2, fall=0.2)
     return on_accents(prosody, times, rise=0.17, fall=0.32) - 0.25 * up
 
 
-def _trunk_following(hands: Mapping[str, FloatArray], frame_rate: float) -> FloatArray:
+def _trunk_following(hands: Mapping[str, Floats], frame_rate: float) -> Floats:
     """Return the spine's turn, shape (T, 3), that follows the hands as they reach and rise."""
     places = {side: hand[:, PLACE] for side, hand in hands.items()}
     reach = {side: place[:, 2] + 0.6 * place[:, 0] for side, place in places.items()}
@@ -110,7 +108,7 @@ def _trunk_following(hands: Mapping[str, FloatArray], frame_rate: float) -> Floa
     tilt = _TILT_WITH_LIFT * (places["left"][:, 1] - places["right"][:, 1])
     lean = _LEAN_WITH_REACH * ((places["left"] + places["right"])[:, 2] / 2 - 0.4)
     turns = np.column_stack([lean, turn, tilt])
-    smooth: FloatArray = gaussian_filter1d(
+    smooth: Floats = gaussian_filter1d(
         turns, _FOLLOW_SMOOTHING * frame_rate, axis=0, mode="nearest"
     )
     return smooth

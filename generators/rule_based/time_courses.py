@@ -13,11 +13,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats
 from motion.prosody import Prosody
-
-FloatArray = NDArray[np.float64]
 
 _WAVES: Final = 7
 
@@ -38,11 +36,11 @@ class Movement:
 
     start: float
     end: float
-    target: FloatArray
-    bow: FloatArray | None = None
+    target: Floats
+    bow: Floats | None = None
 
 
-def minimum_jerk(progress: FloatArray) -> FloatArray:
+def minimum_jerk(progress: Floats) -> Floats:
     """Return the covered share of the way at each share of the time; both in [0, 1].
 
     Parameters
@@ -59,13 +57,13 @@ def minimum_jerk(progress: FloatArray) -> FloatArray:
     return np.asarray(s**3 * (10 - 15 * s + 6 * s**2))
 
 
-def swell(progress: FloatArray) -> FloatArray:
+def swell(progress: Floats) -> Floats:
     """Return a smooth hump over [0, 1]: 0 with zero speed at both ends, 1 halfway."""
     s = np.clip(progress, 0.0, 1.0)
     return np.asarray(64 * (s * (1 - s)) ** 3)
 
 
-def follow(start: FloatArray, movements: Iterable[Movement], times: FloatArray) -> FloatArray:
+def follow(start: Floats, movements: Iterable[Movement], times: Floats) -> Floats:
     """Return the values at `times` of successive movements from `start`.
 
     Parameters
@@ -92,7 +90,7 @@ def follow(start: FloatArray, movements: Iterable[Movement], times: FloatArray) 
     return course
 
 
-def pulse(times: FloatArray, peak: float, rise: float, fall: float) -> FloatArray:
+def pulse(times: Floats, peak: float, rise: float, fall: float) -> Floats:
     """Return a movement that goes out and comes back: from 0 to 1 at `peak`, and back to 0.
 
     Parameters
@@ -110,8 +108,8 @@ def pulse(times: FloatArray, peak: float, rise: float, fall: float) -> FloatArra
 
 
 def on_accents(
-    prosody: Prosody, times: FloatArray, *, rise: float, fall: float, lead: float = 0.0
-) -> FloatArray:
+    prosody: Prosody, times: Floats, *, rise: float, fall: float, lead: float = 0.0
+) -> Floats:
     """Return pulses that peak `lead` seconds before the accents, as high as their prominence."""
     beats = np.zeros(len(times))
     for accent, strength in zip(prosody.accents, prosody.prominence, strict=True):
@@ -120,8 +118,8 @@ def on_accents(
 
 
 def smooth_noise(
-    times: FloatArray, channels: int, lowest: float, highest: float, rng: np.random.Generator
-) -> FloatArray:
+    times: Floats, channels: int, lowest: float, highest: float, rng: np.random.Generator
+) -> Floats:
     """Return independent band-limited noise of unit root mean square.
 
     Parameters

@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Annotated, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BeforeValidator, TypeAdapter
+
+from motion.arrays import Floats
 
 _LARGEST_BLEND: Final = 0.5
 
@@ -76,7 +77,7 @@ class HandPose:
     deviation: float = 0
     shape: NamedShape
 
-    def channels(self) -> NDArray[np.float64]:
+    def channels(self) -> Floats:
         """Return the pose as a vector, shape (13,), whose parts are the slices below."""
         *arm, shape = astuple(self)
         return np.array([*arm, *shape], float)
@@ -122,7 +123,7 @@ class GestureForm:
     one_hand: bool = True
     both_hands: bool = True
 
-    def fingers(self, rng: np.random.Generator) -> NDArray[np.float64]:
+    def fingers(self, rng: np.random.Generator) -> Floats:
         """Return curls and spread after a stroke, shape (6,), varied towards a related shape."""
         related = RELATED_SHAPES[self.apex.shape]
         target = related[int(rng.integers(len(related)))]

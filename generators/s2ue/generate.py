@@ -8,13 +8,13 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from generators.interface import OnPart, SpeechSegment, seeded_stream
 from generators.learned import NetworkGenerator, check_finite, concatenate_parts, network_provenance
 from generators.learned_settings import MIXED_SPEAKER, S2ueSettings
 from generators.s2ue.model import Network, S2ueNetwork, load_network
+from motion.arrays import Floats, Floats32
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.formats.transcript import Word, find_transcript
@@ -64,12 +64,12 @@ class S2ue(NetworkGenerator[S2ueSettings]):
 
     def stream(
         self,
-        chunks: Iterable[NDArray[np.float32]],
+        chunks: Iterable[Floats32],
         *,
         seed: int,
-        words: NDArray[np.float32] | None = None,
+        words: Floats32 | None = None,
         speaker: str | None = None,
-    ) -> Iterator[NDArray[np.float64]]:
+    ) -> Iterator[Floats]:
         """Yield motion of live speech as soon as it is final.
 
         The division into chunks does not matter. A frame is final, at the latest, a window of
@@ -105,7 +105,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
         tensors = (torch.from_numpy(x.astype(np.float32)) for x in (person, noise))
         return synthesise_windows(windows, words, network, *(x.to(self._device) for x in tensors))
 
-    def clip_of(self, values: NDArray[np.float64]) -> MotionClip:
+    def clip_of(self, values: Floats) -> MotionClip:
         """Return the clip of values of motion, (T, 27 + 3 L)."""
         check_finite(values, self._settings.checkpoint)
         return bone_and_landmark_clip(values, self._network.model.config.frame_rate, self._face)
@@ -156,11 +156,11 @@ class S2ue(NetworkGenerator[S2ueSettings]):
 
 def synthesise_windows(
     windows: Iterable[SpeechWindow],
-    words: NDArray[np.float32] | None,
+    words: Floats32 | None,
     network: Network,
     person: Tensor,
     noise: Tensor,
-) -> Iterator[NDArray[np.float64]]:
+) -> Iterator[Floats]:
     """Yield values of motion (some frames, 27 + 3 L) as soon as they are final.
 
     Each window starts with the last frames of the previous one and makes a smooth transition to its
@@ -198,7 +198,7 @@ def synthesise_windows(
         yield values[: new if is_full else window.count].cpu().numpy().astype(np.float64)
 
 
-def _transition_matrix(frames: int, seeds: int) -> NDArray[np.float64]:
+def _transition_matrix(frames: int, seeds: int) -> Floats:
     """Return the matrix from the difference of two windows to the transition between them.
 
     The transition is the least-squares curve that starts near the first window, ends on the

@@ -28,6 +28,7 @@ from generators.s2ue.losses import (
     reconstruction_losses,
 )
 from generators.s2ue.model import Latents, Network, S2ueNetwork, write_network
+from motion.arrays import Floats, Ints
 from motion.body.face_landmarks import FaceLandmarks
 from training.data.windows import Windows
 from training.features import bone_features
@@ -51,7 +52,6 @@ _SMALLEST_DEVIATION: Final = 1e-5
 """Smallest standard deviation of values, used for constant ones."""
 
 _Settings = TypeVar("_Settings", NetworkConfig, LossWeights)
-FloatArray = NDArray[np.float64]
 _Batch = Mapping[str, Tensor]
 """Windows of ``motion``, ``sound``, ``spectrum`` and ``words``, and one-hot ``person``."""
 
@@ -86,9 +86,7 @@ class S2ueTask(WindowTask):
             network.get_buffer(name).copy_(torch.from_numpy(v.astype(np.float32)))
         return network.to(self.device)
 
-    def losses_of(
-        self, name: str, network: Network, rows: NDArray[np.int64]
-    ) -> Mapping[str, Tensor]:
+    def losses_of(self, name: str, network: Network, rows: Ints) -> Mapping[str, Tensor]:
         """Return the losses of discriminator, phoneme predictor or, by default, generator."""
         batch, weights = self._batch(self.training, rows), self.weights
         if name == "phonemes":
@@ -149,7 +147,7 @@ class S2ueTask(WindowTask):
         other_speakers = (person.argmax(dim=1) + offsets) % count
         return torch.eye(self.config.speakers, device=person.device)[other_speakers]
 
-    def _batch(self, windows: Windows, rows: NDArray[np.int64]) -> _Batch:
+    def _batch(self, windows: Windows, rows: Ints) -> _Batch:
         people = torch.from_numpy(self.speakers.one_hot(windows.speakers(rows)))
         return {**self.tensors(windows, rows), "person": people.to(self.device)}
 
@@ -170,12 +168,12 @@ class S2ueTask(WindowTask):
         }
 
 
-def _mean_and_deviation(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _mean_and_deviation(values: Floats) -> tuple[Floats, Floats]:
     """Return the mean and standard deviation of each column of values (N, values)."""
     return values.mean(axis=0), np.maximum(values.std(axis=0), _SMALLEST_DEVIATION)
 
 
-def _spread(values: FloatArray) -> float:
+def _spread(values: Floats) -> float:
     """Return the root mean square deviation of values (N, values) from their means."""
     return float(np.maximum(np.sqrt(values.var(axis=0).mean()), _SMALLEST_DEVIATION))
 

@@ -13,13 +13,11 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats32
 from motion.clip import ARKIT_COUNT, EXPRESSION_COUNT, LARGEST_VALUE, MotionClip
 from motion.errors import InputError
 from motion.skeleton import FACE_JOINTS, joint_index
-
-FloatArray = NDArray[np.float32]
 
 _NAMES: Final = {"arkit": "ARKit weights", "expressions": "SMPL-X expression coefficients"}
 _FACE: Final = [joint_index(name) for name in FACE_JOINTS]
@@ -91,7 +89,7 @@ def _shape_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
     )
 
 
-def read_expression_matrix(path: Path) -> FloatArray:
+def read_expression_matrix(path: Path) -> Floats32:
     """Read the matrix from a ``.npy`` file.
 
     Parameters

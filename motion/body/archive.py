@@ -12,13 +12,11 @@ from typing import Final
 
 import numpy as np
 from numpy.lib.npyio import NpzFile
-from numpy.typing import NDArray
 
+from motion.arrays import Floats32
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import FINGERS, RELAXED_HANDS
-
-FloatArray = NDArray[np.float32]
 
 _MEAN_HANDS: Final = ("hands_meanl", "hands_meanr")
 
@@ -52,7 +50,7 @@ def body_archive(path: Path) -> Iterator[NpzFile]:
         ) from error
 
 
-def read_mean_hands(body: Path) -> FloatArray | None:
+def read_mean_hands(body: Path) -> Floats32 | None:
     """Return the mean hands of an SMPL-X model file, shape (30, 3); None where it has none.
 
     Raises
@@ -69,7 +67,7 @@ def read_mean_hands(body: Path) -> FloatArray | None:
     return mean_hands.reshape(len(RELAXED_HANDS), 3).astype(np.float32)
 
 
-def add_mean_hands(clip: MotionClip, mean_hands: FloatArray) -> MotionClip:
+def add_mean_hands(clip: MotionClip, mean_hands: Floats32) -> MotionClip:
     """Convert finger rotations relative to mean hands into absolute ones.
 
     Parameters

@@ -18,12 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from motion.arrays import Bools, Floats, Floats32, Ints
 from motion.body.model import BodyModel
 from motion.clip import ARKIT_COUNT, ARKIT_NAMES, EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError
 from motion.skeleton import JOINT_COUNT, joint_index
-
-FloatArray = NDArray[np.float32]
 
 _COMPONENTS: Final = 52
 """Number of facial actions, or leading expression components, that may have a landmark."""
@@ -113,7 +112,7 @@ class FaceLandmarks:
                 remedy="Name an avatar with ARKit's under [video] in study.toml",
             )
 
-    def facial_actions(self, shifts: FloatArray, *, misfit: float = _EXACT) -> FloatArray:
+    def facial_actions(self, shifts: Floats32, *, misfit: float = _EXACT) -> Floats32:
         """Return the weights of ARKit's facial actions that best explain the landmarks' shifts.
 
         Least squares with all weights in [0, 1], by coordinate descent in all frames at once.
@@ -151,7 +150,7 @@ class FaceLandmarks:
         weights[:, :slots] = _bounded_weights(effects, flat, misfit).T
         return weights
 
-    def shifts(self, clip: MotionClip) -> FloatArray:
+    def shifts(self, clip: MotionClip) -> Floats32:
         """Return the shifts of the landmarks from the neutral face.
 
         Parameters
@@ -171,7 +170,7 @@ class FaceLandmarks:
         """
         return np.asarray(self.positions(clip) - self.neutral)
 
-    def positions(self, clip: MotionClip) -> FloatArray:
+    def positions(self, clip: MotionClip) -> Floats32:
         """Return the landmarks' positions with a still head, shape (T, L, 3), in metres.
 
         Raises
@@ -260,17 +259,17 @@ class FaceLandmarks:
         return cls(body=body, count=count)
 
     @cached_property
-    def _weights(self) -> FloatArray:
+    def _weights(self) -> Floats32:
         """Skin weights of the landmarks, shape (L, 55)."""
         return np.asarray(self.body.weights[: self.count].toarray(), np.float32)
 
     @cached_property
-    def neutral(self) -> FloatArray:
+    def neutral(self) -> Floats32:
         """Positions of the landmarks in the neutral face, shape (L, 3), in metres."""
         return self.body.template[: self.count]
 
 
-def landmark_vertices(body: BodyModel) -> NDArray[np.int64]:
+def landmark_vertices(body: BodyModel) -> Ints:
     """Return the vertices of `body` that `FaceLandmarks.of` chooses, in the order of components."""
     return np.array([vertex for _, vertex in _choose_landmarks(body)], np.int64)
 
@@ -291,7 +290,7 @@ def _choose_landmarks(body: BodyModel) -> list[tuple[int, int]]:
     return chosen
 
 
-def _skin_mask(body: BodyModel) -> NDArray[np.bool_]:
+def _skin_mask(body: BodyModel) -> Bools:
     """Return whether each vertex may be a landmark."""
     if "material" not in body.surface:
         return np.ones(len(body.template), bool)
@@ -300,14 +299,14 @@ def _skin_mask(body: BodyModel) -> NDArray[np.bool_]:
     return np.isin(body.surface["material"], materials)
 
 
-def _arrays_of(body: BodyModel, vertices: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+def _arrays_of(body: BodyModel, vertices: Ints) -> dict[str, NDArray[Any]]:
     """Return the arrays of a body whose vertices are `vertices` of `body`, then its joints.
 
     Joints are weighted sums of vertices, and move with expressions as these sums do.
     """
     regressor = body.joint_regressor
 
-    def reduced(values: FloatArray) -> FloatArray:
+    def reduced(values: Floats32) -> Floats32:
         flat = (regressor @ values.reshape(len(values), -1)).reshape(JOINT_COUNT, *values.shape[1:])
         return np.concatenate([values[vertices], flat.astype(np.float32)])
 
@@ -327,9 +326,7 @@ def _arrays_of(body: BodyModel, vertices: NDArray[np.int64]) -> dict[str, NDArra
     return arrays
 
 
-def _bounded_weights(
-    effects: NDArray[np.float64], targets: NDArray[np.float64], misfit: float
-) -> NDArray[np.float64]:
+def _bounded_weights(effects: Floats, targets: Floats, misfit: float) -> Floats:
     """Return the weights (K, T) in [0, 1] with which `effects` (P, K) best fit `targets`."""
     normal = effects.T @ effects + misfit**2 * np.eye(effects.shape[1])
     projections = effects.T @ targets.T

@@ -18,14 +18,13 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats, Floats32, Ints
 from motion.body.abilities import BodyAbilities, read_expression_matrix
 from motion.body.archive import body_archive
 from motion.body.skinning import TwistJoints, skinning_matrices
 from motion.clip import EXPRESSION_COUNT, MotionClip, arkit_index
 from motion.errors import InputError
 from motion.skeleton import JOINT_COUNT, PARENTS, joint_index
-
-FloatArray = NDArray[np.float32]
 
 _REQUIRED: Final = (
     "v_template", "f", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table",
@@ -79,16 +78,16 @@ class BodyModel:
         Further per-vertex arrays that a default body carries for drawing.
     """
 
-    template: FloatArray
-    faces: NDArray[np.int64]
-    shape_directions: FloatArray
-    expression_directions: FloatArray
-    pose_directions: FloatArray | None
+    template: Floats32
+    faces: Ints
+    shape_directions: Floats32
+    expression_directions: Floats32
+    pose_directions: Floats32 | None
     joint_regressor: sparse.csr_array
     weights: sparse.csr_array
     twist_joints: TwistJoints | None = None
     has_arkit_slots: bool = False
-    expression_matrix: FloatArray | None = None
+    expression_matrix: Floats32 | None = None
     credits: str = ""
     surface: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
@@ -102,7 +101,7 @@ class BodyModel:
             shapes=self.shape_directions.shape[2],
         )
 
-    def face(self, clip: MotionClip) -> FloatArray | None:
+    def face(self, clip: MotionClip) -> Floats32 | None:
         """Return the clip's face as this body's parameters, shape (n, 52) or (n, 100), or None.
 
         A face that the clip has in these parameters takes precedence over a converted one.
@@ -113,7 +112,7 @@ class BodyModel:
             return native
         return np.clip(foreign @ matrix, 0, 1) if self.has_arkit_slots else foreign @ matrix.T
 
-    def expression_weights(self, clip: MotionClip) -> FloatArray | None:
+    def expression_weights(self, clip: MotionClip) -> Floats32 | None:
         """Return the weight of each expression direction, shape (n, E); None where all are 0.
 
         The weight of jawOpen is reduced by the opening of the jaw joint.
@@ -131,11 +130,11 @@ class BodyModel:
             action[:] = np.where(opened > 0, np.maximum(action - opened, 0), action)
         return weights
 
-    def joints(self, betas: NDArray[np.floating]) -> NDArray[np.float64]:
+    def joints(self, betas: NDArray[np.floating]) -> Floats:
         """Return the joints of the unposed body with shape `betas`, shape (55, 3), in metres."""
         return np.asarray(self.joint_regressor @ self.shaped(betas).astype(np.float64))
 
-    def vertices(self, clip: MotionClip, frames: slice = slice(None)) -> FloatArray:
+    def vertices(self, clip: MotionClip, frames: slice = slice(None)) -> Floats32:
         """Return the positions of the body's vertices in the `frames` of `clip`.
 
         Parameters
@@ -160,14 +159,14 @@ class BodyModel:
             self._skin(excerpt.frames(batch), shaped, result[batch])
         return result
 
-    def unposed(self, clip: MotionClip) -> FloatArray:
+    def unposed(self, clip: MotionClip) -> Floats32:
         """Return the vertices before skinning, shape (n, V, 3), in metres.
 
         They are in T-pose, with the clip's shape and expression and the pose's corrections.
         """
         return self._unposed(clip, self.shaped(clip.betas))
 
-    def skinning_matrices(self, clip: MotionClip) -> FloatArray:
+    def skinning_matrices(self, clip: MotionClip) -> Floats32:
         """Return each joint's transform of the unposed skin, shape (n, 55 + K, 3, 4).
 
         The vertices of a frame are the unposed ones, each moved by the sum of these matrices
@@ -176,7 +175,7 @@ class BodyModel:
         joints = self._joints(clip, self.shaped(clip.betas))
         return skinning_matrices(clip.poses, clip.trans, joints, self.twist_joints)
 
-    def shaped(self, betas: NDArray[np.floating]) -> FloatArray:
+    def shaped(self, betas: NDArray[np.floating]) -> Floats32:
         """Return the template with shape `betas`, shape (V, 3), in metres."""
         count = min(len(betas), self.shape_directions.shape[2])
         if not count or not np.any(betas[:count]):
@@ -184,7 +183,7 @@ class BodyModel:
         offsets = self.shape_directions[:, :, :count] @ np.asarray(betas[:count], np.float32)
         return np.asarray(self.template + offsets)
 
-    def _unposed(self, clip: MotionClip, shaped: FloatArray) -> FloatArray:
+    def _unposed(self, clip: MotionClip, shaped: Floats32) -> Floats32:
         """Return the vertices before skinning, shape (n, V, 3), of the body of shape `shaped`."""
         result = np.repeat(shaped[None], len(clip), axis=0)
         coefficients = self.expression_weights(clip)
@@ -197,7 +196,7 @@ class BodyModel:
             result += np.tensordot(change, self.pose_directions, axes=(1, 2))
         return result
 
-    def _joints(self, clip: MotionClip, shaped: FloatArray) -> FloatArray:
+    def _joints(self, clip: MotionClip, shaped: Floats32) -> Floats32:
         """Return the joints of the unposed body in each frame, shape (n, 55, 3)."""
         joints = np.broadcast_to(self.joint_regressor @ shaped, (len(clip), JOINT_COUNT, 3))
         coefficients = self.expression_weights(clip)
@@ -206,7 +205,7 @@ class BodyModel:
         joint_directions = self._expression_parts[2]
         return np.asarray(joints + np.tensordot(coefficients, joint_directions, axes=(1, 2)))
 
-    def _skin(self, clip: MotionClip, shaped: FloatArray, out: FloatArray) -> None:
+    def _skin(self, clip: MotionClip, shaped: Floats32, out: Floats32) -> None:
         """Write the vertices of all frames of `clip` to `out`, shape (n, V, 3)."""
         out[:] = self._unposed(clip, shaped)
         joints = self._joints(clip, shaped)
@@ -219,7 +218,7 @@ class BodyModel:
             np.add(moved_by, matrix[:, :, 3], out=out[frame])
 
     @cached_property
-    def _expression_parts(self) -> tuple[NDArray[np.int_], FloatArray, FloatArray]:
+    def _expression_parts(self) -> tuple[NDArray[np.int_], Floats32, Floats32]:
         """The vertices that expressions move, their directions, and those of the joints."""
         directions = self.expression_directions
         moved_vertices = np.flatnonzero(np.abs(directions).max(axis=(1, 2)) > _STILL)
@@ -347,7 +346,7 @@ def _without_spare_vertices(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDA
     return {**arrays, **shortened, "J_regressor": arrays["J_regressor"][:, :count]}
 
 
-def _without_zeros_at_end(directions: FloatArray) -> FloatArray:
+def _without_zeros_at_end(directions: Floats32) -> Floats32:
     """Return the directions up to the last one that moves anything."""
     used = np.flatnonzero(np.abs(directions).max(axis=(0, 1), initial=0.0))
     return directions[:, :, : used[-1] + 1 if len(used) else 0]

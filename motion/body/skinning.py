@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats, Floats32, Ints
 from motion.skeleton import JOINT_COUNT, PARENTS, REST_JOINTS, joint_index
-
-FloatArray = NDArray[np.float64]
 
 _SIDES: Final = ("left", "right")
 
@@ -43,8 +42,8 @@ class TwistJoints:
         end goes along with the next joint's (0, 1).
     """
 
-    bones: NDArray[np.int64]
-    shares: FloatArray
+    bones: Ints
+    shares: Floats
 
     def __len__(self) -> int:
         """Return the number of extra joints."""
@@ -56,7 +55,7 @@ def skinning_matrices(
     trans: NDArray[np.floating],
     rest_joints: NDArray[np.floating],
     twist_joints: TwistJoints | None = None,
-) -> NDArray[np.float32]:
+) -> Floats32:
     """Return the matrix by which each joint moves the skin from the rest pose.
 
     Parameters
@@ -98,7 +97,7 @@ def skinning_matrices(
     return result.astype(np.float32)
 
 
-def four_strongest(weights: sparse.csr_array) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+def four_strongest(weights: sparse.csr_array) -> tuple[Ints, Floats32]:
     """Return each vertex's four joints with the largest weights, for graphics cards.
 
     Parameters
@@ -120,9 +119,7 @@ def four_strongest(weights: sparse.csr_array) -> tuple[NDArray[np.int64], NDArra
     return np.where(strongest > 0, joints, 0), strongest.astype(np.float32)
 
 
-def twist_angles(
-    quaternions: NDArray[np.floating], axes: NDArray[np.floating]
-) -> NDArray[np.float64]:
+def twist_angles(quaternions: NDArray[np.floating], axes: NDArray[np.floating]) -> Floats:
     """Return the twist of rotations about unit `axes`, in radians from -pi to pi.
 
     Parameters
@@ -140,7 +137,7 @@ def twist_angles(
 
 def turns_about_bones(
     quaternions: NDArray[np.floating], rest_joints: NDArray[np.floating], twist: TwistJoints
-) -> NDArray[np.float64]:
+) -> Floats:
     """Return the rotation of each extra joint relative to the one at its bone's start.
 
     Parameters
@@ -169,7 +166,7 @@ def turns_about_bones(
 
 
 def _add_twist_joints(
-    matrices: FloatArray, quaternions: FloatArray, rest: NDArray[np.floating], twist: TwistJoints
+    matrices: Floats, quaternions: Floats, rest: NDArray[np.floating], twist: TwistJoints
 ) -> None:
     """Fill in the matrices of the extra joints, which come last."""
     start = twist.bones[:, 0]
@@ -183,7 +180,7 @@ def _add_twist_joints(
     matrices[:, JOINT_COUNT:, :, 3] = place - _rotate_points(rotated, origin)
 
 
-def _rotate_points(matrices: FloatArray, points: NDArray[np.floating]) -> FloatArray:
+def _rotate_points(matrices: Floats, points: NDArray[np.floating]) -> Floats:
     return np.asarray(np.einsum("...ab,...b->...a", matrices, points))
 
 
@@ -199,15 +196,15 @@ class ForearmTwists:
         Whole turns of each in addition.
     """
 
-    angles: FloatArray
-    turns: FloatArray
+    angles: Floats
+    turns: Floats
 
 
 NO_TWISTS: Final = ForearmTwists(np.zeros((2, 2)), np.zeros((2, 2)))
 """Leaves forearms unchanged."""
 
 
-def share_forearm_twist(local: FloatArray, previous: ForearmTwists | None) -> ForearmTwists:
+def share_forearm_twist(local: Floats, previous: ForearmTwists | None) -> ForearmTwists:
     """Split each forearm's twist evenly between elbow and wrist; return the last frame's twists.
 
     Other skeletons often turn the palm at the elbow alone, which wrings the skin there. The
@@ -245,7 +242,7 @@ def share_forearm_twist(local: FloatArray, previous: ForearmTwists | None) -> Fo
     return ForearmTwists(*(np.stack(values) for values in zip(*last_twists, strict=True)))
 
 
-def _turns(angles: FloatArray, previous: tuple[FloatArray, FloatArray] | None) -> FloatArray:
+def _turns(angles: Floats, previous: tuple[Floats, Floats] | None) -> Floats:
     """Return the whole turns to add to `angles` (T, n) so that they are continuous."""
     angle, turns = (angles[0], np.zeros(angles.shape[1])) if previous is None else previous
     steps = np.diff(angles, axis=0, prepend=angle[None])

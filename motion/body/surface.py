@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from motion.arrays import Floats32
 from motion.body.model import BodyModel
-
-FloatArray = NDArray[np.float32]
 
 DEFAULT_COLOUR: Final = (0xA8, 0xA4, 0x9F)
 """sRGB of a body without materials."""
@@ -36,7 +34,7 @@ class VertexNormals:
             shape=(int(self._group.max()) + 1, len(body.faces)),
         )
 
-    def of(self, vertices: FloatArray) -> FloatArray:
+    def of(self, vertices: Floats32) -> Floats32:
         """Return the normals of `vertices`, both of shape (V, 3); larger faces count more."""
         # `take` gathers rows several times as fast as indexing does.
         first, second, third = (np.take(vertices, corner, axis=0) for corner in self._faces)
@@ -47,7 +45,7 @@ class VertexNormals:
         return np.take(total / np.maximum(length, 1e-20), self._group, axis=0)
 
 
-def surface_colours(body: BodyModel) -> FloatArray:
+def surface_colours(body: BodyModel) -> Floats32:
     """Return each vertex's sRGB colour in [0, 1] and its gloss, shape (V, 4).
 
     A body without colours, such as a licensed one, has one plain colour.
@@ -58,7 +56,7 @@ def surface_colours(body: BodyModel) -> FloatArray:
     return np.tile(np.array(default, np.float32), (len(body.template), 1))
 
 
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+def _cross(a: Floats32, b: Floats32) -> Floats32:
     """Return the cross products of rows; twice as fast as `numpy.cross` on float32."""
     result = np.empty_like(a)
     for axis, (left, right) in enumerate(((1, 2), (2, 0), (0, 1))):

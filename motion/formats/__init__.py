@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats32
 from motion.body.archive import add_mean_hands
 from motion.clip import MotionClip
 from motion.endings import MOTION_ENDINGS
@@ -50,7 +50,7 @@ def read_motion(
     *,
     frame_rate: float | None = None,
     joint_map: JointMap | None = None,
-    mean_hands: NDArray[np.float32] | None = None,
+    mean_hands: Floats32 | None = None,
     as_recorded: bool = False,
 ) -> MotionClip:
     """Read a motion file of any known format, whatever its ending, into the study's world.
@@ -169,9 +169,7 @@ def _read_bvh_clip(
     return _placed(clip, path, f"bvh ({skeleton})", notes)
 
 
-def _with_absolute_fingers(
-    clip: MotionClip, mean_hands: NDArray[np.float32] | None
-) -> tuple[MotionClip, str]:
+def _with_absolute_fingers(clip: MotionClip, mean_hands: Floats32 | None) -> tuple[MotionClip, str]:
     """Return a clip whose fingers do not depend on the mean hands, and a note about them."""
     if mean_hands is not None:
         note = "fingers were relative to SMPL-X's mean hands, taken from the licensed model"

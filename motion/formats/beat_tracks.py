@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field, FiniteFloat, ValidationError
 
+from motion.arrays import Floats, Floats32
 from motion.clip import ARKIT_COUNT, ARKIT_NAMES
 from motion.errors import InputError
 from motion.files import write_text
@@ -46,7 +47,7 @@ def face_beside(motion: Path) -> Path:
     return motion.with_suffix(".json")
 
 
-def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
+def read_arkit_json(path: Path, frame_rate: float) -> Floats32:
     """Read the facial weights of a take at the frame rate of its clip.
 
     Parameters
@@ -248,9 +249,7 @@ def _no_annotation(where: str) -> InputError:
     )
 
 
-def semantic_weights(
-    spans: tuple[SemanticSpan, ...], frames: int, frame_rate: float
-) -> NDArray[np.float64]:
+def semantic_weights(spans: tuple[SemanticSpan, ...], frames: int, frame_rate: float) -> Floats:
     """Return the score of each frame, shape (frames,); 0 without an annotated gesture.
 
     Frame k is at ``k / frame_rate`` seconds; if gestures overlap, the greater score counts.

@@ -10,12 +10,10 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats
 from motion.errors import InputError
 from motion.formats.bvh_motion import BvhJoint, BvhMotion
-
-FloatArray = NDArray[np.float64]
 
 _CHANNELS: Final = frozenset(f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation"))
 _END_SITE: Final = -1
@@ -161,7 +159,7 @@ def _possible_rates(declared: int, rate: float, rows: int) -> tuple[float, ...]:
     return (rate, rate / step) if thinned else (rate,)
 
 
-def _parse_rows(rows: list[tuple[int, str]], width: int, path: Path) -> FloatArray:
+def _parse_rows(rows: list[tuple[int, str]], width: int, path: Path) -> Floats:
     if not rows:
         raise InputError("the motion has no frame", where=path, remedy="Export it again")
     values = np.empty((len(rows), width))

@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats
 from motion.clip import MotionClip
 from motion.files import write_text
 from motion.skeleton import JOINT_COUNT, JOINT_NAMES, PARENTS
-
-FloatArray = NDArray[np.float64]
 
 _STILL: Final = 1e-3
 """Change of a channel, in degrees or length units, below which it counts as still."""
@@ -81,9 +80,9 @@ class BvhMotion:
     """
 
     joints: tuple[BvhJoint, ...]
-    values: FloatArray
+    values: Floats
     frame_rate: float
-    calibration: FloatArray | None = None
+    calibration: Floats | None = None
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -92,7 +91,7 @@ class BvhMotion:
         return tuple(joint.name for joint in self.joints)
 
     @property
-    def rest_positions(self) -> FloatArray:
+    def rest_positions(self) -> Floats:
         """Joint positions (J, 3) with all rotations zero, in the file's length unit."""
         positions = np.zeros((len(self.joints), 3))
         for index, joint in enumerate(self.joints):
@@ -105,7 +104,7 @@ class BvhMotion:
         first = sum(len(joint.channels) for joint in self.joints[:index])
         return slice(first, first + len(self.joints[index].channels))
 
-    def forward_kinematics(self) -> tuple[FloatArray, FloatArray]:
+    def forward_kinematics(self) -> tuple[Floats, Floats]:
         """Return positions and rotations of all joints in the world.
 
         Returns
@@ -128,11 +127,11 @@ class BvhMotion:
             rotations[:, index] = outer @ turn
         return positions, rotations
 
-    def local_rotations(self) -> FloatArray:
+    def local_rotations(self) -> Floats:
         """Return rotations of all joints relative to their parents, shape (T, J, 3, 3)."""
         return np.stack([self._local(index)[1] for index in range(len(self.joints))], axis=1)
 
-    def _local(self, index: int) -> tuple[FloatArray, FloatArray]:
+    def _local(self, index: int) -> tuple[Floats, Floats]:
         """Return the position (T, 3) and rotation (T, 3, 3) of a joint in its parent's frame."""
         joint = self.joints[index]
         values = self.values[:, self.columns(index)]
@@ -177,7 +176,7 @@ def _without_calibration(motion: BvhMotion) -> BvhMotion:
     return replace(motion, values=values, calibration=motion.values[0], notes=(*motion.notes, note))
 
 
-def _changes(motion: BvhMotion) -> NDArray[np.float64]:
+def _changes(motion: BvhMotion) -> Floats:
     """Return the turn from each row to the next, in degrees summed over all joints, (T - 1,)."""
     turns = motion.local_rotations()
     steps = np.swapaxes(turns[:-1], 2, 3) @ turns[1:]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats32
 from motion.body.model import BodyModel
 from motion.body.skinning import four_strongest, turns_about_bones
 from motion.body.surface import VertexNormals, surface_colours
@@ -22,7 +23,6 @@ from motion.clip import ARKIT_NAMES, MotionClip
 from motion.files import replacing
 from motion.skeleton import JOINT_NAMES, PARENTS
 
-FloatArray = NDArray[np.float32]
 Node = dict[str, Any]
 
 _COMPONENTS: Final = {"|u1": 5121, "<u2": 5123, "<u4": 5125, "<f4": 5126}
@@ -102,7 +102,7 @@ class _Binary:
         accessor = {"bufferView": self._view(values), **self._described(values)}
         return self._accessor(accessor, values if bounds else None)
 
-    def add_sparse(self, values: FloatArray) -> int:
+    def add_sparse(self, values: Floats32) -> int:
         """Add vectors, shape (n, 3), most of which are zero."""
         rows = np.flatnonzero(np.abs(values).max(axis=1) > _STILL)
         arrays = {"indices": rows.astype("<u4"), "values": values[rows].astype("<f4")}
@@ -134,7 +134,7 @@ class _Binary:
         return len(self.accessors) - 1
 
 
-def _joint_quaternions(clip: MotionClip, body: BodyModel) -> FloatArray:
+def _joint_quaternions(clip: MotionClip, body: BodyModel) -> Floats32:
     """Return quaternions of all joints, the body's twist joints last, shape (T, 55 + K, 4).
 
     A quaternion and its negative are the same rotation; each gets the sign that is nearer to its
@@ -153,7 +153,7 @@ def _joint_quaternions(clip: MotionClip, body: BodyModel) -> FloatArray:
     return turns.astype("<f4")
 
 
-def _joint_nodes(clip: MotionClip, body: BodyModel, turns: FloatArray) -> list[Node]:
+def _joint_nodes(clip: MotionClip, body: BodyModel, turns: Floats32) -> list[Node]:
     """Return a node for each joint, rotated by its row of `turns`; the twist joints come last."""
     rest = body.joints(clip.betas)
     parents = _twist_carriers(body)
@@ -220,11 +220,7 @@ def _twist_carriers(body: BodyModel) -> list[int]:
 
 
 def _animation(
-    binary: _Binary,
-    clip: MotionClip,
-    body: BodyModel,
-    turns: FloatArray,
-    weights: FloatArray,
+    binary: _Binary, clip: MotionClip, body: BodyModel, turns: Floats32, weights: Floats32
 ) -> Node:
     times = binary.add((np.arange(len(clip)) / clip.frame_rate).astype("<f4"), bounds=True)
     samplers: list[Node] = []

@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.arrays import Floats
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError, found_at
 from motion.formats.archives import load_array, load_arrays
@@ -28,8 +29,6 @@ from motion.skeleton import (
     REST_JOINTS,
     RIGHT_HAND_JOINTS,
 )
-
-FloatArray = NDArray[np.float64]
 
 _TED: Final = (
     "pelvis", "neck", "nose", "crown", "left_shoulder", "left_elbow", "left_wrist",
@@ -65,7 +64,7 @@ _TIMES: Final = ("time", "t", "timestamp", "seconds")
 class _Recording:
     """Points (T, J, 3), the joints' names, and frames per second, or None if unknown."""
 
-    points: FloatArray
+    points: Floats
     names: tuple[str, ...]
     frame_rate: float | None
 
@@ -122,7 +121,7 @@ def read_joints(
         return clip_from_joints(joints, REST_JOINTS, rate)
 
 
-def _named_points(recording: _Recording, joint_map: JointMap | None) -> dict[str, FloatArray]:
+def _named_points(recording: _Recording, joint_map: JointMap | None) -> dict[str, Floats]:
     """Return the positions of joints, by SMPL-X name if the joint has one."""
     finite = np.isfinite(recording.points).all(axis=2)
     if not finite.all():
@@ -194,7 +193,7 @@ def _in_known_order(joints: NDArray[Any], frame_rate: float | None) -> _Recordin
     return _Recording(points=points, names=names, frame_rate=frame_rate)
 
 
-def _points(joints: NDArray[Any], count: int) -> FloatArray:
+def _points(joints: NDArray[Any], count: int) -> Floats:
     if joints.ndim != 3 or joints.shape[1:] != (count, 3) or joints.dtype.kind not in "fiu":
         raise InputError(
             f"the joints have shape {joints.shape} and type {joints.dtype}, with {count} names",

@@ -14,9 +14,9 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats
 from motion.body.skinning import NO_TWISTS, ForearmTwists, share_forearm_twist, twist_angles
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -25,8 +25,7 @@ from motion.formats.joint_maps import JointMap
 from motion.points.turning import frame_rotations, smallest_rotations
 from motion.skeleton import FINGER_NAMES, JOINT_NAMES, PARENTS, REST_JOINTS, joint_index
 
-FloatArray = NDArray[np.float64]
-JointPositions = Mapping[str, FloatArray]
+JointPositions = Mapping[str, Floats]
 
 _SIDES: Final = ("left", "right")
 _LIMBS: Final = (("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle"))
@@ -215,7 +214,7 @@ def _figure_rotation(source: JointPositions, target: JointPositions) -> Rotation
     return turn
 
 
-def _axes(places: JointPositions) -> tuple[FloatArray, FloatArray]:
+def _axes(places: JointPositions) -> tuple[Floats, Floats]:
     """Return the directions up the trunk and to the figure's left."""
     up = places["head"] - places["pelvis"]
     left = places["left_shoulder"] - places["right_shoulder"]

@@ -20,6 +20,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.arrays import Floats, Floats32
 from motion.clip import check_frame_rate
 from motion.errors import InputError, found_at
 from motion.formats.archives import load_arrays
@@ -64,11 +65,11 @@ class TedMotion:
         Frames per second.
     """
 
-    directions: NDArray[np.float32]
+    directions: Floats32
     frame_rate: float
 
 
-def chain_bones(bones: NDArray[Any]) -> NDArray[np.float64]:
+def chain_bones(bones: NDArray[Any]) -> Floats:
     """Return the ten joints (T, 10, 3) at the ends of `BONES` vectors (T, 9, 3), the first at 0."""
     joints = np.zeros((len(bones), JOINTS, 3))
     for bone, (parent, child) in enumerate(BONES):
@@ -119,7 +120,7 @@ def _motion(arrays: Mapping[str, NDArray[Any]]) -> TedMotion:
     return TedMotion(directions=(directions / lengths).astype(np.float32), frame_rate=frame_rate)
 
 
-def _numbers(array: NDArray[Any], shape: tuple[int, int]) -> NDArray[np.float64]:
+def _numbers(array: NDArray[Any], shape: tuple[int, int]) -> Floats:
     """Return `array` as (T, *shape) finite numbers."""
     width = shape[0] * shape[1]
     fits = array.ndim in (2, 3) and len(array) and array[0].size == width

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats
 from motion.audio import Audio
 from motion.errors import InputError
 
@@ -232,7 +232,7 @@ def _check(words: Sequence[Word], audio: Audio) -> None:
         )
 
 
-def _speech_times(audio: Audio) -> NDArray[np.float64]:
+def _speech_times(audio: Audio) -> Floats:
     """Return the times of speech in steps of 10 ms; all times if there is none."""
     step = max(1, round(_STEP * audio.sample_rate))
     size = len(audio.samples) // step * step

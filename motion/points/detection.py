@@ -13,10 +13,9 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.arrays import Floats
 from motion.audio import LONGEST
 from motion.errors import InputError
-
-FloatArray = NDArray[np.float64]
 
 _LONGEST_GAP: Final = 0.25
 """Longest gap in seconds that is filled by linear interpolation."""
@@ -56,9 +55,9 @@ class Detection:
     """
 
     frame_rate: float
-    pose: FloatArray
-    visibility: FloatArray
-    face: FloatArray
+    pose: Floats
+    visibility: Floats
+    face: Floats
 
     def __len__(self) -> int:
         """Return the number of frames."""
@@ -124,7 +123,7 @@ def _cuts(detection: Detection) -> list[int]:
     return [int(frame) for frame in frames_with_face[1:][sudden & (np.diff(frames_with_face) == 1)]]
 
 
-def _filled(values: FloatArray) -> FloatArray:
+def _filled(values: Floats) -> Floats:
     """Return `values`, shape (T, …), with missing frames interpolated."""
     flat = values.reshape(len(values), -1)
     is_known = np.isfinite(flat).all(axis=1)
@@ -153,7 +152,7 @@ def detect(video: Path, on_frame: Callable[[int, int], None]) -> Detection:
         If MediaPipe is not installed, or the file is missing, damaged or not a video.
     """
     detector = _detector()
-    found: list[tuple[FloatArray, ...]] = []
+    found: list[tuple[Floats, ...]] = []
     rate = FASTEST
     missing = (np.full((_POSE, 3), np.nan), np.full(_POSE, np.nan), np.full((_FACE, 3), np.nan))
     with detector, warnings.catch_warnings():
@@ -186,8 +185,8 @@ def _detector() -> Any:
 
 
 def _detect_picture(
-    detector: Any, picture: NDArray[np.uint8], missing: tuple[FloatArray, ...]
-) -> tuple[FloatArray, ...]:
+    detector: Any, picture: NDArray[np.uint8], missing: tuple[Floats, ...]
+) -> tuple[Floats, ...]:
     """Return pose, visibility and face of one picture."""
     height, width = picture.shape[:2]
     result = detector.process(picture)

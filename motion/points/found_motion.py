@@ -6,11 +6,11 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial import KDTree
 
+from motion.arrays import Floats, Floats32, Indices
 from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
@@ -20,8 +20,6 @@ from motion.points.joint_rotations import LEGS, clip_from_joints
 from motion.points.person import MEDIAPIPE, body_joints
 from motion.points.turning import nearest_similarity
 from motion.skeleton import REST_JOINTS, joint_index
-
-FloatArray = NDArray[np.float64]
 
 _RIGID_LANDMARKS: Final = (10, 151, 9, 168, 6, 197, 33, 133, 362, 263, 127, 356, 234, 454)
 """Points of forehead, bridge of the nose, corners of the eyes and temples, which expressions hardly
@@ -48,8 +46,8 @@ _SMOOTHING: Final = 0.03
 
 
 def _landmark_shifts(
-    mesh: FloatArray, frame_rate: float, body: BodyModel, landmarks: FaceLandmarks
-) -> NDArray[np.float32]:
+    mesh: Floats, frame_rate: float, body: BodyModel, landmarks: FaceLandmarks
+) -> Floats32:
     """Return the shifts of the body's landmarks (T, L, 3) for a detected face (T, 478, 3).
 
     Each landmark follows the point of the person's neutral face at its position after aligning
@@ -71,12 +69,12 @@ def _landmark_shifts(
     return np.asarray(shifts.reshape(len(mesh), landmarks.count, 3), np.float32)
 
 
-def _eye(face: FloatArray, side: str) -> FloatArray:
+def _eye(face: Floats, side: str) -> Floats:
     """Return the middle of an eye between its corners."""
     return np.asarray(face[list(_LIDS[side][1])].mean(axis=0))
 
 
-def _neutral_frames(aligned: FloatArray) -> NDArray[np.intp]:
+def _neutral_frames(aligned: Floats) -> Indices:
     """Return the frames of a neutral face: open eyes and the most closed mouth."""
     mouth = np.linalg.norm(aligned[:, _LIPS[0]] - aligned[:, _LIPS[1]], axis=1)
     lids = [np.linalg.norm(aligned[:, above] - aligned[:, below], axis=1)
@@ -87,7 +85,7 @@ def _neutral_frames(aligned: FloatArray) -> NDArray[np.intp]:
     return np.asarray(awake[is_closed])
 
 
-def _anchors(body: BodyModel) -> FloatArray:
+def _anchors(body: BodyModel) -> Floats:
     """Return eyes, tip of the nose and corners of the mouth of the body, shape (5, 3)."""
     joints = body.joints(np.zeros(0))
     eyes = [
@@ -159,7 +157,7 @@ def _is_of(name: str, parts: tuple[str, ...]) -> bool:
     return name.partition("_")[2] in parts
 
 
-def _smoothed(points: FloatArray, frame_rate: float) -> FloatArray:
+def _smoothed(points: Floats, frame_rate: float) -> Floats:
     """Return (T, 3) points without jitter."""
     width = round(frame_rate / _KNOTS_PER_SECOND)
     bounds = np.arange(0, len(points), max(width, 1))

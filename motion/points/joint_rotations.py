@@ -13,10 +13,10 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats
 from motion.body.skinning import share_forearm_twist, twist_angles
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -30,8 +30,6 @@ from motion.skeleton import (
     RELAXED_HANDS,
     joint_index,
 )
-
-FloatArray = NDArray[np.float64]
 
 LEGS: Final = ("left_knee", "right_knee", "left_ankle", "right_ankle")
 """Joints that determine the body's translation."""
@@ -62,9 +60,7 @@ _HANGING: Final = 78.0
 class _Figure:
     """World rotations of joints, computed from the pelvis outwards."""
 
-    def __init__(
-        self, points: Mapping[str, FloatArray], rest: FloatArray, frame_rate: float
-    ) -> None:
+    def __init__(self, points: Mapping[str, Floats], rest: Floats, frame_rate: float) -> None:
         self.points = points
         self.rest = rest
         self.frame_rate = frame_rate
@@ -74,15 +70,15 @@ class _Figure:
     def has(self, *names: str) -> bool:
         return all(name in self.points for name in names)
 
-    def vector(self, start: str, end: str) -> FloatArray:
+    def vector(self, start: str, end: str) -> Floats:
         """Return the vector from one joint to another in each frame, shape (T, 3)."""
         return self.points[end] - self.points[start]
 
-    def rest_vector(self, start: str, end: str) -> FloatArray:
+    def rest_vector(self, start: str, end: str) -> Floats:
         """Return the vector from one joint to another at rest, shape (3,)."""
         return np.asarray(self.rest[joint_index(end)] - self.rest[joint_index(start)])
 
-    def posed_vector(self, start: str, end: str) -> FloatArray:
+    def posed_vector(self, start: str, end: str) -> Floats:
         """Return the vector from a joint to its child in the current pose, shape (T, 3)."""
         return np.asarray(self.world[start].apply(self.rest_vector(start, end)))
 
@@ -93,7 +89,7 @@ class _Figure:
             turn = smallest_rotations(self.posed_vector(joint, end), self.vector(joint, end))
             self.world[joint] = turn * self.world[joint]
 
-    def locals(self) -> FloatArray:
+    def locals(self) -> Floats:
         """Return rotation matrices relative to the parents, shape (T, 55, 3, 3)."""
         local = np.broadcast_to(np.eye(3), (self.frames, JOINT_COUNT, 3, 3)).copy()
         relaxed = Rotation.from_rotvec(RELAXED_HANDS.astype(float)).as_matrix()
@@ -107,9 +103,7 @@ class _Figure:
         return local
 
 
-def clip_from_joints(
-    points: Mapping[str, FloatArray], rest: FloatArray, frame_rate: float
-) -> MotionClip:
+def clip_from_joints(points: Mapping[str, Floats], rest: Floats, frame_rate: float) -> MotionClip:
     """Return the motion of a body whose bones have the given directions.
 
     Without legs, the body stands at the origin and its feet do not move.
@@ -148,7 +142,7 @@ def clip_from_joints(
     )
 
 
-def _check_directions(points: Mapping[str, FloatArray]) -> None:
+def _check_directions(points: Mapping[str, Floats]) -> None:
     """Raise `InputError` if a bone has no direction."""
     for start, end in _given_bones(points):
         lengths = np.linalg.norm(points[end] - points[start], axis=1)
@@ -159,7 +153,7 @@ def _check_directions(points: Mapping[str, FloatArray]) -> None:
             )
 
 
-def _given_bones(points: Mapping[str, FloatArray]) -> list[tuple[str, str]]:
+def _given_bones(points: Mapping[str, Floats]) -> list[tuple[str, str]]:
     """Return the given bones: of the trunk, then each joint with its parent."""
     trunk = [("pelvis", "neck"), ("right_shoulder", "left_shoulder")]
     trunk += [("neck", f"{side}_shoulder") for side, _ in _SIDES]
@@ -177,11 +171,11 @@ def _heading(figure: _Figure) -> Rotation:
     return _about_y(yaw.mean() + deviations - np.clip(deviations, -_PELVIS_STAYS, _PELVIS_STAYS))
 
 
-def _yaw(across: FloatArray) -> FloatArray:
+def _yaw(across: Floats) -> Floats:
     return np.unwrap(np.arctan2(-across[:, 2], across[:, 0]))
 
 
-def _about_y(angles: FloatArray) -> Rotation:
+def _about_y(angles: Floats) -> Rotation:
     return Rotation.from_rotvec(angles[:, None] * np.array([0, 1.0, 0]))
 
 
@@ -271,7 +265,7 @@ def _turn_collar(figure: _Figure, collar: str, shoulder: str) -> None:
     )
 
 
-def _turn_limb(figure: _Figure, limb: tuple[str, str, str], parent: str, bends: FloatArray) -> None:
+def _turn_limb(figure: _Figure, limb: tuple[str, str, str], parent: str, bends: Floats) -> None:
     """Turn the two long bones of a limb, twisted so that the joint between them bends as it can.
 
     A nearly straight limb does not determine its twist; it keeps that of the smallest turn.
@@ -327,7 +321,7 @@ def _turn_leg(figure: _Figure, side: str, heading: Rotation) -> None:
         figure.world[hip] = heading
 
 
-def _translation(figure: _Figure, heading: Rotation) -> FloatArray:
+def _translation(figure: _Figure, heading: Rotation) -> Floats:
     if figure.has("left_hip", "right_hip", *LEGS):
         return np.asarray(figure.points["pelvis"] - figure.rest[0])
     hips = (

@@ -11,15 +11,14 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats
 from motion.errors import InputError
 from motion.points.turning import frame_rotations, front_views, smallest_rotations
 from motion.skeleton import JOINT_NAMES, REST_JOINTS, joint_index
 
-FloatArray = NDArray[np.float64]
-Points = Mapping[str, FloatArray]
+Points = Mapping[str, Floats]
 
 MEDIAPIPE: Final = (
     "nose", "left_eye_inner", "left_eye", "left_eye_outer", "right_eye_inner", "right_eye",
@@ -52,7 +51,7 @@ _KNUCKLES: Final = 0.59
 _MIN_LENGTH: Final = 1e-6
 
 
-def body_joints(points: Points, frame_rate: float) -> dict[str, FloatArray]:
+def body_joints(points: Points, frame_rate: float) -> dict[str, Floats]:
     """Return positions of SMPL-X joints in metres, y up; from a camera, facing +z on average.
 
     Parameters
@@ -106,8 +105,8 @@ def _check_trunk(points: Points) -> None:
 
 
 def _upright(
-    points: dict[str, FloatArray], frame_rate: float, *, seen_by_camera: bool
-) -> dict[str, FloatArray]:
+    points: dict[str, Floats], frame_rate: float, *, seen_by_camera: bool
+) -> dict[str, Floats]:
     """Return the points scaled to our body, y up, and from the front if a camera saw them."""
     trunk = [points[name] for name in ("pelvis", *_SHOULDERS)]
     up = np.median((trunk[1] + trunk[2]) / 2 - trunk[0], axis=0)
@@ -138,7 +137,7 @@ def _chest(points: Points) -> Rotation:
     )
 
 
-def _turn_to(points: dict[str, FloatArray], chest: Rotation, end: str, others: list[str]) -> None:
+def _turn_to(points: dict[str, Floats], chest: Rotation, end: str, others: list[str]) -> None:
     """Turn the bone from the neck to `end` so that on average it points as at rest.
 
     The points `others` move with its end.
@@ -157,7 +156,7 @@ def _part(name: str) -> str:
     return name.partition("_")[2]
 
 
-def _place_head(points: dict[str, FloatArray], chest: Rotation) -> None:
+def _place_head(points: dict[str, Floats], chest: Rotation) -> None:
     """Place head, jaw and eyes as on our body, by the known part of the head's rotation."""
     neck = points["neck"]
     if "nose" in points and all(ear in points for ear in _EARS):
@@ -185,7 +184,7 @@ def _place_head(points: dict[str, FloatArray], chest: Rotation) -> None:
         points[name] = points["head"] + rotation.apply(_at_rest(name) - _at_rest("head"))
 
 
-def _place_knuckles(points: dict[str, FloatArray], side: str) -> None:
+def _place_knuckles(points: dict[str, Floats], side: str) -> None:
     """Turn a detector's knuckles into joints."""
     index, pinky = points.get(f"{side}_index"), points.get(f"{side}_pinky")
     if index is not None and pinky is not None:
@@ -193,13 +192,13 @@ def _place_knuckles(points: dict[str, FloatArray], side: str) -> None:
         points[f"{side}_middle1"] = pinky + _KNUCKLES * (index - pinky)
 
 
-def _middle(points: Points, names: tuple[str, str]) -> FloatArray:
+def _middle(points: Points, names: tuple[str, str]) -> Floats:
     return (points[names[0]] + points[names[1]]) / 2
 
 
-def _rest_top() -> FloatArray:
+def _rest_top() -> Floats:
     return np.asarray((_at_rest(_SHOULDERS[0]) + _at_rest(_SHOULDERS[1])) / 2)
 
 
-def _at_rest(name: str) -> FloatArray:
+def _at_rest(name: str) -> Floats:
     return np.asarray(REST_JOINTS[joint_index(name)])

@@ -10,17 +10,16 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
-FloatArray = NDArray[np.float64]
+from motion.arrays import Floats
 
 _ANTIPARALLEL = 1e-9
 """Below this, one plus the cosine between two directions means that they are opposite."""
 
 
-def smallest_rotations(current: FloatArray, target: FloatArray) -> Rotation:
+def smallest_rotations(current: Floats, target: Floats) -> Rotation:
     """Return the smallest rotations from directions `current` to `target`, each (T, 3)."""
     current, target = _units(current), _units(target)
     scalar = 1 + (current * target).sum(axis=1)
@@ -32,9 +31,7 @@ def smallest_rotations(current: FloatArray, target: FloatArray) -> Rotation:
     return Rotation.from_quat(np.column_stack([vector, scalar]))
 
 
-def frame_rotations(
-    current: tuple[FloatArray, FloatArray], target: tuple[FloatArray, FloatArray]
-) -> Rotation:
+def frame_rotations(current: tuple[Floats, Floats], target: tuple[Floats, Floats]) -> Rotation:
     """Return the rotations that align one direction exactly and another as closely as possible.
 
     Parameters
@@ -48,7 +45,7 @@ def frame_rotations(
     return Rotation.from_matrix(_frames(*target) @ np.swapaxes(rest, 1, 2))
 
 
-def _frames(first: FloatArray, second: FloatArray) -> FloatArray:
+def _frames(first: Floats, second: Floats) -> Floats:
     """Return right-handed frames (T, 3, 3) whose columns are the axes, the first along `first`."""
     first = _units(first)
     normal = np.cross(first, second)
@@ -59,7 +56,7 @@ def _frames(first: FloatArray, second: FloatArray) -> FloatArray:
     return np.stack([first, np.cross(third, first), third], axis=2)
 
 
-def _units(vectors: FloatArray) -> FloatArray:
+def _units(vectors: Floats) -> Floats:
     return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
 
 
@@ -80,16 +77,16 @@ class Similarity:
     """
 
     turns: Rotation
-    scales: FloatArray
-    shifts: FloatArray
+    scales: Floats
+    shifts: Floats
 
-    def apply(self, points: FloatArray) -> FloatArray:
+    def apply(self, points: Floats) -> Floats:
         """Return `points`, shape (T, P, 3), rotated, scaled and shifted frame by frame."""
         rotated = np.einsum("tab,tpb->tpa", self.turns.as_matrix(), points)
         return np.asarray(self.scales[:, None, None] * rotated + self.shifts[:, None])
 
 
-def nearest_similarity(points: FloatArray, reference: FloatArray) -> Similarity:
+def nearest_similarity(points: Floats, reference: Floats) -> Similarity:
     """Return the similarity from each frame's points to the reference, after Umeyama.
 
     Parameters
@@ -108,7 +105,7 @@ def nearest_similarity(points: FloatArray, reference: FloatArray) -> Similarity:
     )
 
 
-def front_views(trunk: FloatArray, reference: FloatArray, frame_rate: float) -> Rotation:
+def front_views(trunk: Floats, reference: Floats, frame_rate: float) -> Rotation:
     """Return the rotations that make a trunk face front and stand upright on average.
 
     Only slow changes are removed: the camera's position and moves go, the person's leaning and

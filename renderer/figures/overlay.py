@@ -10,6 +10,7 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from PIL import Image, ImageColor
 
+from motion.arrays import Floats32
 from motion.errors import InputError
 from renderer.figures.panels import CutOut
 from renderer.figures.plate import LETTERS, Plate, fitted, font, pixels
@@ -143,9 +144,7 @@ def draw_overlay(
     return page
 
 
-def _tinted(
-    colours: NDArray[np.float32], tint: str, share: NDArray[np.float32]
-) -> NDArray[np.float32]:
+def _tinted(colours: Floats32, tint: str, share: Floats32) -> Floats32:
     """Return `colours`, shape (..., 3) in [0, 1], tinted by `share`."""
     light = colours @ np.array([0.299, 0.587, 0.114], np.float32)
     target = np.array(ImageColor.getrgb(tint), np.float32) / 255
@@ -153,7 +152,7 @@ def _tinted(
     return np.asarray((1 - share) * colours + share * toned)
 
 
-def _stacked(figures: Sequence[CutOut]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _stacked(figures: Sequence[CutOut]) -> tuple[Floats32, Floats32]:
     """Return all pictures, shape (n, H, W, 4) in [0, 1], and depths, shape (n, H, W)."""
     pictures = np.stack([np.asarray(figure.picture) for figure in figures]).astype(np.float32)
     return pictures / np.float32(255), np.stack([figure.depth for figure in figures])

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 from scipy.ndimage import minimum_filter
 
+from motion.arrays import Floats, Floats32
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
@@ -49,7 +49,7 @@ class CutOut:
     """
 
     picture: Image.Image
-    depth: NDArray[np.float32]
+    depth: Floats32
 
     def crop(self, box: Box) -> CutOut:
         """Return the part inside `box`, widened to whole pixels."""
@@ -95,7 +95,7 @@ def box_around(body: BodyModel, pose: MotionClip, camera: Camera) -> Box:
     return float(left), float(top), float(right), float(bottom)
 
 
-def _depth(body: BodyModel, pose: MotionClip, camera: Camera, size: int) -> NDArray[np.float32]:
+def _depth(body: BodyModel, pose: MotionClip, camera: Camera, size: int) -> Floats32:
     """Return the depth at each pixel of a square picture; each triangle has one depth."""
     corners = project(body.vertices(pose)[0], camera, size)[body.faces]
     depths = corners[..., 2].mean(axis=1)
@@ -197,7 +197,7 @@ def face_camera(clips: Iterable[MotionClip], body: BodyModel, camera: Camera) ->
     )
 
 
-def _range_of_faces(clips: Iterable[MotionClip], body: BodyModel) -> NDArray[np.float64]:
+def _range_of_faces(clips: Iterable[MotionClip], body: BodyModel) -> Floats:
     """Return the smallest and largest coordinates of the point between the eyes, shape (2, 3)."""
     eyes = [joint_index("left_eye"), joint_index("right_eye")]
     points = np.concatenate([joints_of(clip, body)[:, eyes].mean(axis=1) for clip in clips])

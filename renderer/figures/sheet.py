@@ -23,6 +23,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from motion.arrays import Bools, Floats, Floats32
 from motion.errors import InputError
 from motion.segment import Segment
 from renderer.figures.plate import FAINT_INK, font
@@ -150,8 +151,8 @@ class Glance:
 
     times: tuple[float, ...]
     pictures: NDArray[np.uint8]
-    presence: NDArray[np.float32]
-    movement: NDArray[np.float32]
+    presence: Floats32
+    movement: Floats32
     remarks: tuple[str, ...]
 
 
@@ -227,7 +228,7 @@ def small_picture(
     return np.asarray(small.to_ndarray(), np.uint8)
 
 
-def _stillness(is_still: NDArray[np.bool_], rate: float) -> Iterator[str]:
+def _stillness(is_still: Bools, rate: float) -> Iterator[str]:
     """Yield remarks on times without motion, `_STILL_SECONDS` or longer."""
     if is_still.all():
         yield "never moves"
@@ -238,7 +239,7 @@ def _stillness(is_still: NDArray[np.bool_], rate: float) -> Iterator[str]:
             yield f"still from {start / rate:.1f} to {end / rate:.1f} s"
 
 
-def _restlessness(movement: NDArray[np.float64], rate: float) -> Iterator[str]:
+def _restlessness(movement: Floats, rate: float) -> Iterator[str]:
     """Yield a remark if the motion jerks throughout or jumps."""
     if not len(movement):
         return
@@ -251,7 +252,7 @@ def _restlessness(movement: NDArray[np.float64], rate: float) -> Iterator[str]:
         yield f"jumps at {times} s" + (f" and {len(jumps) - 3} more times" * (len(jumps) > 3))
 
 
-def _absence(figure: NDArray[np.bool_], *, cropped: bool) -> Iterator[str]:
+def _absence(figure: Bools, *, cropped: bool) -> Iterator[str]:
     """Yield remarks if the figure is missing or extends beyond an edge other than the lower one.
 
     If only a part of the body is framed, it may extend beyond any edge.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from motion.arrays import Floats
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import FACE_JOINTS, JOINT_NAMES, PARENTS, forward_kinematics
@@ -34,18 +34,14 @@ _BONES: Final = tuple(
 )
 
 
-def joints_of(clip: MotionClip, body: BodyModel) -> NDArray[np.float64]:
+def joints_of(clip: MotionClip, body: BodyModel) -> Floats:
     """Return the joints of `body` in each frame of `clip`, shape (T, 55, 3)."""
     positions, _ = forward_kinematics(clip.poses, clip.trans, body.joints(clip.betas))
     return positions
 
 
 def with_skeleton(
-    picture: Image.Image,
-    joints: NDArray[np.float64],
-    camera: Camera,
-    *,
-    key: bool = True,
+    picture: Image.Image, joints: Floats, camera: Camera, *, key: bool = True
 ) -> Image.Image:
     """Return `picture` with the skeleton drawn over the body.
 
@@ -69,7 +65,7 @@ def with_skeleton(
     return result.convert(picture.mode)
 
 
-def _skeleton_picture(points: NDArray[np.float64], size: int, *, key: bool) -> Image.Image:
+def _skeleton_picture(points: Floats, size: int, *, key: bool) -> Image.Image:
     """Return the skeleton with joints at `points`, shape (55, 2), on a clear picture."""
     width = size * _OVERSAMPLING
     points = points * _OVERSAMPLING
@@ -86,12 +82,7 @@ def _skeleton_picture(points: NDArray[np.float64], size: int, *, key: bool) -> I
 
 
 def _draw_bone(
-    pen: ImageDraw.ImageDraw,
-    points: NDArray[np.float64],
-    bone: tuple[int, int],
-    size: int,
-    *,
-    rim: bool,
+    pen: ImageDraw.ImageDraw, points: Floats, bone: tuple[int, int], size: int, *, rim: bool
 ) -> None:
     """Draw the bone from a joint to its parent, and the joint."""
     joint, parent = bone
@@ -107,7 +98,7 @@ def _draw_bone(
 
 def _draw_joint(
     pen: ImageDraw.ImageDraw,
-    centre: NDArray[np.float64],
+    centre: Floats,
     radius: float,
     colour: tuple[int, int, int],
     *,

@@ -9,6 +9,7 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from motion.arrays import Floats32
 from motion.clip import GENDERS, MotionClip
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 
@@ -49,7 +50,7 @@ def largest_angle(
     return float(np.degrees(np.arctan2(across, (first * second).sum(axis=2))).max())
 
 
-def arkit_of(clip: MotionClip) -> NDArray[np.float32]:
+def arkit_of(clip: MotionClip) -> Floats32:
     """Return the facial actions of a clip that has them."""
     assert clip.arkit is not None
     return clip.arkit

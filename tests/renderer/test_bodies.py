@@ -10,6 +10,7 @@ import torch
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from motion.arrays import Bools
 from motion.body.model import BodyModel, read_body
 from motion.clip import arkit_index
 from motion.skeleton import REST_JOINTS, joint_index
@@ -30,7 +31,7 @@ def of_avatars(names: Iterable[str]) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("body", names, indirect=True, scope="module")
 
 
-def _of(body: BodyModel, *materials: str) -> NDArray[np.bool_]:
+def _of(body: BodyModel, *materials: str) -> Bools:
     names = list(body.surface["material_names"])
     return np.isin(body.surface["material"], [names.index(m) for m in materials if m in names])
 
@@ -88,7 +89,7 @@ def test_people_face_the_viewer_with_open_eyes_at_rest(body: BodyModel) -> None:
         assert direction[2] / np.linalg.norm(direction) > 0.995
 
 
-def _visible_in_front(body: BodyModel, at: NDArray[np.floating], marked: NDArray[np.bool_]) -> int:
+def _visible_in_front(body: BodyModel, at: NDArray[np.floating], marked: Bools) -> int:
     """Return how many of the marked vertices the skin does not hide."""
     skin = body.faces[_of(body, "skin", "lash")[body.faces].all(axis=1)]
     a, b, c = (at[corner] for corner in skin.T)

@@ -16,6 +16,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from motion.arrays import Floats
 from renderer.figures.sheet import draw_cell, glance_at
 from renderer.jobs.doing import Stages, do_job
 from renderer.look import CELL_VERSION, COPY_VERSION, RENDERER_VERSION, Look
@@ -50,7 +51,7 @@ def videos(tmp_path_factory: pytest.TempPathFactory, job: ClipJob) -> Path:
     return folder
 
 
-def moments(video: Path) -> NDArray[np.float64]:
+def moments(video: Path) -> Floats:
     """Return the time and duration of each packet, in seconds."""
     with av.open(str(video)) as container:
         return np.array(
@@ -62,7 +63,7 @@ def moments(video: Path) -> NDArray[np.float64]:
         )
 
 
-def seen_and_heard(video: Path) -> list[NDArray[np.float64]]:
+def seen_and_heard(video: Path) -> list[Floats]:
     with av.open(str(video)) as container:
         frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
         container.seek(0)
@@ -70,7 +71,7 @@ def seen_and_heard(video: Path) -> list[NDArray[np.float64]]:
     return [blocks(np.array(frames)), np.concatenate(sound, axis=1)]
 
 
-def blocks(pictures: NDArray[np.uint8]) -> NDArray[np.float64]:
+def blocks(pictures: NDArray[np.uint8]) -> Floats:
     """Return mean colours of square blocks, in [0, 1]."""
     height, width = (side // BLOCK for side in pictures.shape[1:3])
     cut = pictures[:, : height * BLOCK, : width * BLOCK]

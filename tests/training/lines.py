@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from motion.arrays import Ints
 from motion.errors import InputError
 from training.config import Decay, TrainingConfig
 from training.run.loop import TrainingStopped, train
@@ -83,7 +83,7 @@ class Line:
     def network(self) -> LineNetwork:
         return LineNetwork(dropout=0.2 if self.chance else 0.0, normed=self.normed)
 
-    def losses(self, network: LineNetwork, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+    def losses(self, network: LineNetwork, rows: Ints) -> Mapping[str, Tensor]:
         chosen = torch.from_numpy(rows)
         entries = ENTRIES[chosen]
         if self.chance:

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from motion.arrays import Floats, Floats32
 from motion.errors import InputError
 from training.data.feature_cache import PreparedTakes
 from training.data.take import Take
@@ -30,7 +30,7 @@ def take_named(name: str, folder: Path = Path(), **facts: Any) -> Take:
 
 def prepared_takes(
     takes: Sequence[Take],
-    arrays: Mapping[str, Sequence[NDArray[np.float32]]],
+    arrays: Mapping[str, Sequence[Floats32]],
     frame_rate: float,
     skipped: tuple[InputError, ...] = (),
 ) -> PreparedTakes:
@@ -45,7 +45,7 @@ def prepared_takes(
 
 
 def takes_of_curves(
-    features_of: Callable[[NDArray[np.float64]], Mapping[str, NDArray[np.float64]]],
+    features_of: Callable[[Floats], Mapping[str, Floats]],
     *,
     speakers: Sequence[str],
     frame_rate: float,
@@ -59,7 +59,7 @@ def takes_of_curves(
     """
     chance = np.random.default_rng(3)
     takes: list[Take] = []
-    arrays: defaultdict[str, list[NDArray[np.float32]]] = defaultdict(list)
+    arrays: defaultdict[str, list[Floats32]] = defaultdict(list)
     for number, speaker in enumerate(speakers):
         noise = chance.standard_normal((frames, curves))
         for name, values in features_of(3 * gaussian_filter1d(noise, 2, axis=0)).items():

@@ -12,15 +12,13 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats
 from training.corpus.chance import Chance
 from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker, read_table
 from training.corpus.speech_curves import SpeechCurves, find_strokes, stroke_shape
 from training.spaces.beat import UPPER_BODY_JOINTS
-
-FloatArray = NDArray[np.float64]
 
 ARM_ANGLES: Final = ("lift", "spread", "turn", "bend", "roll", "wrist", "curl", "shrug")
 """Angles of an arm: upper arm raised forward and to the side, turned so that the forearm points
@@ -66,18 +64,18 @@ class BodyAngles:
         `ARM_ANGLES` of the right and of the left arm.
     """
 
-    trunk: FloatArray
-    head: FloatArray
-    arms: FloatArray
+    trunk: Floats
+    head: Floats
+    arms: Floats
 
 
 def body_angles(
     curves: SpeechCurves,
-    melody: FloatArray,
+    melody: Floats,
     emotion: str,
     speaker: CorpusSpeaker,
     chance: Chance,
-    times: FloatArray,
+    times: Floats,
 ) -> BodyAngles:
     """Return the body motion of a speaker.
 
@@ -139,19 +137,19 @@ def body_angles(
     return BodyAngles(trunk=trunk, head=head, arms=within_limits(arms))
 
 
-def stroke_direction(speaker: CorpusSpeaker) -> FloatArray:
+def stroke_direction(speaker: CorpusSpeaker) -> Floats:
     """Return the effect of a stroke of size 1 on the eight angles of an arm."""
-    direction: FloatArray = (
+    direction: Floats = (
         speaker.outward * _OUTWARD + speaker.upward * _UPWARD + speaker.forward * _FORWARD
     )
     return direction
 
 
-def within_limits(arms: FloatArray) -> FloatArray:
+def within_limits(arms: Floats) -> Floats:
     """Return arm angles (..., 8) that approach the joints' limits smoothly and never pass them."""
     excess = np.maximum(arms - (_HIGHEST - _KNEE), 0)
     shortfall = np.maximum((_LOWEST + _KNEE) - arms, 0)
-    limited: FloatArray = (
+    limited: Floats = (
         arms
         - (excess - _KNEE * (1 - np.exp(-excess / _KNEE)))
         + (shortfall - _KNEE * (1 - np.exp(-shortfall / _KNEE)))
@@ -171,7 +169,7 @@ _NECK_SHARE: Final = 0.55
 """Share of the head's angles in the lower of the two joints of BEAT's prepared files."""
 
 
-def joint_rotations(angles: BodyAngles) -> FloatArray:
+def joint_rotations(angles: BodyAngles) -> Floats:
     """Return the rotations of BEAT's 47 joints.
 
     Parameters
@@ -197,17 +195,17 @@ def joint_rotations(angles: BodyAngles) -> FloatArray:
     return np.concatenate([turns[name] for name in UPPER_BODY_JOINTS], axis=1)
 
 
-def _bent_forward(angles: FloatArray) -> FloatArray:
+def _bent_forward(angles: Floats) -> Floats:
     """Return the turn (T, 3) of trunk or neck: forward, to the left, tilted to the left."""
     return _turn(angles * np.array([1, 1, -1]))
 
 
-def _turn(angles: FloatArray) -> FloatArray:
+def _turn(angles: Floats) -> Floats:
     """Return the rotation vectors of angles about x, y and z (T, 3) in degrees."""
     return np.asarray(Rotation.from_euler("XYZ", angles, degrees=True).as_rotvec())
 
 
-def _left_arm(arm: FloatArray) -> dict[str, FloatArray]:
+def _left_arm(arm: Floats) -> dict[str, Floats]:
     """Return the turns (T, 3) of a left arm's joints; `arm` is (T, 8).
 
     With zero turns, the arm is level and the palm faces down. With the arm lowered, the elbow bends

@@ -19,9 +19,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from motion.arrays import Floats
 
 OMITTED_SHARE: Final = 0.1
 _SIZE_SIGMA: Final = 0.3
@@ -49,8 +48,8 @@ class StrokeChance:
         Delays of the arrivals in seconds.
     """
 
-    gains: FloatArray
-    delays: FloatArray
+    gains: Floats
+    delays: Floats
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +79,7 @@ class Chance:
         hand_shares = hands[np.repeat(choices, _STROKES_AT_A_TIME)[:count]]
         return StrokeChance(gains=(sizes * performed)[:, None] * hand_shares, delays=delays)
 
-    def drift(self, times: FloatArray, channels: int, stream: int) -> FloatArray:
+    def drift(self, times: Floats, channels: int, stream: int) -> Floats:
         """Return slow drift of mean 0 and variance 1, shape (T, channels).
 
         Parameters
@@ -101,7 +100,7 @@ class Chance:
         waves = np.cos(2 * np.pi * frequencies * times[:, None, None] + phases)
         return np.asarray(np.sqrt(2 / _COSINES) * waves.sum(axis=2))
 
-    def blinks(self, duration: float) -> FloatArray:
+    def blinks(self, duration: float) -> Floats:
         """Return the times of blinks within `duration` seconds, ascending."""
         if self.seed is None:
             return np.zeros(0)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats
 from motion.audio import Audio
 from motion.clip import check_frame_rate
 from training.corpus.body_angles import body_angles, joint_rotations
@@ -17,8 +17,6 @@ from training.corpus.speakers import EMOTION_MOTION, CorpusSpeaker, voice_of
 from training.corpus.speech_curves import SpeechCurves, Strokes, analyse, find_strokes
 from training.corpus.truth import MotionCurves, curves_of
 from training.spaces.beat import FACIAL_WEIGHTS
-
-FloatArray = NDArray[np.float64]
 
 VERSION: Final = "4"
 """Incremented whenever the same speech, speaker and random numbers may give other motion."""
@@ -57,7 +55,7 @@ class Process:
         """The strokes that the speech prompts."""
         return find_strokes(self.curves, EMOTION_MOTION[self.emotion].spacing)
 
-    def body(self, frame_rate: float, chance: Chance = EXPECTED) -> FloatArray:
+    def body(self, frame_rate: float, chance: Chance = EXPECTED) -> Floats:
         """Return the body's motion.
 
         Parameters
@@ -78,7 +76,7 @@ class Process:
         )
         return joint_rotations(angles)
 
-    def face(self, frame_rate: float, chance: Chance = EXPECTED) -> FloatArray:
+    def face(self, frame_rate: float, chance: Chance = EXPECTED) -> Floats:
         """Return the face's motion: ARKit weights (T, 51) in [0, 1]; see `body`."""
         times = self._times(frame_rate)
         speech = _speech_weights(self.curves, self._melody(times), times)
@@ -91,11 +89,11 @@ class Process:
         """
         return curves_of(self.body(frame_rate), self.face(frame_rate), frame_rate)
 
-    def _times(self, frame_rate: float) -> FloatArray:
+    def _times(self, frame_rate: float) -> Floats:
         check_frame_rate(frame_rate)
         return np.arange(max(1, round(self.duration * frame_rate))) / frame_rate
 
-    def _melody(self, times: FloatArray) -> FloatArray:
+    def _melody(self, times: Floats) -> Floats:
         """Return the pitch in octaves above the voice's usual pitch, 0 in silence."""
         usual = np.log2(voice_of(self.speaker.number).pitch / 100)
         curves = self.curves
@@ -121,12 +119,12 @@ _FACE_STREAM, _GAZE_STREAM = 4, 5
 
 
 def _face_weights(
-    speech_weights: Mapping[str, FloatArray],
+    speech_weights: Mapping[str, Floats],
     emotion: str,
     speaker: CorpusSpeaker,
     chance: Chance,
-    times: FloatArray,
-) -> FloatArray:
+    times: Floats,
+) -> Floats:
     """Return facial weights (T, 51) in [0, 1].
 
     A weight is ``base + (1 - base) * speech``, where the base depends on the emotion. Mouth and jaw
@@ -147,9 +145,7 @@ def _face_weights(
     return np.asarray(np.clip(weights, 0, 1))
 
 
-def _speech_weights(
-    curves: SpeechCurves, melody: FloatArray, times: FloatArray
-) -> dict[str, FloatArray]:
+def _speech_weights(curves: SpeechCurves, melody: Floats, times: Floats) -> dict[str, Floats]:
     """Return the contribution of speech to each weight, for average faces."""
     loudness = np.minimum(curves.at(curves.loudness, times), 1.5)
     brightness = curves.at(curves.brightness, times)
@@ -172,7 +168,7 @@ def _speech_weights(
     }
 
 
-def _gaze(chance: Chance, times: FloatArray) -> dict[str, FloatArray]:
+def _gaze(chance: Chance, times: Floats) -> dict[str, Floats]:
     """Return the contribution of eye movement, the same for both eyes."""
     sideways, up = _GAZE * chance.drift(times, 2, _GAZE_STREAM).T
     left, right = np.maximum(sideways, 0), np.maximum(-sideways, 0)
@@ -188,7 +184,7 @@ def _gaze(chance: Chance, times: FloatArray) -> dict[str, FloatArray]:
     }
 
 
-def _blinks(chance: Chance, times: FloatArray) -> dict[str, FloatArray]:
+def _blinks(chance: Chance, times: Floats) -> dict[str, Floats]:
     """Return the contribution of blinks."""
     closure = np.zeros(len(times))
     for moment in chance.blinks(float(times[-1])):

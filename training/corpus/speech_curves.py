@@ -27,14 +27,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import ShortTimeFFT, find_peaks
 
+from motion.arrays import Floats
 from motion.audio import SPEECH_RATE, Audio
 from motion.audio_analysis import load_librosa
-
-FloatArray = NDArray[np.float64]
 
 STEPS_PER_SECOND: Final = 100
 
@@ -69,13 +67,13 @@ class SpeechCurves:
         In [0, 1].
     """
 
-    loudness: FloatArray
-    slow_loudness: FloatArray
-    pitch: FloatArray
-    sounding: FloatArray
-    brightness: FloatArray
+    loudness: Floats
+    slow_loudness: Floats
+    pitch: Floats
+    sounding: Floats
+    brightness: Floats
 
-    def at(self, curve: FloatArray, times: FloatArray) -> FloatArray:
+    def at(self, curve: Floats, times: Floats) -> Floats:
         """Return one of the curves at `times` in seconds, interpolated linearly."""
         return np.interp(times, np.arange(len(curve)) / STEPS_PER_SECOND, curve)
 
@@ -98,14 +96,14 @@ def analyse(speech: Audio) -> SpeechCurves:
     )
 
 
-def _level(samples: FloatArray, steps: int) -> FloatArray:
+def _level(samples: Floats, steps: int) -> Floats:
     """Return the root mean square around each step."""
     window = np.hanning(_WINDOW)
     power = np.convolve(samples**2, window / window.sum())
     return np.asarray(np.sqrt(power[_WINDOW // 2 :: _HOP][:steps]))
 
 
-def _octaves(samples: FloatArray, steps: int) -> FloatArray:
+def _octaves(samples: Floats, steps: int) -> Floats:
     """Return the fundamental frequency in octaves above 100 Hz, whether voiced or not."""
     librosa = load_librosa()
     hertz = librosa.yin(
@@ -119,7 +117,7 @@ def _octaves(samples: FloatArray, steps: int) -> FloatArray:
     return np.asarray(np.log2(_with_length(np.asarray(hertz, np.float64), steps) / 100))
 
 
-def _brightness(samples: FloatArray, steps: int) -> FloatArray:
+def _brightness(samples: Floats, steps: int) -> Floats:
     """Return the share of the power in the bright half of the spectrum."""
     transform = ShortTimeFFT(
         np.hanning(_WINDOW), hop=_HOP, fs=SPEECH_RATE, mfft=_TRANSFORM, scale_to="psd"
@@ -129,18 +127,18 @@ def _brightness(samples: FloatArray, steps: int) -> FloatArray:
     return np.asarray(power[transform.f >= _BRIGHT].sum(axis=0) / (total + _LOWEST_POWER))
 
 
-def _with_length(values: FloatArray, steps: int) -> FloatArray:
+def _with_length(values: Floats, steps: int) -> Floats:
     """Return `values` cut to `steps`, or extended with the last value."""
     return values[np.minimum(np.arange(steps), len(values) - 1)]
 
 
-def _weighted(values: FloatArray, weights: FloatArray, seconds: float) -> FloatArray:
+def _weighted(values: Floats, weights: Floats, seconds: float) -> Floats:
     """Return a weighted running mean; near 0 where there is hardly any weight."""
     weight = _smooth(weights, seconds)
     return np.asarray(_smooth(values * weights, seconds) / (weight + _AUDIBLE))
 
 
-def _smooth(values: FloatArray, seconds: float) -> FloatArray:
+def _smooth(values: Floats, seconds: float) -> Floats:
     return np.asarray(gaussian_filter1d(values, seconds * STEPS_PER_SECOND, mode="nearest"))
 
 
@@ -163,8 +161,8 @@ class Strokes:
         At least 0; about 1 for a loud syllable.
     """
 
-    times: FloatArray
-    sizes: FloatArray
+    times: Floats
+    sizes: Floats
 
 
 def find_strokes(curves: SpeechCurves, spacing: float) -> Strokes:
@@ -189,7 +187,7 @@ def find_strokes(curves: SpeechCurves, spacing: float) -> Strokes:
     )
 
 
-def stroke_shape(elapsed: FloatArray, attack: float, release: float) -> FloatArray:
+def stroke_shape(elapsed: Floats, attack: float, release: float) -> Floats:
     """Return the extent of a stroke of size 1, in [0, 1].
 
     Parameters

@@ -16,13 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats
 from motion.errors import InputError
 from motion.files import replacing
 from training.corpus.chance import StrokeChance
 from training.corpus.speech_curves import Strokes
 from training.spaces.beat import BEAT_SKELETON, FACIAL_WEIGHTS, UPPER_BODY_JOINTS, upper_body_motion
-
-FloatArray = NDArray[np.float64]
 
 _CENTIMETRES: Final = 100.0
 _BROWS: Final = ("InnerUp", "OuterUpLeft", "OuterUpRight")
@@ -44,14 +43,14 @@ class MotionCurves:
         Weight of the jaw and mean weight of the brows, in [0, 1].
     """
 
-    wrist_speed: FloatArray
-    hand_height: FloatArray
-    head_down: FloatArray
-    jaw_open: FloatArray
-    brows_up: FloatArray
+    wrist_speed: Floats
+    hand_height: Floats
+    head_down: Floats
+    jaw_open: Floats
+    brows_up: Floats
 
 
-def curves_of(body: FloatArray, face: FloatArray, frame_rate: float) -> MotionCurves:
+def curves_of(body: Floats, face: Floats, frame_rate: float) -> MotionCurves:
     """Return the curves of a motion.
 
     Parameters
@@ -77,7 +76,7 @@ def curves_of(body: FloatArray, face: FloatArray, frame_rate: float) -> MotionCu
     )
 
 
-def wrist_positions(body: FloatArray) -> FloatArray:
+def wrist_positions(body: Floats) -> Floats:
     """Return positions of the right and the left wrist relative to the hips, (T, 2, 3), in metres.
 
     The figure is the idealised one, with its hips fixed at the origin.
@@ -96,7 +95,7 @@ def correlate_motions(motion: MotionCurves, reference: MotionCurves) -> dict[str
     }
 
 
-def correlate_curves(motion: FloatArray, reference: FloatArray) -> float:
+def correlate_curves(motion: Floats, reference: Floats) -> float:
     """Return the correlation of two curves (T,), over their common frames; NaN for a constant."""
     frames = min(len(motion), len(reference))
     motion, reference = motion[:frames], reference[:frames]
@@ -105,7 +104,7 @@ def correlate_curves(motion: FloatArray, reference: FloatArray) -> float:
     return float(np.corrcoef(motion, reference)[0, 1])
 
 
-def mean_speed(positions: FloatArray, frame_rate: float) -> FloatArray:
+def mean_speed(positions: Floats, frame_rate: float) -> Floats:
     """Return the speed (T,) of points (T, N, 3), averaged over points; 0 for a single frame."""
     if len(positions) < 2:
         return np.zeros(len(positions))

@@ -14,14 +14,13 @@ from typing import Final
 
 import numpy as np
 import pyarrow
-from numpy.typing import NDArray
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
+from motion.arrays import Floats32
 from motion.errors import InputError
 from motion.files import replacing, sha256_of, write_text
 from training.data.take import LONGEST_DIFFERENCE, Feature, Take, TakeFolder
 
-FloatArray = NDArray[np.float32]
 Show = Callable[[int, int, str], None]
 """Called with the number of finished takes, the number of all takes, and the last one's name."""
 
@@ -46,7 +45,7 @@ class PreparedTakes:
     """
 
     takes: tuple[Take, ...]
-    arrays: Mapping[str, tuple[FloatArray, ...]]
+    arrays: Mapping[str, tuple[Floats32, ...]]
     frame_rate: float
     skipped: tuple[InputError, ...]
     sha256: str
@@ -60,7 +59,7 @@ class PreparedTakes:
         trained = {take.speaker for take in self.takes if take.split == "train"}
         return tuple(name for name in speakers if name in trained)
 
-    def mean_first(self, feature: str) -> FloatArray:
+    def mean_first(self, feature: str) -> Floats32:
         """Return the mean first frame (channels,) of a feature over the training split."""
         firsts = [
             values[0]
@@ -191,7 +190,7 @@ def _cached(take: Take, feature: Feature, path: Path) -> _CachedArray:
     return cached
 
 
-def _compute(take: Take, feature: Feature) -> FloatArray:
+def _compute(take: Take, feature: Feature) -> Floats32:
     values = np.ascontiguousarray(feature.compute(take), dtype=np.float32)
     if values.ndim != 2 or not values.size:
         raise InputError(
@@ -236,7 +235,7 @@ def _trimmed(
     skipped: tuple[InputError, ...],
 ) -> PreparedTakes:
     """Return the takes with their features cut to the same length."""
-    arrays: dict[str, list[FloatArray]] = {name: [] for name in names}
+    arrays: dict[str, list[Floats32]] = {name: [] for name in names}
     facts = [f"{frame_rate!r}"]
     for take in takes:
         features = cached[take.name]
@@ -310,11 +309,11 @@ def _hashes_of(files: tuple[Path, ...], memory: Path) -> tuple[str, ...]:
 class _CachedArray:
     """An array (frames, channels), memory-mapped and read-only, and the hash of its file."""
 
-    values: FloatArray
+    values: Floats32
     sha256: str
 
 
-def _write_array(path: Path, values: FloatArray) -> None:
+def _write_array(path: Path, values: Floats32) -> None:
     """Write `values` to `path` (``.npy``), and next to it a seal that proves it intact."""
     with replacing(path) as draft:
         np.save(draft, values, allow_pickle=False)
@@ -337,7 +336,7 @@ def _open_array(path: Path) -> _CachedArray | None:
         return None
 
 
-def _map_array(path: Path) -> FloatArray:
+def _map_array(path: Path) -> Floats32:
     """Return the array in `path`, mapped into memory.
 
     numpy's own mapping keeps each file open, and a data set has more files than a process may open.

@@ -12,9 +12,9 @@ from itertools import combinations
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from torch import Tensor
 
+from motion.arrays import Ints
 from motion.errors import InputError
 from training.corpus.plan import DESCRIPTION, read_request
 from training.data.beat import BeatName
@@ -41,7 +41,7 @@ class Classes:
         labels = {field: {getattr(take, field) for take in takes} - {""} for field in fields}
         return cls({field: tuple(sorted(values)) for field, values in labels.items()})
 
-    def labelled_rows(self, windows: Windows) -> NDArray[np.int64]:
+    def labelled_rows(self, windows: Windows) -> Ints:
         """Return the rows of windows whose labels are all among the classes."""
         takes = windows.takes(np.arange(len(windows)))
         return np.flatnonzero(
@@ -51,7 +51,7 @@ class Classes:
             ]
         )
 
-    def numbers(self, windows: Windows, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    def numbers(self, windows: Windows, rows: Ints) -> Ints:
         """Return the class numbers of windows, (fields, rows)."""
         takes = windows.takes(rows)
         return np.array(
@@ -70,7 +70,7 @@ class Classes:
         }
 
 
-def macro_f1(predicted: NDArray[np.int64], actual: NDArray[np.int64]) -> float:
+def macro_f1(predicted: Ints, actual: Ints) -> float:
     """Return the mean over classes of the harmonic mean of precision and recall."""
     scores = [
         2
@@ -81,9 +81,7 @@ def macro_f1(predicted: NDArray[np.int64], actual: NDArray[np.int64]) -> float:
     return float(np.mean(scores))
 
 
-def quadruples(
-    windows: Windows, *, limit: int, seed: int, required: bool = False
-) -> NDArray[np.int64]:
+def quadruples(windows: Windows, *, limit: int, seed: int, required: bool = False) -> Ints:
     """Return quadruples of windows: contents c1 and c2, each spoken by speakers s1 and s2.
 
     The columns are (c1, s1), (c2, s1), (c1, s2), (c2, s2). The four windows of a quadruple start

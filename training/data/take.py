@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from motion.arrays import Floats32
 from motion.errors import InputError
 
 Split = Literal["train", "validation", "test"]
@@ -108,4 +106,4 @@ class Feature:
 
     name: str
     version: str
-    compute: Callable[[Take], NDArray[np.float32]]
+    compute: Callable[[Take], Floats32]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats32, Ints
 from motion.errors import InputError
 from training.data.feature_cache import PreparedTakes
 from training.data.take import Split, Take
@@ -55,7 +55,7 @@ class Windows:
         """Return the number of windows."""
         return int(self._first_row[-1])
 
-    def batch(self, rows: NDArray[np.int64]) -> Mapping[str, NDArray[np.float32]]:
+    def batch(self, rows: Ints) -> Mapping[str, Floats32]:
         """Return the windows of `rows` for each feature, (len(rows), frames, channels)."""
         positions = [self._locate(int(row)) for row in rows]
         return {
@@ -67,11 +67,11 @@ class Windows:
         """Return the take of window `row`."""
         return self.prepared.takes[self._locate(row)[0]]
 
-    def takes(self, rows: NDArray[np.int64]) -> list[Take]:
+    def takes(self, rows: Ints) -> list[Take]:
         """Return the takes of the windows of `rows`."""
         return [self.take_of(int(row)) for row in rows]
 
-    def speakers(self, rows: NDArray[np.int64]) -> list[str]:
+    def speakers(self, rows: Ints) -> list[str]:
         """Return the speakers of the windows of `rows`."""
         return [take.speaker for take in self.takes(rows)]
 

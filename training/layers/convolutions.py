@@ -10,12 +10,11 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from motion.arrays import Floats32
 from motion.formats.ted_npz import BONES
 
-FloatArray = NDArray[np.float32]
 Parts = tuple[tuple[int, ...], ...]
 
 BODY_PARTS: Final[Parts] = ((0, 1, 2), (3, 4, 5), (6, 7, 8))
@@ -49,7 +48,7 @@ def lips_of(actions: Sequence[str]) -> tuple[int, ...]:
     )
 
 
-def face_graph(components: Parts, neutral: FloatArray) -> FloatArray:
+def face_graph(components: Parts, neutral: Floats32) -> Floats32:
     """Return the adjacency of landmarks, (L, L) of 0 and 1.
 
     The landmarks of a component are all adjacent. Two components are linked by their nearest pair
@@ -71,7 +70,7 @@ def face_graph(components: Parts, neutral: FloatArray) -> FloatArray:
     return edges
 
 
-def bone_graph(hops: int) -> FloatArray:
+def bone_graph(hops: int) -> Floats32:
     """Return the adjacency of bones, (9, 9): those within `hops` shared joints of each other."""
     adjacent = np.array(
         [[bool(set(bone) & set(other)) for other in BONES] for bone in BONES], np.float32
@@ -82,7 +81,7 @@ def bone_graph(hops: int) -> FloatArray:
     return edges
 
 
-def component_graph(count: int, *, pose: bool) -> FloatArray:
+def component_graph(count: int, *, pose: bool) -> Floats32:
     """Return the adjacency of components: all pairs of the face; the torso with each arm."""
     edges = np.ones((count, count), np.float32)
     if pose:
@@ -99,7 +98,7 @@ class GraphConvolution(nn.Module):
 
     shares: Tensor
 
-    def __init__(self, width_in: int, width: int, edges: FloatArray, kernel: int) -> None:
+    def __init__(self, width_in: int, width: int, edges: Floats32, kernel: int) -> None:
         super().__init__()
         shares = torch.from_numpy(edges / np.maximum(edges.sum(axis=0, keepdims=True), 1))
         self.register_buffer("shares", torch.stack([torch.eye(len(edges)), shares]))
@@ -143,9 +142,9 @@ class ComponentEncoder(nn.Module):
 
     def __init__(
         self,
-        edges: FloatArray,
+        edges: Floats32,
         parts: Parts,
-        part_edges: FloatArray | None,
+        part_edges: Floats32 | None,
         frames: tuple[int, int],
         widths: tuple[int, int, int],
         kernel: int,

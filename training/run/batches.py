@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from motion.arrays import Ints
 
 
 def batches_per_epoch(examples: int, batch_size: int) -> int:
@@ -17,7 +18,7 @@ def batches_per_epoch(examples: int, batch_size: int) -> int:
     return max(1, examples // batch_size)
 
 
-def step_rows(step: int, examples: int, batch_size: int, seed: int) -> NDArray[np.int64]:
+def step_rows(step: int, examples: int, batch_size: int, seed: int) -> Ints:
     """Return the examples of a step.
 
     Parameters
@@ -40,9 +41,7 @@ def step_rows(step: int, examples: int, batch_size: int, seed: int) -> NDArray[n
     return order[place * batch_size : (place + 1) * batch_size]
 
 
-def step_parts(
-    rows: NDArray[np.int64], accumulate: int, processes: int
-) -> Sequence[NDArray[np.int64]]:
+def step_parts(rows: Ints, accumulate: int, processes: int) -> Sequence[Ints]:
     """Divide a step's examples into the parts that the processes compute.
 
     Each process computes equally many parts. One process with `n` parts and `n` processes with one
@@ -77,6 +76,6 @@ def part_seed(seed: int, step: int, part: int, update: int = 0) -> int:
     return int(state[0] >> np.uint64(1))
 
 
-def evenly_spaced(count: int, limit: int) -> NDArray[np.int64]:
+def evenly_spaced(count: int, limit: int) -> Ints:
     """Return at most `limit` of `count` indices, including the first and the last."""
     return np.unique(np.linspace(0, count - 1, min(count, limit)).round().astype(np.int64))

@@ -13,9 +13,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any, Generic, cast
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.amp.autocast_mode import autocast
 from torch.amp.grad_scaler import GradScaler
@@ -23,6 +21,7 @@ from torch.nn.modules.batchnorm import _BatchNorm
 from torch.optim import Adam, AdamW, Optimizer
 from torch.optim.swa_utils import AveragedModel
 
+from motion.arrays import Ints
 from motion.errors import InputError
 from training.config import Pass, TrainingConfig
 from training.run.batches import (
@@ -34,7 +33,7 @@ from training.run.batches import (
 from training.run.group import Group
 from training.run.task import Network, Task, TaskInPasses
 
-_Part = tuple[int, NDArray[np.int64], float]
+_Part = tuple[int, Ints, float]
 """Number, examples and share of a part of a step."""
 
 
@@ -173,7 +172,7 @@ class Learner(Generic[Network]):
         ]
 
     def _losses(
-        self, network: Network, rows: NDArray[np.int64], p: Pass, place: tuple[int, int, int]
+        self, network: Network, rows: Ints, p: Pass, place: tuple[int, int, int]
     ) -> Mapping[str, Tensor]:
         """Return the losses of a part of a pass, seeded by its position."""
         reduced = self._config.precision != "float32"

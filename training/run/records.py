@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats
 from motion.errors import InputError
 from motion.files import replacing
 
@@ -179,8 +179,6 @@ def run_facts(
     }
 
 
-_Curve = NDArray[np.float64]
-
 _COLUMNS: Final = 3
 _LOSS, _SMALL = 4.0, 2.2
 _PALE, _DARK, _HELD_OUT = "#c9d6e4", "#31597f", "#b3541e"
@@ -240,7 +238,7 @@ def draw_curves(lines: Sequence[LogLine], path: Path, *, kept_step: int | None =
         figure.savefig(draft, metadata={"Software": None})
 
 
-def _series(lines: Sequence[LogLine]) -> dict[str, _Curve]:
+def _series(lines: Sequence[LogLine]) -> dict[str, Floats]:
     """Return steps and values (2, n) of each name, in the order of their first line."""
     names = {name: None for line in lines for name in line if name != "step"}
     return {
@@ -251,8 +249,8 @@ def _series(lines: Sequence[LogLine]) -> dict[str, _Curve]:
 
 def _draw(
     axes: Axes,
-    learned: _Curve | None,
-    held_out: _Curve | None,
+    learned: Floats | None,
+    held_out: Floats | None,
     kept_step: int | None,
     *,
     linear: bool,

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from motion.arrays import Ints
 from training.data.windows import Windows
 
 Network = TypeVar("Network", bound=nn.Module)
@@ -43,7 +42,7 @@ class Task(Protocol[Network]):
         """Return a new network on the device, initialised with torch's random generator."""
         ...
 
-    def losses(self, network: Network, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+    def losses(self, network: Network, rows: Ints) -> Mapping[str, Tensor]:
         """Return the losses of a batch of examples: ``loss``, which is minimised, and its parts.
 
         Each is a mean over the examples, so that one or several processes can compute a batch in
@@ -68,9 +67,7 @@ class Task(Protocol[Network]):
 class TaskInPasses(Task[Network], Protocol[Network]):
     """A task that is learned in several passes; see `training.config.Pass`."""
 
-    def losses_of(
-        self, name: str, network: Network, rows: NDArray[np.int64]
-    ) -> Mapping[str, Tensor]:
+    def losses_of(self, name: str, network: Network, rows: Ints) -> Mapping[str, Tensor]:
         """Return the losses of a batch for the pass `name`, as `losses` does for a single pass.
 
         Meanwhile, weights that do not learn in the pass have ``requires_grad=False``.
@@ -127,18 +124,18 @@ class WindowTask:
             "device": self.device,
         }
 
-    def losses(self, network: Any, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+    def losses(self, network: Any, rows: Ints) -> Mapping[str, Tensor]:
         """Return the losses of a batch for a single pass that trains everything."""
         return self.losses_of("", network, rows)
 
-    def losses_of(self, name: str, network: Any, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+    def losses_of(self, name: str, network: Any, rows: Ints) -> Mapping[str, Tensor]:
         """Return the losses of a batch for a pass."""
         raise NotImplementedError
 
     def _weights(self) -> Mapping[str, Any]:
         return self.weights if isinstance(self.weights, Mapping) else asdict(self.weights)
 
-    def tensors(self, windows: Windows, rows: NDArray[np.int64]) -> dict[str, Tensor]:
+    def tensors(self, windows: Windows, rows: Ints) -> dict[str, Tensor]:
         """Return the features of windows, each (len(rows), frames, channels), on the device."""
         features = windows.batch(rows)
         return {name: torch.from_numpy(values).to(self.device) for name, values in features.items()}

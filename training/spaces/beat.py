@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats, Floats32
 from motion.body.skinning import ForearmTwists
 from motion.clip import ARKIT_COUNT, ARKIT_NAMES, MotionClip
 from motion.errors import InputError
@@ -65,7 +65,6 @@ def _skeleton() -> tuple[BvhJoint, ...]:
 BEAT_SKELETON: Final = _skeleton()
 """The idealised figure's joints, parents before children; the first is the root."""
 
-FloatArray = NDArray[np.float64]
 
 FACIAL_WEIGHTS: Final = ARKIT_NAMES[:51]
 """BEAT's facial actions: all of ARKit's but the last, the tongue, in ARKit's order."""
@@ -73,7 +72,7 @@ FACIAL_WEIGHTS: Final = ARKIT_NAMES[:51]
 _BODY: Final = 3 * len(UPPER_BODY_JOINTS)
 
 
-def body_values(motion: BvhMotion) -> FloatArray:
+def body_values(motion: BvhMotion) -> Floats:
     """Return the rotations of a BEAT recording's 47 joints, (T, 141) axis-angle in radians.
 
     Raises
@@ -93,13 +92,13 @@ def body_values(motion: BvhMotion) -> FloatArray:
     return np.asarray(rotation_vectors.reshape(len(turns), _BODY))
 
 
-def face_values(arkit: NDArray[np.float32]) -> FloatArray:
+def face_values(arkit: Floats32) -> Floats:
     """Return BEAT's facial weights (T, 51) of `arkit` (T, 52)."""
     return arkit[:, : len(FACIAL_WEIGHTS)].astype(np.float64)
 
 
 def upper_body_motion(
-    body: FloatArray, frame_rate: float, skeleton: tuple[BvhJoint, ...] = BEAT_SKELETON
+    body: Floats, frame_rate: float, skeleton: tuple[BvhJoint, ...] = BEAT_SKELETON
 ) -> BvhMotion:
     """Return rotations (T, 141) on a skeleton of BEAT; all other joints are at rest.
 
@@ -129,7 +128,7 @@ def upper_body_motion(
     return motion
 
 
-def beat_clip(values: FloatArray, frame_rate: float) -> MotionClip:
+def beat_clip(values: Floats, frame_rate: float) -> MotionClip:
     """Return DiffSHEG's motion as a clip of our body.
 
     Parameters
@@ -149,7 +148,7 @@ def beat_clip(values: FloatArray, frame_rate: float) -> MotionClip:
 
 
 def beat_clip_piece(
-    values: FloatArray, frame_rate: float, previous: ForearmTwists | None
+    values: Floats, frame_rate: float, previous: ForearmTwists | None
 ) -> tuple[MotionClip, ForearmTwists]:
     """Convert one chunk of motion as `beat_clip` does; return it and the state for the next chunk.
 

@@ -13,10 +13,10 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional
 
+from motion.arrays import Floats
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -24,19 +24,17 @@ from motion.formats.ted_npz import BONES, JOINT_NAMES, chain_bones
 from motion.points.joint_rotations import clip_from_joints
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 
-FloatArray = NDArray[np.float64]
-
 BONE_VALUES: Final = 3 * len(BONES)
 
 _PARENTS, _CHILDREN = np.array(BONES).T
 _JOINTS: Final = [joint_index(name) for name in JOINT_NAMES]
 _BONES: Final = REST_JOINTS[_JOINTS][_CHILDREN] - REST_JOINTS[_JOINTS][_PARENTS]
 
-BONE_LENGTHS: Final[FloatArray] = np.linalg.norm(_BONES, axis=1)
+BONE_LENGTHS: Final[Floats] = np.linalg.norm(_BONES, axis=1)
 """Lengths of the default body's bones in metres."""
 
 
-def bone_and_landmark_values(clip: MotionClip, face: FaceLandmarks | None) -> FloatArray:
+def bone_and_landmark_values(clip: MotionClip, face: FaceLandmarks | None) -> Floats:
     """Return directions of bones and shifts of landmarks, (T, 27 + 3 L); no shifts without `face`.
 
     Raises
@@ -52,9 +50,7 @@ def bone_and_landmark_values(clip: MotionClip, face: FaceLandmarks | None) -> Fl
     )
 
 
-def bone_and_landmark_clip(
-    values: FloatArray, frame_rate: float, face: FaceLandmarks
-) -> MotionClip:
+def bone_and_landmark_clip(values: Floats, frame_rate: float, face: FaceLandmarks) -> MotionClip:
     """Return values (T, 27 + 3 L) as a clip of the landmarks' body.
 
     Its bones have the given directions, and its facial actions fit the shifts of the landmarks.
@@ -67,7 +63,7 @@ def bone_and_landmark_clip(
     return replace(clip, arkit=face.facial_actions(landmarks))
 
 
-def facing_forward(joints: FloatArray) -> FloatArray:
+def facing_forward(joints: Floats) -> Floats:
     """Return SMPL-X joints (T, 55, 3) relative to the pelvis, turned so that the hips face +z.
 
     Each frame is turned only about the vertical, so leaning is kept. Among such turns, it is the
@@ -81,7 +77,7 @@ def facing_forward(joints: FloatArray) -> FloatArray:
     return np.stack([cos * x + sin * z, y, cos * z - sin * x], axis=-1)
 
 
-def bone_directions(joints: FloatArray) -> FloatArray:
+def bone_directions(joints: Floats) -> Floats:
     """Return unit vectors along the bones (T, 9, 3) of the ten joints (T, 10, 3)."""
     offsets = joints[:, _CHILDREN] - joints[:, _PARENTS]
     lengths = np.linalg.norm(offsets, axis=-1, keepdims=True)
@@ -90,9 +86,7 @@ def bone_directions(joints: FloatArray) -> FloatArray:
     return np.asarray(offsets / lengths)
 
 
-def joints_from_directions(
-    directions: FloatArray, lengths: FloatArray = BONE_LENGTHS
-) -> FloatArray:
+def joints_from_directions(directions: Floats, lengths: Floats = BONE_LENGTHS) -> Floats:
     """Return the ten joints (T, 10, 3) relative to the pelvis; directions are normalised first."""
     units = directions / np.maximum(np.linalg.norm(directions, axis=-1, keepdims=True), 1e-9)
     return chain_bones(lengths[:, None] * units)

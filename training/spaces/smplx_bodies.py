@@ -15,11 +15,11 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from torch import Tensor, nn
 from torch.nn import functional
 
+from motion.arrays import Floats
 from motion.body.archive import add_mean_hands
 from motion.clip import MotionClip
 from motion.placement import place
@@ -27,21 +27,19 @@ from motion.skeleton import FINGERS, JOINT_COUNT, PARENTS, RELAXED_HANDS, REST_J
 
 WIDTH: Final = 6 * JOINT_COUNT + 3
 
-FloatArray = NDArray[np.float64]
 
-
-def smplx_6d_values(clip: MotionClip) -> FloatArray:
+def smplx_6d_values(clip: MotionClip) -> Floats:
     """Return a clip's rotations in 6D and its translation in metres, (T, 333)."""
     return np.concatenate([rotation_rows(clip), clip.trans], axis=1)
 
 
-def rotation_rows(clip: MotionClip) -> FloatArray:
+def rotation_rows(clip: MotionClip) -> Floats:
     """Return the first two rows of each joint's rotation matrix, (T, 330)."""
     matrices = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_matrix()
     return matrices[:, :2].reshape(len(clip), 6 * JOINT_COUNT)
 
 
-def smplx_6d_clip(values: FloatArray, frame_rate: float) -> MotionClip:
+def smplx_6d_clip(values: Floats, frame_rate: float) -> MotionClip:
     """Return the clip of values in AMUSE's representation.
 
     Parameters
@@ -70,8 +68,8 @@ def smplx_6d_clip(values: FloatArray, frame_rate: float) -> MotionClip:
     return place(clip)[0]
 
 
-def _unit(vectors: FloatArray) -> FloatArray:
-    lengths: FloatArray = np.linalg.norm(vectors, axis=1, keepdims=True)
+def _unit(vectors: Floats) -> Floats:
+    lengths: Floats = np.linalg.norm(vectors, axis=1, keepdims=True)
     return vectors / np.maximum(lengths, np.finfo(np.float64).tiny)
 
 
@@ -89,7 +87,7 @@ _BODY: Final = 3 * len(UPPER_BODY_JOINTS)
 _JAW: Final = slice(_BODY, _BODY + 3)
 
 
-def show_values(clip: MotionClip) -> FloatArray:
+def show_values(clip: MotionClip) -> Floats:
     """Return DiffSHEG's values of a clip whose fingers are relative to SMPL-X's mean hands.
 
     Returns
@@ -104,7 +102,7 @@ def show_values(clip: MotionClip) -> FloatArray:
     return np.concatenate([body, jaw, expressions], axis=1, dtype=np.float64)
 
 
-def show_clip(values: FloatArray, frame_rate: float) -> MotionClip:
+def show_clip(values: Floats, frame_rate: float) -> MotionClip:
     """Return DiffSHEG's motion as a clip.
 
     SHOW's fingers are relative to SMPL-X's mean hands, which only a licensed model has; relaxed

@@ -20,10 +20,10 @@ from typing import Final, cast
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor, nn
 from torch.nn import functional
 
+from motion.arrays import Floats32
 from motion.audio import SPEECH_RATE
 from motion.audio_analysis import load_librosa
 from motion.files import sha256_of
@@ -172,7 +172,7 @@ class Hubert:
         check_device(device)
         return replace(self, network=self.network.to(device), device=device)
 
-    def features(self, samples: NDArray[np.float32]) -> Tensor:
+    def features(self, samples: Floats32) -> Tensor:
         """Return the features of speech, (n, 1024).
 
         Parameters

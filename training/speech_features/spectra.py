@@ -12,11 +12,11 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from scipy.fft import dct
 from torch import Tensor
 from transformers import ASTFeatureExtractor
 
+from motion.arrays import Floats, Floats32
 from motion.audio import SPEECH_RATE, Audio
 from motion.audio_analysis import load_librosa
 from motion.errors import InputError
@@ -33,7 +33,7 @@ _MEAN: Final = -9.173025
 _DEVIATION: Final = 5.062332
 
 
-def check_speech(samples: NDArray[np.float32]) -> None:
+def check_speech(samples: Floats32) -> None:
     """Raise `InputError` if speech at 16 kHz is shorter than half a second, or silent."""
     if len(samples) < SHORTEST * SPEECH_RATE:
         raise InputError(
@@ -46,7 +46,7 @@ def check_speech(samples: NDArray[np.float32]) -> None:
         )
 
 
-def filterbank(samples: NDArray[np.float32], rows: int = 1024, bands: int = 128) -> Tensor:
+def filterbank(samples: Floats32, rows: int = 1024, bands: int = 128) -> Tensor:
     """Return the standardised filterbank of speech.
 
     Parameters
@@ -83,8 +83,6 @@ def _feature_extractor(rows: int, bands: int) -> ASTFeatureExtractor:
         )
 
 
-FloatArray = NDArray[np.float32]
-
 RATE: Final = 18_000
 """Sample rate of the analysed sound, in Hz."""
 
@@ -93,7 +91,7 @@ WINDOW: Final = 2048
 """Samples of a frame's window, centred on the frame; the speech is padded with silence."""
 
 
-def mel_bands(audio: Audio, frame_rate: float, frames: int | None = None) -> FloatArray:
+def mel_bands(audio: Audio, frame_rate: float, frames: int | None = None) -> Floats32:
     """Return the power of `audio` in 128 mel bands.
 
     As for DiffSHEG's released network: 18 kHz, a Hann window of 2048 samples, bands of equal area
@@ -142,7 +140,7 @@ def _hop(frame_rate: float) -> int:
 
 
 @cache
-def _filters() -> NDArray[np.float64]:
+def _filters() -> Floats:
     """Return the weights of frequencies in each band, (128, 1025)."""
     librosa = load_librosa()
     filters = librosa.filters.mel(sr=RATE, n_fft=WINDOW, n_mels=BANDS, dtype=np.float64)
@@ -160,7 +158,7 @@ _QUIETEST: Final = 1e-4
 """Power below which bands are silent."""
 
 
-def mfcc(audio: Audio, frame_rate: float, frames: int | None = None) -> NDArray[np.float32]:
+def mfcc(audio: Audio, frame_rate: float, frames: int | None = None) -> Floats32:
     """Return the mel-frequency cepstral coefficients of `audio`, (frames, 84).
 
     Parameters
@@ -180,7 +178,7 @@ def mfcc(audio: Audio, frame_rate: float, frames: int | None = None) -> NDArray[
     return coefficients.reshape(count, WIDTH).astype(np.float32)
 
 
-def log_mel(audio: Audio, frame_rate: float, frames: int | None = None) -> NDArray[np.float32]:
+def log_mel(audio: Audio, frame_rate: float, frames: int | None = None) -> Floats32:
     """Return the spectrogram of `audio`: 128 log mel bands, (frames, 128)."""
     count = max(1, round(audio.duration * frame_rate)) if frames is None else frames
     return np.log10(np.maximum(mel_bands(audio, frame_rate, count), _QUIETEST))

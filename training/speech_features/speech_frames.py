@@ -9,9 +9,9 @@ from typing import Final
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
+from motion.arrays import Floats32
 from motion.audio import SPEECH_RATE, Audio
 from training.layers.interpolation import interpolate_features
 from training.speech_features.hubert import RATE, Hubert, resample_to_frames
@@ -43,9 +43,6 @@ class SpeechFrames:
     def followed_by(self, more: SpeechFrames) -> SpeechFrames:
         """Return these frames followed by `more`."""
         return SpeechFrames(torch.cat([self.mel, more.mel]), torch.cat([self.hubert, more.hubert]))
-
-
-FloatArray = NDArray[np.float32]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,10 +122,7 @@ def extract_all_frames(audio: Audio, frame_rate: float, hubert: Hubert) -> Speec
 
 
 def stream_frames(
-    chunks: Iterable[FloatArray],
-    frame_rate: int,
-    hubert: Hubert,
-    window: StreamWindow,
+    chunks: Iterable[Floats32], frame_rate: int, hubert: Hubert, window: StreamWindow
 ) -> Iterator[SpeechFrames]:
     """Yield the frames of speech as soon as their look-ahead is available.
 
@@ -165,7 +159,7 @@ def stream_frames(
 
 
 def _stream_excerpts(
-    chunks: Iterable[FloatArray],
+    chunks: Iterable[Floats32],
     frame_rate: float,
     *,
     step: int,
@@ -222,7 +216,7 @@ def _frames_of_excerpt(
     )
 
 
-def at_speech_rate(audio: Audio) -> FloatArray:
+def at_speech_rate(audio: Audio) -> Floats32:
     """Return the samples of `audio` at 16 kHz."""
     return audio.samples_at(SPEECH_RATE).astype(np.float32)
 
@@ -255,7 +249,7 @@ class SpeechWindow:
 
 
 def stream_windows(
-    chunks: Iterable[FloatArray], frame_rate: float, frames: int, overlap: int
+    chunks: Iterable[Floats32], frame_rate: float, frames: int, overlap: int
 ) -> Iterator[SpeechWindow]:
     """Yield windows of live speech as soon as they are complete.
 

@@ -10,13 +10,11 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats, Floats32
 from motion.errors import InputError
 from motion.files import sha256_of
 from motion.formats.transcript import Word
-
-FloatArray = NDArray[np.float32]
 
 WIDTH: Final = 300
 """Width of FastText's published vectors."""
@@ -34,11 +32,11 @@ class StandIn:
         default="stand-in for FastText, which knows spelling but no meaning", init=False
     )
 
-    def lookup(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
+    def lookup(self, words: Iterable[str]) -> Mapping[str, Floats32]:
         """Return a vector for every word."""
         return {word: self._vector(word) for word in set(words)}
 
-    def _vector(self, word: str) -> FloatArray:
+    def _vector(self, word: str) -> Floats32:
         marked = f"<{word}>"
         ngrams = {marked} | {
             marked[start : start + length]
@@ -51,7 +49,7 @@ class StandIn:
 
 
 @lru_cache(maxsize=20_000)
-def _ngram_vector(seed: int, width: int) -> NDArray[np.float64]:
+def _ngram_vector(seed: int, width: int) -> Floats:
     return np.random.default_rng(seed).standard_normal(width)
 
 
@@ -63,10 +61,10 @@ class TextVectors:
     width: int
     description: str
 
-    def lookup(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
+    def lookup(self, words: Iterable[str]) -> Mapping[str, Floats32]:
         """Return the vectors of the words that are in the file."""
         requested = set(words)
-        vectors: dict[str, FloatArray] = {}
+        vectors: dict[str, Floats32] = {}
         with self.path.open(encoding="utf-8", errors="replace") as file:
             next(file)
             for number, line in enumerate(file, start=2):
@@ -77,7 +75,7 @@ class TextVectors:
                         break
         return vectors
 
-    def _vector(self, numbers: str, line: int) -> FloatArray:
+    def _vector(self, numbers: str, line: int) -> Floats32:
         try:
             vector = np.array(numbers.split(), np.float32)
         except ValueError:
@@ -121,7 +119,7 @@ def load_word_vectors(file: Path | str | None) -> WordVectors:
 
 def word_rows(
     words: Sequence[Word], vectors: WordVectors, frames: int, frame_rate: float
-) -> FloatArray:
+) -> Floats32:
     """Return the vector of the word in each frame; zeros without a known word.
 
     Returns
@@ -138,7 +136,7 @@ def word_rows(
     return rows
 
 
-def slice_rows(rows: FloatArray | None, first: int, frames: int, width: int) -> FloatArray:
+def slice_rows(rows: Floats32 | None, first: int, frames: int, width: int) -> Floats32:
     """Return `frames` of `word_rows` from `first` on, (frames, width), padded with zeros."""
     excerpt = np.zeros((frames, width), np.float32)
     if rows is not None:

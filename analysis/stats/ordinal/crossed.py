@@ -11,12 +11,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.linalg.lapack import dpotri
 
-Floats = NDArray[np.float64]
-Codes = NDArray[np.intp]
+from motion.arrays import Floats, Indices
 
 
 @dataclass(frozen=True)
@@ -31,7 +29,7 @@ class Layout:
         For each term, its number of groups.
     """
 
-    groups: tuple[Codes, ...]
+    groups: tuple[Indices, ...]
     sizes: tuple[int, ...]
 
     @cached_property
@@ -50,7 +48,7 @@ class Layout:
         return int(sum(self.sizes))
 
     @cached_property
-    def across_cells(self) -> tuple[Codes, ...]:
+    def across_cells(self) -> tuple[Indices, ...]:
         """For each later term, each answer's index in the flattened `Information.across`."""
         return tuple(
             self.groups[0] * self.width + start + codes
@@ -58,7 +56,7 @@ class Layout:
         )
 
     @cached_property
-    def rest_cells(self) -> dict[tuple[int, int], Codes]:
+    def rest_cells(self) -> dict[tuple[int, int], Indices]:
         """For each pair of later terms, each answer's index in the flattened remaining block."""
         codes = [
             start + term_codes
@@ -184,6 +182,6 @@ def _inverse(factor: tuple[Floats, bool]) -> Floats:
     return np.asarray(lower + np.tril(lower, -1).T, np.float64)
 
 
-def _sums(cells: Codes, values: Floats, count: int) -> Floats:
+def _sums(cells: Indices, values: Floats, count: int) -> Floats:
     """Return the sums of `values` by cell."""
     return np.asarray(np.bincount(cells, weights=values, minlength=count), np.float64)

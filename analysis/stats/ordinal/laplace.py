@@ -18,12 +18,11 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logit
 
 from analysis.stats.ordinal.crossed import Information, Layout
+from motion.arrays import Floats, Indices, Ints
 
-Floats = NDArray[np.float64]
 Changes = tuple[Floats, Floats, Floats]
 
 SMALLEST: Final = 1e-300
@@ -153,7 +152,7 @@ class Thresholds:
         by_location_and_gaps = np.append(1.0, np.exp(parameters[1:]))
         return np.asarray(np.tril(np.ones((self.count, self.count))) * by_location_and_gaps)
 
-    def start(self, counts: NDArray[np.int64]) -> Floats:
+    def start(self, counts: Ints) -> Floats:
         """Return parameters that fit the answers' `counts` if nothing else has an effect."""
         total = counts.sum()
         cumulated = (np.cumsum(counts)[:-1] + 0.5) / (total + 1)
@@ -190,7 +189,7 @@ class Answers:
         For each grouping, the multiplier of each answer's random effect.
     """
 
-    codes: NDArray[np.intp]
+    codes: Indices
     thresholds: Thresholds
     fixed: Floats
     layout: Layout

@@ -8,12 +8,10 @@ from itertools import product
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from analysis.stats.ordinal.laplace import Answers, Likelihood, likelihood
-
-Floats = NDArray[np.float64]
+from motion.arrays import Bools, Floats
 
 ITERATIONS: Final = 500
 ROUGH: Final = 0.02
@@ -150,7 +148,7 @@ def _gradient_unit(answers: Answers) -> float:
     return math.sqrt(min(answers.layout.sizes)) / count
 
 
-def free_parameters(answers: Answers, parameters: Floats) -> NDArray[np.bool_]:
+def free_parameters(answers: Answers, parameters: Floats) -> Bools:
     """Return which parameters are not at a boundary."""
     _, _, deviations = answers.split(parameters)
     free = np.ones(len(parameters), bool)

@@ -19,9 +19,8 @@ from analysis.stats.ordinal.maximum import (
     free_parameters,
     maximum,
 )
+from motion.arrays import Floats
 from motion.errors import InputError
-
-Floats = NDArray[np.float64]
 
 LARGE: Final = 6.0
 """A larger effect that is smaller than its error has no finite estimate either, nor has a larger

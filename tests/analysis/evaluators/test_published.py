@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from analysis.evaluators.published import PublishedEvaluator, load_published
 from analysis.evaluators.published_presets import PRESETS
 from analysis.metrics.frechet import frechet_of_samples, published_distance
+from motion.arrays import Floats
 from motion.clip import MotionClip
 from motion.errors import InputError
 from tests.analysis.evaluators.published_weights import seeded_weights, write_checkpoint
@@ -47,7 +48,7 @@ def test_features_and_their_distance_match_the_authors_code(
     suffix = "_512" if preset == "beat" else "_64"
     with np.load(reference / f"{preset}_fgd.npz") as file:
         expected = dict(file)
-    rows: list[NDArray[np.float64]] = []
+    rows: list[Floats] = []
     for side, motion in zip("ab", _sets(preset, expected), strict=True):
         features = evaluator.features(motion).reshape(-1, evaluator.preset.features)
         assert _error(features, expected[f"features_{side}{suffix}"]) < 1e-4

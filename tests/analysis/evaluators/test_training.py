@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from numpy.typing import NDArray
 
 from analysis.evaluators.clip_views import Channels
 from analysis.evaluators.design import TRAINING, EvaluatorRequest, Kind
@@ -16,6 +15,7 @@ from analysis.evaluators.examples import Split, split
 from analysis.evaluators.networks import AutoencoderConfig, AutoencoderNetwork
 from analysis.evaluators.training import train_evaluator
 from analysis.evaluators.training_clips import ClipSource
+from motion.arrays import Floats32, Ints
 from motion.clip import MotionClip
 from motion.errors import InputError
 from tests.analysis.evaluators.conftest import trained
@@ -133,7 +133,7 @@ def parts(recordings: list[str], labels: list[str], frames: int = 50) -> Split:
     )
 
 
-def places(found: Split, rows: NDArray[np.int64], *, held_out: bool = False) -> NDArray[np.float32]:
+def places(found: Split, rows: Ints, *, held_out: bool = False) -> Floats32:
     """Return the frames of windows as they were counted."""
     examples = found.held_out if held_out else found.training
     windows, _ = examples.batch(rows)

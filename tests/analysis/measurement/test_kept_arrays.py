@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from analysis.measurement.kept_arrays import KeptArrays, Kind, forget_unused
 from analysis.measurement.measured_clips import Reader, SeenMotion, Setup
 from analysis.measurement.presets import Preset
+from motion.arrays import Floats32
 from motion.clip import MotionClip
 from motion.formats import write_clip
 from motion.formats.beat_tracks import write_arkit_json
@@ -32,7 +32,7 @@ def computed(
     """Return whether an array had to be computed, and its cache key."""
     kept, calls = KeptArrays(folder), []
 
-    def compute() -> NDArray[np.float32]:
+    def compute() -> Floats32:
         calls.append(1)
         return np.ones((3, 2), np.float32)
 

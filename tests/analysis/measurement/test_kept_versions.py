@@ -13,6 +13,7 @@ from analysis.evaluators.examples import Normalisation
 from analysis.measurement import measured_clips
 from analysis.metrics.kinematics import joint_motion
 from analysis.metrics.self_penetration import PenetrableBody
+from motion.arrays import Floats32
 from motion.audio_analysis import speech_onsets
 from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import read_body
@@ -71,7 +72,7 @@ def network(kind: Kind, channels: Channels) -> Evaluator:
     return Evaluator(facts=facts, network=made.eval(), normalisation=normalisation, landmarks=None)
 
 
-def depths_of_arms() -> NDArray[np.float32]:
+def depths_of_arms() -> Floats32:
     poses = np.zeros((40, 55, 3), np.float32)
     poses[:, joint_index("left_shoulder"), 2] = -np.linspace(1.2, 1.8, 40)
     clip = MotionClip(poses=poses, trans=np.zeros((40, 3), np.float32), frame_rate=10)

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from analysis.evaluators import feature_networks
 from analysis.evaluators import feature_networks as names
@@ -14,6 +13,7 @@ from analysis.evaluators.feature_networks import networks
 from analysis.measurement.measured_clips import LandmarkBody
 from analysis.measurement.measuring import study_metrics
 from analysis.metrics.scores import StudyMetrics
+from motion.arrays import Floats32
 from motion.clip import MotionClip, arkit_index
 from motion.errors import InputError
 from motion.formats import write_clip
@@ -37,7 +37,7 @@ class MeanPose:
     def describe(self) -> Mapping[str, str]:
         return {"network sha256": self.sha256}
 
-    def embed(self, clip: MotionClip) -> NDArray[np.float32]:
+    def embed(self, clip: MotionClip) -> Floats32:
         self.seen.append(clip)
         if len(clip) < 60:
             raise InputError("the clip is shorter than a window")

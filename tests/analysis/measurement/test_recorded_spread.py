@@ -4,14 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from analysis.measurement.recorded_spread import ClipExtent, recorded_spread
+from motion.arrays import Floats
 
-FloatArray = NDArray[np.float64]
 
-
-def clips() -> Iterator[tuple[FloatArray, FloatArray]]:
+def clips() -> Iterator[tuple[Floats, Floats]]:
     chance = np.random.default_rng(0)
     for frames in (30, 50):
         rotations = chance.normal(0.4, 0.2, (frames, 3, 3))

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from analysis.metrics.beat_alignment import (
     AMUSE,
@@ -20,8 +19,7 @@ from analysis.metrics.beat_alignment import (
     chance_score,
     motion_beats,
 )
-
-FloatArray = NDArray[np.float64]
+from motion.arrays import Floats
 
 
 def test_scores_agree_with_their_closed_form(closed_form: Mapping[str, Any]) -> None:
@@ -75,7 +73,7 @@ def test_holds_and_the_deeper_of_close_dips_are_beats_and_noise_is_not() -> None
 
 
 def aligned(
-    positions: FloatArray, onsets: FloatArray, settings: BeatSettings, missing: float = 0.0
+    positions: Floats, onsets: Floats, settings: BeatSettings, missing: float = 0.0
 ) -> BeatAlignment:
     """Return the scores of a clip at 30 fps that is `missing` seconds shorter than its speech."""
     return beat_alignment(
@@ -88,7 +86,7 @@ def aligned(
     )
 
 
-def swinging() -> FloatArray:
+def swinging() -> Floats:
     """Return six joints that swing once a second for ten seconds."""
     time = np.arange(300) / 30
     return np.sin(2 * np.pi * time)[:, None, None] * np.ones((1, 6, 3))
@@ -101,7 +99,7 @@ def test_motion_on_the_beat_scores_above_chance_and_off_the_beat_below(
     positions = swinging()
     turns = np.arange(0.25, 10, 0.5)
 
-    def above_chance(onsets: FloatArray) -> float:
+    def above_chance(onsets: Floats) -> float:
         return aligned(positions, onsets, replace(preset, sigma=0.05)).above_chance.value
 
     assert above_chance(turns) > 0.4
@@ -127,8 +125,8 @@ def test_a_wide_kernel_inflates_scores_but_not_the_difference_from_chance() -> N
 )
 @pytest.mark.parametrize("settings", [AMUSE, TALKSHOW], ids=lambda settings: settings.name)
 def test_without_beats_or_without_speech_as_long_there_is_a_reason_instead_of_a_score(
-    positions: FloatArray,
-    onsets: FloatArray,
+    positions: Floats,
+    onsets: Floats,
     missing: float,
     reason: str,
     rate: float,

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from analysis.metrics.diversity import (
     feature_variance,
@@ -16,8 +15,6 @@ from analysis.metrics.diversity import (
     mean_pair_distance,
     motion_features,
 )
-
-FloatArray = NDArray[np.float64]
 
 
 def test_distances_agree_with_their_closed_forms(closed_form: Mapping[str, Any]) -> None:

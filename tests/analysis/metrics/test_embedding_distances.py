@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.stats import ortho_group
 
 from analysis.metrics.embeddings import Embeddings, embeddings
@@ -24,11 +24,10 @@ from analysis.metrics.frechet import (
 )
 from analysis.metrics.kernel_distance import kernel_distance
 from analysis.metrics.scores import MetricResult
+from motion.arrays import Floats
 
-FloatArray = NDArray[np.float64]
 
-
-def normal(mean: ArrayLike, covariance: ArrayLike, *, least: int = 0) -> FloatArray:
+def normal(mean: ArrayLike, covariance: ArrayLike, *, least: int = 0) -> Floats:
     """Return samples with exactly this mean and covariance, `least` or more of them."""
     values, axes = np.linalg.eigh(np.array(covariance, float))
     arms = (axes * np.sqrt(np.maximum(values, 0))).T
@@ -153,7 +152,7 @@ def test_pytorch_fids_handling_of_bad_matrix_roots_is_reproduced(
     assert published_distance(one, other, "offset") < 100
 
 
-def distance(one: FloatArray, other: FloatArray) -> float:
+def distance(one: Floats, other: Floats) -> float:
     return kernel_distance(embeddings(one), embeddings(other)).value
 
 
@@ -172,7 +171,7 @@ def test_point_masses_agree_with_their_closed_form(closed_form: Mapping[str, Any
 def test_it_equals_the_definitions_mean_over_pairs() -> None:
     one, other = np.random.default_rng(1).standard_normal((2, 6, 3))
 
-    def kernel(x: FloatArray, y: FloatArray) -> float:
+    def kernel(x: Floats, y: Floats) -> float:
         return float((x @ y / 3 + 1) ** 3)
 
     within = [

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from analysis.metrics.kinematics import (
     CONTACT_HEIGHT,
@@ -20,13 +19,12 @@ from analysis.metrics.kinematics import (
     speed_counts,
     speed_distance,
 )
+from motion.arrays import Floats
 from motion.clip import MotionClip
 from motion.skeleton import REST_JOINTS, joint_index
 
-FloatArray = NDArray[np.float64]
 
-
-def along_x(curve: FloatArray) -> FloatArray:
+def along_x(curve: Floats) -> Floats:
     positions = np.zeros((len(curve), 1, 3))
     positions[:, 0, 0] = curve
     return positions
@@ -68,7 +66,7 @@ def test_a_steady_acceleration_is_found() -> None:
 
 def feet(
     frames: int = 60, *, speed: float = 0.0, frame_rate: float = 30.0, lifted: float = 0.0
-) -> FloatArray:
+) -> Floats:
     """Return two feet, side by side, of which the second is lifted and both glide along z."""
     positions = np.zeros((frames, 2, 3))
     positions[:, 0, 0] = 0.2
@@ -106,7 +104,7 @@ def test_position_and_heading_do_not_matter() -> None:
 
 def at_speed(
     speed: float, *, frames: int = 31, joints: int = 2, frame_rate: float = 30.0
-) -> FloatArray:
+) -> Floats:
     """Return joints that all move along x at one speed."""
     x = np.arange(frames)[:, None] * speed / frame_rate
     return np.stack([np.broadcast_to(x, (frames, joints))] + [np.zeros((frames, joints))] * 2, 2)

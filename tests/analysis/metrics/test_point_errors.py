@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from analysis.metrics.point_errors import (
     MACE_POSES,
@@ -17,25 +16,22 @@ from analysis.metrics.point_errors import (
     point_error,
     velocity_error,
 )
+from motion.arrays import Floats
 
-FloatArray = NDArray[np.float64]
 
-
-def motion(seed: int = 0, shape: tuple[int, ...] = (40, 5, 3)) -> FloatArray:
+def motion(seed: int = 0, shape: tuple[int, ...] = (40, 5, 3)) -> Floats:
     return np.random.default_rng(seed).standard_normal(shape)
 
 
-def maje(one: FloatArray, other: FloatArray, scale: float = 1.0) -> float:
+def maje(one: Floats, other: Floats, scale: float = 1.0) -> float:
     return point_error(one, other, frame_rate=15, settings=MAJE, scale=scale).value
 
 
-def mace(one: FloatArray, other: FloatArray, frame_rate: float = 15.0) -> float:
+def mace(one: Floats, other: Floats, frame_rate: float = 15.0) -> float:
     return point_error(one, other, frame_rate=frame_rate, settings=MACE_POSES).value
 
 
-def velocity(
-    one: FloatArray, other: FloatArray, norm: Norm = "L1", frame_rate: float = 30.0
-) -> float:
+def velocity(one: Floats, other: Floats, norm: Norm = "L1", frame_rate: float = 30.0) -> float:
     return velocity_error(one, other, frame_rate=frame_rate, norm=norm).value
 
 

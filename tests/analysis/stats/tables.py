@@ -7,12 +7,13 @@ from itertools import chain
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analysis.stats.strength_models import Votes
+from motion.arrays import Floats, Indices
 
 
-def cells(table: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]:
+def cells(table: ArrayLike) -> tuple[Floats, Indices, Indices]:
     """Return the values of a table, with their rows and columns; NaN is missing."""
     values = np.asarray(table, np.float64)
     rows, columns = np.nonzero(~np.isnan(values))

@@ -3,16 +3,17 @@ from __future__ import annotations
 import krippendorff
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import stats
 from statsmodels.stats.inter_rater import cohens_kappa
 
 from analysis.stats.agreement import krippendorff_alpha, retest_agreement
 from analysis.stats.intraclass import COMPLETE, INCOMPLETE, Intraclass, intraclass_correlation
+from motion.arrays import Floats, Indices
 from tests.analysis.stats.tables import cells
 
 
-def drawn(items: int = 15, missing: float = 0.3) -> NDArray[np.float64]:
+def drawn(items: int = 15, missing: float = 0.3) -> Floats:
     generator = np.random.default_rng(1)
     table = np.rint(
         np.clip(generator.normal(3, 1, items) + generator.normal(0, 1, (8, items)), 1, 5)
@@ -41,7 +42,7 @@ def test_a_resample_is_alpha_of_the_items_drawn() -> None:
     assert both.high == pytest.approx(max(*alone, both.estimate))
 
 
-def made() -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+def made() -> tuple[Indices, Indices, Indices]:
     """Return the answers of 30 participants to three trials and to their repeats."""
     generator = np.random.default_rng(1)
     latent = generator.normal(0, 1, 90)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import stats
 from statsmodels.regression.linear_model import OLS
 from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
@@ -18,6 +18,7 @@ from analysis.stats.clustered_mean import (
     Estimate,
     clustered_mean,
 )
+from motion.arrays import Floats, Indices
 from tests.analysis.stats.tables import cells
 
 
@@ -26,16 +27,14 @@ def means(rows: ArrayLike) -> Estimate:
     return clustered_mean(*cells(rows))
 
 
-def by_matrices(
-    values: NDArray[np.float64], people: NDArray[np.intp], items: NDArray[np.intp]
-) -> tuple[float, float]:
+def by_matrices(values: Floats, people: Indices, items: Indices) -> tuple[float, float]:
     """CR2 and Bell & McCaffrey's degrees of freedom of an intercept, written out as matrices."""
     count = len(values)
     design = np.ones((count, 1))
     hat = design @ design.T / count
     annihilator = np.eye(count) - hat
 
-    def one_way(groups: NDArray[np.intp]) -> tuple[float, float]:
+    def one_way(groups: Indices) -> tuple[float, float]:
         variance, columns = 0.0, []
         for group in np.unique(groups):
             own = np.flatnonzero(groups == group)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy import stats
 from statsmodels.stats.weightstats import DescrStatsW
 
@@ -18,10 +17,11 @@ from analysis.stats.one_sample_tests import (
     sign_test,
     signed_rank,
 )
+from motion.arrays import Floats
 from motion.errors import InputError
 
 
-def by_all_signs(values: NDArray[np.float64]) -> float:
+def by_all_signs(values: Floats) -> float:
     """Return the exact two-sided p by going through every assignment of signs."""
     kept = values[values != 0]
     ranks = stats.rankdata(np.abs(kept))

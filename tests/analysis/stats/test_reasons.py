@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analysis.stats.agreement import krippendorff_alpha, retest_agreement
 from analysis.stats.clustered_mean import clustered_mean
@@ -25,6 +25,7 @@ from analysis.stats.rankings import Blocks, friedman
 from analysis.stats.ratings import cliffs_delta, mean_difference, rated_cells
 from analysis.stats.samples import finite, levels, tied_ranks
 from analysis.stats.strength_models import bradley_terry
+from motion.arrays import Floats
 from motion.errors import InputError
 from tests.analysis.stats.tables import cells, votes_of
 
@@ -150,7 +151,7 @@ PERSON, ITEM = np.array([0, 0, 1, 1]), np.array([0, 1, 0, 1])
     ],
 )
 def test_a_missing_value_is_reported_and_never_becomes_a_number(
-    statistic: Callable[[NDArray[np.float64]], object],
+    statistic: Callable[[Floats], object],
 ) -> None:
     with pytest.raises(InputError, match="value 2 of 4 is missing"):
         statistic(GAP)

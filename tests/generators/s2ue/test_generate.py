@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from benchmarks.seams import Windows, seam_acceleration
 from generators.interface import SpeechSegment
 from generators.learned_settings import S2ueSettings
 from generators.s2ue.generate import S2ue
+from motion.arrays import Floats32
 from motion.errors import InputError
 from tests.generators.conftest import spoken
 from tests.generators.diffsheg.small_network import written_network as other_network
@@ -49,7 +49,7 @@ def test_frames_are_final_after_a_bounded_delay(checkpoint: Path) -> None:
     speech, received, generated = spoken("a", 9.0), 0, 0
     lags = []
 
-    def pieces() -> Iterator[NDArray[np.float32]]:
+    def pieces() -> Iterator[Floats32]:
         nonlocal received
         for start in range(0, len(speech.audio.samples), 800):
             received = start + 800

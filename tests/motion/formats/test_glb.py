@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from numpy.typing import NDArray
 
 from benchmarks.rendering.sample_motion import gesturing_clip
+from motion.arrays import Floats32
 from motion.body.model import BodyModel
 from motion.clip import MotionClip, arkit_index
 from motion.formats.glb import write_glb
@@ -36,7 +36,7 @@ def document_of(path: Path) -> tuple[dict[str, Any], bytes]:
     return json.loads(content[20 : 20 + length]), content[28 + length :]
 
 
-def values_of(path: Path, accessor: int) -> NDArray[np.float32]:
+def values_of(path: Path, accessor: int) -> Floats32:
     document, binary = document_of(path)
     accessor_facts = document["accessors"][accessor]
     view = document["bufferViews"][accessor_facts["bufferView"]]

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analysis.evaluators.published_presets import ted_joints
+from motion.arrays import Floats
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion
@@ -35,11 +35,11 @@ def gesturing(frames: int = 90) -> MotionClip:
     return clip_of(poses)
 
 
-def positions(clip: MotionClip) -> NDArray[np.float64]:
+def positions(clip: MotionClip) -> Floats:
     return forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[0]
 
 
-def detected(clip: MotionClip) -> dict[str, NDArray[np.float64]]:
+def detected(clip: MotionClip) -> dict[str, Floats]:
     """Return the points of a perfect detector."""
     at, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     head, rotations = at[:, joint_index("head")], turns[:, joint_index("head")]

@@ -4,9 +4,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.arrays import Floats, Indices
 from motion.body.face_landmarks import landmark_vertices
 from motion.body.model import BodyModel
 from motion.clip import MotionClip, arkit_index
@@ -15,7 +15,6 @@ from motion.points.found_motion import clip_from_detection
 from motion.skeleton import REST_JOINTS, forward_kinematics, joint_index
 from tests.motion.random_clips import arkit_of, clip_of, largest_angle
 
-FloatArray = NDArray[np.float64]
 FRAMES = 150
 JAW = arkit_index("jawOpen")
 BLINK = arkit_index("eyeBlinkLeft")
@@ -34,7 +33,7 @@ def talking() -> MotionClip:
     return clip_of(poses, arkit=arkit)
 
 
-def pose_of(clip: MotionClip) -> FloatArray:
+def pose_of(clip: MotionClip) -> Floats:
     """Return the detected pose as seen by a tilted camera."""
     at, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     pose = np.zeros((FRAMES, 33, 3))
@@ -53,7 +52,7 @@ def pose_of(clip: MotionClip) -> FloatArray:
     )  # fmt: skip
 
 
-def face_of(clip: MotionClip, body: BodyModel) -> FloatArray:
+def face_of(clip: MotionClip, body: BodyModel) -> Floats:
     """Return a face mesh of points on the body's face, as seen by a moving camera."""
     still = replace(clip, poses=0 * clip.poses)
     vertices = body.vertices(still).astype(float)
@@ -66,7 +65,7 @@ def face_of(clip: MotionClip, body: BodyModel) -> FloatArray:
     landmarks = landmark_vertices(body)
     chosen[400 : 400 + len(landmarks)] = landmarks
 
-    def nearest(place: tuple[float, float, float], among: NDArray[np.intp] = skin) -> int:
+    def nearest(place: tuple[float, float, float], among: Indices = skin) -> int:
         return int(among[np.linalg.norm(body.template[among] - place, axis=1).argmin()])
 
     lips = np.flatnonzero(material == names.index("lips"))

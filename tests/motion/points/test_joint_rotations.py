@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from motion.arrays import Floats, Floats32
 from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.formats.ted_npz import JOINT_NAMES as TEN_JOINTS
@@ -15,19 +15,18 @@ from motion.skeleton import BODY_JOINTS, JOINT_NAMES, PARENTS, forward_kinematic
 from renderer.look import default_body
 from tests.motion.random_clips import largest_angle, random_clip
 
-FloatArray = NDArray[np.float32]
 REST = read_body(default_body()).joints(np.zeros(0))
 
 
-def positions(clip: MotionClip) -> NDArray[np.float64]:
+def positions(clip: MotionClip) -> Floats:
     return forward_kinematics(clip.poses, clip.trans, REST)[0]
 
 
-def chosen(clip: MotionClip, names: tuple[str, ...] = TEN_JOINTS) -> FloatArray:
+def chosen(clip: MotionClip, names: tuple[str, ...] = TEN_JOINTS) -> Floats32:
     return positions(clip)[:, [joint_index(name) for name in names]].astype(np.float32)
 
 
-def clip_from(points: FloatArray, names: tuple[str, ...] = TEN_JOINTS) -> MotionClip:
+def clip_from(points: Floats32, names: tuple[str, ...] = TEN_JOINTS) -> MotionClip:
     joints = {name: points[:, index].astype(float) for index, name in enumerate(names)}
     return clip_from_joints(joints, REST, 30)
 

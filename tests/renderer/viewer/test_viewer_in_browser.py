@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
+from motion.arrays import Bools
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from renderer.clip_video import Stage, still
@@ -80,19 +81,19 @@ def picture(page: Page) -> NDArray[np.uint8]:
     return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"))
 
 
-def body_in(image: NDArray[np.uint8]) -> NDArray[np.bool_]:
+def body_in(image: NDArray[np.uint8]) -> Bools:
     """Return the mask of a body in the upper three quarters of a picture, above the ground."""
     upper = image[: len(image) * 3 // 4].astype(int)
     return np.asarray(np.abs(upper - BACKGROUND).max(axis=2) > 40)
 
 
-def halves(image: NDArray[np.uint8]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def halves(image: NDArray[np.uint8]) -> tuple[Bools, Bools]:
     """Return the masks of the bodies in the left and the right half of a picture."""
     half = image.shape[1] // 2
     return body_in(image[:, :half]), body_in(image[:, half : 2 * half])
 
 
-def shared(first: NDArray[np.bool_], second: NDArray[np.bool_]) -> float:
+def shared(first: Bools, second: Bools) -> float:
     """Return how much of what either picture shows both show, from 0 to 1."""
     return float((first & second).sum() / (first | second).sum())
 

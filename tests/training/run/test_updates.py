@@ -13,9 +13,9 @@ import pytest
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from motion.arrays import Ints
 from motion.errors import InputError
 from tests.training.lines import ENTRIES, VALUES, Line, LineNetwork, files_of_run
 from training.config import Decay, Pass, TrainingConfig
@@ -142,9 +142,7 @@ IN_PASSES = TrainingConfig(
 class Following(Line):
     """A layer learns the output of the others, which learn a line."""
 
-    def losses_of(
-        self, name: str, network: LineNetwork, rows: NDArray[np.int64]
-    ) -> Mapping[str, Tensor]:
+    def losses_of(self, name: str, network: LineNetwork, rows: Ints) -> Mapping[str, Tensor]:
         entries, values = ENTRIES[torch.from_numpy(rows)], VALUES[torch.from_numpy(rows)]
         if self.chance:
             entries = entries + 0.1 * torch.randn(len(rows), 3)

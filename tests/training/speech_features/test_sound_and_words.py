@@ -10,11 +10,11 @@ import librosa
 import numpy as np
 import pytest
 import torch
-from numpy.typing import NDArray
 from safetensors.torch import load_file, save_file
 from scipy.fft import dct
 from transformers import HubertConfig, HubertModel
 
+from motion.arrays import Floats32
 from motion.audio import Audio
 from motion.errors import InputError
 from motion.formats.transcript import Word
@@ -47,7 +47,7 @@ def test_ten_seconds_give_998_rows_padded_with_zeros() -> None:
     ("samples", "message"),
     [(tone(0.3).samples, "0.30 s, too short"), (np.zeros(16_000, np.float32), "is silent")],
 )
-def test_samples_without_speech_are_refused(samples: NDArray[np.float32], message: str) -> None:
+def test_samples_without_speech_are_refused(samples: Floats32, message: str) -> None:
     with pytest.raises(InputError, match=message):
         check_speech(samples)
 

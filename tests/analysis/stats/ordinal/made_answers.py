@@ -5,19 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.stats.ordinal.mixed_model import RandomEffect
+from motion.arrays import Floats, Indices
 
 THRESHOLDS = (-1.6, -0.45, 0.45, 1.6)
 
 
 @dataclass(frozen=True)
 class MadeAnswers:
-    values: NDArray[np.intp]
-    side: NDArray[np.float64]
-    participants: NDArray[np.intp]
-    items: NDArray[np.intp]
+    values: Indices
+    side: Floats
+    participants: Indices
+    items: Indices
 
     @property
     def slopes(self) -> tuple[RandomEffect, RandomEffect]:
