@@ -21,13 +21,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial.transform import Rotation
 
-from generators.interface import (
-    ClipRequest,
-    Generator,
-    StudyClips,
-    seeded_stream,
-    with_length,
-)
+from generators.interface import ClipRequest, Generator, StudyClips, seeded_stream, with_length
 from generators.rule_based.body_pose import Trunk, pose_body
 from generators.rule_based.vocabulary import POSES
 from motion.arrays import Floats, Floats32

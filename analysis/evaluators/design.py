@@ -8,13 +8,7 @@ from typing import Annotated, Final, Literal, Self
 
 from pydantic import Field, model_validator
 
-from analysis.evaluators.clip_views import (
-    JOINTS_OF_CHANNELS,
-    Channels,
-    ClipView,
-    Face,
-    Facts,
-)
+from analysis.evaluators.clip_views import JOINTS_OF_CHANNELS, Channels, ClipView, Face, Facts
 from analysis.evaluators.networks import (
     AUTOENCODER_TINY,
     EMOTION_FULL,

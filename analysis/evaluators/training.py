@@ -9,13 +9,7 @@ from typing import Final
 
 import torch
 
-from analysis.evaluators.clip_views import (
-    JOINTS_OF_CHANNELS,
-    ClipView,
-    Face,
-    WindowConfig,
-    face_of,
-)
+from analysis.evaluators.clip_views import JOINTS_OF_CHANNELS, ClipView, Face, WindowConfig, face_of
 from analysis.evaluators.design import SIZES, Design, EvaluatorRequest, Kind, Network
 from analysis.evaluators.evaluator import (
     DataFacts,

@@ -27,11 +27,7 @@ from analysis.measurement.measured_clips import (
 )
 from analysis.measurement.presets import REPORT, Preset, combined
 from analysis.measurement.recorded_spread import recorded_spread
-from analysis.measurement.segment_scores import (
-    SegmentFiles,
-    recorded_extent,
-    segment_scores,
-)
+from analysis.measurement.segment_scores import SegmentFiles, recorded_extent, segment_scores
 from analysis.metrics.kinematics import common_frame_rate
 from analysis.metrics.scores import ClipScore, StudyMetrics
 from motion.errors import InputError

@@ -22,10 +22,7 @@ from analysis.measurement.measured_clips import (
 )
 from analysis.measurement.recorded_spread import ClipExtent, RecordedSpread
 from analysis.metrics.beat_alignment import beat_alignment
-from analysis.metrics.correct_motion import (
-    CorrectSettings,
-    correct_share,
-)
+from analysis.metrics.correct_motion import CorrectSettings, correct_share
 from analysis.metrics.diversity import l1_deviation
 from analysis.metrics.kinematics import (
     FEET,

@@ -15,10 +15,7 @@ from threadpoolctl import threadpool_limits
 from analysis.answers.table import AnswerTable
 from analysis.planning.part import Opinions
 from analysis.results.grouping import codes, split_by_key, split_by_question
-from analysis.results.mixed_models import (
-    net_preference,
-    sided,
-)
+from analysis.results.mixed_models import net_preference, sided
 from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit
 from motion.arrays import Floats, Ints
 from motion.errors import InputError

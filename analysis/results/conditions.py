@@ -25,13 +25,7 @@ from analysis.results.grouping import (
     split_by_key,
     split_by_question,
 )
-from analysis.results.headline import (
-    Agreement,
-    agreement_of,
-    concordance,
-    placements_of,
-    retest_of,
-)
+from analysis.results.headline import Agreement, agreement_of, concordance, placements_of, retest_of
 from analysis.results.heterogeneity import (
     ConditionHeterogeneity,
     PairHeterogeneity,
@@ -39,12 +33,7 @@ from analysis.results.heterogeneity import (
     heterogeneity,
 )
 from analysis.results.mixed_models import MOST_SCORES, RatingModel, rating_model
-from analysis.results.strengths import (
-    RANKING,
-    PlackettLuceWorths,
-    StrengthDifference,
-    fit_worths,
-)
+from analysis.results.strengths import RANKING, PlackettLuceWorths, StrengthDifference, fit_worths
 from analysis.stats.agreement import Concordance, Retest
 from analysis.stats.clustered_mean import Estimate
 from analysis.stats.one_sample_tests import Equivalence, equivalence_of, equivalence_of_means

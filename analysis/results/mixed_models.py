@@ -11,11 +11,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.results.grouping import codes, is_on_right, shown_conditions
-from analysis.stats.ordinal.mixed_model import (
-    RandomEffect,
-    fit,
-    likelihood_ratio,
-)
+from analysis.stats.ordinal.mixed_model import RandomEffect, fit, likelihood_ratio
 from motion.arrays import Bools, Floats, Indices, Ints
 
 SEPARATED: Final = (

@@ -28,11 +28,7 @@ from analysis.results.heterogeneity import (
     preference_heterogeneity,
 )
 from analysis.results.preference import Comparison, MatchedCondition, left_share, preferences
-from analysis.results.strengths import (
-    BradleyTerryStrengths,
-    StrengthDifference,
-    fit_strengths,
-)
+from analysis.results.strengths import BradleyTerryStrengths, StrengthDifference, fit_strengths
 from analysis.stats.agreement import Retest
 from analysis.stats.clustered_mean import Estimate
 from analysis.stats.one_sample_tests import Equivalence, equivalence_of

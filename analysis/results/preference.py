@@ -12,13 +12,7 @@ import pandas as pd
 from scipy import stats
 
 from analysis.answers.table import ANALYSED_KINDS, AnswerTable
-from analysis.results.grouping import (
-    ConditionKey,
-    PairKey,
-    codes,
-    count_participants,
-    split_by_key,
-)
+from analysis.results.grouping import ConditionKey, PairKey, codes, count_participants, split_by_key
 from analysis.results.mixed_models import NetPreference, SidedAnswers, net_preference, sided
 from analysis.stats.clustered_mean import Estimate, Interval, clustered_mean
 from analysis.stats.f_tests import min_f

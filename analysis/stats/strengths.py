@@ -18,11 +18,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.special import expit
 
-from analysis.stats.strength_differences import (
-    TwoWayErrors,
-    count_kinds,
-    standard_errors,
-)
+from analysis.stats.strength_differences import TwoWayErrors, count_kinds, standard_errors
 from motion.arrays import Bools, Floats, Indices
 from motion.errors import listed
 

@@ -13,22 +13,11 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from generators.diffsheg.config import (
-    ABLATIONS,
-    PRESETS,
-    STRIDE,
-    DenoiserConfig,
-    TrainingPreset,
-)
+from generators.diffsheg.config import ABLATIONS, PRESETS, STRIDE, DenoiserConfig, TrainingPreset
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.network_file import MotionNetwork, Normalisation, write_network
-from generators.learned import (
-    cut_windows,
-    describe_training,
-    describe_training_data,
-    run_training,
-)
+from generators.learned import cut_windows, describe_training, describe_training_data, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from motion.arrays import Floats, Floats32, Ints
 from motion.errors import InputError

@@ -12,12 +12,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from generators.learned import (
-    cut_windows,
-    describe_training,
-    describe_training_data,
-    run_training,
-)
+from generators.learned import cut_windows, describe_training, describe_training_data, run_training
 from generators.registry import TrainedGenerator, TrainingRequest
 from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights, NetworkConfig
 from generators.s2ue.losses import (

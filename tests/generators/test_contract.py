@@ -16,12 +16,7 @@ from hypothesis import strategies as st
 from generators import registry
 from generators.amuse.config import MOTION_PRESETS, SPEECH_PRESETS
 from generators.diffsheg import config as diffsheg
-from generators.interface import (
-    Generator,
-    SpeechSegment,
-    StudyClips,
-    with_length,
-)
+from generators.interface import Generator, SpeechSegment, StudyClips, with_length
 from generators.learned_settings import ModelSettings
 from generators.registry import (
     TRAINABLE,

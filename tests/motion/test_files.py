@@ -7,13 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from motion.files import (
-    cell_as_given,
-    harmless_cell,
-    harmless_frame,
-    replacing,
-    write_text,
-)
+from motion.files import cell_as_given, harmless_cell, harmless_frame, replacing, write_text
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:

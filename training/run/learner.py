@@ -24,12 +24,7 @@ from torch.optim.swa_utils import AveragedModel
 from motion.arrays import Ints
 from motion.errors import InputError
 from training.config import Pass, TrainingConfig
-from training.run.batches import (
-    batches_per_epoch,
-    part_seed,
-    step_parts,
-    step_rows,
-)
+from training.run.batches import batches_per_epoch, part_seed, step_parts, step_rows
 from training.run.group import Group
 from training.run.task import Network, Task, TaskInPasses
 

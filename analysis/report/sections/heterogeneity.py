@@ -17,13 +17,7 @@ from analysis.report.sections.preferences import reference_of
 from analysis.report.texts import figure_text, paragraphs, table
 from analysis.results.conditions import RankingResults, RatingResults
 from analysis.results.grouping import ResultKey
-from analysis.results.heterogeneity import (
-    FEW,
-    KINDS,
-    By,
-    ConditionHeterogeneity,
-    PairHeterogeneity,
-)
+from analysis.results.heterogeneity import FEW, KINDS, By, ConditionHeterogeneity, PairHeterogeneity
 from analysis.results.heterogeneity import Cell as Level
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.report import Results, TableReport

@@ -13,12 +13,7 @@ from scipy import stats
 
 from analysis.stats.ordinal.crossed import Layout
 from analysis.stats.ordinal.laplace import Answers, Likelihood, Thresholds
-from analysis.stats.ordinal.maximum import (
-    BOUNDARY,
-    LARGEST,
-    free_parameters,
-    maximum,
-)
+from analysis.stats.ordinal.maximum import BOUNDARY, LARGEST, free_parameters, maximum
 from motion.arrays import Floats
 from motion.errors import InputError
 

@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from analysis.evaluators.clip_views import (
-    ClipView,
-    Face,
-    face_of,
-)
+from analysis.evaluators.clip_views import ClipView, Face, face_of
 from analysis.metrics.kinematics import GESTURE_JOINTS
 from motion.errors import InputError
 from motion.skeleton import joint_index

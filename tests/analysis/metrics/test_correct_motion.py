@@ -10,13 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.metrics.correct_motion import (
-    AMUSE,
-    BEAT,
-    DIFFSHEG,
-    CorrectSettings,
-    correct_share,
-)
+from analysis.metrics.correct_motion import AMUSE, BEAT, DIFFSHEG, CorrectSettings, correct_share
 
 SHAPE = (12, 4, 3)
 

@@ -10,12 +10,7 @@ import pytest
 from pyarrow import parquet
 
 from analysis.metrics.emotion_accuracy import emotion_confusion
-from analysis.metrics.score_tables import (
-    COLUMNS,
-    check_ending,
-    metrics_document,
-    write_scores,
-)
+from analysis.metrics.score_tables import COLUMNS, check_ending, metrics_document, write_scores
 from analysis.metrics.scores import ClipScore, Metric, MetricResult, StudyMetrics, whole_condition
 from motion.errors import InputError
 

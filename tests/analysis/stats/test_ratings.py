@@ -11,12 +11,7 @@ from statsmodels.regression.linear_model import OLS
 from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
 from analysis.stats.clustered_mean import Estimate, clustered_mean
-from analysis.stats.ratings import (
-    cliffs_delta,
-    mean_difference,
-    rated_cells,
-    rating_table,
-)
+from analysis.stats.ratings import cliffs_delta, mean_difference, rated_cells, rating_table
 
 
 def made(seed: int = 1) -> tuple[np.ndarray, ...]:

@@ -7,13 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from benchmarks.learned_motion.following import (
-    JAW,
-    Followed,
-    Speech,
-    follow,
-    mean_followed,
-)
+from benchmarks.learned_motion.following import JAW, Followed, Speech, follow, mean_followed
 from motion.clip import ARKIT_COUNT, MotionClip
 from motion.skeleton import JOINT_COUNT, joint_index
 

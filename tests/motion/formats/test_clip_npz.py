@@ -11,12 +11,7 @@ from hypothesis import given
 
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats.clip_npz import (
-    has_provenance,
-    read_clip,
-    read_frame_rate,
-    write_clip,
-)
+from motion.formats.clip_npz import has_provenance, read_clip, read_frame_rate, write_clip
 from tests.motion.random_clips import assert_same_clip, clips, random_clip
 
 

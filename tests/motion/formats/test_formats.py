@@ -8,13 +8,7 @@ import pytest
 from motion.errors import InputError
 from motion.formats import read_clip, read_motion, write_clip
 from motion.skeleton import FINGERS, RELAXED_HANDS, joint_index
-from tests.motion.formats.bvh_text import (
-    CHAIN,
-    bvh_text,
-    columns_of,
-    save_bvh_text,
-    smplx_skeleton,
-)
+from tests.motion.formats.bvh_text import CHAIN, bvh_text, columns_of, save_bvh_text, smplx_skeleton
 from tests.motion.random_clips import assert_same_clip
 
 

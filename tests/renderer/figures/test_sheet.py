@@ -8,14 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from renderer.figures.sheet import (
-    MOMENTS,
-    TILE_SIZE,
-    Glance,
-    draw_cell,
-    glance_at,
-    sheet_page,
-)
+from renderer.figures.sheet import MOMENTS, TILE_SIZE, Glance, draw_cell, glance_at, sheet_page
 from renderer.look import Look
 from tests.renderer.figures.small_videos import CONDITIONS, sheet_of, write_block_video
 

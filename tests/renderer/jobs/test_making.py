@@ -18,13 +18,7 @@ from hypothesis import strategies as st
 
 from renderer.jobs.making import ONE_THREAD, JobOrder, run_jobs
 from renderer.video_jobs import ClipJob, DubJob, Job, Outcome, PairJob
-from tests.renderer.jobs.sample_jobs import (
-    frames_of,
-    killing_writers,
-    numbered,
-    pair_of,
-    video_of,
-)
+from tests.renderer.jobs.sample_jobs import frames_of, killing_writers, numbered, pair_of, video_of
 
 ROOT = Path(__file__).resolve().parents[3]
 

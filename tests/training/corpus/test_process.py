@@ -12,12 +12,7 @@ from training.corpus.chance import EXPECTED, Chance
 from training.corpus.process import Process
 from training.corpus.speakers import speaker_of
 from training.corpus.speech_curves import SpeechCurves, find_strokes
-from training.corpus.truth import (
-    MotionCurves,
-    correlate_motions,
-    curves_of,
-    wrist_positions,
-)
+from training.corpus.truth import MotionCurves, correlate_motions, curves_of, wrist_positions
 
 SPEAKER = speaker_of(1, 1)
 

@@ -18,11 +18,7 @@ from analysis.metrics.scores import (
 )
 from analysis.report.content import Subject, Table
 from analysis.report.sections.metric_table import first_and_second
-from analysis.report.sections.metrics import (
-    confusion_tables,
-    metric_tables,
-    metrics_not_tabled,
-)
+from analysis.report.sections.metrics import confusion_tables, metric_tables, metrics_not_tabled
 from motion.errors import InputError
 
 NAMES = ("ground_truth", "ours", "camn", "broken")
