@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,8 +43,9 @@ def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
     if frame_rate == clip.frame_rate:
         return clip
     previous, following, share = frame_positions(len(clip), clip.frame_rate, frame_rate)
+    weight = share.astype(np.float32)[:, None]
     linear: dict[str, Any] = {
-        name: _blend(values, previous, following, share)
+        name: (1 - weight) * values[previous] + weight * values[following]
         for name, values in {"trans": clip.trans, **clip.faces}.items()
     }
     poses = slerp(clip.poses[previous], clip.poses[following], share)
@@ -97,13 +98,6 @@ def slerp(first: Floats32, second: Floats32, share: Floats) -> Floats32:
     partial = Rotation.from_rotvec(turn * np.repeat(share[is_between], joints)[:, None])
     result[is_between] = (start * partial).as_rotvec().reshape(-1, joints, 3)
     return result
-
-
-def _blend(
-    values: Floats32, previous: NDArray[np.int_], following: NDArray[np.int_], share: Floats
-) -> Floats32:
-    weight = share.astype(np.float32)[:, None]
-    return cast("Floats32", (1 - weight) * values[previous] + weight * values[following])
 
 
 def cut(clip: MotionClip, start: float, end: float) -> MotionClip:

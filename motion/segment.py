@@ -7,7 +7,7 @@ import io
 import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 from typing import Final
 
@@ -252,6 +252,5 @@ def write_segments(speech_folder: Path, segments: Iterable[Segment]) -> None:
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
-    for segment in segments:
-        writer.writerow([getattr(segment, column) for column in COLUMNS])
+    writer.writerows(map(astuple, segments))
     write_text(Path(speech_folder) / SEGMENTS_FILE, text.getvalue())

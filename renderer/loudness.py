@@ -46,7 +46,9 @@ def at_common_loudness(audio: Audio) -> Audio:
     """
     loudness = integrated_loudness(audio)
     if loudness is None:
-        return _with_note(audio, _why_unmeasurable(audio))
+        is_short = audio.duration < SHORTEST
+        short = f"it lasts less than {SHORTEST:g} s, too short to have a loudness"
+        return _with_note(audio, f"{short if is_short else 'it is silent'}; left unchanged")
     headroom = PEAK_CEILING - true_peak(audio)
     gain = min(TARGET - loudness, headroom)
     amplified = replace(audio, samples=audio.samples * np.float32(10 ** (gain / 20)))
@@ -103,12 +105,6 @@ def true_peak(audio: Audio) -> float:
     oversampled = resample_poly(audio.samples, _OVERSAMPLING, 1)
     peak = max(float(np.abs(oversampled).max()), float(np.abs(audio.samples).max()))
     return 20 * math.log10(peak) if peak > 0 else -math.inf
-
-
-def _why_unmeasurable(audio: Audio) -> str:
-    if audio.duration < SHORTEST:
-        return f"it lasts less than {SHORTEST:g} s, too short to have a loudness; left unchanged"
-    return "it is silent; left unchanged"
 
 
 def _with_note(audio: Audio, note: str) -> Audio:

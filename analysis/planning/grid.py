@@ -102,11 +102,6 @@ def load_powers(task: Task, folder: Path) -> tuple[Power, ...] | None:
         return None
 
 
-def save_powers(task: Task, powers: Sequence[Power], folder: Path) -> None:
-    """Keep simulated powers for a later run."""
-    write_text(folder / f"{task.key}.json", json.dumps([asdict(power) for power in powers]))
-
-
 def _seconds(part: Part, effort: Effort, *, with_null: bool) -> float:
     answers = len(part.trials.participants) * (
         1 if part.kind == "pairs" else part.trials.conditions
@@ -163,7 +158,8 @@ class Runner:
         waiting = [number for number in range(len(tasks)) if number not in powers_of]
         self._show_progress(len(powers_of), len(tasks))
         for number, powers in self._simulated(tasks, waiting):
-            save_powers(tasks[number], powers, self.folder)
+            kept = json.dumps([asdict(power) for power in powers])
+            write_text(self.folder / f"{tasks[number].key}.json", kept)
             powers_of[number] = powers
             self._show_progress(len(powers_of), len(tasks))
         return [Cell(size=task.size, powers=powers_of[n]) for n, task in enumerate(tasks)]

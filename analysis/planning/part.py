@@ -82,11 +82,6 @@ class Trials:
         """Number of participants."""
         return len(np.unique(self.participants))
 
-    @cached_property
-    def shown_items(self) -> int:
-        """Number of items that anybody judges."""
-        return len(np.unique(self.items))
-
     @property
     def sides(self) -> tuple[Indices, Indices]:
         """The conditions shown on the left and on the right, for pairs."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import Final
 
+import numpy as np
 from scipy.stats import norm
 
 from analysis.planning.grid import Cell, Runner, Task, estimate_minutes, limit_effort
@@ -245,10 +246,7 @@ def smallest_effect(
         powers[smaller] = power_at(smaller)
     above = min(effect for effect, power in powers.items() if power >= TARGET_POWER)
     below = max(effect for effect in powers if effect < above)
-    low, high = (_probit(powers[effect]) for effect in (below, above))
-    share = (float(norm.ppf(TARGET_POWER)) - low) / (high - low)
+    found = np.clip([powers[below], powers[above]], _SURE, 1 - _SURE)
+    low, high, wanted = np.asarray(norm.ppf([*found, TARGET_POWER])).tolist()
+    share = (wanted - low) / (high - low)
     return below + share * (above - below), ""
-
-
-def _probit(power: float) -> float:
-    return float(norm.ppf(min(1 - _SURE, max(_SURE, power))))

@@ -126,7 +126,10 @@ def simulate_power(
 def _why_untested(trials: Trials) -> str:
     if not len(trials.participants):
         return "nobody is left to judge anything"
-    for count, name in ((trials.analysed, "participant"), (trials.shown_items, "segment")):
+    for count, name in (
+        (trials.analysed, "participant"),
+        (len(np.unique(trials.items)), "segment"),
+    ):
         if count == 1:
             return f"one {name} allows no test of what holds for others"
     return ""

@@ -106,7 +106,8 @@ def choose_joint_map(joint_names: Collection[str]) -> tuple[str, JointMap]:
     InputError
         If no known map covers the skeleton.
     """
-    full_names = {_without_namespace(name): name for name in joint_names}
+    # Names may begin with a namespace.
+    full_names = {re.sub(r"^(.*:|mixamorig\d*_?)", "", name): name for name in joint_names}
     candidates = {
         key: {
             joint: full_names[source] for joint, source in joint_map.items() if source in full_names
@@ -172,7 +173,3 @@ def _missing(joint_map: JointMap) -> tuple[str, ...]:
     """Return the missing joints of a map: required ones, and the rest of incomplete legs."""
     legs = _LEG_JOINTS if any(joint in joint_map for joint in _LEG_JOINTS) else ()
     return tuple(joint for joint in (*REQUIRED_JOINTS, *legs) if joint not in joint_map)
-
-
-def _without_namespace(name: str) -> str:
-    return re.sub(r"^(.*:|mixamorig\d*_?)", "", name)

@@ -211,9 +211,5 @@ def _write_clock(frame: Image.Image, layout: GridLayout, seconds: float, speed: 
     margin = layout.caption_height * 0.3
     pen.text((width - margin, middle), f"{seconds:.1f} s", FAINT_INK, small, anchor="rm")
     if speed != 1:
-        pen.text((margin, middle), speed_name(speed), INK, letters, anchor="lm")
-
-
-def speed_name(speed: float) -> str:
-    """Return a speed in words."""
-    return _SPEED_NAMES.get(speed, f"{speed:g} × speed")
+        words = _SPEED_NAMES.get(speed, f"{speed:g} × speed")
+        pen.text((margin, middle), words, INK, letters, anchor="lm")

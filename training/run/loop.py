@@ -112,7 +112,8 @@ def train(
     if group.leads:
         # Before training rather than at the first save, in case the folder cannot be written.
         folder.root.mkdir(parents=True, exist_ok=True)
-    with _generators_restored(task.device), _deterministic(task.device):
+    gpus = [torch.cuda.current_device()] if task.device == "cuda" else []
+    with torch.random.fork_rng(devices=gpus), _deterministic(task.device):
         torch.manual_seed(config.seed)
         progress = show if group.leads else None
         return _Run(task, config, folder, group, progress or (lambda *_: None)).finish()
@@ -305,13 +306,6 @@ class _Run(Generic[Network]):
                 remedy="Give all of them the same command, data and run folder, on a disk that all "
                 "machines share",
             )
-
-
-@contextmanager
-def _generators_restored(device: str) -> Iterator[None]:
-    """Restore torch's random generators."""
-    with torch.random.fork_rng(devices=[torch.cuda.current_device()] if device == "cuda" else []):
-        yield
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from analysis.report.sections.metric_table import ARROWS
 from analysis.report.sections.metrics import PAPER_OF, PAPER_TABLES, is_detail
 from analysis.report.texts import figure_text, paragraphs, sentence, table
 from analysis.report.wording import between, question_name
-from analysis.results.against_people import AgainstPeople, MetricAgainstPeople, ScoredCondition
+from analysis.results.against_people import AgainstPeople, MetricAgainstPeople
 from analysis.results.grouping import Row as QuestionRow
 from analysis.results.rank_correlations import FEWEST_FOR_INTERVAL, SamplingRange
 from analysis.results.report import TableReport
@@ -181,7 +181,9 @@ def agreement_pictures(
         for number, place in enumerate(metric.places):
             colour, marker = series_style(conditions.index(place.condition))
             gid = f"place{panel.prefix}-{number}"
-            score = _shown_score(metric, place)
+            # If nearness counts, the distance from recorded motion is shown.
+            is_near = metric.better == "near the reference"
+            score = abs(place.score - metric.recorded) if is_near else place.score
             axes.plot([score] * 2, [place.low, place.high], color=colour, linewidth=1.1)
             axes.plot(
                 [score],
@@ -225,13 +227,6 @@ def agreement_pictures(
         descriptions=descriptions, draw=draw, height=_SCATTER_HEIGHT, columns=3, legend=legend
     )
     return panel_pictures(figure, text)
-
-
-def _shown_score(metric: MetricAgainstPeople, place: ScoredCondition) -> float:
-    """Return the score, or its distance from that of recorded motion if nearness counts."""
-    if metric.better == "near the reference":
-        return abs(place.score - metric.recorded)
-    return place.score
 
 
 def _forests(questions: Sequence[_Question]) -> Iterator[Picture]:
