@@ -1,4 +1,4 @@
-"""The weights with which the released networks computed the reference outputs."""
+"""Weights drawn by their names, with which networks computed the reference outputs."""
 
 from __future__ import annotations
 

@@ -2,30 +2,14 @@
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
 import torch
 from torch import Tensor
 
 from analysis.evaluators.published_presets import PRESETS
-
-
-def seeded_weights(shapes: Mapping[str, Sequence[int]], salt: str = "") -> dict[str, Tensor]:
-    """Return the weights with which the reference's networks were asked."""
-    weights = {}
-    for name, shape in shapes.items():
-        random = np.random.default_rng(zlib.crc32((salt + name).encode()))
-        weight = 0.05 * random.standard_normal(tuple(shape))
-        if name.endswith("running_var"):
-            weight = 1 + np.abs(weight)
-        elif name.endswith(".weight") and len(shape) == 1:
-            weight = 1 + weight
-        counts = name.endswith("num_batches_tracked")
-        weights[name] = torch.tensor(0) if counts else torch.tensor(weight, dtype=torch.float32)
-    return weights
+from tests.generators.reference_weights import reference_weights
 
 
 def write_checkpoint(
@@ -35,7 +19,7 @@ def write_checkpoint(
     chosen = PRESETS[preset]
     if weights is None:
         own = chosen.network().state_dict()
-        weights = seeded_weights({name: tuple(weight.shape) for name, weight in own.items()})
+        weights = reference_weights({name: tuple(weight.shape) for name, weight in own.items()})
     content: object = dict(weights)
     for key in reversed(chosen.place):
         content = {key: content, **more}

@@ -17,9 +17,10 @@ from analysis.evaluators.published import PublishedEvaluator, load_published
 from analysis.evaluators.published_presets import PRESETS
 from analysis.metrics.frechet import frechet_of_samples, published_distance
 from motion.arrays import Floats
-from motion.clip import MotionClip
 from motion.errors import InputError
-from tests.analysis.evaluators.published_weights import seeded_weights, write_checkpoint
+from tests.analysis.evaluators.published_weights import write_checkpoint
+from tests.generators.reference_weights import reference_weights
+from tests.motion.random_clips import clip_of
 
 Checkpoint = Callable[..., Path]
 
@@ -37,7 +38,9 @@ def test_features_and_their_distance_match_the_authors_code(
     shapes = json.loads((reference / f"{preset}_state_dict.json").read_text("utf-8"))
     if preset in ("beat", "talkshow"):  # Their decoders are large, and no feature uses them.
         shapes = {name: shape for name, shape in shapes.items() if "encoder" in name}
-    evaluator = load_published(preset, write_checkpoint(tmp_path, preset, seeded_weights(shapes)))
+    evaluator = load_published(
+        preset, write_checkpoint(tmp_path, preset, reference_weights(shapes))
+    )
     with np.load(reference / f"{preset}_plain.npz") as file:
         expected = dict(file)
     for name, feature in {"motion": "feature", "clip": "clip_feature"}.items():
@@ -157,7 +160,7 @@ def test_clips_are_cut_into_the_authors_windows(
         (emage, 75, 30.0, 4),
         (emage, 64, 15.0, 8),
     ):
-        clip = _still_clip(frames, rate)
+        clip = clip_of(np.zeros((frames, 55, 3)), frame_rate=rate)
         if rows is None:
             with pytest.raises(InputError, match="s at least"):
                 evaluator.embed(clip)
@@ -169,7 +172,7 @@ def test_beat_clips_are_normalised_by_the_named_frames(
     checkpoint: Checkpoint, tmp_path: Path
 ) -> None:
     path = checkpoint("beat")
-    clip = _still_clip(40, 15.0)
+    clip = clip_of(np.zeros((40, 55, 3)), frame_rate=15)
     with pytest.raises(InputError, match="mean and spread are not given"):
         load_published("beat", path).embed(clip)
     random = np.random.default_rng(0)
@@ -189,11 +192,3 @@ def test_beat_clips_are_normalised_by_the_named_frames(
     frames = PRESETS["beat"].frames(clip)[:34]
     seen = np.where(np.isnan(frames) | (spread < 1e-3), 0, (frames - mean) / spread)
     np.testing.assert_allclose(beat.embed(clip), beat.features(seen[None]), atol=1e-4)
-
-
-def _still_clip(frames: int, frame_rate: float) -> MotionClip:
-    return MotionClip(
-        poses=np.zeros((frames, 55, 3), np.float32),
-        trans=np.zeros((frames, 3), np.float32),
-        frame_rate=frame_rate,
-    )

@@ -18,13 +18,13 @@ from motion.arrays import Floats
 from motion.clip import MotionClip
 from motion.formats.smplx_rows import read_rows
 from motion.skeleton import FINGERS, RELAXED_HANDS, joint_index
+from tests.motion.random_clips import clip_of
 from training.spaces.beat import UPPER_BODY_JOINTS, beat_clip, upper_body_motion
 from training.spaces.smplx_bodies import rotation_rows
 
 
 def _clip(poses: NDArray[np.floating]) -> MotionClip:
-    shaped = poses.reshape(len(poses), 55, 3).astype(np.float32)
-    return MotionClip(poses=shaped, trans=np.zeros((len(poses), 3), np.float32), frame_rate=30.0)
+    return clip_of(poses.reshape(len(poses), 55, 3))
 
 
 def test_emage_gets_the_first_two_rows_of_each_joints_rotation_matrix(reference: Path) -> None:
@@ -102,5 +102,5 @@ def test_beats_angles_survive_a_round_trip_through_a_clip() -> None:
 @pytest.mark.parametrize("frames", [rotation_rows, beat_frames, ted_frames, talkshow_frames])
 def test_no_network_depends_on_the_bodys_position(frames: Callable[[MotionClip], Floats]) -> None:
     clip = _clip(np.random.default_rng(0).normal(0, 0.2, (3, 55, 3)))
-    moved = MotionClip(poses=clip.poses, trans=clip.trans + 2, frame_rate=30.0)
+    moved = clip_of(clip.poses, clip.trans + 2)
     np.testing.assert_allclose(frames(clip), frames(moved), atol=1e-9)
