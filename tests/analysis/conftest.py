@@ -10,6 +10,7 @@ import pytest
 
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, joint_index
+from tests.motion.random_clips import clip_of
 
 
 @pytest.fixture(scope="session")
@@ -36,11 +37,11 @@ def waving() -> Callable[..., MotionClip]:
     ) -> MotionClip:
         frames = round(seconds * frame_rate)
         time = np.arange(frames) / frame_rate
-        poses = np.zeros((frames, JOINT_COUNT, 3), np.float32)
+        poses = np.zeros((frames, JOINT_COUNT, 3))
         swing = amplitude * np.sin(2 * np.pi * frequency * time)
         for joint in ("left_shoulder", "right_shoulder"):
             poses[:, joint_index(joint), 2] = swing
-        trans = np.outer(drift * time, [1.0, 0.0, 0.0]).astype(np.float32)
-        return MotionClip(poses=poses, trans=trans, frame_rate=frame_rate)
+        trans = np.outer(drift * time, [1.0, 0.0, 0.0])
+        return clip_of(poses, trans, frame_rate)
 
     return make

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +18,9 @@ from motion.segment import EMOTIONS, Segment
 from tests.generators.amuse.small_networks import written_networks
 from tests.generators.diffsheg.small_network import written_network
 from tests.generators.s2ue.small_network import written_network as small_s2ue
-from tests.support.short_training import short_training
+from tests.support.short_training import trained_shortly
+
+__all__ = ["trained_shortly"]
 
 RATE = 16000
 
@@ -60,12 +62,6 @@ class ClipsInMemory:
 
     def clip(self, segment_name: str) -> MotionClip:
         return self.clips[segment_name]
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _short_training() -> Iterator[None]:
-    with short_training():
-        yield
 
 
 @pytest.fixture(scope="session")

@@ -24,5 +24,12 @@ def short_training() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="module", autouse=True)
+def trained_shortly() -> Iterator[None]:
+    """Let `short_training` hold in the tests beside a conftest that imports this."""
+    with short_training():
+        yield
+
+
 def _write_lines(lines: Sequence[LogLine], path: Path, *, kept_step: int | None) -> None:
     path.write_text(json.dumps([list(lines), kept_step]), encoding="utf-8")

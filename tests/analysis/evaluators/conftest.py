@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,14 +17,10 @@ from motion.body.model import read_body
 from renderer.look import default_body
 from tests.analysis.evaluators.published_weights import write_checkpoint
 from tests.analysis.evaluators.swinging import sources
-from tests.support.short_training import short_training
+from tests.support.short_training import short_training, trained_shortly
 from training.run.records import RunFolder
 
-
-@pytest.fixture(scope="module", autouse=True)
-def _short_training() -> Iterator[None]:
-    with short_training():
-        yield
+__all__ = ["trained_shortly"]
 
 
 def trained(folder: Path, kind: Kind, channels: Channels, *, steps: int, **options: Any) -> Path:
@@ -34,7 +30,7 @@ def trained(folder: Path, kind: Kind, channels: Channels, *, steps: int, **optio
         kind=kind, size="tiny", channels=channels, training=training, **options
     )
     out = folder / f"{kind}-{channels}.safetensors"
-    # A session's first file is made before `_short_training` holds; bytes are compared with it.
+    # A session's first file is made before `trained_shortly` holds; bytes are compared with it.
     with short_training():
         train_evaluator(request, sources(), out, RunFolder(out.with_suffix(".run")))
     return out

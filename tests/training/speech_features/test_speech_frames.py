@@ -43,7 +43,7 @@ SPEECH = noise(3.3).samples
 
 
 @pytest.fixture(scope="module")
-def at_once(_short_training: None) -> SpeechFrames:
+def at_once(trained_shortly: None) -> SpeechFrames:
     """Return the features of all speech at once, with as many threads as in the tests."""
     return streamed([SPEECH])
 
