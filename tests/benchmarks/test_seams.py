@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.seams import Windows, seam_acceleration, seams_of_clip, windows_of
-from motion.clip import MotionClip
 from motion.errors import InputError
+from tests.motion.random_clips import clip_of
 
 WINDOWS = Windows(frames=34, overlap=4, frame_rate=15)
 
@@ -45,12 +45,7 @@ def test_jumps_are_detected_at_seams_only(frame: int, at_seam: bool) -> None:
 def test_a_clip_records_where_its_windows_begin() -> None:
     rng = np.random.default_rng(1)
     turns = np.cumsum(0.01 * rng.standard_normal((150, 55, 3)), axis=0)
-    clip = MotionClip(
-        poses=np.repeat(turns, 2, axis=0).astype(np.float32),
-        trans=np.zeros((300, 3), np.float32),
-        frame_rate=30,
-        arkit=rng.random((300, 52)).astype(np.float32),
-    )
+    clip = clip_of(np.repeat(turns, 2, axis=0), arkit=rng.random((300, 52)))
     with pytest.raises(InputError, match="does not say where"):
         list(seams_of_clip(clip))
     stated = clip.with_provenance(window_frames="34", window_overlap="4", window_frame_rate="15")

@@ -9,6 +9,7 @@ import numpy as np
 from analysis.evaluators.training_clips import ClipSource
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
+from tests.motion.random_clips import clip_of
 
 SWINGS: Mapping[str, tuple[float, float]] = {"anger": (2.0, 0.9), "sadness": (0.5, 0.3)}
 """Swings a second, and radians."""
@@ -27,12 +28,7 @@ def swinging(
     arkit = np.zeros((frames, 52), np.float32)
     arkit[:, 24] = 0.5 + 0.4 * np.sin(3 * turn)
     arkit[:, 43] = arkit[:, 44] = 0.5 + 0.4 * np.sin(turn)
-    return MotionClip(
-        poses=poses.astype(np.float32),
-        trans=np.zeros((frames, 3), np.float32),
-        frame_rate=frame_rate,
-        arkit=arkit,
-    )
+    return clip_of(poses, frame_rate=frame_rate, arkit=arkit)
 
 
 def source(emotion: str, seed: int, **options: float) -> ClipSource:

@@ -21,8 +21,9 @@ from motion.clip import MotionClip
 from motion.segment import EMOTIONS
 from motion.skeleton import joint_index
 from renderer.look import default_body
-from tests.analysis.evaluators.published_weights import seeded_weights
 from tests.generators.conftest import syllables
+from tests.generators.reference_weights import reference_weights
+from tests.motion.random_clips import clip_of
 from tests.support.fingerprint import fingerprint
 
 # After an intended change, raise the version in the module and update the numbers here.
@@ -35,11 +36,9 @@ DEPTHS = {"1": [-0.041798]}
 
 def moving(count: int = 120) -> MotionClip:
     frames = np.arange(count)
-    waves = (np.sin(frames[:, None, None] / 9 + np.arange(165).reshape(55, 3)) / 5).astype(
-        np.float32
-    )
-    arkit = (np.abs(np.sin(frames[:, None] / 7 + np.arange(52))) / 2).astype(np.float32)
-    return MotionClip(poses=waves, trans=waves[:, 0], frame_rate=25, arkit=arkit)
+    waves = np.sin(frames[:, None, None] / 9 + np.arange(165).reshape(55, 3)) / 5
+    arkit = np.abs(np.sin(frames[:, None] / 7 + np.arange(52))) / 2
+    return clip_of(waves, waves[:, 0], 25, arkit=arkit)
 
 
 def network(kind: Kind, channels: Channels) -> Evaluator:
@@ -56,7 +55,7 @@ def network(kind: Kind, channels: Channels) -> Evaluator:
     width = design.view().channels
     made = design.fresh_network(width)
     shapes = {name: list(weight.shape) for name, weight in made.state_dict().items()}
-    made.load_state_dict(seeded_weights(shapes))
+    made.load_state_dict(reference_weights(shapes))
     facts = EvaluatorFacts(
         **dict(design),
         data=DataFacts(
@@ -73,10 +72,10 @@ def network(kind: Kind, channels: Channels) -> Evaluator:
 
 
 def depths_of_arms() -> Floats32:
-    poses = np.zeros((40, 55, 3), np.float32)
+    poses = np.zeros((40, 55, 3))
     poses[:, joint_index("left_shoulder"), 2] = -np.linspace(1.2, 1.8, 40)
-    clip = MotionClip(poses=poses, trans=np.zeros((40, 3), np.float32), frame_rate=10)
-    depths = PenetrableBody.of(read_body(default_body("mannequin"))).depths(clip)
+    body = PenetrableBody.of(read_body(default_body("mannequin")))
+    depths = body.depths(clip_of(poses, frame_rate=10))
     assert depths.max() > 0.01
     return depths
 

@@ -19,6 +19,7 @@ from motion.errors import InputError
 from motion.formats import write_clip
 from renderer.look import default_body
 from tests.analysis.measurement.reading import score_of
+from tests.motion.random_clips import clip_of
 
 Clips = dict[str, dict[str, Path]]
 
@@ -156,13 +157,8 @@ def talking(tmp_path: Path) -> Clips:
             arkit = np.zeros((60, 52), np.float32)
             arkit[:, arkit_index("jawOpen")] = share * opening
             path = tmp_path / condition / f"{number}.npz"
-            clip = MotionClip(
-                poses=np.random.default_rng(number).normal(0, 0.01, (60, 55, 3)).astype(np.float32),
-                trans=np.zeros((60, 3), np.float32),
-                frame_rate=30,
-                arkit=arkit,
-            )
-            write_clip(path, clip)
+            poses = np.random.default_rng(number).normal(0, 0.01, (60, 55, 3))
+            write_clip(path, clip_of(poses, arkit=arkit))
             clips[condition][str(number)] = path
     return clips
 

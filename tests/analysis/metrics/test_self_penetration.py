@@ -16,6 +16,7 @@ from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, joint_index
 from renderer.look import default_body
+from tests.motion.random_clips import clip_of
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
 FACES = np.array(
@@ -35,7 +36,7 @@ def posed(**turned: tuple[float, float, float]) -> MotionClip:
     poses = np.zeros((30, JOINT_COUNT, 3), np.float32)
     for joint, turn in turned.items():
         poses[:, joint_index(joint)] = turn
-    return MotionClip(poses=poses, trans=np.zeros((30, 3), np.float32), frame_rate=30.0)
+    return clip_of(poses)
 
 
 def test_the_winding_number_is_one_inside_a_closed_surface_and_lower_with_a_hole() -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from benchmarks.learned_motion.following import JAW, Followed, Speech, follow, mean_followed
 from motion.clip import ARKIT_COUNT, MotionClip
 from motion.skeleton import JOINT_COUNT, joint_index
+from tests.motion.random_clips import clip_of
 
 FRAMES = 90
 RATE = 15.0
@@ -17,15 +18,13 @@ RATE = 15.0
 
 def swinging(speed: NDArray[np.float64], jaw: NDArray[np.float64] | None = None) -> MotionClip:
     """Return a clip whose elbows turn as fast, in radians per second, as `speed` says."""
-    poses = np.zeros((len(speed), JOINT_COUNT, 3), np.float32)
+    poses = np.zeros((len(speed), JOINT_COUNT, 3))
     for side in ("left", "right"):
         poses[:, joint_index(f"{side}_elbow"), 1] = np.cumsum(speed) / RATE
-    arkit = np.zeros((len(speed), ARKIT_COUNT), np.float32)
+    arkit = np.zeros((len(speed), ARKIT_COUNT))
     if jaw is not None:
         arkit[:, JAW] = jaw
-    return MotionClip(
-        poses=poses, trans=np.zeros((len(speed), 3), np.float32), frame_rate=RATE, arkit=arkit
-    )
+    return clip_of(poses, frame_rate=RATE, arkit=arkit)
 
 
 def curve(seed: int) -> NDArray[np.float64]:
