@@ -13,10 +13,10 @@ from flask import Flask
 from studyapp.desk.lab import ACCOUNTS, Lab, LabStudy
 from studyapp.desk.server import create_desk, open_desk
 from studyapp.researchers.account import Role
-from studyapp.researchers.links import first_owner_link, invite, join
+from studyapp.researchers.links import invite
 from studyapp.session.enrolment import Arrival, enrol
 from tests.studyapp.web.research.research_browser import ResearchBrowser
-from tests.support.researcher_accounts import PASSWORD
+from tests.support.researcher_accounts import joined as join_with_link
 
 Researcher = Callable[..., ResearchBrowser]
 Joined = Callable[[Role], ResearchBrowser]
@@ -67,9 +67,7 @@ def researcher(lab: Lab, desk: Flask) -> Researcher:
     """Return a function that lets somebody join the desk and log in."""
 
     def browser_of(name: str, role: Role = "owner") -> ResearchBrowser:
-        token = first_owner_link(lab.database, lab.clock) if role == "owner" else None
-        token = token or invite(lab.database, lab.clock, role=role, by="")
-        join(lab.database, lab.clock, token, name=name, password=PASSWORD)
+        join_with_link(lab.database, lab.clock, name, role)
         browser = ResearchBrowser(desk)
         assert browser.log_in(name).status_code == 303
         return browser

@@ -176,11 +176,6 @@ def send_piece(
     return answer.status_code, answer.get_json(silent=True) or {}
 
 
-@pytest.fixture
-def motion(motion_file: Callable[..., Path]) -> bytes:
-    return motion_file(2.0).read_bytes()
-
-
 def test_refusals_give_a_reason_or_where_to_go_on(ada: ResearchBrowser) -> None:
     for _ in range(2):
         status_and_offset = send_piece(ada, b"first", offset=0, size=9)
@@ -197,8 +192,9 @@ def test_refusals_give_a_reason_or_where_to_go_on(ada: ResearchBrowser) -> None:
 
 
 def test_the_import_takes_valid_files_and_explains_the_others(
-    lab: Lab, ada: ResearchBrowser, motion: bytes
+    lab: Lab, ada: ResearchBrowser, motion_file: Callable[..., Path]
 ) -> None:
+    motion = motion_file(2.0).read_bytes()
     for name in ("take-0.npz", "take-9.npz", "take-1.mp4"):
         assert send_piece(ada, motion, offset=0, size=len(motion), name=name)[0] == 200
     assert ada.post(f"{TINY}jobs/import").status_code == 303

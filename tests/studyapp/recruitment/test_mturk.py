@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -114,54 +113,35 @@ def test_the_sandbox_is_used_unless_the_live_site_is_requested(
     assert [options["endpoint_url"] for _, options in asked] == [SANDBOX, LIVE]
 
 
-@dataclass
-class Sandbox:
-    """Mechanical Turk's responses in order."""
-
-    folder: StudyFolder
-    stub: Stubber
-    client: MTurkClient
-
-    def hands_in(self, *assignments: tuple[str, str, str]) -> None:
-        names = ("AssignmentId", "WorkerId", "AssignmentStatus")
-        found = [dict(zip(names, each, strict=True)) for each in assignments]
-        self.stub.add_response("list_assignments_for_hit", {"Assignments": found})
-
-
-@pytest.fixture
-def sandbox(tiny_study: Path, stub: Stubber, client: MTurkClient) -> Sandbox:
+def test_a_study_session_is_paid_once_however_often_it_is_submitted_and_in_the_sandbox_alone(
+    tiny_study: Path, stub: Stubber, client: MTurkClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
     more = '[recruitment]\nchannel = "mturk"\n[recruitment.mturk]\nreward = "2.50"\n'
     redefine(tiny_study, added=more)
-    return Sandbox(StudyFolder(tiny_study), stub, client)
-
-
-def test_a_study_session_is_paid_once_however_often_it_is_submitted_and_in_the_sandbox_alone(
-    sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(mturk, "connect", lambda *, live: sandbox.client)
-    recruit = partial(run, "recruit", sandbox.folder.root)
-    with taking_part(sandbox.folder.root) as worker:
+    monkeypatch.setattr(mturk, "connect", lambda *, live: client)
+    recruit = partial(run, "recruit", tiny_study)
+    with taking_part(tiny_study) as worker:
         arrival = Arrival(recruiter_participant="w1", recruiter_session="a1")
         worker.arrive(arrival).begin().take_all()
     create = ("create", "--address", ADDRESS)
     assert "in the sandbox, where nobody is paid\nNothing was offered" in recruit(*create)
-    sandbox.stub.add_response("create_hit", {"HIT": {"HITId": "h1"}})
+    stub.add_response("create_hit", {"HIT": {"HITId": "h1"}})
     assert "Created HIT h1" in recruit(*create, "--yes")
     with pytest.raises(InputError, match="no HIT on the live site"):
-        mturk.hits_of(sandbox.folder, live=True)
-    handed_in = (
-        ("a1", "w1", "Submitted"),
-        ("a2", "w1", "Submitted"),
-        ("a3", "w2", "Submitted"),
-        ("a4", "w3", "Approved"),
-    )
-    sandbox.hands_in(*handed_in)
+        mturk.hits_of(StudyFolder(tiny_study), live=True)
+    assignments = [
+        {"AssignmentId": f"a{number}", "WorkerId": worker, "AssignmentStatus": status}
+        for number, (worker, status) in enumerate(
+            [("w1", "Submitted"), ("w1", "Submitted"), ("w2", "Submitted"), ("w3", "Approved")], 1
+        )
+    ]
+    stub.add_response("list_assignments_for_hit", {"Assignments": assignments})
 
     shown = recruit("approve")
 
     actions = {line[:2]: line.split()[1] for line in shown.splitlines()}
-    assert [actions[name] for name, *_ in handed_in] == ["pay", "your", "your", "–"]
+    assert [actions[f"a{number}"] for number in range(1, 5)] == ["pay", "your", "your", "–"]
     assert "1 to pay, 2 for you to decide, 0 under way, 1 settled.\nNothing was paid" in shown
-    sandbox.hands_in(*handed_in)
-    sandbox.stub.add_response("approve_assignment", {}, {"AssignmentId": "a1"})
+    stub.add_response("list_assignments_for_hit", {"Assignments": assignments})
+    stub.add_response("approve_assignment", {}, {"AssignmentId": "a1"})
     assert "Approved 1 assignment." in recruit("approve", "--yes")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from flask import Flask
 
 from motion.errors import InputError
 from studyapp.researchers.links import first_owner_link
@@ -18,18 +17,15 @@ PREFIX = "/studies/one"
 ADDRESSES = ("href", "src", "action", "data-address", "data-watched-url", "content")
 
 
-@pytest.fixture
-def below(serve: Serve, cheap_passwords: None) -> Flask:
-    return serve(prefix=f"{PREFIX}/")
-
-
 def strays(page: PageReader) -> list[str]:
     """Return every address on the page that leads out of the study on its own host."""
     values = [str(tag.get(name, "")) for tag in page.soup.select("*") for name in ADDRESSES]
     return [each for each in values if each[:1] == "/" and not each.startswith(f"{PREFIX}/")]
 
 
-def test_researchers_reach_every_page_below_the_path(below: Flask, clock: SetClock) -> None:
+@pytest.mark.usefixtures("cheap_passwords")
+def test_researchers_reach_every_page_below_the_path(serve: Serve, clock: SetClock) -> None:
+    below = serve(prefix=f"{PREFIX}/")
     token = first_owner_link(site_of(below).database, clock)
     client = below.test_client()
     first = client.get(f"{PREFIX}/research/changes").location

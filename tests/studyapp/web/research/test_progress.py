@@ -5,8 +5,6 @@ from __future__ import annotations
 from contextlib import closing
 from pathlib import Path
 
-import pytest
-
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.researchers.pseudonyms import PseudonymKey
@@ -170,12 +168,6 @@ LIST = "/research/study-sessions"
 SCRIPT = "<script>alert(1)</script>"
 
 
-@pytest.fixture
-def drawn_key(tiny_study: Path) -> PseudonymKey:
-    """Return the key that a first export has drawn."""
-    return PseudonymKey.read_or_make(StudyFolder(tiny_study).pseudonym_key)
-
-
 def reasons(database: Database) -> list[str]:
     return list(read_once(database, stored_answers).study_sessions["excluded_because"])
 
@@ -221,12 +213,14 @@ def test_exclusions_and_reinstatements_are_recorded(
 
 
 def test_participants_have_the_exports_pseudonyms_except_for_viewers(
-    people: list[Participant], log_in: LogIn, drawn_key: PseudonymKey
+    people: list[Participant], log_in: LogIn
 ) -> None:
     site = site_of(log_in.app)
     arrival = Arrival(recruiter_participant="pid-4711", recruiter_study="one")
     enrol(log_in.stored, site.served, arrival, site.clock)
-    exported = read_once(log_in.stored, pseudonyms, drawn_key)
+    # A first export draws the key.
+    key = PseudonymKey.read_or_make(StudyFolder(site.folder).pseudonym_key)
+    exported = read_once(log_in.stored, pseudonyms, key)
     analyst, viewer = log_in("analyst"), log_in("viewer")
 
     listed = [cell.get_text() for cell in analyst.get(LIST).soup.select("tbody .name")]
