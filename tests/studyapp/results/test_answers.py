@@ -16,6 +16,7 @@ from studyapp.results.answers import answers_to_report, read_rehearsal
 from studyapp.results.export.tables import export
 from studyapp.results.stated_beforehand import exclusions_of
 from studyapp.results.stored_answers import Answers, StoredAnswers, stored_answers
+from studyapp.session.enrolment import Arrival
 from studyapp.session.refusal import ConflictError, log_refusal
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.ranking import RankingStudy
@@ -23,6 +24,7 @@ from studyapp.study.settings.exclusions import FailedCatch, Incomplete
 from studyapp.study.settings.study import Study
 from tests.support.studies.exported import responses_table
 from tests.support.studies.finished_study import PROTOCOLS
+from tests.support.studies.form_questions import ADULT, ELIGIBILITY
 from tests.support.studies.redefining import redefine
 from tests.support.studies.stored import reading
 from tests.support.studies.taking_part_steps import taking_part
@@ -68,9 +70,9 @@ def test_a_table_that_became_empty_is_overwritten(folder: StudyFolder, tmp_path:
 def test_kept_answers_of_withdrawn_participants_are_exported_separately(
     folder: StudyFolder, tmp_path: Path
 ) -> None:
-    redefine(folder.root, ("[page]\n", '[page]\nwithdrawn = "kept"\n'))
+    redefine(folder.root, ("[page]\n", '[page]\nwithdrawn = "kept"\n'), added=ELIGIBILITY)
     with taking_part(folder.root) as participant:
-        participant.enrol().begin().take_trial()
+        participant.arrive(Arrival(visit="visit", form=ADULT)).begin().take_trial()
         refusal = ConflictError("No.", "Try again.")
         log_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
         participant.withdraw()
@@ -79,6 +81,7 @@ def test_kept_answers_of_withdrawn_participants_are_exported_separately(
     for table in ("form", "watching", "refusals"):
         assert pd.read_csv(tmp_path / f"responses_{table}.csv").empty
     assert export(folder, tmp_path / "withdrawn.csv", withdrawn=True).answers == 2
+    assert len(pd.read_csv(tmp_path / "withdrawn_form.csv")) == 1
     stored = answers_to_report(folder).stored
     assert stored is not None
     assert stored.answers.empty

@@ -18,7 +18,6 @@ from studyapp.database.tables import (
     Video,
     WatchRecord,
 )
-from studyapp.results.export.rows import form_answers_table
 from studyapp.session.ending import withdrawal_promise
 from studyapp.session.enrolment import Arrival
 from studyapp.session.refusal import ConflictError, log_refusal
@@ -36,10 +35,10 @@ RECRUITED = Arrival(
 )
 
 
-@pytest.fixture(params=["deleted"])
-def begun(open_changed: Open, request: pytest.FixtureRequest) -> Participant:
-    """Return a recruited participant of a study that promises something about withdrawal."""
-    promise = ("[page]\n", f'[page]\nwithdrawn = "{request.param}"\n')
+@pytest.fixture
+def begun(open_changed: Open) -> Participant:
+    """Return a recruited participant of a study that promises to delete withdrawn answers."""
+    promise = ("[page]\n", '[page]\nwithdrawn = "deleted"\n')
     return take_part(open_changed(promise, added=ELIGIBILITY), RECRUITED)
 
 
@@ -71,21 +70,6 @@ def test_promised_deletion_leaves_no_data(begun: Participant) -> None:
     assert (left.conditions, left.number, left.started_at) == ([], None, None)
     assert other.trial().position == 2
     assert len(read_once(database, responses_table)) == 2
-
-
-@pytest.mark.parametrize("begun", ["kept"], indirect=True)
-def test_kept_answers_are_stored_but_not_analysed(begun: Participant) -> None:
-    database = begun.database
-    before = counts(database)
-    assert len(read_once(database, responses_table)) == 2
-
-    begun.withdraw()
-
-    assert counts(database) == before
-    assert read_once(database, responses_table).empty
-    assert read_once(database, form_answers_table).empty
-    assert len(read_once(database, responses_table, withdrawn=True)) == 2
-    assert len(read_once(database, form_answers_table, withdrawn=True)) == 1
 
 
 def test_the_withdrawal_rule_at_consent_holds_after_the_study_changes_it(
