@@ -81,7 +81,8 @@ def store_answers(
         if missing > 0:
             raise UnacceptableError(
                 "About {seconds} s of the videos have not been played yet.",
-                "Please play them to the end, with sound and in view; your answers are kept.",
+                "Please play them to the end, with sound and in view; your answers are kept. "
+                "If you have done so, switch ad blockers off for this page.",
                 seconds=max(1, round(missing)),
             )
         now = clock.now()

@@ -6,10 +6,10 @@ import shutil
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Browser, Page, Route, expect
 
 from studyapp.database.engine import Database
-from tests.functional.browsing import IN_A_BROWSER, press
+from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, press
 from tests.functional.taking_part import (
     WATCHED,
     answers_of,
@@ -29,6 +29,9 @@ HEARD_TO_THE_END = """async audio => {
   await audio.play();
   audio.currentTime = audio.duration - 0.5;
 }"""
+IMPATIENT = (
+    "const { timeout } = AbortSignal; AbortSignal.timeout = () => timeout.call(AbortSignal, 1000);"
+)
 
 
 @pytest.fixture(scope="module")
@@ -123,3 +126,24 @@ def test_the_older_of_two_windows_stops(page: Page, address: str, database: Data
     expect(second.get_by_role("dialog")).to_be_visible()
     take_trial(page, 1)
     expect_trial(page, 2)
+
+
+def test_neither_a_proxys_page_nor_a_dead_connection_loses_anything(
+    browser: Browser, address: str, database: Database
+) -> None:
+    page = browser.new_page()  # the browser itself complains of status 408
+    page.set_default_timeout(PATIENCE_MS)
+    page.add_init_script(IMPATIENT)
+    enter(page, address, database)
+    opened = page.evaluate("performance.timeOrigin")
+    unanswered: list[Route] = []
+    page.route("**/watched/*", lambda route: route.fulfill(status=408, body="Late"), times=1)
+    page.route("**/answers", lambda route: unanswered.append(route), times=1)
+
+    take_trial(page, 1)
+    expect(page.locator("#problem")).to_contain_text("The connection is lost")
+    assert page.evaluate("performance.timeOrigin") == opened
+    expect_trial(page, 2)
+    assert len(unanswered) == 1
+    assert len(answers_of(page, database)) == 2
+    page.close()

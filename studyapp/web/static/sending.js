@@ -2,6 +2,7 @@
 
 const FIRST_WAIT_MS = 1000;
 const LONGEST_WAIT_MS = 15000;
+export const ANSWERED_MS = 30000; // what takes longer, as on a dead connection, is sent again
 
 // Resolves to an answer that is not the server's own failure; `lost` is called before each retry.
 export async function post(form, data, lost) {
@@ -12,6 +13,7 @@ export async function post(form, data, lost) {
         method: "POST",
         headers: { Accept: "application/json" },
         body: new URLSearchParams(data),
+        signal: AbortSignal.timeout?.(ANSWERED_MS),
       });
       if (answer.status < 500) return { ok: answer.ok, status: answer.status, ...(await answer.json()) };
     } catch {

@@ -64,7 +64,7 @@ export class Submission {
   showLost() {
     this.show(
       say("not saved yet"),
-      say("The connection is lost. Your answers are kept here, and we are trying again…"),
+      say("The connection is lost. Your answers are kept here, and we are trying again… If this lasts, please switch ad blockers off for this page."),
     );
   }
 

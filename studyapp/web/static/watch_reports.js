@@ -2,6 +2,7 @@
 // has a number: the server stores a number once, so that whatever may not have arrived is sent
 // again. What a page could not send before it was left, the next one sends.
 
+import { ANSWERED_MS } from "./sending.js";
 import { forget, recall, remember } from "./storage.js";
 
 const RETRY_MS = 2000;
@@ -112,9 +113,17 @@ export class WatchReports extends EventTarget {
           headers: { "Content-Type": "application/json", Accept: "application/json" },
           body,
           keepalive: true,
+          signal: AbortSignal.timeout?.(ANSWERED_MS),
         });
+        if (answer.status === 429) {
+          // Too many have come of late. It is sent again, and nobody needs to know.
+          const seconds = Number(answer.headers.get("Retry-After"));
+          await sleep(Math.min(1000 * seconds || RETRY_MS, LONGEST_WAIT_MS));
+          continue;
+        }
+        // A page of something between here and the server is no answer.
+        const known = await answer.json();
         if (answer.ok) {
-          const known = await answer.json();
           this.known = known.intervals;
           this.next = known.next_batch;
           // Another window has used the number: once more under the next one.
@@ -128,12 +137,6 @@ export class WatchReports extends EventTarget {
           this.queue.shift();
           this.dispatchEvent(new Event("change"));
           return;
-        }
-        if (answer.status === 429) {
-          // Too many have come of late. It is sent again, and nobody needs to know.
-          const seconds = Number(answer.headers.get("Retry-After"));
-          await sleep(Math.min(1000 * seconds || RETRY_MS, LONGEST_WAIT_MS));
-          continue;
         }
         if (answer.status < 500) {
           // Another window has moved on: show where the participant stands.

@@ -40,6 +40,7 @@ def test_eligibility_comes_before_consent_and_neither_stores_anything(asking: Fl
 
     assert answer.status_code == 200
     assert "You will watch" in second.text
+    assert all("switch JavaScript on" in page.one("noscript").text for page in (first, second))
     assert second.value("[name=PROLIFIC_PID]", "value") == "p1"
     assert second.value("[name='form:adult']", "value") == "yes"
     assert is_nobody_stored(asking)
