@@ -25,7 +25,6 @@ from studyapp.monitoring.study_sessions import (
 from studyapp.researchers.account import Right
 from studyapp.researchers.audit import (
     MAX_LINES,
-    MAX_REASON_LENGTH,
     detail_label,
     event_label,
     latest_changes,
@@ -164,7 +163,6 @@ def study_session(
         rules=[rule.to_rule().description for rule in site.study.settled_exclusions],
         problem=problem,
         reason=reason,
-        longest=MAX_REASON_LENGTH,
     )
 
 
