@@ -201,7 +201,7 @@ def test_every_page_is_small_identical_for_all_and_accessible(
     assert {"consent", "trial", "completed"} <= kinds
 
 
-def test_every_side_page_is_accessible_and_withdrawing_deletes(
+def test_every_side_page_is_accessible_withdrawing_deletes_and_phones_are_offered_the_link(
     browser: Browser, tmp_path: Path
 ) -> None:
     write_shown_study(tmp_path / "players", "players")
@@ -260,10 +260,6 @@ def test_every_side_page_is_accessible_and_withdrawing_deletes(
             assert stored.trials == []
         page.context.close()
 
-
-def test_the_page_for_phones_offers_the_link(browser: Browser, tmp_path: Path) -> None:
-    write_shown_study(tmp_path / "players", "players")
-    with shown(tmp_path / "players") as (address, _):
         link = f"{address}/?PROLIFIC_PID=p2"
         phone = browser.new_page(viewport=SIZES["phone"], is_mobile=True, has_touch=True)
         phone.context.grant_permissions(["clipboard-read", "clipboard-write"])
