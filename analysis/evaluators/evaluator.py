@@ -227,8 +227,7 @@ class Evaluator:
 
 def in_batches(network: Callable[[Tensor], Tensor], windows: Tensor) -> Tensor:
     """Return a network's output for windows, shape (n, ...), computed in batches."""
-    starts = range(0, len(windows), _BATCH_SIZE)
-    return torch.cat([network(windows[start : start + _BATCH_SIZE]) for start in starts])
+    return torch.cat([network(batch) for batch in torch.split(windows, _BATCH_SIZE)])
 
 
 def write_evaluator(path: Path, evaluator: Evaluator) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -87,11 +87,6 @@ class Examples:
         index = torch.from_numpy(rows).to(self.starts.device)
         within = torch.arange(self.window, device=self.starts.device)
         return self.frames[self.starts[index][:, None] + within], self.labels[index]
-
-    def batches(self, size: int) -> Iterator[tuple[Tensor, Tensor]]:
-        """Yield all windows in turn, at most `size` at once."""
-        for start in range(0, len(self), size):
-            yield self.batch(np.arange(start, min(start + size, len(self))))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -231,7 +226,8 @@ class FeatureTask:
     def validation(self, network: Network) -> Mapping[str, float]:
         """Return the network's measurements on held-out windows, the loss first."""
         sums: defaultdict[str, float] = defaultdict(float)
-        for windows, labels in self.held_out.batches(_BATCH_SIZE):
+        for rows in torch.split(torch.arange(len(self.held_out)), _BATCH_SIZE):
+            windows, labels = self.held_out.batch(rows.numpy())
             for name, value in network.measured(windows, labels).items():
                 sums[name] += float(value) * len(windows)
         return {name: value / len(self.held_out) for name, value in sums.items()}

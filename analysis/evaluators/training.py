@@ -22,7 +22,6 @@ from analysis.evaluators.examples import FeatureTask, Split, split
 from analysis.evaluators.training_clips import (
     ClipSource,
     TrainingClips,
-    labels_in_order,
     read_training_clips,
 )
 from motion.arrays import Floats32
@@ -102,7 +101,9 @@ def train_evaluator(
         show=show_reading,
     )
     emotions = [source.emotion if request.kind == "emotion" else "" for source in clips.sources]
-    labels = labels_in_order(emotions, EMOTIONS)
+    # The emotions known everywhere come in their own order, the others by name.
+    in_order = dict.fromkeys((*EMOTIONS, *sorted(emotions)))
+    labels = tuple(name for name in in_order if name in emotions)
     _check_clips(clips, labels, request.kind)
     design = Design(
         kind=request.kind,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,10 +122,3 @@ def read_training_clips(
         if show is not None:
             show(number, len(ordered))
     return TrainingClips(sources=tuple(used), frames=tuple(frames), skipped=tuple(skipped))
-
-
-def labels_in_order(emotions: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
-    """Return each emotion once: the `known` ones in their order, then the others by name."""
-    present = set(emotions)
-    others = sorted(present.difference(known))
-    return (*(name for name in known if name in present), *others)
