@@ -112,14 +112,14 @@ class BodyModel:
             return native
         return np.clip(foreign @ matrix, 0, 1) if self.has_arkit_slots else foreign @ matrix.T
 
-    def expression_weights(self, clip: MotionClip) -> Floats32 | None:
-        """Return the weight of each expression direction, shape (n, E); None where all are 0.
+    def expression_weights(self, clip: MotionClip) -> Floats32:
+        """Return the weight of each expression direction, shape (n, E), or (n, 0) if all are 0.
 
         The weight of jawOpen is reduced by the opening of the jaw joint.
         """
         values = self.face(clip)
         if values is None or not np.any(values):
-            return None
+            return np.zeros((len(clip), 0), np.float32)
         slots = self.expression_directions.shape[2]
         weights = np.zeros((len(values), slots), np.float32)
         weights[:, : values.shape[1]] = values[:, :slots]
@@ -187,7 +187,7 @@ class BodyModel:
         """Return the vertices before skinning, shape (n, V, 3), of the body of shape `shaped`."""
         result = np.repeat(shaped[None], len(clip), axis=0)
         coefficients = self.expression_weights(clip)
-        if coefficients is not None:
+        if coefficients.size:
             moved_vertices, directions, _ = self._expression_parts
             result[:, moved_vertices] += np.tensordot(coefficients, directions, axes=(1, 2))
         if self.pose_directions is not None:
@@ -200,7 +200,7 @@ class BodyModel:
         """Return the joints of the unposed body in each frame, shape (n, 55, 3)."""
         joints = np.broadcast_to(self.joint_regressor @ shaped, (len(clip), JOINT_COUNT, 3))
         coefficients = self.expression_weights(clip)
-        if coefficients is None:
+        if not coefficients.size:
             return joints
         joint_directions = self._expression_parts[2]
         return np.asarray(joints + np.tensordot(coefficients, joint_directions, axes=(1, 2)))

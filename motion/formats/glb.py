@@ -52,8 +52,6 @@ def write_glb(path: Path, clip: MotionClip, body: BodyModel, *, speech: str = ""
     turns = _joint_quaternions(clip, body)
     joints = _joint_nodes(clip, body, turns[0])
     weights = body.expression_weights(clip)
-    if weights is None:
-        weights = np.zeros((len(clip), 0), np.float32)
     slots = np.flatnonzero(np.any(weights, axis=0))
     mesh = _mesh(binary, clip, body, slots)
     document = {

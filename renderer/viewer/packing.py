@@ -150,13 +150,10 @@ def track(clip: MotionClip, body: BodyModel) -> bytes:
         and weights of the body's expressions, (T, E), each in the steps given by the facts.
     """
     turns = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_rotvec()
-    weights = body.expression_weights(clip)
-    if weights is None:
-        weights = np.zeros((len(clip), 0), np.float32)
     stepped = {
         "turns": quantise(turns.reshape(len(clip), -1), TURN_STEP),
         "shifts": quantise(clip.trans, _SHIFT_STEP),
-        "weights": quantise(weights, _WEIGHT_STEP),
+        "weights": quantise(body.expression_weights(clip), _WEIGHT_STEP),
     }
     return pack(
         {

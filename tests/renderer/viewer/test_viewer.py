@@ -107,7 +107,6 @@ def test_ten_seconds_of_body_and_face_take_less_than_60_kilobytes(body: BodyMode
     assert values["weights"].shape == (300, ARKIT_COUNT)
     weights = values["weights"] * facts["steps"]["weights"]
     expected = body.expression_weights(clip)
-    assert expected is not None
     assert np.abs(weights - expected).max() < 0.0021
     shifts = values["shifts"] * facts["steps"]["shifts"]
     assert np.abs(shifts - clip.trans).max() < 1e-4
