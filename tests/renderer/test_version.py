@@ -16,7 +16,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from motion.arrays import Floats
+from motion.arrays import Floats, Floats32
 from renderer.figures.sheet import draw_cell, glance_at
 from renderer.jobs.doing import Stages, do_job
 from renderer.look import CELL_VERSION, COPY_VERSION, RENDERER_VERSION, Look
@@ -24,6 +24,7 @@ from renderer.stream_copy import copy_video
 from renderer.video_jobs import ClipJob, DubJob
 from tests.renderer.conftest import SECONDS
 from tests.renderer.jobs.sample_jobs import pair_of
+from tests.support.encoded import pictures_of, sound_of
 from tests.support.fingerprint import fingerprint
 
 BLOCK = 16
@@ -63,12 +64,8 @@ def moments(video: Path) -> Floats:
         )
 
 
-def seen_and_heard(video: Path) -> list[Floats]:
-    with av.open(str(video)) as container:
-        frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
-        container.seek(0)
-        sound = [frame.to_ndarray() for frame in container.decode(audio=0)]
-    return [blocks(np.array(frames)), np.concatenate(sound, axis=1)]
+def seen_and_heard(video: Path) -> list[Floats | Floats32]:
+    return [blocks(pictures_of(video)), sound_of(video)]
 
 
 def blocks(pictures: NDArray[np.uint8]) -> Floats:

@@ -31,6 +31,7 @@ from tests.motion.random_clips import clip_of
 from tests.renderer.conftest import SECONDS
 from tests.renderer.golden_frames import assert_like_golden
 from tests.renderer.jobs.sample_jobs import pair_of
+from tests.support.encoded import pictures_of, sound_of
 
 FRAMES = round(SECONDS * 30)
 
@@ -93,11 +94,6 @@ def pair(
     return studio.compose(moving, still, tmp_path_factory.mktemp("pair") / "pair.mp4")
 
 
-def _pictures(path: Path) -> np.ndarray:
-    with av.open(str(path)) as container:
-        return np.array([frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)])
-
-
 @pytest.fixture(params=["clip", "pair"])
 def video(request: pytest.FixtureRequest, rendered: tuple[Path, Path], pair: Path) -> Path:
     return rendered[0] if request.param == "clip" else pair
@@ -130,7 +126,7 @@ def test_sound_lasts_as_long_as_the_picture_and_starts_with_it(video: Path) -> N
         stream = container.streams.audio[0]
         assert (stream.codec_context.name, stream.rate) == ("aac", 48000)
         assert float(lasting(stream)) == pytest.approx(SECONDS, abs=1024 / 48000)
-        sound = np.concatenate([frame.to_ndarray()[0] for frame in container.decode(stream)])
+    sound = sound_of(video)
     loud = np.flatnonzero(np.abs(sound) > 0.05)
     assert loud[0] < 0.03 * 48000
     assert integrated_loudness(Audio(sound, 48000)) == pytest.approx(TARGET, abs=0.3)
@@ -179,7 +175,7 @@ def test_labels_are_the_same_in_both_orders(
     pair: Path, moving: Path, still: Path, studio: Studio, tmp_path: Path
 ) -> None:
     swapped = studio.compose(still, moving, tmp_path / "other.mp4")
-    one, other = (_pictures(video)[0].astype(int) for video in (pair, swapped))
+    one, other = (pictures_of(video)[0].astype(int) for video in (pair, swapped))
     for corner in (np.s_[:20, :20], np.s_[:20, 160:180]):
         assert np.abs(one[corner] - other[corner]).max() <= 6
         assert one[corner].min() < 120
@@ -187,7 +183,7 @@ def test_labels_are_the_same_in_both_orders(
 
 
 def test_a_pair_matches_its_golden_picture(pair: Path, tmp_path: Path) -> None:
-    assert_like_golden(_pictures(pair)[12], "pair", tmp_path)
+    assert_like_golden(pictures_of(pair)[12], "pair", tmp_path)
 
 
 def test_a_pair_on_a_dark_background_matches_its_golden_picture(
@@ -197,7 +193,7 @@ def test_a_pair_on_a_dark_background_matches_its_golden_picture(
     with opened(replace(job, look=dark)) as studio:
         _, frames = studio.render(tmp_path)
     pair = studio.compose(frames, frames, tmp_path / "pair.mp4")
-    assert_like_golden(_pictures(pair)[0], "pair-on-dark", tmp_path)
+    assert_like_golden(pictures_of(pair)[0], "pair-on-dark", tmp_path)
 
 
 def test_missing_or_broken_frames_are_refused_without_a_partial_file(

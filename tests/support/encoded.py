@@ -1,4 +1,4 @@
-"""Videos as other tools write them, with metadata."""
+"""Videos as other tools write them, with metadata, and what videos show."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from av.audio.stream import AudioStream
 from av.video.stream import VideoStream
 from numpy.typing import NDArray
 
+from motion.arrays import Floats32
 from motion.audio import Audio
 from renderer.encoder import SOUND_RATE
 from tests.support.sounds import tone
@@ -79,3 +80,15 @@ def write_video(
             container.mux(video.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
         container.mux(video.encode(None))
         container.mux(packets)
+
+
+def pictures_of(video: Path) -> NDArray[np.uint8]:
+    """Return the frames of a video, (frames, height, width, 3)."""
+    with av.open(str(video)) as container:
+        return np.array([frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)])
+
+
+def sound_of(video: Path) -> Floats32:
+    """Return the samples of a video's sound."""
+    with av.open(str(video)) as container:
+        return np.concatenate([frame.to_ndarray()[0] for frame in container.decode(audio=0)])

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator
 from itertools import combinations
 from pathlib import Path
 
-import av
 import numpy as np
 import pytest
 
@@ -15,6 +14,7 @@ from renderer.encoder import SOUND_RATE
 from renderer.figures.grid_video import GridLayout, Panel, write_grid
 from renderer.framing import Camera
 from renderer.look import BACKGROUND, Look
+from tests.support.encoded import pictures_of, sound_of
 from tests.support.sounds import tone
 
 Clips = tuple[MotionClip, MotionClip]
@@ -48,17 +48,6 @@ def write(stage: Stage, camera: Camera) -> Write:
     return write
 
 
-def pictures(path: Path) -> np.ndarray:
-    with av.open(str(path)) as container:
-        frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
-    return np.array(frames).astype(int)
-
-
-def sound_of(path: Path) -> np.ndarray:
-    with av.open(str(path)) as container:
-        return np.concatenate([frame.to_ndarray()[0] for frame in container.decode(audio=0)])
-
-
 @pytest.fixture(scope="module")
 def grid(write: Write, clips: Clips, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(clips, tmp_path_factory.mktemp("grid") / "grid.mp4")
@@ -84,7 +73,7 @@ def test_each_clip_is_in_its_place_in_every_frame_with_the_speech(
     grid: Path, stage: Stage, clips: Clips
 ) -> None:
     assert sound_of(grid)[4800:-4800].std() > 0.02
-    frames = pictures(grid)
+    frames = pictures_of(grid).astype(int)
     assert len(frames) == round(SECONDS * 30)
     layout = GridLayout(count=2, size=SIZE, text="words")
     for number in (0, 7, 11):
@@ -97,7 +86,7 @@ def test_each_clip_is_in_its_place_in_every_frame_with_the_speech(
 
 def test_names_words_and_time_stand_below(grid: Path) -> None:
     layout = GridLayout(count=2, size=SIZE, text="words")
-    first, last = pictures(grid)[[0, -1]]
+    first, last = pictures_of(grid)[[0, -1]].astype(int)
     ink = np.abs(first - BACKGROUND).max(axis=-1) > 60
     captions = ink[SIZE : SIZE + layout.caption_height]
     assert captions[:, :SIZE].any()
@@ -112,7 +101,7 @@ def test_slow_motion_is_longer_silent_and_labelled(
 ) -> None:
     slow = tuple(resample(clip, 120) for clip in clips)
     video = write(slow, tmp_path / "slow.mp4", speed=0.25, text="")
-    frames = pictures(video)
+    frames = pictures_of(video).astype(int)
     assert len(frames) == round(SECONDS * 30 / 0.25)
     assert np.abs(sound_of(video)).max() < 1e-3
     layout = GridLayout(count=2, size=SIZE)
