@@ -59,15 +59,10 @@ from training.spaces.smplx_bodies import (
     smplx_6d_values,
 )
 
-DATA = Path(__file__).parents[4] / "shared" / "data"
-
 
 @pytest.fixture(scope="module")
-def recording() -> BvhMotion:
-    path = DATA / "2_scott_0_1_1.bvh"
-    if not path.exists():
-        pytest.skip("the recording of BEAT is not here")
-    whole = settle_first_frame(read_bvh(path, frame_rate=15))
+def recording(shared_data: Path) -> BvhMotion:
+    whole = settle_first_frame(read_bvh(shared_data / "2_scott_0_1_1.bvh", frame_rate=15))
     return replace(whole, values=whole.values[:150])
 
 
@@ -82,11 +77,9 @@ def degrees_apart(one: MotionClip, other: MotionClip) -> dict[str, float]:
 
 
 def test_a_recording_fits_the_released_means_and_deviations(
-    recording: BvhMotion,
+    recording: BvhMotion, shared_data: Path
 ) -> None:
-    if not (DATA / "diffsheg_stats").exists():
-        pytest.skip("the released means are not here")
-    known = read_normalisation(DATA / "diffsheg_stats", BEAT)
+    known = read_normalisation(shared_data / "diffsheg_stats", BEAT)
     body = body_values(recording)
     faces = np.tile(known.mean[141:], (len(body), 1))
     right = known.normalised(np.concatenate([body, faces], axis=1))[:, :141]

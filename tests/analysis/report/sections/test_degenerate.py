@@ -10,12 +10,11 @@ from analysis.report.content import FigureText, Section
 from analysis.report.sections.heterogeneity import effects, heterogeneity_section
 from analysis.report.sections.preferences import pairwise_groups, preference_pictures
 from analysis.results.pairwise import PairwiseResults
-from analysis.results.report import TableReport
+from tests.analysis.report.sections.conftest import Analyse
 from tests.analysis.report.sections.reading import drawn, present, told
 from tests.analysis.report.subjects import headline, subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table
 
-Analyse = Callable[[str, pd.DataFrame], TableReport]
 Sections = Mapping[str, tuple[Section, ...]]
 
 PROTOCOLS = tuple(TABLES)
