@@ -185,7 +185,9 @@ def _outcome(study: Study, trial: Trial) -> str:
 def _own_events(study_session: StudySession) -> Iterator[Event]:
     """Yield what happened, trial after trial."""
     yield Event(at=study_session.consented_at, what="Agreed to take part")
-    yield from _form_events(study_session.form_answers)
+    forms = dict.fromkeys((each.answered_at, each.stage) for each in study_session.form_answers)
+    for moment, stage in forms:
+        yield Event(at=moment, what=f"Answered {_ASKED[stage]}")
     if study_session.sound_checked_at is not None:
         tries = (
             f" after {study_session.sound_tries} wrong tries" if study_session.sound_tries else ""
@@ -208,11 +210,6 @@ _ASKED: Final = {
     "comprehension": "the questions about the instructions",
     "closing": "the last questions",
 }
-
-
-def _form_events(answers: list[FormAnswer]) -> Iterator[Event]:
-    for moment, stage in dict.fromkeys((each.answered_at, each.stage) for each in answers):
-        yield Event(at=moment, what=f"Answered {_ASKED[stage]}")
 
 
 def _trial_events(trial: Trial) -> Iterator[Event]:

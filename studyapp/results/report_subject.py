@@ -49,7 +49,9 @@ def study_subject(
         conditions=compared_conditions(study),
         labels=study.display_names,
         questions={question.name: question.text for question in study.questions},
-        reference=_reference(study),
+        reference=study.reference
+        if isinstance(study, PairwiseStudy) and study.has_reference_arms
+        else None,
         recorded=GROUND_TRUTH if study.has_recording else None,
         generative={
             name: condition.generative
@@ -75,12 +77,6 @@ def study_subject(
         stills=stills,
         no_stills=no_stills,
     )
-
-
-def _reference(study: Study) -> str | None:
-    if isinstance(study, PairwiseStudy) and study.has_reference_arms:
-        return study.reference
-    return None
 
 
 def _scale_labels(study: Study) -> Mapping[str, tuple[str, ...]]:

@@ -67,7 +67,9 @@ def test_a_shared_folder_identifies_nobody(
     assert form["comment"].tolist()[2] == "'" + FORMULA
 
 
-def test_the_folder_follows_bids(passed_on: tuple[StudyFolder, Path]) -> None:
+def test_the_folder_follows_bids_and_lists_every_video_with_its_checksum(
+    passed_on: tuple[StudyFolder, Path],
+) -> None:
     _, out = passed_on
 
     described = json.loads((out / "dataset_description.json").read_text("utf-8"))
@@ -94,6 +96,8 @@ def test_the_folder_follows_bids(passed_on: tuple[StudyFolder, Path]) -> None:
         assert all(meanings[column]["Description"] for column in cells.columns)
         assert not (cells == "").any(axis=None), name
     assert len(sidecars) == 6
+    stimuli = pd.read_csv(out / "sourcedata" / "stimuli.tsv", sep="\t")
+    assert len(stimuli) and stimuli["sha256"].str.fullmatch("[0-9a-f]{64}").all()
 
 
 def test_a_rehearsal_is_marked_and_the_read_me_names_files_that_are_there(
@@ -117,13 +121,6 @@ def test_a_rehearsal_is_marked_and_the_read_me_names_files_that_are_there(
         assert len(named) > 5
         assert [name for name in named if not any(out.glob(name))] == []
     assert "no person answered" not in text_of(files_of(passed_on[1]))
-
-
-def test_every_video_is_listed_with_its_checksum(passed_on: tuple[StudyFolder, Path]) -> None:
-    _, out = passed_on
-
-    stimuli = pd.read_csv(out / "sourcedata" / "stimuli.tsv", sep="\t")
-    assert len(stimuli) and stimuli["sha256"].str.fullmatch("[0-9a-f]{64}").all()
 
 
 def test_only_the_number_of_withdrawn_participants_is_shared(

@@ -117,21 +117,17 @@ def test_exports_contain_nothing_that_identifies_a_participant(made: Made) -> No
 
 
 def test_a_participant_has_one_pseudonym_in_all_tables_and_exports(
-    answered: Answered, tmp_path: Path
+    made: Made, tmp_path: Path
 ) -> None:
-    folder = answered("pairwise")
-    for name in ("first", "second"):
-        export(folder, tmp_path / name / "answers.csv")
+    folder, first = made[0], made[1].files[0].parent
+    export(folder, tmp_path / "answers.csv")
 
-    first, second = (
-        [(tmp_path / name / f"answers{table}.csv").read_bytes() for table in ("", "_participants")]
-        for name in ("first", "second")
-    )
-    assert first == second
-    people = read(tmp_path / "first", PARTICIPANTS).set_index("study_session")["participant"]
+    for name in ("answers.csv", "answers_participants.csv"):
+        assert (tmp_path / name).read_bytes() == (first / name).read_bytes()
+    people = read(first, PARTICIPANTS).set_index("study_session")["participant"]
     assert people.is_unique and len(people) == 3
     for table in (ANSWERS, FORM, WATCHING):
-        rows = read(tmp_path / "first", table)
+        rows = read(first, table)
         assert (rows["participant"] == rows["study_session"].map(people)).all()
     assert folder.pseudonym_key.stat().st_mode & 0o777 == 0o600
 
