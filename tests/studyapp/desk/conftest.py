@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import closing
@@ -25,6 +26,12 @@ Joined = Callable[[Role], ResearchBrowser]
 @pytest.fixture(autouse=True)
 def hashing_costs_little(cheap_passwords: None) -> None:
     """Spare these tests the cost of real hashes."""
+
+
+@pytest.fixture(autouse=True)
+def studies_are_read_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read changed studies at the next request also on a busy machine."""
+    monkeypatch.setattr("studyapp.desk.lab.QUICK_SECONDS", math.inf)
 
 
 @pytest.fixture
