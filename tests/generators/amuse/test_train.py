@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -25,7 +23,6 @@ from tests.generators.small_training import Learn, require_one_device, training_
 from tests.training.takes import take_named, takes_of_curves
 from training.data.feature_cache import PreparedTakes
 from training.data.windows import Windows
-from training.run.loop import TrainingStopped
 
 FRAMES = 12
 
@@ -109,20 +106,6 @@ def test_training_runs_on_the_chosen_device(
     learn: Learn, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     require_one_device(monkeypatch, lambda: learn(8, tmp_path / "out.safetensors"))
-
-
-def test_a_resumed_training_ends_in_the_same_bytes(learn: Learn, tmp_path: Path) -> None:
-    whole, parts = tmp_path / "whole.safetensors", tmp_path / "parts.safetensors"
-
-    def stop(done: int, total: int, detail: str) -> None:
-        if done == 2:
-            os.kill(os.getpid(), signal.SIGINT)
-
-    learn(4, whole)
-    with pytest.raises(TrainingStopped):
-        learn(4, parts, show=stop)
-    learn(4, parts)
-    assert whole.read_bytes() == parts.read_bytes()
 
 
 def test_emotion_and_style_are_given_by_name_at_the_chosen_rate(
