@@ -15,7 +15,7 @@ from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.pages import BrokenPageError, Form, FormFields, Page, Player
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.rehearsal.simulation.raters import Judgement, Rater, judge
+from studyapp.rehearsal.simulation.raters import Rater, judge
 from studyapp.study.settings.study import Study
 from studyapp.web.participants.participant import FORM_FIELD
 
@@ -236,7 +236,7 @@ class Participant:
                 raise BrokenPageError(page, "comes back although it was answered")
             before = step
             if not page.is_trial:
-                page = self.fill(visit, page, self._form_answers(visit, page))
+                page = visit.send(page, page.next_form, self._form_answers(visit, page))
                 continue
             sight = self.eyes.look(page)
             position = sight.position
@@ -255,19 +255,11 @@ class Participant:
                 clicks_twice=rater.clicks_twice,
             )
             judgement = judge(self.study, rater, sight)
-            page = self.answer(visit, page, judgement)
+            visit.watch(page)
+            page = visit.send(page, page.answer_form, judgement.fields())
             self.ledger.answered(self.name, trial, judgement.values)
         self.ledger.completed(self.name, code)
         return code
-
-    def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
-        """Watch the videos on `page`, send the answers, and return the page that follows."""
-        visit.watch(page)
-        return visit.send(page, page.answer_form, judgement.fields())
-
-    def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
-        """Send the form of `page` and return the page that follows."""
-        return visit.send(page, page.next_form, answers)
 
     def _form_answers(self, visit: Visit, page: Page) -> FormFields:
         """Listen to the sounds of `page`, and return this participant's answers to its form."""

@@ -41,7 +41,8 @@ def intervals_in_words(recovery: Recovery) -> str:
             "No true value could be estimated: too few participants answered, or ranks may be tied."
         )
     without = len(recovery.values) - recovery.intervals
-    none = f" {wording.count(without, 'number')} {_has(without)} no interval." if without else ""
+    has = "has" if without == 1 else "have"
+    none = f" {wording.count(without, 'number')} {has} no interval." if without else ""
     intervals = wording.count(recovery.intervals, "interval")
     return (
         f"{recovery.intervals - recovery.missed} of {intervals} "
@@ -146,10 +147,6 @@ def counts_in_words(recovery: Recovery) -> str:
 
 def _is(number: int) -> str:
     return "is" if number == 1 else "are"
-
-
-def _has(number: int) -> str:
-    return "has" if number == 1 else "have"
 
 
 def values_in_words(recovery: Recovery) -> tuple[Sequence[str], Sequence[Sequence[str]]]:

@@ -23,8 +23,6 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli
 from studyapp.study.settings.study import Study
 
-_SQLITE_ENDINGS: Final = ("", "-wal", "-shm")
-
 MAX_DROPOUT_FACTOR: Final = 3
 """Dropouts that are replaced, relative to the requested participants."""
 
@@ -88,7 +86,7 @@ def prepare(
         if not difference:
             return truth, "An earlier rehearsal of this study is continued."
         note = f"The answers of an earlier rehearsal were removed: {difference}."
-    for ending in _SQLITE_ENDINGS:
+    for ending in ("", "-wal", "-shm"):
         folder.rehearsal.with_name(folder.rehearsal.name + ending).unlink(missing_ok=True)
     folder.acknowledged.unlink(missing_ok=True)
     write_truth(folder.rehearsal_truth, truth)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import count
 from typing import Final, Literal, get_args
 
 import numpy as np
 from scipy.special import logit
 
-from studyapp.study.settings.rehearsal import stated_strength
+from studyapp.study.settings.rehearsal import EVERY_QUESTION
 from studyapp.study.settings.study import GROUND_TRUTH, Study
 
 Kind = Literal[
@@ -191,13 +192,15 @@ def _as_stated(
     guessed: Mapping[str, Mapping[str, float]], stated: Mapping[str, Mapping[str, float]]
 ) -> dict[str, dict[str, float]]:
     """Return what is stated of each condition and question, and what is guessed of the others."""
-    found: dict[str, dict[str, float]] = {}
-    for condition, by_question in guessed.items():
-        found[condition] = {}
-        for question, guess in by_question.items():
-            known = stated_strength(stated, condition, question)
-            found[condition][question] = guess if known is None else known
-    return found
+
+    def value(condition: str, question: str, guess: float) -> float:
+        by_question = stated.get(condition, {})
+        return by_question.get(question, by_question.get(EVERY_QUESTION, guess))
+
+    return {
+        condition: {question: value(condition, question, guess) for question, guess in each.items()}
+        for condition, each in guessed.items()
+    }
 
 
 def _general_qualities(study: Study) -> dict[str, float]:
@@ -206,11 +209,8 @@ def _general_qualities(study: Study) -> dict[str, float]:
         name: QUALITY.get(name, QUALITY.get(condition.generator or ""))
         for name, condition in study.conditions.items()
     }
-    unknown: Sequence[str] = [name for name, value in known.items() if value is None]
-    guesses = {
-        name: max(0.0, FIRST_UNKNOWN - STEP_UNKNOWN * index) for index, name in enumerate(unknown)
-    }
-    return {name: guesses[name] if value is None else value for name, value in known.items()}
+    guesses = (max(0.0, FIRST_UNKNOWN - STEP_UNKNOWN * index) for index in count())
+    return {name: next(guesses) if value is None else value for name, value in known.items()}
 
 
 def preference_thresholds(population: Population, levels: int) -> tuple[float, ...]:

@@ -116,9 +116,8 @@ class Rater:
     @cached_property
     def side_bias(self) -> float:
         """Its own pull towards the right video, in logits."""
-        draw = stream(self.seed, "side", self.name).standard_normal()
-        usual = self.population.side_bias + self.population.side_bias_sd * float(draw)
-        return usual + self.pull
+        draw = standard_normal(self.seed, "side", self.name)
+        return self.population.side_bias + self.population.side_bias_sd * draw + self.pull
 
     @cached_property
     def pull(self) -> float:
@@ -136,8 +135,7 @@ class Rater:
     @cached_property
     def leniency(self) -> float:
         """How much better than others it rates everything, in logits."""
-        draw = stream(self.seed, "leniency", self.name).standard_normal()
-        return self.population.leniency_sd * float(draw)
+        return self.population.leniency_sd * standard_normal(self.seed, "leniency", self.name)
 
     def leaves_at(self, trials: int) -> int | None:
         """Return at which of so many trials, from 1, it leaves; None if it stays."""

@@ -117,27 +117,29 @@ def _pair(
     items: _Items, pair: tuple[str, str], question: str, *, part: str = "", ties: bool = True
 ) -> KnownValue:
     first, second = pair
-    population = items.population
-    value, on_these = _averages(
-        lambda gap, spread: win_share(population, float(gap[0]), spread, ties=ties),
-        gaps=np.array([items.quality(first, question) - items.quality(second, question)]),
-        luck=(items.luck(first, question) - items.luck(second, question))[:, None],
-        people_sd=population.participant_sd,
-        item_sd=population.item_sd,
-    )
-    return _expected("win_share", comparison_name(*pair), part, question, value, on_these)
+    gap = items.quality(first, question) - items.quality(second, question)
+    luck = items.luck(first, question) - items.luck(second, question)
+    shares = _win_shares(items.population, gap, luck, ties=ties)
+    return _expected("win_share", comparison_name(*pair), part, question, *shares)
 
 
 def _own_speech(items: _Items, condition: str, question: str, *, ties: bool) -> KnownValue:
-    population = items.population
-    value, on_these = _averages(
-        lambda gap, spread: win_share(population, float(gap[0]), spread, ties=ties),
-        gaps=np.array([population.belonging[condition][question]]),
-        luck=items.luck(condition, question, speech_fit)[:, None],
+    gap = items.population.belonging[condition][question]
+    luck = items.luck(condition, question, speech_fit)
+    shares = _win_shares(items.population, gap, luck, ties=ties)
+    return _expected("own_speech", condition, FIT, question, *shares)
+
+
+def _win_shares(
+    population: Population, gap: float, luck: np.ndarray, *, ties: bool
+) -> tuple[float, float]:
+    return _averages(
+        lambda gaps, spread: win_share(population, float(gaps[0]), spread, ties=ties),
+        gaps=np.array([gap]),
+        luck=luck[:, None],
         people_sd=population.participant_sd,
         item_sd=population.item_sd,
     )
-    return _expected("own_speech", condition, FIT, question, value, on_these)
 
 
 def _rating(

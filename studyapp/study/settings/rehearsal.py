@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Annotated, Any, Final, Self
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -104,11 +104,3 @@ class Rehearsal(Section):
                     if question not in (*questions, EVERY_QUESTION)
                 ]
         return problems
-
-
-def stated_strength(
-    strengths: Mapping[str, Mapping[str, float]], condition: str, question: str
-) -> float | None:
-    """Return the stated strength of a condition on a question, or None."""
-    by_question = strengths.get(condition, {})
-    return by_question.get(question, by_question.get(EVERY_QUESTION))

@@ -125,19 +125,26 @@ def test_every_answer_of_every_kind_of_participant_is_stored_once(
     assert dict(stored) == acknowledged.answers
 
 
-def test_stated_values_replace_defaults(study: PairwiseStudy) -> None:
+def test_stated_values_replace_defaults_and_a_star_stands_for_all_other_questions(
+    study: PairwiseStudy,
+) -> None:
     stated = Rehearsal.model_validate(
         {
             "careless": 0.2,
             "hasty": 0,
             "segments_differ": 0.1,
-            "strength": {"rule_based": 2, "static": {"emotion": -0.25}},
+            "strength": {
+                "rule_based": 2,
+                "static": {"emotion": -0.25},
+                "brought": {"emotion": 0.25, "*": -1},
+            },
             "own_speech": {"rule_based": {"rhythm": 0.4}},
         }
     )
     people = default_population(study.model_copy(update={"rehearsal": stated}))
     assert people.quality["rule_based"] == {"rhythm": 2, "emotion": 2}
     assert people.quality["static"] == {"rhythm": -1.0, "emotion": -0.25}
+    assert people.quality["brought"] == {"rhythm": -1, "emotion": 0.25}
     assert people.quality["mismatched"] == default_population(study).quality["mismatched"]
     assert people.belonging["rule_based"] == {"rhythm": 0.4, "emotion": 3.0}
     assert (people.kinds["careless"], people.kinds["hasty"], people.item_sd) == (0.2, 0.0, 0.1)

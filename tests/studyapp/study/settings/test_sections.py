@@ -13,7 +13,7 @@ from studyapp.study.settings.recruitment import (
     code_weakness,
     draw_code,
 )
-from studyapp.study.settings.rehearsal import Rehearsal, stated_strength
+from studyapp.study.settings.rehearsal import Rehearsal
 from studyapp.study.study_file import render_template
 from tests.support.studies.made_study import CODES, make_study
 
@@ -163,12 +163,3 @@ def test_every_template_states_the_defaults(protocol: str) -> None:
     )
     study = parse_text(text.replace(commented, f"{stated}\n\n"), where="study.toml")
     assert study.rehearsal.strength
-
-
-def test_a_single_number_applies_to_every_unnamed_question() -> None:
-    stated = {"rule_based": 1, "mismatched": {"emotion": 0.25, "*": -1}}
-    strength = make_study(rehearsal={"strength": stated}).rehearsal.strength
-    assert stated_strength(strength, "rule_based", "emotion") == 1
-    assert stated_strength(strength, "mismatched", "emotion") == 0.25
-    assert stated_strength(strength, "mismatched", "rhythm") == -1
-    assert stated_strength(strength, "broken", "emotion") is None
