@@ -89,7 +89,7 @@ def read_manifest(archive: Path) -> Manifest:
         If it is not a backup.
     """
     with _open(archive) as tar:
-        return _read_manifest(tar, archive)
+        return _read_manifest(tar)
 
 
 def read_archive(
@@ -114,22 +114,18 @@ def read_archive(
         If anything differs from the manifest. Files written until then are kept.
     """
     with _open(archive) as tar:
-        manifest = _read_manifest(tar, archive)
+        manifest = _read_manifest(tar)
         accept(manifest)
         for done, entry in enumerate(manifest.files, 1):
             member = tar.next()
             if member is None:
-                raise InputError(f"{entry.path} is missing", where=archive, remedy=REMEDY)
-            _require_plain_file(member, entry.path, entry.size, archive)
+                raise _UnusableError(f"{entry.path} is missing")
+            _require_plain_file(member, entry.path, entry.size)
             if _extract(tar, member, target_of(entry)) != entry.sha256:
-                raise InputError(
-                    f"{entry.path} differs from what was backed up", where=archive, remedy=REMEDY
-                )
+                raise _UnusableError(f"{entry.path} differs from what was backed up")
             on_file(done, len(manifest.files))
         if tar.next() is not None or not _at_end(tar):
-            raise InputError(
-                "it contains more than its manifest lists", where=archive, remedy=REMEDY
-            )
+            raise _UnusableError("it contains more than its manifest lists")
     return manifest
 
 
@@ -155,28 +151,25 @@ def _extract(tar: tarfile.TarFile, member: tarfile.TarInfo, target: Path | None)
     return source.digest
 
 
-def _read_manifest(tar: tarfile.TarFile, archive: Path) -> Manifest:
-    member = tar.next()
-    if member is None or member.name != NAME or member.size > LARGEST_MANIFEST:
-        raise InputError("this is not a backup of a study", where=archive, remedy=REMEDY)
-    text = _read_member(tar, member, NAME, archive)
-    digest = tar.next()
-    if digest is None or digest.size > LARGEST_DIGEST:
-        raise InputError("this is not a backup of a study", where=archive, remedy=REMEDY)
-    if _read_member(tar, digest, DIGEST, archive) != _digest_line(text):
-        raise InputError(f"{NAME} differs from what was written", where=archive, remedy=REMEDY)
+def _read_manifest(tar: tarfile.TarFile) -> Manifest:
+    text = _read_member(tar, NAME, LARGEST_MANIFEST)
+    if _read_member(tar, DIGEST, LARGEST_DIGEST) != _digest_line(text):
+        raise _UnusableError(f"{NAME} differs from what was written")
     try:
         return Manifest.model_validate_json(text)
     except ValidationError as error:
-        raise InputError(
+        raise _UnusableError(
             f"its manifest is invalid: {explain_errors(error)}",
-            where=archive,
             remedy=f"{REMEDY}, or was made by a newer version of Motion Jury",
         ) from None
 
 
-def _read_member(tar: tarfile.TarFile, member: tarfile.TarInfo, name: str, archive: Path) -> bytes:
-    _require_plain_file(member, name, member.size, archive)
+def _read_member(tar: tarfile.TarFile, name: str, largest: int) -> bytes:
+    """Return the content of the next member, which must be one of those that begin a backup."""
+    member = tar.next()
+    if member is None or member.name != name or member.size > largest:
+        raise _UnusableError("this is not a backup of a study")
+    _require_plain_file(member, name, member.size)
     source = cast(IO[bytes], tar.extractfile(member))
     return b"".join(iter(lambda: source.read(BLOCK), b""))
 
@@ -186,11 +179,18 @@ def _digest_line(text: bytes) -> bytes:
     return f"{hashlib.sha256(text).hexdigest()}  {NAME}\n".encode()
 
 
-def _require_plain_file(member: tarfile.TarInfo, path: str, size: int, archive: Path) -> None:
-    """Raise `InputError` unless `member` is the expected plain file."""
+def _require_plain_file(member: tarfile.TarInfo, path: str, size: int) -> None:
+    """Raise an error unless `member` is the expected plain file."""
     is_plain = member.type in (tarfile.REGTYPE, tarfile.AREGTYPE) and member.sparse is None
     if not is_plain or member.name != path or member.size != size:
-        raise InputError(f"{path} is not the expected file", where=archive, remedy=REMEDY)
+        raise _UnusableError(f"{path} is not the expected file")
+
+
+class _UnusableError(InputError):
+    """A backup cannot be used; `_open` adds which one."""
+
+    def __init__(self, what: str, *, remedy: str = REMEDY) -> None:
+        super().__init__(what, remedy=remedy)
 
 
 @contextmanager
@@ -202,6 +202,8 @@ def _open(archive: Path) -> Iterator[tarfile.TarFile]:
             stream = gzip.GzipFile(fileobj=raw) if start == _GZIP else raw
             with tarfile.open(fileobj=cast(IO[bytes], _ForwardReader(stream)), mode="r:") as tar:
                 yield tar
+    except _UnusableError as error:
+        raise InputError(error.what, where=archive, remedy=error.remedy) from None
     except (tarfile.TarError, EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise InputError(f"it cannot be read: {error}", where=archive, remedy=REMEDY) from error
 

@@ -6,7 +6,7 @@ import hashlib
 import os
 import re
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import metadata
 from pathlib import Path
 from typing import Final
@@ -132,14 +132,12 @@ def back_up(
             stream.flush()
             os.fsync(stream.fileno())
         _publish(draft, path)
-    removed: list[Path] = []
-    if keep is not None:
-        # No backup is removed before the new one is known to be good.
-        check_archive(path, on_file)
-        removed = _remove_older(path, study, manifest, keep)
-    return Backup(
-        path=path, manifest=manifest, database=display_address(url), removed=tuple(removed)
-    )
+    backup = Backup(path=path, manifest=manifest, database=display_address(url))
+    if keep is None:
+        return backup
+    # No backup is removed before the new one is known to be good.
+    check_archive(path, on_file)
+    return replace(backup, removed=_remove_older(path, study, manifest, keep))
 
 
 def _require_new_file(out: Path) -> None:
@@ -191,7 +189,7 @@ _TIMESTAMP: Final = "%Y%m%dT%H%M%SZ"
 _TIMESTAMP_PATTERN: Final = r"\d{8}T\d{6}Z"
 
 
-def _remove_older(newest: Path, study: str, manifest: Manifest, keep: int) -> list[Path]:
+def _remove_older(newest: Path, study: str, manifest: Manifest, keep: int) -> tuple[Path, ...]:
     """Remove all but the `keep` newest backups beside `newest`, and return the removed.
 
     Other files, other studies' backups, and backups with names of another form are kept.
@@ -212,7 +210,7 @@ def _remove_older(newest: Path, study: str, manifest: Manifest, keep: int) -> li
     )
     for path in backups[keep:]:
         path.unlink()
-    return backups[keep:]
+    return tuple(backups[keep:])
 
 
 def _origin_of_archive(path: Path) -> str | None:

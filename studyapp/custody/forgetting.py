@@ -312,11 +312,11 @@ def _cleared_values(now: datetime, token: str) -> dict[str, Any]:
         "last_active_at": now,
         "withdrawn_at": now,
     }
-    for column in SESSIONS.columns:
-        if column.name in KEPT_COLUMNS or column.name in values:
-            continue
-        values[column.name] = None if column.nullable else _empty_value(column, now)
-    return values
+    return values | {
+        column.name: None if column.nullable else _empty_value(column, now)
+        for column in SESSIONS.columns
+        if column.name not in KEPT_COLUMNS | values.keys()
+    }
 
 
 def _empty_value(column: Column[Any], now: datetime) -> object:

@@ -21,7 +21,6 @@ from studyapp.preflight.finding import SEVERITIES, Finding, finding_of_error, ma
 from studyapp.preflight.material import Material
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.reading import parse_text, read_text
-from studyapp.study.settings.study import Study
 
 OnStep = Callable[[str], None]
 
@@ -67,7 +66,7 @@ def _findings(folder: StudyFolder, on_step: OnStep) -> Iterator[Finding]:
         )
         yield from recruiting_checks.pay_findings(study, None)
         return
-    yield from _material_findings(material, study, on_step)
+    yield from _material_findings(material, on_step)
 
 
 _CHECKS: Final[tuple[tuple[str, Callable[[Material], Iterable[Finding]]], ...]] = (
@@ -83,23 +82,20 @@ _CHECKS: Final[tuple[tuple[str, Callable[[Material], Iterable[Finding]]], ...]] 
 )
 
 
-def _material_findings(material: Material, study: Study, on_step: OnStep) -> Iterator[Finding]:
+def _material_findings(material: Material, on_step: OnStep) -> Iterator[Finding]:
     """Run all checks, and read a study without errors as its server will."""
-    expected = time_checks.expected_time(material)
+    expected, needed = time_checks.expected_time(material), None
     findings: list[Finding] = []
     for name, check_material in _CHECKS:
         on_step(name)
         findings += check_material(material)
-    if expected is None:
-        findings += recruiting_checks.pay_findings(study, None)
-    else:
+    if expected is not None:
         pace = None
         with suppress(InputError):  # serving_findings reports a database that cannot be read
-            pace = time_checks.pace_of_study(material)
-        findings += time_checks.time_findings(study, expected, pace)
-        findings += recruiting_checks.pay_findings(
-            study, time_checks.minutes_needed(expected, pace)
-        )
+            pace = time_checks.pace_of_study(material.folder, expected)
+        findings += time_checks.time_findings(material.study, expected, pace)
+        needed = time_checks.minutes_needed(expected, pace)
+    findings += recruiting_checks.pay_findings(material.study, needed)
     yield from findings
     if not any(finding.severity == "error" for finding in findings):
         on_step("the study as it is served")

@@ -16,7 +16,8 @@ from studyapp.database.tables import StudySession
 from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import Material
 from studyapp.session.trials import expected_seconds
-from studyapp.study.design.trial import Content, PlannedTrial
+from studyapp.study.design.trial import Content, PlannedTrial, has_sound
+from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
 SECONDS_FOR_A_FORM_QUESTION: Final = 8.0
@@ -58,7 +59,6 @@ class ExpectedTime:
 
 def expected_time(material: Material) -> ExpectedTime | None:
     """Return the time of the median participant; None without trials."""
-    study = material.study
     times = [
         _trials_time(plan, material)
         for _, plans in material.planned
@@ -69,7 +69,7 @@ def expected_time(material: Material) -> ExpectedTime | None:
         return None
     return ExpectedTime(
         videos=median(time.videos for time in times),
-        around=median(time.around for time in times) + _entrance_seconds(study, material),
+        around=median(time.around for time in times) + _entrance_seconds(material),
         longest_page=max(time.longest_page for time in times),
     )
 
@@ -84,24 +84,21 @@ def _trials_time(plan: Sequence[PlannedTrial], material: Material) -> ExpectedTi
     return ExpectedTime(videos=watched, around=sum(pages) - watched, longest_page=max(pages))
 
 
-def _entrance_seconds(study: Study, material: Material) -> float:
-    questions = len(list(study.form.asked()))
-    speech = any(
-        stimulus.speech is not None for content in material.contents for stimulus in content
-    )
+def _entrance_seconds(material: Material) -> float:
+    study = material.study
+    listens = study.page.sound_check and has_sound(material.contents)
     return (
         SECONDS_FOR_INSTRUCTIONS
-        + SECONDS_FOR_A_FORM_QUESTION * questions
+        + SECONDS_FOR_A_FORM_QUESTION * len(list(study.form.asked()))
         + 60 * _count_words(study.page.consent) / WORDS_A_MINUTE
-        + (SECONDS_FOR_THE_SOUND_CHECK if study.page.sound_check and speech else 0.0)
+        + (SECONDS_FOR_THE_SOUND_CHECK if listens else 0.0)
     )
 
 
 def _count_words(text: str) -> float:
     """Return the number of words; estimated from characters in text without spaces."""
-    unspaced = len(re.findall(r"[\u3040-\u30ff\u4e00-\u9fff]", text))
-    spaced = len(re.sub(r"[\u3040-\u30ff\u4e00-\u9fff]", " ", text).split())
-    return spaced + unspaced / CHARACTERS_A_WORD
+    spaced, unspaced = re.subn(r"[\u3040-\u30ff\u4e00-\u9fff]", " ", text)
+    return len(spaced.split()) + unspaced / CHARACTERS_A_WORD
 
 
 def _video_seconds(content: Content, material: Material) -> float:
@@ -133,11 +130,10 @@ class Pace:
     times_expected: float
 
 
-def pace_of_study(material: Material) -> Pace | None:
+def pace_of_study(folder: StudyFolder, expected: ExpectedTime) -> Pace | None:
     """Return the pace of this study's participants; None if too few have finished."""
-    expected = expected_time(material)
-    database = Database.open_for_reading(database_url_of(material.folder.root))
-    if database is None or expected is None:
+    database = Database.open_for_reading(database_url_of(folder.root))
+    if database is None:
         return None
     with closing(database), database.reading() as session:
         # Interruptions count, as they do in the times that recruiting sites report.

@@ -26,7 +26,7 @@ from studyapp.study.settings.presentation import Language
 from studyapp.study.settings.reading import ALIASES
 from studyapp.study.study_file import TEMPLATES, new_study
 from tests.support.studies.answered_study import answer_study
-from tests.support.studies.made_study import make_segments, make_study
+from tests.support.studies.made_study import CODES, make_segments, make_study
 
 PAGE = {
     "consent": "You agree.",
@@ -120,22 +120,18 @@ def test_wrong_durations_long_studies_and_short_leases_give_warnings(
 
 def test_the_pace_comes_from_participants_who_finished(tiny_study: Path) -> None:
     folder = StudyFolder(tiny_study)
-    material = Material.read(folder, folder.study())
-    assert pace_of_study(material) is None
+    expected = expected_time(Material.read(folder, folder.study()))
+    assert expected is not None
+    assert pace_of_study(folder, expected) is None
     answer_study(tiny_study, people=4, stop_after=2)
 
-    pace = pace_of_study(material)
+    pace = pace_of_study(folder, expected)
 
-    expected = expected_time(material)
-    assert expected is not None
     assert pace is not None
     # Six trials of thirteen seconds each.
     assert (pace.finished, pace.minutes) == (3, 1.3)
     assert pace.times_expected == pytest.approx(78 / expected.seconds)
     assert minutes_needed(expected, pace) == 1
-
-
-CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}
 
 
 def check_pay(
