@@ -42,7 +42,7 @@ def progress(title: str, unit: str) -> Iterator[Callable[..., None]]:
         together, only the leading one shows anything.
     """
     if not is_leader():
-        yield _show_nothing
+        yield lambda _done, _total, _detail="": None
         return
     if not sys.stderr.isatty():
         yield _Lines(title, unit).show
@@ -65,10 +65,6 @@ def sign_of_life(title: str) -> Iterator[Callable[[str], None]]:
     """Yield a function that shows the current step in a terminal; a log gets nothing."""
     with tqdm(bar_format=f"{title}: {{desc}}", leave=False, disable=None) as line:
         yield line.set_description_str
-
-
-def _show_nothing(done: int, total: int, detail: str = "") -> None:
-    """Show nothing: the leading process does."""
 
 
 class _Lines:

@@ -140,9 +140,10 @@ def places(folder: StudyFolder, count: int) -> None:
 @live
 def status(folder: StudyFolder, live: bool) -> None:
     """Show the state of recruiting, on the site and in the study."""
-    if _channel(folder, "prolific", "mturk", "invitations") == "prolific":
+    channel = _channel(folder, "prolific", "mturk", "invitations")
+    if channel == "prolific":
         _show_prolific(folder)
-    elif folder.study().recruitment.channel == "mturk":
+    elif channel == "mturk":
         _show_mturk(folder, live=live)
     else:
         made = counts(folder)
@@ -167,6 +168,8 @@ def approve(folder: StudyFolder, live: bool, also: tuple[str, ...], yes: bool) -
         _approve_on_prolific(folder, also=also, yes=yes)
     else:
         _approve_on_mturk(folder, live=live, yes=yes)
+    if not yes:
+        click.echo("Nothing was paid; --yes pays.")
 
 
 @command.subcommand("return")
@@ -294,10 +297,8 @@ def _approve_on_prolific(folder: StudyFolder, *, also: tuple[str, ...], yes: boo
         _echo_verdicts(
             "submission", [(each.submission.id, each.decision) for each in status.submissions]
         )
-        if not yes:
-            click.echo("Nothing was paid; --yes pays.")
-            return
-        click.echo(f"Approved {counted(prolific.approve(client, status, also), 'submission')}.")
+        if yes:
+            click.echo(f"Approved {counted(prolific.approve(client, status, also), 'submission')}.")
 
 
 def _client() -> ProlificClient:
@@ -349,10 +350,8 @@ def _judge_assignments(
 def _approve_on_mturk(folder: StudyFolder, *, live: bool, yes: bool) -> None:
     client = mturk.connect(live=live)
     judged = _judge_assignments(folder, client, live=live)
-    if not yes:
-        click.echo("Nothing was paid; --yes pays.")
-        return
-    click.echo(f"Approved {counted(mturk.approve(client, judged), 'assignment')}.")
+    if yes:
+        click.echo(f"Approved {counted(mturk.approve(client, judged), 'assignment')}.")
 
 
 def _echo_verdicts(heading: str, verdicts: Sequence[tuple[str, PaymentDecision]]) -> None:

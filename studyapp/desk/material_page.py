@@ -23,7 +23,7 @@ from studyapp.desk.page import page
 from studyapp.researchers.account import Right
 from studyapp.study.design.trial import Stimulus
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import Stimuli, finished_video_path, read_stimuli
+from studyapp.study.media import finished_video_path, recorded_stimuli
 from studyapp.web.research.motion_scenes import Scene, scenes_of, send_scene
 from studyapp.web.research.pages import Page
 
@@ -114,7 +114,7 @@ class Material:
         self.segments = {each.name: each for each in segments}
         catch = (self.study.catch.condition,) if self.study.catch.trials else ()
         self.conditions = (*self.study.conditions, *catch)
-        stimuli = read_stimuli(folder.stimuli) if folder.stimuli.exists() else Stimuli()
+        stimuli = recorded_stimuli(folder.stimuli)
         self._clips = {
             (clip.segment, clip.condition): clip.file
             for clip in stimuli.clips

@@ -109,7 +109,12 @@ def allow_origin(folder: StudyFolder, origin: str) -> None:
     InputError
         If a range of a video cannot be loaded as browsers do, or without a signature.
     """
-    bucket, name = _bucket_of(folder)
+    published = read_published(folder.root)
+    if published is None or not published.videos:
+        raise InputError(
+            "no videos were published", where=folder.root / FILE, remedy="Publish the videos first"
+        )
+    bucket, name = connect(published.place), next(iter(published.videos.values())).names[0]
     if not _can_load(bucket, name, origin):
         bucket.allow(origin)
         if not _can_load(bucket, name, origin):
@@ -131,16 +136,6 @@ def _can_load(bucket: Bucket, name: str, origin: str) -> bool:
     if partial.status_code != httpx.codes.PARTIAL_CONTENT or len(partial.content) != 2:
         raise _store_error(bucket, f"it sends no byte ranges (status {partial.status_code})")
     return partial.headers.get("Access-Control-Allow-Origin") in (origin, "*")
-
-
-def _bucket_of(folder: StudyFolder) -> tuple[Bucket, str]:
-    """Return the bucket of the published videos, and the name of one of them."""
-    published = read_published(folder.root)
-    if published is None or not published.videos:
-        raise InputError(
-            "no videos were published", where=folder.root / FILE, remedy="Publish the videos first"
-        )
-    return connect(published.place), next(iter(published.videos.values())).names[0]
 
 
 def _most_views(served: ServedStudy, digests: Mapping[Content, str]) -> int:

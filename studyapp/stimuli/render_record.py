@@ -10,7 +10,7 @@ from typing import Final, Self
 
 from renderer.video_jobs import Outcome
 from studyapp.stimuli.render_plan import RenderPlan
-from studyapp.study.media import ClipVideo, PairVideo, Stimuli, read_stimuli, write_stimuli
+from studyapp.study.media import ClipVideo, PairVideo, Stimuli, recorded_stimuli, write_stimuli
 
 _WRITE_SECONDS: Final = 1.0
 """Between two writes; with thousands of videos, each write takes a while."""
@@ -56,8 +56,7 @@ class RenderRecord:
         videos = (*plan.clips, *plan.pairs)
         self._finished = {video.file for video in videos if video.file not in self._pending}
         self._kept = len(self._finished)
-        stimuli = plan.folder.stimuli
-        self._copies = read_stimuli(stimuli).copies if stimuli.exists() else ()
+        self._copies = recorded_stimuli(plan.folder.stimuli).copies
         self._failures: list[str] = []
         self._left_out = 0
         self._all_frames = sum(map(self._frame_count, pending))

@@ -21,7 +21,7 @@ from studyapp.stimuli.render_plan import RenderPlan, sides_of
 from studyapp.stimuli.render_record import RenderCount, RenderRecord
 from studyapp.stimuli.video_copies import copy_videos
 from studyapp.study.folder import StudyFolder, lock_folder, require_space
-from studyapp.study.media import ClipVideo, Media, PairVideo, read_stimuli
+from studyapp.study.media import ClipVideo, Media, PairVideo, recorded_stimuli
 
 MAX_FRAME_BYTES: Final = 20 * 10**9
 """Bytes of cached frames, unless half of the free disk space is less."""
@@ -133,7 +133,12 @@ def _render(
 
 def _outdated_videos(plan: RenderPlan) -> tuple[list[ClipVideo], list[PairVideo]]:
     """Return outdated clips and pairs, and clips whose cached frames these pairs need."""
-    keys = _existing_keys(plan.folder)
+    stimuli = recorded_stimuli(plan.folder.stimuli)
+    keys = {
+        record.file: record.key
+        for record in (*stimuli.clips, *stimuli.pairs)
+        if (plan.folder.root / record.file).exists()
+    }
     pairs = [pair for pair in plan.pairs if keys.get(pair.file) != pair.key]
     sides = sides_of(pairs)
     clips = [
@@ -203,18 +208,6 @@ class _NeededFrames:
             if not self._needed[side]:
                 del self._needed[side]
         self._cache.shrink(required=self._needed.keys())
-
-
-def _existing_keys(folder: StudyFolder) -> dict[str, str]:
-    """Return the keys of the recorded videos whose files exist."""
-    if not folder.stimuli.exists():
-        return {}
-    stimuli = read_stimuli(folder.stimuli)
-    return {
-        record.file: record.key
-        for record in (*stimuli.clips, *stimuli.pairs)
-        if (folder.root / record.file).exists()
-    }
 
 
 def equalise_sizes(folder: StudyFolder) -> None:

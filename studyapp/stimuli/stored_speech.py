@@ -118,10 +118,6 @@ def require_same_times(
             )
 
 
-_PLAIN: Final = ".lab"
-_SEMANTIC: Final = ".txt"
-
-
 def add_transcripts(
     segments: Sequence[Segment], motion: Path, audio: Audio
 ) -> tuple[list[Segment], list[str]]:
@@ -147,7 +143,7 @@ def add_transcripts(
         return list(segments), []
     try:
         words = read_transcript(companion, audio)
-        if len(segments) == 1 and companion.suffix == _PLAIN:
+        if len(segments) == 1 and companion.suffix == ".lab":
             texts = [" ".join(companion.read_text(encoding="utf-8-sig").split())]
         else:
             texts = [
@@ -174,7 +170,7 @@ def cut_semantics(
     motion : Path
         The take's motion; BEAT's semantic scores are in a text file of the same name.
     """
-    companion = motion.with_suffix(_SEMANTIC)
+    companion = motion.with_suffix(".txt")
     if not companion.is_file():
         return {}, []
     try:

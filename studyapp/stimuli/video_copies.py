@@ -27,6 +27,7 @@ from studyapp.study.media import (
     VideoCopy,
     finished_video_path,
     read_stimuli,
+    recorded_stimuli,
     shows_copy,
     write_stimuli,
 )
@@ -54,7 +55,7 @@ def copy_videos(folder: StudyFolder) -> RenderCount:
     """
     study = folder.study()
     segments = {segment.name: segment for segment in folder.segments_of(study)}
-    before = read_stimuli(folder.stimuli) if folder.stimuli.exists() else Stimuli()
+    before = recorded_stimuli(folder.stimuli)
     existing = frozenset(before.copies)
     made: list[VideoCopy] = []
     kept: list[VideoCopy] = []
@@ -76,7 +77,15 @@ def copy_videos(folder: StudyFolder) -> RenderCount:
         files = {original.file for original in usable.values()}
         length = max(map(end_of, files), default=Fraction(0))
         for stimulus, original in usable.items():
-            copy = _describe_copy(stimulus, original, length)
+            copy = VideoCopy(
+                condition=stimulus.condition,
+                segment=stimulus.segment,
+                heard=stimulus.speech,
+                file=f"videos/copies/{digest(stimulus)}.mp4",
+                duration=float(length),
+                key=f"{original.key}-{float(length):.6f}",
+                original=original.made_from,
+            )
             if copy in existing and (folder.root / copy.file).is_file():
                 kept.append(copy)
                 continue
@@ -139,15 +148,3 @@ def _originals(
         if original is not None:
             originals[stimulus.segment][stimulus] = original
     return originals
-
-
-def _describe_copy(stimulus: Stimulus, original: _Original, length: Fraction) -> VideoCopy:
-    return VideoCopy(
-        condition=stimulus.condition,
-        segment=stimulus.segment,
-        heard=stimulus.speech,
-        file=f"videos/copies/{digest(stimulus)}.mp4",
-        duration=float(length),
-        key=f"{original.key}-{float(length):.6f}",
-        original=original.made_from,
-    )

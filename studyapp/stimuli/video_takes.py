@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,8 +24,6 @@ from training.data.found_take import usable_name
 LEFT_OUT: Final = "left_out.csv"
 """Lists, in the folder of takes, the parts of videos that are not used, and why."""
 
-_COLUMNS: Final = ("video", "start", "end", "reason")
-_NO_SOUND: Final = "no sound"
 _SOUND_TOLERANCE: Final = 0.1
 """Seconds by which a video may outlast its sound without a note."""
 
@@ -149,18 +148,17 @@ def _parts(detection: Detection, seconds: float) -> tuple[Stretch, ...]:
         if part.start < frames
     ]
     if len(detection) - frames > _SOUND_TOLERANCE * detection.frame_rate:
-        parts.append(Stretch(start=frames, end=len(detection), reason=_NO_SOUND))
+        parts.append(Stretch(start=frames, end=len(detection), reason="no sound"))
     return tuple(parts)
 
 
 def _reasons(parts: Sequence[Stretch]) -> str:
     """Return why the parts are left out, the most frequent reason first."""
-    frames: dict[str, int] = {}
+    frames: Counter[str] = Counter()
     for part in parts:
-        frames[part.reason] = frames.get(part.reason, 0) + part.end - part.start
-    total = max(sum(frames.values()), 1)
-    ordered = sorted(frames.items(), key=lambda item: -item[1])
-    return ", ".join(f"{reason} in {100 * count / total:.0f}%" for reason, count in ordered)
+        frames[part.reason] += part.end - part.start
+    total = max(frames.total(), 1)
+    return ", ".join(f"{why} in {100 * count / total:.0f}%" for why, count in frames.most_common())
 
 
 def _append_left_out(table: Path, video: Path, parts: Sequence[Stretch], rate: float) -> None:
@@ -169,7 +167,7 @@ def _append_left_out(table: Path, video: Path, parts: Sequence[Stretch], rate: f
     if table.exists():
         text.write(table.read_text("utf-8"))
     else:
-        writer.writerow(_COLUMNS)
+        writer.writerow(("video", "start", "end", "reason"))
     for part in parts:
         times = (f"{frame / rate:.3f}" for frame in (part.start, part.end))
         writer.writerow((harmless_cell(video.name), *times, part.reason))

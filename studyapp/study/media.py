@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Literal, Self
+from typing import Literal, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
@@ -18,9 +18,6 @@ from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.sections import explain_errors
 from studyapp.study.settings.study import Study
-
-VIDEOS: Final = "videos"
-"""The folder of the videos in a study's folder."""
 
 
 class _Record(BaseModel):
@@ -131,7 +128,7 @@ def read_stimuli(path: Path) -> Stimuli:
         raise InputError(
             explain_errors(error), where=path, remedy="Delete it and run 'motionjury render' again"
         ) from None
-    folders = (path.parent.resolve(), (path.parent / VIDEOS).resolve())
+    folders = (path.parent.resolve(), (path.parent / "videos").resolve())
     for video in (*stimuli.clips, *stimuli.pairs, *stimuli.copies):
         if "\0" in video.file or not any(
             (path.parent / video.file).resolve().is_relative_to(folder) for folder in folders
@@ -143,6 +140,11 @@ def read_stimuli(path: Path) -> Stimuli:
                 "and run 'motionjury render' again",
             )
     return stimuli
+
+
+def recorded_stimuli(path: Path) -> Stimuli:
+    """Read `stimuli.json`; before it exists, nothing is recorded."""
+    return read_stimuli(path) if path.exists() else Stimuli()
 
 
 def write_stimuli(path: Path, stimuli: Stimuli) -> None:

@@ -33,8 +33,6 @@ ALIASES: Final[Mapping[str, str]] = MappingProxyType(
 )
 """The papers whose studies the protocols follow."""
 
-DEFAULT_PROTOCOL: Final = "pairwise"
-
 
 def read_study(path: Path) -> Study:
     """Read and validate a `study.toml`.
@@ -90,7 +88,7 @@ def parse_study(data: Mapping[str, object], *, where: object, text: str = "") ->
     text : str
         The file's text, if errors should name lines.
     """
-    name = data.get("protocol", DEFAULT_PROTOCOL)
+    name = data.get("protocol", "pairwise")
     protocol = ALIASES.get(str(name), str(name))
     if protocol not in PROTOCOLS:
         raise InputError(
