@@ -11,7 +11,7 @@ from typing import Final, Literal, Self, TypeVar
 import numpy as np
 
 from motion.segment import Segment
-from studyapp.study.design.trial import Answers, Content, Kind, PlannedTrial, Stimulus
+from studyapp.study.design.trial import Content, Kind, PlannedTrial, Stimulus
 
 T = TypeVar("T")
 
@@ -73,9 +73,8 @@ class _Share:
         return taken
 
     def quotas(self, number: int) -> dict[str, int]:
-        quotas = dict(self.even)
-        for emotion in self.additional(number):
-            quotas[emotion] += 1
+        quotas = Counter(self.even)
+        quotas.update(self.additional(number))
         return quotas
 
 
@@ -133,8 +132,7 @@ def _count_taken(available: Mapping[str, int], before: Sequence[int]) -> Mapping
         for emotion, even in shares[count].even.items():
             taken[emotion] += times * even
     for earlier, count in enumerate(before):
-        for emotion in shares[count].additional(earlier):
-            taken[emotion] += 1
+        taken.update(shares[count].additional(earlier))
     return taken
 
 
@@ -257,8 +255,3 @@ def pair_trials(
 def pair_videos(left: Stimulus, right: Stimulus, *, composed: bool) -> tuple[Content, ...]:
     """Return the videos that show two stimuli."""
     return ((left, right),) if composed else ((left,), (right,))
-
-
-def prefers_side(answers: Answers, number: int) -> bool:
-    """Tell whether every answer prefers stimulus `number` (1 or 2), however slightly."""
-    return all((value > 0) if number == 2 else (value < 0) for value in answers.values())

@@ -30,13 +30,11 @@ from studyapp.study.design.allocation import (
     even_quotas,
     number_trials,
     pair_trials,
-    prefers_side,
     scatter_by_part,
     shuffled,
 )
 from studyapp.study.design.trial import (
     NO_VOTES,
-    Answers,
     Arm,
     Content,
     PlannedTrial,
@@ -135,11 +133,6 @@ class MismatchStudy(Study):
         del trial
         levels = next(each.levels for each in self.questions if each.name == question.name)
         return PREFERENCES[levels]
-
-    def prefers(self, answers: Answers, better: int, worse: int) -> bool:
-        """Tell whether every answer prefers side `better`, however slightly."""
-        del worse
-        return prefers_side(answers, better)
 
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
         """Name the motions that are longer than their mismatched speech."""

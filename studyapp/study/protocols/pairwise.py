@@ -35,13 +35,11 @@ from studyapp.study.design.allocation import (
     number_trials,
     pair_trials,
     pair_videos,
-    prefers_side,
     scatter,
     shuffled,
 )
 from studyapp.study.design.trial import (
     NO_VOTES,
-    Answers,
     Arm,
     Content,
     Kind,
@@ -249,11 +247,6 @@ class PairwiseStudy(Study):
         """Return the five levels of preference."""
         del question, trial
         return PREFERENCES[5]
-
-    def prefers(self, answers: Answers, better: int, worse: int) -> bool:
-        """Tell whether every answer prefers side `better`, slightly or clearly."""
-        del worse
-        return prefers_side(answers, better)
 
     def _trials(
         self, kind: Kind, pairs: Sequence[tuple[Segment, Pair]], chance: np.random.Generator

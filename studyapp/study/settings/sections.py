@@ -83,7 +83,8 @@ def explain_errors(
     sentences = []
     for each in errors:
         kind, location = each["type"], each["loc"]
-        if kind == "too_short" and any(_is_within(other["loc"], location) for other in errors):
+        inside = (other["loc"] for other in errors if other["loc"] != location)
+        if kind == "too_short" and any(loc[: len(location)] == location for loc in inside):
             # Too few entries remain because others are wrong, which is reported anyway.
             continue
         key = ".".join(str(part) for part in location if part != "[key]")
@@ -119,10 +120,6 @@ def _with_line(contradiction: str, lines: Mapping[Location, int]) -> str:
 
 
 Location = tuple[str | int, ...]
-
-
-def _is_within(inner: Location, outer: Location) -> bool:
-    return len(inner) > len(outer) and inner[: len(outer)] == outer
 
 
 _HEADING: Final = re.compile(r"\s*\[(\[?)\s*([^\]]+?)\s*\]")

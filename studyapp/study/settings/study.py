@@ -206,9 +206,13 @@ class Study(Section, ABC):
     def values(self, question: Question, trial: Trial) -> Sequence[int]:
         """Return the possible answers to `question` in `trial`."""
 
-    @abstractmethod
     def prefers(self, answers: Answers, better: int, worse: int) -> bool:
-        """Tell whether `answers` prefer stimulus `better` to `worse` on every question."""
+        """Tell whether `answers` prefer stimulus `better` to `worse` on every question.
+
+        Of two stimuli, however slightly.
+        """
+        del self, worse
+        return all((value > 0) if better == 2 else (value < 0) for value in answers.values())
 
     def asks(self, trial: Trial) -> tuple[Ask, ...]:
         """Return the answers that `trial` asks for, in the page's order."""
