@@ -1,4 +1,4 @@
-"""Every protocol with separate players, from consent to completion code, in a real browser."""
+"""Protocols with separate players, from consent to completion code, in a real browser."""
 
 from __future__ import annotations
 
@@ -43,7 +43,6 @@ def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 FEWER_TRIALS: dict[str, Keys] = {
-    "pairwise": {"trials": 1, "practice": 0, "catch": {"trials": 0}, "attention": None},
     "rating": {"attention": None},
     "ranking": {"blocks": [group("all", "ours", "theirs", trials=1)]},
     "mismatch": {"fit": 1, "realism": 1, "attention": None},
@@ -77,7 +76,7 @@ def expect_code(page: Page, database: Database, *, answers: int) -> None:
 
 @pytest.mark.parametrize(
     ("served", "trials", "answers"),
-    [("pairwise", 1, 1), ("ranking", 1, 2), ("mismatch", 2, 2)],
+    [("ranking", 1, 2), ("mismatch", 2, 2)],
     indirect=["served"],
 )
 def test_a_study_session_from_consent_to_code(

@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Concatenate, ParamSpec, TypeVar
-
-from sqlalchemy.orm import Session
+from typing import Any, TypeVar
 
 from studyapp.database.engine import Database
 
-Asked = ParamSpec("Asked")
 Found = TypeVar("Found")
 
 
-def read_once(
-    database: Database,
-    reader: Callable[Concatenate[Session, Asked], Found],
-    *args: Asked.args,
-    **kwargs: Asked.kwargs,
-) -> Found:
+def read_once(database: Database, reader: Callable[..., Found], *args: Any, **kwargs: Any) -> Found:
     """Return what `reader` finds in `database`."""
     with database.reading() as session:
         return reader(session, *args, **kwargs)

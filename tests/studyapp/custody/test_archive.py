@@ -48,17 +48,6 @@ def manifest_of(files: dict[str, bytes]) -> Manifest:
     )
 
 
-def write_backup(folder: Path, archive: Path, *, compressed: bool) -> Manifest:
-    manifest = manifest_of(FILES)
-    sources = []
-    for number, content in enumerate(FILES.values()):
-        sources.append(folder / str(number))
-        sources[-1].write_bytes(content)
-    with archive.open("wb") as stream:
-        write_archive(stream, manifest, sources, compressed=compressed, on_file=silent)
-    return manifest
-
-
 def silent(_done: int, _total: int) -> None:
     """Show nothing."""
 
@@ -91,7 +80,12 @@ def unpack(archive: Path, into: Path) -> Manifest:
 @pytest.mark.parametrize("name", ["out.tar", "out.tar.gz"])
 def test_every_flipped_or_missing_byte_is_detected(name: str, tmp_path: Path) -> None:
     archive, broken = tmp_path / name, tmp_path / "broken"
-    manifest = write_backup(tmp_path, archive, compressed=is_compressed(name))
+    manifest, sources = manifest_of(FILES), [tmp_path / f"{number}" for number in range(len(FILES))]
+    for source, content in zip(sources, FILES.values(), strict=True):
+        source.write_bytes(content)
+    with archive.open("wb") as stream:
+        compressed = is_compressed(name)
+        write_archive(stream, manifest, sources, compressed=compressed, on_file=silent)
     assert read_manifest(archive) == unpack(archive, tmp_path / "unpacked") == manifest
     whole = archive.read_bytes()
     contents = [whole.index(content[:64]) for content in FILES.values() if content[:64] in whole]

@@ -15,7 +15,6 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.rehearsal.eyes import Eyes, read_sight
 from studyapp.rehearsal.pages import BrokenPageError
@@ -81,23 +80,6 @@ def test_a_page_that_only_links_to_itself_is_left(participant: Participant) -> N
         participant.take_part(client)
 
 
-def require_stored_as_said(database: Database, participant: Participant) -> None:
-    """Require that all pages were passed, and every trial is answered as its rater answers it."""
-    with database.reading() as session:
-        for study_session in session.scalars(select(StudySession)):
-            assert study_session.sound_checked_at is not None
-            assert study_session.rested_at_position is not None
-            assert len(study_session.form_answers) == 6
-            rater = Rater(
-                population=participant.population,
-                seed=participant.seed,
-                name=f"{study_session.arm} {study_session.number}",
-            )
-            for trial in study_session.trials:
-                said = judge(participant.study, rater, read_sight(session, trial)).values
-                assert {(r.question, r.stimulus): r.value for r in trial.responses} == said
-
-
 @each_study
 def test_a_simulated_participant_completes_all_pages_and_its_answers_are_stored(
     app: Flask, participant: Participant, eyes: Eyes
@@ -106,7 +88,16 @@ def test_a_simulated_participant_completes_all_pages_and_its_answers_are_stored(
         code = participant.take_part(client)
     with browser(app) as client:
         assert participant.take_part(client) == code
-    require_stored_as_said(eyes.database, participant)
+    with eyes.database.reading() as session:
+        study_session = session.scalars(select(StudySession)).one()
+        assert study_session.sound_checked_at is not None
+        assert study_session.rested_at_position is not None
+        assert len(study_session.form_answers) == 6
+        name = f"{study_session.arm} {study_session.number}"
+        rater = Rater(population=participant.population, seed=participant.seed, name=name)
+        for trial in study_session.trials:
+            said = judge(participant.study, rater, read_sight(session, trial)).values
+            assert {(r.question, r.stimulus): r.value for r in trial.responses} == said
 
 
 REQUESTS = 3
