@@ -7,13 +7,14 @@ from typing import Any, get_args
 
 import click
 
+from motion.errors import InputError
 from motion.files import write_text
 from studyapp.cli.arguments import FOLDER
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import MAX_MINUTES, MAX_PARTICIPANTS, read_pay, require_stated_pay
 from studyapp.study.settings.presentation import Framing, Language
 from studyapp.study.settings.recruitment import Channel
-from studyapp.study.study_file import TEMPLATES, render_study_file, require_new_file
+from studyapp.study.study_file import TEMPLATES, render_study_file
 from studyapp.study.study_options import StudyOptions, read_conditions
 
 
@@ -87,7 +88,12 @@ def command(
     All other settings, such as how a network samples, are made in study.toml.
     """
     study_folder = StudyFolder(folder)
-    require_new_file(study_folder.definition)
+    if study_folder.definition.exists():
+        raise InputError(
+            "the study already exists",
+            where=study_folder.definition,
+            remedy="Edit that file, or choose another folder",
+        )
     study = StudyOptions(
         name=folder.resolve().name,
         conditions=read_conditions(conditions, folder),

@@ -81,16 +81,15 @@ def new_study(path: Path, **options: Any) -> Study:
     Parameters
     ----------
     path : Path
-        The new study file; an existing one is never overwritten.
+        The study file.
     **options
         See `studyapp.study.study_options.StudyOptions`.
 
     Raises
     ------
     InputError
-        If the file exists, or as `render_study_file`.
+        As `render_study_file`.
     """
-    require_new_file(path)
     text = render_study_file(StudyOptions(**options), where=path)
     write_text(path, text)
     return parse_text(text, where=path)
@@ -100,16 +99,6 @@ def template_participants(template: str) -> int:
     """Return a template's number of participants; of pairwise studies, for each comparison."""
     defaults = read_template(template)
     return next(int(defaults[key]) for key in _PARTICIPANTS if key in defaults)
-
-
-def require_new_file(path: Path) -> None:
-    """Raise `InputError` if there already is a study file."""
-    if path.exists():
-        raise InputError(
-            "the study already exists",
-            where=path,
-            remedy="Edit that file, or choose another folder",
-        )
 
 
 def render_study_file(options: StudyOptions, *, where: object) -> str:

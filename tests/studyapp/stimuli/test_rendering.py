@@ -103,17 +103,6 @@ def test_every_clip_and_both_orders_of_every_pair_are_rendered(
         assert pictures_of(study.root / pairs[content].file).shape == (10, 96, 192, 3)
 
 
-def test_names_and_sizes_of_pairs_reveal_nothing(rendered: StudyFolder) -> None:
-    stimuli = read_stimuli(rendered.stimuli)
-    names = [*rendered.study().conditions, "broken", "take"]
-    for segment in rendered.segments():
-        files = [rendered.root / p.file for p in stimuli.pairs if p.segment == segment.name]
-        assert len({file.stat().st_size for file in files}) == 1
-        for file in files:
-            assert not any(name in file.name for name in names)
-            assert not any(name.encode() in file.read_bytes() for name in names)
-
-
 def test_frozen_channels_are_still_in_every_video(study: StudyFolder) -> None:
     path = study.clip("mismatched", "take_01")
     clip = read_clip(path)

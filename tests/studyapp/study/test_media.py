@@ -8,9 +8,8 @@ import pytest
 from motion.errors import InputError
 from motion.segment import write_segments
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import Media, PairVideo, Stimuli, read_stimuli, write_stimuli
+from studyapp.study.media import PairVideo, Stimuli, read_stimuli, write_stimuli
 from tests.studyapp.conftest import OwnStudy
-from tests.support.studies.finished_study import PROTOCOLS, SEGMENTS
 from tests.support.studies.redefining import redefine
 from tests.support.studies.takes import write_speech
 
@@ -18,24 +17,6 @@ from tests.support.studies.takes import write_speech
 @pytest.fixture
 def finished(own_study: OwnStudy) -> StudyFolder:
     return own_study("mismatch")
-
-
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_finished_videos_are_shown_as_copies_and_need_no_speech(
-    own_study: OwnStudy, protocol: str
-) -> None:
-    folder = own_study(protocol)
-    study = folder.study()
-    segments = folder.segments_of(study)
-    media = Media.of(folder, study)
-
-    assert [segment.name for segment in segments] == sorted(SEGMENTS)
-    for content in study.contents(segments):
-        found = media.find(content)
-        assert found is not None
-        assert found.file.is_file()
-        assert found.file.parent == folder.videos / "copies"
-        assert found.duration == pytest.approx(2.0, abs=0.05)
 
 
 def segment_names(folder: StudyFolder) -> list[str]:

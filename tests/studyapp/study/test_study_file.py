@@ -159,15 +159,6 @@ def test_the_face_is_framed_if_all_questions_are_about_it(
     assert study.video.framing == expected
 
 
-def test_an_existing_study_is_never_overwritten(tmp_path: Path) -> None:
-    path = tmp_path / "study.toml"
-    new_study(path, name="a")
-    before = path.read_text()
-    with pytest.raises(InputError, match="already exists"):
-        new_study(path, name="b")
-    assert path.read_text() == before
-
-
 def test_an_invalid_study_is_not_written(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     conditions = {"a": Condition(generator="static"), "b": Condition(generator="nothing")}
