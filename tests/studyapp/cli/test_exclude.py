@@ -34,10 +34,7 @@ def answered(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a study that four participants answered by chance, the last one in part."""
     folder = tmp_path_factory.mktemp("mismatch")
     write_short_video(folder / "short.mp4")
-    write_finished_study(folder, "mismatch", folder / "short.mp4")
-    definition = StudyFolder(folder).definition
-    text = definition.read_text("utf-8")
-    definition.write_text(text.replace("participants = 3", "participants = 4"), "utf-8")
+    write_finished_study(folder, "mismatch", folder / "short.mp4", participants=4)
     answer_study(folder, people=4, stop_after=2)
     return folder
 

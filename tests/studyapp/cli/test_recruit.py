@@ -17,6 +17,7 @@ from studyapp.session.enrolment import Arrival
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
 from tests.support.command_line import run
+from tests.support.studies.redefining import redefine
 from tests.support.studies.taking_part_steps import taking_part
 
 ADDRESS = "https://study.example.org/"
@@ -40,11 +41,8 @@ def stand_in(monkeypatch: pytest.MonkeyPatch) -> Iterator[StandIn]:
 @pytest.fixture
 def folder(tiny_study: Path) -> Path:
     """Return a study on Prolific that has drawn its codes."""
-    path = tiny_study / "study.toml"
-    text = path.read_text("utf-8")
-    assert "minutes = " in text
     more = '\n# Ours.\n[recruitment]\nchannel = "prolific"\n[recruitment.prolific]\nreward = 150\n'
-    path.write_text(text + more, "utf-8")
+    redefine(tiny_study, added=more)
     draw_codes(StudyFolder(tiny_study))
     return tiny_study
 
@@ -174,8 +172,7 @@ def test_decisions_about_pay_are_shown_before_anybody_is_paid(
 def test_each_person_on_a_list_is_invited_once_and_only_its_owner_reads_the_table(
     tiny_study: Path,
 ) -> None:
-    with (tiny_study / "study.toml").open("a") as file:
-        file.write('[recruitment]\nchannel = "invitations"\n')
+    redefine(tiny_study, added='[recruitment]\nchannel = "invitations"\n')
     database = StudyFolder(tiny_study).responses
     elsewhere = database.rename(tiny_study / "elsewhere.db")
     assert "0 invitations: 0 begun" in recruit(tiny_study, "status")

@@ -99,17 +99,13 @@ def test_everything_is_restored_and_participants_can_continue(
     assert list(study.backups.iterdir()) == [made.path]
     assert contents(new.root) == contents(study.folder.root)
     assert (restored.missing, restored.changed) == ((), ())
-    database = Database.open(sqlite_url(new.responses))
-    one = Participant(database, ServedStudy.read(new.root), study.clock, study.people[0].token)
-    assert one.trial().position == 3
-    assert one.take_all()
-    with database.reading() as session:
+    with opened(new.responses) as database, database.reading() as session:
+        one = Participant(database, ServedStudy.read(new.root), study.clock, study.people[0].token)
+        assert one.trial().position == 3
+        assert one.take_all()
         (line,) = session.scalars(select(AuditLine))
-        assert (line.event, line.detail) == (
-            "restored",
-            f"as it was on {made.manifest.made_at:%Y-%m-%d %H:%M:%S} UTC",
-        )
-    database.close()
+        moment = f"{made.manifest.made_at:%Y-%m-%d %H:%M:%S} UTC"
+        assert (line.event, line.detail) == ("restored", f"as it was on {moment}")
 
 
 def test_media_outside_the_backup_are_verified(study: Study, new: StudyFolder) -> None:

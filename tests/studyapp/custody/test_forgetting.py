@@ -37,7 +37,8 @@ from tests.support.read_once import read_once
 from tests.support.servers.both_databases import BOTH
 from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 from tests.support.studies.exported import responses_table, study_sessions_table
-from tests.support.studies.form_questions import ADULT, FORM
+from tests.support.studies.form_questions import ADULT, ELIGIBILITY
+from tests.support.studies.redefining import redefine
 from tests.support.studies.taking_part_steps import Participant, SetClock
 
 PERSON = "5f3c1d9e7a2b4c6d8e0f1a2b"
@@ -47,8 +48,7 @@ KEY = PseudonymKey(bytes(range(32)))
 
 @pytest.fixture
 def folder(tiny_study: Path) -> Path:
-    path = tiny_study / "study.toml"
-    path.write_text(path.read_text("utf-8") + FORM.split("[[form.d")[0], "utf-8")
+    redefine(tiny_study, added=ELIGIBILITY)
     return tiny_study
 
 

@@ -8,6 +8,7 @@ from motion.errors import InputError
 from studyapp.planning.plan import read_pilot
 from tests.studyapp.conftest import OwnStudy
 from tests.support.studies.answered_study import answer_study
+from tests.support.studies.redefining import redefine
 
 
 @pytest.fixture
@@ -17,9 +18,7 @@ def pairwise(own_study: OwnStudy, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_an_answered_study_gives_spreads_and_its_exclusion_rate(pairwise: Path) -> None:
-    definition = pairwise / "study.toml"
-    text = definition.read_text("utf-8").replace("participants = 3", "participants = 16")
-    definition.write_text(text, "utf-8")
+    redefine(pairwise, ("participants = 3", "participants = 16"))
     answer_study(pairwise, people=16, stop_after=2)
 
     result = read_pilot(pairwise, "pairwise")

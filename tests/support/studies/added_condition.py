@@ -5,26 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 
 from studyapp.study.media import read_stimuli, write_stimuli
+from tests.support.studies.redefining import redefine
 
 
 def add_condition(folder: Path) -> None:
     """Add the condition ``static``, with copies of the videos of ``mismatched``."""
-    definition = folder / "study.toml"
-    text = definition.read_text("utf-8")
     before = "[conditions.mismatched]"
-    assert before in text
-    definition.write_text(text.replace(before, f"{before}\n[conditions.static]"), "utf-8")
+    redefine(folder, (before, f"{before}\n[conditions.static]"))
     stimuli = read_stimuli(folder / "stimuli.json")
-    names = {"mismatched": "static"}
     more = [
-        pair.model_copy(
-            update={
-                "left": names.get(pair.left, pair.left),
-                "right": names.get(pair.right, pair.right),
-            }
-        )
+        pair.model_copy(update={side: "static"})
         for pair in stimuli.pairs
-        if "mismatched" in (pair.left, pair.right)
+        for side in ("left", "right")
+        if getattr(pair, side) == "mismatched"
     ]
     pairs = (*stimuli.pairs, *more)
     write_stimuli(folder / "stimuli.json", stimuli.model_copy(update={"pairs": pairs}))
