@@ -180,7 +180,7 @@ def planned_segments(
         If there are no segments yet, and none are tried either.
     """
     if folder.has_segments(study):
-        return tuple(folder.segments_of(study))
+        return folder.segments_of(study)
     if not items:
         raise InputError(
             "the study has no segments yet, so it is not known how many it will have",

@@ -71,7 +71,7 @@ def prepare(
         What became of an earlier rehearsal; may be empty.
     """
     study = folder.study()
-    segments = tuple(folder.segments_of(study))
+    segments = folder.segments_of(study)
     stimuli = read_stimuli(folder.stimuli)
     population = population or default_population(study)
     truth = Truth(

@@ -200,7 +200,7 @@ def _segments(folder: StudyFolder, study: Study) -> tuple[Segment, ...]:
     is_finished = all(condition.videos for condition in study.conditions.values())
     if is_finished and not folder.has_segments(study):
         return ()
-    return tuple(folder.segments_of(study))
+    return folder.segments_of(study)
 
 
 def _with_exclusions(rows: pd.DataFrame, left_out: LeftOut) -> bytes:

@@ -48,7 +48,7 @@ class ServedStudy:
         folder = StudyFolder(root)
         definition = read_text(folder.definition)
         study = parse_text(definition, where=folder.definition)
-        segments = tuple(folder.segments_of(study))
+        segments = folder.segments_of(study)
         media = Media.of(folder, study)
         videos: dict[Content, VideoFile] = {}
         for content in study.contents(segments):

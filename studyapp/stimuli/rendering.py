@@ -215,7 +215,7 @@ def equalise_sizes(folder: StudyFolder) -> None:
     study = folder.study()
     media = Media.of(folder, study)
     by_segment: defaultdict[str, list[Path]] = defaultdict(list)
-    for content in study.contents(tuple(folder.segments_of(study))):
+    for content in study.contents(folder.segments_of(study)):
         video = media.find(content)
         if video is not None and video.file.exists():
             by_segment[content[0].segment].append(video.file)

@@ -67,9 +67,7 @@ def import_speech(folder: StudyFolder, speech: Path) -> list[str]:
 
 def existing_segments(folder: StudyFolder) -> tuple[Segment, ...]:
     """Return the study's segments; empty without speech."""
-    if not (folder.speech / "segments.csv").exists():
-        return ()
-    return read_segments(folder.speech)
+    return read_segments(folder.speech) if (folder.speech / SEGMENTS_FILE).exists() else ()
 
 
 def store_segments(

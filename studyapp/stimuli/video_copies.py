@@ -112,7 +112,7 @@ def out_of_date(folder: StudyFolder) -> list[VideoCopy]:
     """Return the copies whose original has changed."""
     study = folder.study()
     stimuli = read_stimuli(folder.stimuli)
-    segments = tuple(folder.segments_of(study))
+    segments = folder.segments_of(study)
     current = {
         stimulus: original.key
         for originals in _originals(folder, study, segments, stimuli).values()

@@ -147,7 +147,7 @@ class StudyFolder:
         is_finished = all(condition.videos for condition in study.conditions.values())
         return is_finished and any(self.videos.glob(f"*/*{VIDEO_ENDING}"))
 
-    def segments(self) -> Sequence[Segment]:
+    def segments(self) -> tuple[Segment, ...]:
         """Read the segments; `InputError` if there are none yet."""
         if not (self.speech / "segments.csv").exists():
             raise InputError(
@@ -157,7 +157,7 @@ class StudyFolder:
             )
         return read_segments(self.speech)
 
-    def segments_of(self, study: Study, *, allow_damaged: bool = False) -> Sequence[Segment]:
+    def segments_of(self, study: Study, *, allow_damaged: bool = False) -> tuple[Segment, ...]:
         """Read the segments of `study`.
 
         A study with nothing but finished videos needs no speech files: the videos' names are its
@@ -178,11 +178,11 @@ class StudyFolder:
         segments = self.segments()
         if not study.allow_gaps:
             return segments
-        return [
+        return tuple(
             segment
             for segment in segments
             if all((self.videos / name / f"{segment.name}.mp4").is_file() for name in finished)
-        ]
+        )
 
 
 def _finished_segments(

@@ -176,7 +176,7 @@ def _write_folder(
     if origin == "rehearsal" and folder.rehearsal_truth.exists():
         shutil.copyfile(folder.rehearsal_truth, root / STUDY / folder.rehearsal_truth.name)
     if folder.stimuli.exists():
-        segments = tuple(folder.segments_of(study))
+        segments = folder.segments_of(study)
         write_stimuli_list(root / "sourcedata" / "stimuli.tsv", folder, study, segments)
     _write_versions(root / "sourcedata", source.versions)
     write_text(root / "sourcedata" / "environment.json", as_json(environment()))

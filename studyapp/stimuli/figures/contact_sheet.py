@@ -50,7 +50,7 @@ def write_contact_sheet(
         Called with (finished cells, all cells) after each.
     """
     study = folder.study()
-    segments = tuple(folder.segments_of(study))
+    segments = folder.segments_of(study)
     shown = {(s.segment, s.condition) for content in study.contents(segments) for s in content}
     conditions = tuple(
         name

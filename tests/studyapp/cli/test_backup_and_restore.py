@@ -1,17 +1,16 @@
 from __future__ import annotations
 
-import shutil
-from collections.abc import Callable
 from pathlib import Path
 
+from tests.studyapp.conftest import OwnStudy
 from tests.support.command_line import run
 from tests.support.studies.answered_study import answer_study
 
 
 def test_a_backup_is_described_checked_and_restored_with_what_it_lacks(
-    finished_study: Callable[[str], Path], tmp_path: Path
+    own_study: OwnStudy, tmp_path: Path
 ) -> None:
-    study = Path(shutil.copytree(finished_study("pairwise"), tmp_path / "study"))
+    study = own_study("pairwise").root
     answer_study(study, people=1, stop_after=2)
     archive = tmp_path / "out.tar"
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 from studyapp.preflight.finding import CheckRecord
+from tests.studyapp.conftest import OwnStudy
 from tests.support.command_line import run
 
 
@@ -18,9 +17,9 @@ def record(folder: Path, *, status: int) -> CheckRecord:
 
 
 def test_warnings_alone_let_a_study_be_served_and_errors_end_with_status_one(
-    finished_study: Callable[[str], Path], tmp_path: Path
+    own_study: OwnStudy,
 ) -> None:
-    whole = Path(shutil.copytree(finished_study("rating"), tmp_path / "study"))
+    whole = own_study("rating").root
     assert re.search(
         r"can be served: 0 errors, \d warnings \(--verbose prints \d+ notes\)", run("check", whole)
     )

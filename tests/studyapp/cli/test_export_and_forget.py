@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,6 +8,7 @@ from studyapp.database.engine import Database
 from studyapp.database.tables import Event
 from studyapp.researchers.audit import MAX_LINES, log_change
 from studyapp.session.enrolment import Arrival
+from tests.studyapp.conftest import OwnStudy
 from tests.support.command_line import run, run_in_terminal
 from tests.support.read_once import read_once
 from tests.support.studies.exported import responses_table
@@ -20,9 +19,9 @@ PERSON = "5f3c1d9e7a2b4c6d8e0f1a2b"
 
 
 @pytest.fixture
-def study(finished_study: Callable[[str], Path], tmp_path: Path) -> Path:
+def study(own_study: OwnStudy) -> Path:
     """Return a study in which one participant, recruited by name, has seen the first trial."""
-    root = Path(shutil.copytree(finished_study("pairwise"), tmp_path / "study"))
+    root = own_study("pairwise").root
     with taking_part(root) as participant:
         arrival = Arrival(recruiter_participant=PERSON, recruiter_study="one")
         participant.arrive(arrival).begin().look()

@@ -112,15 +112,9 @@ def test_motions_are_converted_with_their_speech_and_none_is_overwritten(tmp_pat
 
 def test_videos_are_uploaded_and_loaded_as_by_a_browser(tiny_study: Path, s3_store: Store) -> None:
     assert "no bucket was given" in run("publish-media", tiny_study, status=1)
-    first = run(
-        "publish-media",
-        tiny_study,
-        f"s3://{BUCKET}/a",
-        "--endpoint",
-        s3_store.endpoint,
-        "--address",
-        "https://study.example.org/studies/one/",
-    )
+    address = ("--address", "https://study.example.org/studies/one/")
+    place = (f"s3://{BUCKET}/a", "--endpoint", s3_store.endpoint)
+    first = run("publish-media", tiny_study, *place, *address)
     again = run("publish-media", tiny_study)
 
     assert "Uploaded 32 copies; 0 were already there." in first

@@ -29,7 +29,7 @@ def folder(own_study: OwnStudy) -> StudyFolder:
 
 def stills(folder: StudyFolder) -> tuple[tuple[Still, ...], str]:
     study = folder.study()
-    return study_stills(folder, study, tuple(folder.segments_of(study)))
+    return study_stills(folder, study, folder.segments_of(study))
 
 
 def test_every_condition_is_shown_at_the_same_moments_of_the_first_segment(
@@ -56,7 +56,7 @@ def test_a_segment_with_all_videos_is_preferred_and_damaged_ones_are_left_out(
 ) -> None:
     first, second, *_ = sorted(SEGMENTS)
     study = folder.study()
-    segments = tuple(folder.segments_of(study))
+    segments = folder.segments_of(study)
     (folder.videos / "ours" / f"{first}.mp4").unlink()
     (folder.videos / "theirs" / f"{second}.mp4").write_bytes(b"damaged")
 

@@ -14,56 +14,24 @@ from motion.errors import InputError
 from motion.formats import read_clip, write_clip
 from renderer.jobs.making import run_jobs
 from studyapp.stimuli import rendering
-from studyapp.stimuli.generation import generate
-from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.render_plan import RenderPlan
 from studyapp.stimuli.render_record import RenderCount
 from studyapp.stimuli.rendering import render
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
-from studyapp.study.study_file import new_study
 from tests.support.encoded import pictures_of
 from tests.support.studies.redefining import edited
-from tests.support.studies.takes import write_motion, write_speech
 
 pytestmark = pytest.mark.slow
 
 FirstRun = tuple[StudyFolder, RenderCount, list[tuple[int, int, str]]]
 
 
-def copy_study(folder: StudyFolder, tmp_path: Path) -> StudyFolder:
-    """Return a copy of a study with the times of its files."""
-    return StudyFolder(Path(shutil.copytree(folder.root, tmp_path / "own")))
-
-
-@pytest.fixture(scope="module")
-def generated(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
-    """A study of two segments with clips, made once."""
-    root = tmp_path_factory.mktemp("generated")
-    folder = StudyFolder(root / "study")
-    new_study(folder.definition, name="study", trials=2)
-    with edited(folder.definition) as document:
-        document["video"].update({"size": 96, "frame_rate": 10})
-    import_take(
-        folder,
-        Take(
-            motion=write_motion(root / "motion.npz", seconds=2.0),
-            speech=write_speech(root / "take.wav", seconds=2.0),
-            frame_rate=None,
-            segment_seconds=1.0,
-            condition="ground_truth",
-            speaker="scott",
-            emotion="neutral",
-        ),
-    )
-    generate(folder)
-    return folder
-
-
 @pytest.fixture(scope="module")
 def first_run(generated: StudyFolder, tmp_path_factory: pytest.TempPathFactory) -> FirstRun:
     """The rendered study, its count and its progress."""
-    folder = copy_study(generated, tmp_path_factory.mktemp("rendered"))
+    root = tmp_path_factory.mktemp("rendered") / "study"
+    folder = StudyFolder(Path(shutil.copytree(generated.root, root)))
     progress: list[tuple[int, int, str]] = []
     return (
         folder,
@@ -73,15 +41,9 @@ def first_run(generated: StudyFolder, tmp_path_factory: pytest.TempPathFactory) 
 
 
 @pytest.fixture
-def study(generated: StudyFolder, tmp_path: Path) -> StudyFolder:
-    """A copy of the study without videos."""
-    return copy_study(generated, tmp_path)
-
-
-@pytest.fixture
 def rendered(first_run: FirstRun, tmp_path: Path) -> StudyFolder:
     """A copy of the study with its videos."""
-    return copy_study(first_run[0], tmp_path)
+    return StudyFolder(Path(shutil.copytree(first_run[0].root, tmp_path / "rendered")))
 
 
 def videos_of(folder: StudyFolder) -> Iterator[Path]:

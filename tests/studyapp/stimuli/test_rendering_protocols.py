@@ -50,7 +50,7 @@ def test_every_template_runs_unchanged(
             block.pop("shortest", block.pop("longest", 0))
     import_take(folder, take(speech=2.0, motion=2.0, segment=1.0))
     generate(folder)
-    shown = read_motion_shown(folder, folder.study(), tuple(folder.segments()))
+    shown = read_motion_shown(folder, folder.study(), folder.segments())
     assert not any(moving_channels(clip) & {*FROZEN} for clip in shown.values())
     assert any("hands" in moving_channels(clip) for clip in shown.values())
 

@@ -100,7 +100,7 @@ def write_finished_study(folder: Path, protocol: str, video: Path, **changes: An
     for condition in conditions:
         for segment in SEGMENTS:
             _copy(video, folder / "videos" / condition / f"{segment}.mp4")
-    for shown, *_ in study.contents(tuple(files.segments_of(study))):
+    for shown, *_ in study.contents(files.segments_of(study)):
         _copy(video, finished_video_path(files.videos, shown))
     copy_videos(files)
     equalise_sizes(files)

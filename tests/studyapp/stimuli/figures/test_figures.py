@@ -1,42 +1,21 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import av
-import numpy as np
 import pytest
 from PIL import Image
 
 from motion.errors import InputError
-from motion.formats import read_clip, write_clip
 from studyapp.stimuli.figures.material import FigureMaterial
-from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
 from tests.support.command_line import refused, run
-from tests.support.studies.redefining import edited
 
 pytestmark = pytest.mark.slow
 
 SEGMENT = "take_01"
 BROKEN = ("still", "--segment", SEGMENT, "--condition", "broken")
-
-
-@pytest.fixture
-def study(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
-    """Return a study whose arm is raised in one condition and hangs in the others."""
-    import_take(folder, take(speech=2.0, motion=2.0, segment=1.0))
-    with edited(folder.definition) as document:
-        document["video"].update({"size": 96, "frame_rate": 10})
-    for segment in folder.segments():
-        clip = read_clip(folder.clip("ground_truth", segment.name))
-        still = replace(clip, poses=np.zeros_like(clip.poses), provenance={})
-        for condition in (*folder.study().conditions, "broken"):
-            if condition != "ground_truth":
-                write_clip(folder.clip(condition, segment.name), still)
-    return folder
 
 
 def test_a_still_has_the_requested_size(study: StudyFolder, tmp_path: Path) -> None:
@@ -91,7 +70,7 @@ def test_conditions_can_have_other_labels_which_are_distinct(
         with pytest.raises(InputError, match="Use different labels"):
             material.labels(repeated)
     clip = tmp_path / "seed.npz"
-    shutil.copy(study.clip("rule_based", SEGMENT), clip)
+    shutil.copy(study.clip("ground_truth", SEGMENT), clip)
     clip.with_suffix(".json").write_text("{")
     command = ("figure", "overlay", study.root, "--segment", SEGMENT, "--at", "0.5", "--inches", 1)
     variations = ("--motion", f"{clip}=seed 1", "--motion")
