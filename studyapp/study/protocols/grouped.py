@@ -12,6 +12,7 @@ from pydantic import Field
 from motion.segment import Segment
 from studyapp.study.design.allocation import number_trials, scatter_by_part, shuffled
 from studyapp.study.design.trial import Answers, Kind, PlannedTrial, Stimulus
+from studyapp.study.settings.conditions import unknown_condition
 from studyapp.study.settings.questions import SCALE_STEPS
 from studyapp.study.settings.sections import Name, Section
 from studyapp.study.settings.study import Study
@@ -51,10 +52,8 @@ class GroupedStudy(Study):
             problems.append(f"{self.key_of_parts}: two of them have the same name")
         for part in parts:
             key = f"{self.key_of_parts}.{part.name}"
-            unknown = [name for name in part.conditions if name not in self.conditions]
-            if unknown:
-                known = ", ".join(self.conditions)
-                problems.append(f"{key}: {unknown[0]!r} is not a condition ({known})")
+            for name in part.conditions:
+                problems += unknown_condition(f"{key}:", name, self.conditions)
             if len(set(part.conditions)) != len(part.conditions):
                 problems.append(f"{key}: a condition is listed twice")
         return problems

@@ -48,7 +48,12 @@ from studyapp.study.design.trial import (
     Tally,
     Trial,
 )
-from studyapp.study.settings.conditions import Condition, comparison_name, with_sources
+from studyapp.study.settings.conditions import (
+    Condition,
+    comparison_name,
+    unknown_condition,
+    with_sources,
+)
 from studyapp.study.settings.questions import Question
 from studyapp.study.settings.sections import Name
 from studyapp.study.settings.study import Study
@@ -95,12 +100,8 @@ class PairwiseStudy(Study):
 
     def problems(self) -> list[str]:
         """Return everything that does not fit together."""
-        known = ", ".join(self.conditions)
         problems = super().problems()
-        if self.reference not in self.conditions:
-            problems.append(
-                f"reference {self.reference!r} is not a condition of the study ({known})"
-            )
+        problems += unknown_condition("reference", self.reference, self.conditions)
         unused = "participants" if self.has_reference_arms else "participants_per_comparison"
         if unused in self.model_fields_set:
             problems.append(f"{unused} has no effect with comparisons = {self.comparisons!r}")

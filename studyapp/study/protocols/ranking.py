@@ -33,7 +33,7 @@ from studyapp.study.design.trial import (
     Trial,
 )
 from studyapp.study.protocols.grouped import GroupedStudy, Part
-from studyapp.study.settings.conditions import Catch
+from studyapp.study.settings.conditions import Catch, unknown_condition
 from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.questions import Question
 from studyapp.study.settings.sections import Name
@@ -84,9 +84,7 @@ class RankingStudy(GroupedStudy):
     def problems(self) -> list[str]:
         """Return everything that does not fit together."""
         problems = super().problems()
-        if self.reference is not None and self.reference not in self.conditions:
-            known = ", ".join(self.conditions)
-            problems.append(f"reference {self.reference!r} is not a condition ({known})")
+        problems += unknown_condition("reference", self.reference, self.conditions)
         for block in self.blocks:
             if self.reference in block.conditions:
                 problems.append(f"blocks.{block.name}: the reference cannot be ranked")

@@ -141,14 +141,18 @@ def comparison_name(reference: str, other: str) -> str:
     return f"{reference}-{other}"
 
 
+def unknown_condition(key: str, name: str | None, conditions: Mapping[str, Condition]) -> list[str]:
+    """Return what is wrong if `key` names none of the conditions."""
+    if name is None or name in conditions:
+        return []
+    return [f"{key} {name!r} is not a condition ({', '.join(conditions)})"]
+
+
 def catch_problems(conditions: Mapping[str, Condition], catch: Catch) -> list[str]:
     """Return contradictions between the catch trials and the conditions."""
-    problems = []
+    problems = unknown_condition("catch.against", catch.against, conditions)
     if catch.condition in conditions:
         problems.append(f"catch.condition {catch.condition!r} must not be one of the conditions")
-    if catch.against is not None and catch.against not in conditions:
-        known = ", ".join(conditions)
-        problems.append(f"catch.against {catch.against!r} is not a condition ({known})")
     if catch.generator not in generator_names():
         problems.append(f"catch: {_unknown_generator(catch.generator)}")
     elif needs_model(catch.generator):
