@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from studyapp.study.media import Stimuli, read_stimuli, write_stimuli
 from studyapp.study.study_file import new_study
 from tests.studyapp.conftest import OwnStudy
 from tests.support.studies.made_study import make_segments, make_study
-from tests.support.studies.redefining import edited
+from tests.support.studies.redefining import set_keys
 from tests.support.studies.takes import write_motion
 from tests.support.studies.tiny_study import SECONDS
 
@@ -57,17 +57,6 @@ def clauses(findings: Iterable[Finding], severity: Severity) -> list[str]:
 
 def count(findings: Iterable[Finding], severity: Severity, words: str) -> int:
     return sum(words in clause for clause in clauses(findings, severity))
-
-
-def change(folder: StudyFolder, keys: Mapping[str, object]) -> None:
-    """Set keys of the study file, such as ``video.size`` or ``questions.0.text``."""
-    with edited(folder.definition) as document:
-        for key, value in keys.items():
-            *tables, name = key.split(".")
-            table: Any = document
-            for each in tables:
-                table = table[int(each)] if each.isdigit() else table.setdefault(each, {})
-            table[name] = value
 
 
 def test_a_missing_video_is_reported_with_its_conditions_and_errors_come_first(
@@ -149,14 +138,16 @@ def test_settings_are_compared_with_each_other_and_with_the_material(
     keys: dict[str, object],
 ) -> None:
     assert count(original, severity, words) == 0
-    change(ready, keys)
+    set_keys(ready.definition, keys)
     assert count(check(ready), severity, words) == 1
 
 
 def test_a_question_cannot_name_the_emotion_of_finished_videos(own_study: OwnStudy) -> None:
     folder = own_study("pairwise")
     assert count(check(folder), "warning", "say neutral") == 0
-    change(folder, {"questions.0.text": "The speaker feels {emotion}. Which fits better?"})
+    set_keys(
+        folder.definition, {"questions.0.text": "The speaker feels {emotion}. Which fits better?"}
+    )
     assert count(check(folder), "warning", "say neutral in every trial") == 1
 
 
@@ -169,7 +160,7 @@ def test_a_question_cannot_name_the_emotion_of_finished_videos(own_study: OwnStu
     ],
 )
 def test_framing_the_moving_part_is_accepted(ready: StudyFolder, keys: dict[str, object]) -> None:
-    change(ready, keys)
+    set_keys(ready.definition, keys)
     findings = check(ready)
     assert count(findings, "warning", "frame the") == 0
     assert count(findings, "note", "about the face") == 0
@@ -180,18 +171,18 @@ def test_design_notes_disappear_once_the_study_file_is_edited(
 ) -> None:
     repeated = "1 of 1 catch trials and attention checks repeat the speech"
     catch = "catch trials show rule based against broken"
-    rules = (
+    excluded = (
         f"{EXCLUDED}1. who did not finish (incomplete); 2. who failed more than 1 catch trial "
         "(catch>1)"
     )
-    notes = (repeated, "published design has 24", "say nothing about", rules, catch)
+    notes = (repeated, "published design has 24", "say nothing about", excluded, catch)
     assert clauses(original, "error") == []
     assert [count(original, "note", words) for words in notes] == [1] * 5
 
     # Three of four segments are used by pairs, which leaves one for a catch trial.
-    change(ready, {"trials": 3, "exclusions": [{"rule": "coverage", "below": 0.99}]})
-    with edited(ready.definition) as document:
-        document["conditions"]["ground_truth"] = {}
+    rules = [{"rule": "coverage", "below": 0.99}]
+    keys = {"trials": 3, "exclusions": rules, "conditions.ground_truth": {}}
+    set_keys(ready.definition, keys)
 
     assert study_notes(ready.study()) == ()
     findings = check(ready)
@@ -207,7 +198,7 @@ def test_a_channel_that_moves_in_only_some_conditions_is_reported_until_frozen(
         weights = np.random.default_rng(1).random((len(clip), 52), np.float32)
         write_clip(ready.clip("mismatched", segment.name), replace(clip, arkit=weights))
     assert count(check(ready), "warning", "face never moves in rule_based") == 1
-    change(ready, {"freeze": ["face"]})
+    set_keys(ready.definition, {"freeze": ["face"]})
     assert count(check(ready), "warning", "never moves") == 0
 
 
@@ -215,7 +206,7 @@ def test_bodies_of_another_shape_in_some_conditions_are_reported(ready: StudyFol
     arrays = dict(np.load(default_body()))
     arrays["shapedirs"][:, :, :2] = 0.01
     np.savez(ready.root / "smplx.npz", **arrays)
-    change(ready, {"video.body": "smplx.npz"})
+    set_keys(ready.definition, {"video.body": "smplx.npz"})
     segments = [segment.name for segment in ready.segments()]
     thin, stout = [0.0, 1.0, 0.0], [0.0, -1.0]
     for others, reported in (([[0.0, 1.0], stout], 0), ([stout, thin], 1)):

@@ -11,7 +11,7 @@ from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
 from studyapp.study.study_file import new_study
-from tests.support.studies.redefining import edited
+from tests.support.studies.redefining import set_keys
 from tests.support.studies.takes import write_motion, write_speech
 
 
@@ -21,8 +21,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     root = tmp_path_factory.mktemp("generated")
     folder = StudyFolder(root / "study")
     new_study(folder.definition, name="study", trials=2)
-    with edited(folder.definition) as document:
-        document["video"].update({"size": 96, "frame_rate": 10})
+    set_keys(folder.definition, {"video.size": 96, "video.frame_rate": 10})
     take = Take(
         motion=write_motion(root / "motion.npz", seconds=2.0),
         speech=write_speech(root / "take.wav", seconds=2.0),

@@ -14,7 +14,7 @@ from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
 from tests.generators.diffsheg.small_network import written_network
-from tests.support.studies.redefining import edited
+from tests.support.studies.redefining import set_keys
 from training.speech_features.hubert import stand_in
 
 MakeTake = Callable[..., Take]
@@ -33,11 +33,6 @@ def generated_files(folder: StudyFolder) -> dict[Path, bytes]:
         for condition in made
         for path in sorted((folder.root / "motion" / condition).glob("*.npz"))
     }
-
-
-def set_seed(folder: StudyFolder, seed: int) -> None:
-    with edited(folder.definition) as document:
-        document["seed"] = seed
 
 
 def test_every_generated_condition_gets_a_placed_clip_once(
@@ -78,11 +73,11 @@ def test_an_interrupted_run_resumes(study: StudyFolder) -> None:
 def test_a_new_seed_or_source_motion_regenerates_clips(study: StudyFolder) -> None:
     generate(study)
     before = generated_files(study)
-    set_seed(study, 2)
+    set_keys(study.definition, {"seed": 2})
     assert generate(study).made == 9
     moved = study.clip("rule_based", "take_01")
     assert moved.read_bytes() != before[moved]
-    set_seed(study, 1)
+    set_keys(study.definition, {"seed": 1})
     generate(study)
     assert generated_files(study) == before
     ground_truth = study.clip("ground_truth", "take_01")
@@ -134,13 +129,10 @@ def networked(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
     import_take(folder, take(speech=2.0, motion=2.0))
     (folder.root / "models").mkdir()
     written_network(folder.root / "models" / "small.safetensors")
-    with edited(folder.definition) as document:
-        document["reference"] = "ground_truth"
-        document["conditions"] = {
-            "ground_truth": {},
-            "learned": {"generator": "diffsheg", "checkpoint": "models/small.safetensors"},
-        }
-        document["catch"]["trials"] = 0
+    learned = {"generator": "diffsheg", "checkpoint": "models/small.safetensors"}
+    conditions = {"ground_truth": {}, "learned": learned}
+    keys = {"reference": "ground_truth", "conditions": conditions, "catch.trials": 0}
+    set_keys(folder.definition, keys)
     return folder
 
 
@@ -168,8 +160,7 @@ def test_a_network_reports_progress_and_stand_ins_and_survives_moving_the_study(
 
 
 def test_a_missing_checkpoint_is_named_with_its_condition(networked: StudyFolder) -> None:
-    with edited(networked.definition) as document:
-        document["conditions"]["learned"]["checkpoint"] = "models/absent.pt"
+    set_keys(networked.definition, {"conditions.learned.checkpoint": "models/absent.pt"})
     with pytest.raises(InputError, match=r"conditions\.learned: .*no such checkpoint") as refusal:
         generate(networked)
     assert str(networked.root / "models" / "absent.pt") in str(refusal.value)

@@ -21,7 +21,7 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import source_descriptions
 from studyapp.study.settings.reading import read_study
 from tests.support.command_line import refused, run
-from tests.support.studies.redefining import edited
+from tests.support.studies.redefining import set_keys
 from tests.support.studies.takes import write_speech
 
 
@@ -89,10 +89,9 @@ def speech(tmp_path: Path) -> Path:
 
 
 def set_condition(folder: StudyFolder, **keys: Any) -> None:
-    with edited(folder.definition) as document:
-        document["reference"] = "ground_truth"
-        document["conditions"] = {"ground_truth": {}, "ours": {"generator": "sway", **keys}}
-        document["catch"]["trials"] = 0
+    conditions = {"ground_truth": {}, "ours": {"generator": "sway", **keys}}
+    made = {"reference": "ground_truth", "conditions": conditions, "catch.trials": 0}
+    set_keys(folder.definition, made)
 
 
 def test_changing_any_setting_regenerates_clips(

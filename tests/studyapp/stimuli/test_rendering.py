@@ -20,7 +20,7 @@ from studyapp.stimuli.rendering import render
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import read_stimuli
 from tests.support.encoded import pictures_of
-from tests.support.studies.redefining import edited
+from tests.support.studies.redefining import set_keys
 
 pytestmark = pytest.mark.slow
 
@@ -107,8 +107,7 @@ def test_only_videos_of_changed_clips_are_rendered_again(
 def test_a_new_look_changes_every_video(study: StudyFolder) -> None:
     before = RenderPlan.of(study)
     for key, value in (("framing", "face"), ("view", "three_quarter"), ("background", "#2e3440")):
-        with edited(study.definition) as document:
-            document["video"][key] = value
+        set_keys(study.definition, {f"video.{key}": value})
         after = RenderPlan.of(study)
         for old, new in ((before.clips, after.clips), (before.pairs, after.pairs)):
             assert [video.file for video in old] == [video.file for video in new]
@@ -126,8 +125,9 @@ def test_a_missing_clip_is_named_before_anything_is_rendered(study: StudyFolder)
 def test_failed_videos_hidden_faces_and_silence_are_reported_and_the_others_made(
     study: StudyFolder,
 ) -> None:
-    with edited(study.definition) as document:
-        document["freeze"].remove("face")
+    set_keys(
+        study.definition, {"freeze": [name for name in study.study().freeze if name != "face"]}
+    )
     for segment in study.segments():
         path = study.clip("ground_truth", segment.name)
         clip = read_clip(path)

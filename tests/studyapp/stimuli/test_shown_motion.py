@@ -6,14 +6,13 @@ from motion.segment import Segment
 from renderer.look import FIRST_AVATAR
 from studyapp.stimuli.shown_motion import segment_scene, shown_abilities, shown_body
 from studyapp.study.folder import StudyFolder
-from tests.support.studies.redefining import edited
+from tests.support.studies.redefining import set_keys
 from tests.support.studies.takes import write_motion, write_speech
 
 
 def test_stated_abilities_match_the_body(folder: StudyFolder) -> None:
     np.save(folder.root / "face.npy", np.ones((100, 52)))
-    with edited(folder.definition) as document:
-        document["video"]["expression_matrix"] = "face.npy"
+    set_keys(folder.definition, {"video.expression_matrix": "face.npy"})
     study = folder.study()
     assert study.video.avatar == FIRST_AVATAR
     assert shown_abilities(folder, study) == shown_body(folder, study).abilities

@@ -13,7 +13,7 @@ from motion.formats.beat_tracks import write_arkit_json
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.training_recordings import recordings_of
 from studyapp.study.folder import StudyFolder
-from tests.support.studies.redefining import edited
+from tests.support.studies.redefining import set_keys
 
 
 @pytest.fixture
@@ -30,8 +30,7 @@ def test_recordings_of_a_study_have_take_emotion_and_frozen_channels(
     folder: StudyFolder, take: Callable[..., Take]
 ) -> None:
     import_take(folder, take())
-    with edited(folder.definition) as document:
-        document["freeze"] = ["hands"]
+    set_keys(folder.definition, {"freeze": ["hands"]})
     recordings = recordings_of(folder.root, condition="ground_truth")
     assert [source.name for source in recordings.sources] == ["take_01", "take_02", "take_03"]
     assert {(s.recording, s.emotion) for s in recordings.sources} == {("take.wav", "neutral")}

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import tomlkit
 
@@ -25,6 +26,17 @@ def redefine(study: Path, *changes: tuple[str, str], added: str = "") -> None:
         assert old in text, f"the study file does not contain {old!r}"
         text = text.replace(old, new)
     definition.write_text(text + added, "utf-8")
+
+
+def set_keys(definition: Path, keys: Mapping[str, object]) -> None:
+    """Set keys of a study file, such as ``video.size`` or ``questions.0.text``."""
+    with edited(definition) as document:
+        for key, value in keys.items():
+            *tables, name = key.split(".")
+            table: Any = document
+            for each in tables:
+                table = table[int(each)] if each.isdigit() else table.setdefault(each, {})
+            table[name] = value
 
 
 @contextmanager

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
-import tomlkit
 
 from motion.errors import InputError
 from renderer.look import AVATARS, FRAMINGS, VIEWS
@@ -13,7 +12,7 @@ from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.presentation import Video
 from studyapp.study.settings.reading import parse_text, read_study
 from studyapp.study.study_file import new_study, render_template
-from tests.support.studies.redefining import edited
+from tests.support.studies.redefining import set_keys
 
 
 @pytest.fixture
@@ -23,23 +22,12 @@ def study_file(tmp_path: Path) -> Path:
     return path
 
 
-def changed(path: Path, **changes: Any) -> Path:
-    with edited(path) as document:
-        for dotted, value in changes.items():
-            *tables, key = dotted.split("__")
-            table: Any = document
-            for name in tables:
-                table = table.setdefault(name, tomlkit.table())
-            table[key] = value
-    return path
-
-
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"video__colour": "red"}, "video.colour: unknown key"),
+        ({"video.colour": "red"}, "video.colour: unknown key"),
         *(
-            ({"video__background": colour}, "video.background")
+            ({"video.background": colour}, "video.background")
             for colour in ("white", "#fff", "#ececeg", "#ececee00")
         ),
         ({"family": "against=nobody"}, "names nobody"),
@@ -49,39 +37,39 @@ def changed(path: Path, **changes: Any) -> Path:
         ({"margin": float("inf")}, "margin: must be a finite number"),
         # No win share is further from one half: any two conditions would be equivalent.
         ({"margin": 0.5}, "margin: must be below 0.5"),
-        ({"page__margin": 0.05}, "it belongs above the first heading"),
-        ({"page__alarms": {"mail": []}}, "it belongs below [alarms]"),
+        ({"page.margin": 0.05}, "it belongs above the first heading"),
+        ({"page.alarms": {"mail": []}}, "it belongs below [alarms]"),
         ({"practice": 20, "trials": 10}, "practice (20) is more than trials (10)"),
         ({"freeze": ["nose"]}, "freeze: unknown nose"),
-        ({"conditions__rule_based__generator": "magic"}, "unknown generator 'magic'"),
-        ({"conditions__mismatched__source": "nobody"}, "source 'nobody' is not another condition"),
-        ({"conditions__rule_based__source": "mismatched"}, "source has no effect here"),
-        ({"conditions__broken__generator": "static"}, "must not be one of the conditions"),
-        ({"conditions__rule_based__generator": "diffsheg"}, "'diffsheg' needs a checkpoint"),
-        ({"conditions__mismatched__speaker": 2}, "speaker is given, but nothing there uses it"),
-        ({"catch__generator": "diffsheg"}, "a network such as 'diffsheg' cannot"),
-        ({"catch__against": "nobody"}, "catch.against 'nobody' is not a condition"),
-        ({"conditions__rule_based__videos": True}, "cannot have a generator or source"),
-        ({"rehearsal__strength": {"nobody": 1}}, "unknown condition 'nobody'"),
+        ({"conditions.rule_based.generator": "magic"}, "unknown generator 'magic'"),
+        ({"conditions.mismatched.source": "nobody"}, "source 'nobody' is not another condition"),
+        ({"conditions.rule_based.source": "mismatched"}, "source has no effect here"),
+        ({"conditions.broken.generator": "static"}, "must not be one of the conditions"),
+        ({"conditions.rule_based.generator": "diffsheg"}, "'diffsheg' needs a checkpoint"),
+        ({"conditions.mismatched.speaker": 2}, "speaker is given, but nothing there uses it"),
+        ({"catch.generator": "diffsheg"}, "a network such as 'diffsheg' cannot"),
+        ({"catch.against": "nobody"}, "catch.against 'nobody' is not a condition"),
+        ({"conditions.rule_based.videos": True}, "cannot have a generator or source"),
+        ({"rehearsal.strength": {"nobody": 1}}, "unknown condition 'nobody'"),
         (
-            {"conditions__mismatched__label": "rule based"},
+            {"conditions.mismatched.label": "rule based"},
             "conditions.mismatched: 'rule_based' is also called 'rule based'",
         ),
-        ({"rehearsal__careless": 1.5}, "rehearsal.careless"),
-        ({"rehearsal__careless": 0.9, "rehearsal__hasty": 0.5}, "add up to 1.62"),
-        ({"rehearsal__strength": {"rule_based": {"taste": 1}}}, "unknown question 'taste'"),
-        ({"rehearsal__strength": {"rule_based": "high"}}, "must be a number, or a table"),
-        ({"rehearsal__own_speech": {"rule_based": 99}}, "rehearsal.own_speech.rule_based"),
+        ({"rehearsal.careless": 1.5}, "rehearsal.careless"),
+        ({"rehearsal.careless": 0.9, "rehearsal.hasty": 0.5}, "add up to 1.62"),
+        ({"rehearsal.strength": {"rule_based": {"taste": 1}}}, "unknown question 'taste'"),
+        ({"rehearsal.strength": {"rule_based": "high"}}, "must be a number, or a table"),
+        ({"rehearsal.own_speech": {"rule_based": 99}}, "rehearsal.own_speech.rule_based"),
         ({"format": 2}, "format"),
         ({"freeze": "face"}, "freeze: must be a list in square brackets"),
-        ({"video__background": "red"}, "video.background: must be a colour such as"),
-        ({"recruitment__pay__amount": "2.5"}, "recruitment.pay.amount: must be an amount such as"),
-        ({"conditions__other": 3}, "conditions.other: must be a table"),
+        ({"video.background": "red"}, "video.background: must be a colour such as"),
+        ({"recruitment.pay.amount": "2.5"}, "recruitment.pay.amount: must be an amount such as"),
+        ({"conditions.other": 3}, "conditions.other: must be a table"),
         (
             {
-                "conditions__other__generator": "mismatched",
-                "conditions__other__source": "mismatched",
-                "conditions__mismatched__source": "other",
+                "conditions.other.generator": "mismatched",
+                "conditions.other.source": "mismatched",
+                "conditions.mismatched.source": "other",
             },
             "circle",
         ),
@@ -90,8 +78,9 @@ def changed(path: Path, **changes: Any) -> Path:
 def test_a_wrong_key_is_named_with_its_file(
     study_file: Path, changes: dict[str, Any], said: str
 ) -> None:
+    set_keys(study_file, changes)
     with pytest.raises(InputError) as caught:
-        read_study(changed(study_file, **changes))
+        read_study(study_file)
     assert said in str(caught.value)
     assert str(study_file) in str(caught.value)
 
@@ -144,9 +133,8 @@ def test_mistakes_are_reported_with_their_line(
 def test_an_error_explains_an_invalid_question(
     study_file: Path, question: dict[str, str], said: str
 ) -> None:
-    with edited(study_file) as document:
-        for each in document["questions"]:
-            each.update(question)
+    for key, value in question.items():
+        set_keys(study_file, {f"questions.{number}.{key}": value for number in (0, 1)})
     with pytest.raises(InputError, match=re.escape(said)) as caught:
         read_study(study_file)
     # Questions are not too few, but wrong.
@@ -183,7 +171,8 @@ def test_catch_trials_show_the_ground_truth_and_all_pairs_both_orders(
     study_file: Path,
 ) -> None:
     assert read_study(study_file).catch_against == "rule_based"
-    study = read_study(changed(study_file, conditions__ground_truth=tomlkit.table()))
+    set_keys(study_file, {"conditions.ground_truth": {}})
+    study = read_study(study_file)
     assert isinstance(study, PairwiseStudy)
     assert study.catch_against == "ground_truth"
     assert set(study.others) == {"mismatched", "ground_truth"}
@@ -193,8 +182,8 @@ def test_catch_trials_show_the_ground_truth_and_all_pairs_both_orders(
 
 
 def test_sources_are_generated_before_their_dependents(study_file: Path) -> None:
-    path = changed(study_file, reference="mismatched")
-    assert list(read_study(path).generated()) == ["rule_based", "mismatched", "broken"]
+    set_keys(study_file, {"reference": "mismatched"})
+    assert list(read_study(study_file).generated()) == ["rule_based", "mismatched", "broken"]
 
 
 def test_offered_looks_match_the_renderers() -> None:
@@ -208,5 +197,5 @@ def test_one_published_evaluator_is_named_as_a_table_and_several_as_a_list(
     one = {"preset": "emage", "file": "AESKConv_240_100.bin"}
     two = {"preset": "beat", "file": "ae_300.bin", "statistics": "beat"}
     for stated, presets in ((one, ["emage"]), ([one, two], ["emage", "beat"])):
-        study = read_study(changed(study_file, evaluator=stated))
-        assert [each.preset for each in study.evaluator] == presets
+        set_keys(study_file, {"evaluator": stated})
+        assert [each.preset for each in read_study(study_file).evaluator] == presets
