@@ -145,9 +145,7 @@ def test_settings_are_compared_with_each_other_and_with_the_material(
 def test_a_question_cannot_name_the_emotion_of_finished_videos(own_study: OwnStudy) -> None:
     folder = own_study("pairwise")
     assert count(check(folder), "warning", "say neutral") == 0
-    set_keys(
-        folder.definition, {"questions.0.text": "The speaker feels {emotion}. Which fits better?"}
-    )
+    set_keys(folder.definition, {"questions.0.text": "The speaker feels {emotion}. Which fits?"})
     assert count(check(folder), "warning", "say neutral in every trial") == 1
 
 
