@@ -243,7 +243,6 @@ def take(speech_file: Callable[..., Path], motion_file: Callable[..., Path]) -> 
         return Take(
             motion=motion_file(motion),
             speech=speech_file(speech, name),
-            frame_rate=None,
             segment_seconds=segment,
             condition="ground_truth",
             speaker="scott",

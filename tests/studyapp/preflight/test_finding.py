@@ -12,7 +12,7 @@ from string import Formatter
 import pytest
 
 from studyapp import preflight
-from studyapp.preflight.finding import Finding, catalogue, kinds, make_record, text_lines
+from studyapp.preflight.finding import Finding, catalogue, kinds, text_lines
 from studyapp.stimuli import media_probe
 from tools.handbook.check_page import DOCS, schema, with_table
 
@@ -86,12 +86,3 @@ def test_a_finding_is_printed_with_name_place_and_remedy_and_those_of_a_kind_tog
 def test_findings_fit_a_narrow_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "60")
     assert max(map(len, output(missing("many words " * 30)).splitlines())) <= 60
-
-
-def test_the_json_record_has_all_findings_and_counts() -> None:
-    warning = Finding(name="odd", severity="warning", what="b", where="w", remedy="Look at it")
-    record = make_record("mine", [missing("a"), warning, NOTE])
-
-    assert (record.errors, record.warnings, record.notes) == (1, 1, 1)
-    assert record.findings == (missing("a"), warning, NOTE)
-    assert record.summary == "1 error, 1 warning"

@@ -167,7 +167,9 @@ def test_an_invalid_study_is_not_written(tmp_path: Path) -> None:
     assert not path.exists()
 
 
-def test_adding_a_condition_keeps_the_comments(tmp_path: Path) -> None:
+def test_adding_a_condition_keeps_the_comments_and_reads_over_a_byte_order_mark(
+    tmp_path: Path,
+) -> None:
     path = tmp_path / "study.toml"
     new_study(path, name="s")
     comments = path.read_text().count("#")

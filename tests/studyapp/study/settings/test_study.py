@@ -141,12 +141,6 @@ def test_an_error_explains_an_invalid_question(
     assert "at least 1" not in str(caught.value)
 
 
-def test_a_byte_order_mark_is_read_over(study_file: Path) -> None:
-    study = read_study(study_file)
-    study_file.write_bytes(b"\xef\xbb\xbf" + study_file.read_bytes())
-    assert read_study(study_file) == study
-
-
 @pytest.mark.parametrize(
     ("content", "said"),
     [
