@@ -32,7 +32,7 @@ SIZE: Final = 360
 
 PAGE: Final = {
     "organisation": "Institute of Gestures",
-    "contact": "gestures@example.org",
+    "contact": "gestures-and-speech@linguistics.university.example.org",
     "minutes": 10,
     "payment": "2.50 EUR",
     "consent": """
