@@ -211,7 +211,7 @@ class Study(Section, ABC):
 
         Of two stimuli, however slightly.
         """
-        del self, worse
+        del worse
         return all((value > 0) if better == 2 else (value < 0) for value in answers.values())
 
     def asks(self, trial: Trial) -> tuple[Ask, ...]:
