@@ -111,6 +111,11 @@ def verify_password(password_hash: str | None, password: str) -> bool:
     return password_hash is not None
 
 
+def needs_rehash(password_hash: str) -> bool:
+    """Tell whether the hash has outdated parameters."""
+    return HASHER.check_needs_rehash(password_hash)
+
+
 def _dummy_hash() -> str:
     """Return a hash that no password has, with the parameters in use."""
     costs = f"m={HASHER.memory_cost},t={HASHER.time_cost},p={HASHER.parallelism}"

@@ -15,13 +15,13 @@ from studyapp.database.tables import Event, Researcher, ResearcherLogin
 from studyapp.researchers.account import Account, account_of, end_logins, name_hash, name_key
 from studyapp.researchers.audit import log_change, read_reason
 from studyapp.researchers.credentials import (
-    HASHER,
     accept_code,
     check_password,
     count_attempt,
     forget_all_attempts,
     forget_attempts,
     hash_password,
+    needs_rehash,
     new_token,
     token_hash,
     verify_password,
@@ -147,8 +147,7 @@ def log_in(
     is_right = verify_password(None if account is None else account.password_hash, password)
     if account is None or not is_right or account.disabled_at is not None:
         raise WrongLoginError
-    is_outdated = HASHER.check_needs_rehash(account.password_hash)
-    new_hash = hash_password(password) if is_outdated else None
+    new_hash = hash_password(password) if needs_rehash(account.password_hash) else None
     with database.writing() as session:
         researcher = _lock_unchanged(session, account)
         if not accept_code(researcher, code, now):
