@@ -162,7 +162,9 @@ def test_answers_before_the_end_require_a_reason(tiny: LabStudy, ada: ResearchBr
     fields = {"form_code": code, "reason": "The ethics board asks"}
     assert ada.client.post(results_page, data=fields).status_code == 303
     assert ada.post(f"{JOBS}tables").status_code == 303
-    assert wait_until_ended(tiny.folder.jobs, "tables").state == "done"
+    standing = wait_until_ended(tiny.folder.jobs, "tables")
+    assert (standing.state, standing.job.status, standing.job.by) == ("done", 0, "Ada")
+    assert standing.job.ended_at is not None
     newest = latest_looks(tiny.database)[0]
     look = (newest.way, newest.researcher, newest.reason)
     assert look == ("export", "Ada", "The ethics board asks")

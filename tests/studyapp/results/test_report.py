@@ -64,6 +64,9 @@ def test_a_study_and_its_reports_table_give_the_same_results(
     page = report(answered(protocol, people=3, stop_after=1))
     table = page.parent / "tables" / "answers.csv"
     of_study = results_of(page)
+    html = page.read_text("utf-8")
+    # Only a report that is asked for it plays motion.
+    assert not any(words in html for words in ("motion-viewer", "media-src", 'id="motion"'))
     rows = pd.read_csv(table)
     if "condition" in rows:
         # A table's conditions are in the order of its rows, a study's in that of its file.
