@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Locator, Page, expect
 
 from studyapp.web.language import language_of, speak
 from studyapp.web.site import site_of
-from tests.functional.browsing import IN_A_BROWSER, watched_page
+from tests.functional.browsing import IN_A_BROWSER, wait_until, watched_page
 from tests.functional.page_checks import video_sizes
 from tests.functional.shown_studies import write_shown_study
 from tests.functional.taking_part import answer, first_trial, shown
@@ -259,6 +259,11 @@ def test_a_slider_is_empty_keeps_its_value_and_starts_in_the_middle_or_at_an_end
         for value in values:
             line(page, number).press(key)
             expect(field(page, number)).to_have_value(value)
+
+    # Beside each other on a tablet, words keep the whole width under their video.
+    page.set_viewport_size({"width": 768, "height": 1024})
+    whole = "bands => bands.offsetWidth === bands.parentElement.offsetWidth"
+    wait_until(page, lambda: page.locator(".bands").first.evaluate(whole))
 
 
 def test_a_click_or_touch_selects_its_position(
