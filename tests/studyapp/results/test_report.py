@@ -208,7 +208,10 @@ def test_unfinished_sessions_are_excluded_and_unstated_rules_are_exploratory(
         "cannot be applied: no question has 500 answers that could be alike"
     )
     html = page.read_text("utf-8")
-    assert "not finished, and the numbers will change: 2 of 3 places are filled." in html
+    assert (
+        "Fewer people than planned have taken part (2 of 3 places are filled), and the numbers"
+        in html
+    )
     for change in (
         "attention&gt;2 and straight_lining&gt;=1,trials=500 was added to the study file after",
         "attention&gt;1 was removed from the study file after",

@@ -197,6 +197,11 @@ def test_only_the_tests_of_the_family_that_could_be_run_are_counted(answered: An
     assert effect.startswith("The only test that could be run is not significant")
     assert "1 test could not be run" in certainty_words
 
+    halves = pairwise_table(("a", "b"), effects=(0.0, 0.0), participants=2)
+    is_a = (halves["left"] == "a") == (halves["participant"] == "p00")
+    halves["response"] = is_a.map({True: 1, False: 5})
+    assert answered(halves, "pairwise")[0].endswith("after Holm's correction).")
+
 
 def test_open_places_unwatched_study_sessions_and_people_screened_out_are_counted(
     tmp_path: Path,
