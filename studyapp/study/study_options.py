@@ -248,7 +248,9 @@ def _read_weight_files(generator: str, text: str, required: Sequence[str]) -> li
     paths = [Path(file.strip()).expanduser() for file in files]
     for path in paths:
         if not path.is_file():
-            raise InputError("this file of weights does not exist", where=path)
+            raise InputError(
+                f"the file of weights {path} does not exist", remedy="Give the path of the file"
+            )
     return paths
 
 

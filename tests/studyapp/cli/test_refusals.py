@@ -44,7 +44,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "new --condition a=files --condition a=files": "given twice",
         "new --condition a=files": "one condition cannot be compared",
         "new --condition a=diffsheg --condition b=files": "needs its weights",
-        "new --condition a=diffsheg:none.pt --condition b=files": "weights does not exist",
+        "new --condition a=diffsheg:none.pt --condition b=files": "weights none.pt does not exist",
         "new --condition a=files --condition b=files --reference c": "not one of the conditions",
         "new --template ranking --condition a=files --condition b=files --reference a": (
             "would show 1 motion"
