@@ -231,7 +231,7 @@ TAKE_HOME: Final = (
     JobKind(
         name="share",
         title="Folder for another lab",
-        purpose="All that repeats the report, without free text and names",
+        purpose="All that it takes to reproduce the report, without free text and names",
         command=lambda study, form: _export(study, "--folder", SHARED),
         needs=Right.UNBLIND,
         shows_answers=True,
@@ -240,7 +240,7 @@ TAKE_HOME: Final = (
     JobKind(
         name="figure",
         title="Figure for a paper",
-        purpose="Conditions beside each other, by name",
+        purpose="Conditions side by side, with their names",
         command=_figure,
         needs=Right.STEER,
         asks="figure",

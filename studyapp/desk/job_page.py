@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from flask import Response, abort, redirect, request, send_from_directory, url_for
+from flask import Response, abort, make_response, redirect, request, send_from_directory, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
@@ -19,7 +19,7 @@ from studyapp.desk.job_kinds import (
 )
 from studyapp.desk.jobs import Job, job_log, job_standings, run_job, stop_job
 from studyapp.desk.lab import OpenedStudy, current_lab
-from studyapp.desk.page import page, writing_files
+from studyapp.desk.page import page, writing_files, wrong_role
 from studyapp.researchers.account import Right
 from studyapp.web.research.pages import Page
 
@@ -95,7 +95,7 @@ def _visible_kind(study: OpenedStudy, name: str) -> JobKind:
     if kind is None:
         abort(404)
     if not study.account.may(kind.needs):
-        abort(403)
+        abort(make_response(wrong_role()))
     return kind
 
 

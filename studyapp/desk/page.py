@@ -9,11 +9,12 @@ from contextlib import contextmanager
 from typing import Any, Final
 
 from flask import current_app
+from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
 from studyapp.desk.job_kinds import KINDS
 from studyapp.researchers.account import Role
-from studyapp.web.research.page import rendered
+from studyapp.web.research.page import problem_page, rendered
 
 DUTIES: Final[Mapping[Role, str]] = {
     "viewer": "open studies as a member",
@@ -52,6 +53,15 @@ def writing_files() -> Iterator[None]:
             remedy="Ask whoever runs the server to "
             + ("make room on its disk, then try again" if is_full else "look at its log"),
         ) from error
+
+
+def wrong_role() -> ResponseReturnValue:
+    """Return the page for researchers whose role in the study is not enough."""
+    return problem_page(
+        "This page is not for your role in the study",
+        "An owner of the study can give you another.",
+        403,
+    )
 
 
 def page(template: str, /, problem: InputError | None = None, **values: Any) -> str:

@@ -19,7 +19,7 @@ from studyapp.desk import inbox, job_page, making, material_page, membership, se
 from studyapp.desk.job_kinds import RUN, TAKE_HOME
 from studyapp.desk.lab import OpenedStudy, current_lab, study_token
 from studyapp.desk.membership import enter_study
-from studyapp.desk.page import DUTIES, at_the_desk, page, problem_at_the_desk
+from studyapp.desk.page import DUTIES, at_the_desk, page, problem_at_the_desk, wrong_role
 from studyapp.monitoring.alarms import AlarmChannels
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.researchers.account import RIGHTS, ROLES, Right, has_owner
@@ -228,11 +228,7 @@ def _in_study(guarded: Page) -> Callable[..., ResponseReturnValue]:
                 404,
             )
         if guarded.needs is None or not opened_study.account.may(guarded.needs):
-            return problem_page(
-                "This page is not for your role in the study",
-                "An owner of the study can give you another.",
-                403,
-            )
+            return wrong_role()
         return guarded.view(opened_study, **arguments)
 
     return show

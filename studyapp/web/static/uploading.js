@@ -29,7 +29,7 @@ class Row {
   show(here, size) {
     this.bar.max = size || 1;
     this.bar.value = here;
-    this.describe(`${Math.floor((100 * here) / (size || 1))} %`);
+    this.describe(`${Math.floor((100 * here) / (size || 1))}%`);
   }
 
   describe(words) {

@@ -87,7 +87,7 @@ def test_viewers_see_jobs_and_run_none(
     for kind in RUN:
         assert not viewer.get(f"{JOBS}{kind.name}").soup.select("main form")
     for each in TAKE_HOME:
-        viewer.get(f"{JOBS}{each.name}", 403)
+        assert "not for your role" in viewer.get(f"{JOBS}{each.name}", 403).text
     viewer.get(f"{JOBS}report/files/report.html", 403)
     viewer.get(f"{JOBS}tables/archive", 403)
 
