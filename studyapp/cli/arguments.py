@@ -38,7 +38,7 @@ def existing_study(root: str | Path) -> StudyFolder:
         raise InputError(
             "this is not a study folder: study.toml is missing",
             where=folder.root,
-            remedy=f"Check the path, or create a study with 'motionjury init {folder.root}'",
+            remedy="Check the path, or create a study with 'motionjury init'",
         )
     return folder
 

@@ -10,7 +10,7 @@ from motion.errors import InputError, listed
 from studyapp.cli.arguments import StudyCommand, study_folder
 from studyapp.clock import Clock
 from studyapp.custody.forgetting import StoredData, find_data, forget, has_forgotten
-from studyapp.database.engine import Database, database_url_of
+from studyapp.database.engine import Database, database_url_of, missing_database
 from studyapp.database.scrubbing import scrub
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.researchers.pseudonyms import PseudonymKey, find_number_by_name
@@ -37,10 +37,10 @@ def command(folder: StudyFolder, participant: str, reason: str, reinstate: bool)
     stays taken. No answer is deleted.
     """
     with snapshot(folder, "participants") as session:
-        number = None
-        if session is not None:
-            key = PseudonymKey.read(folder.pseudonym_key)
-            number = find_number_by_name(session, key, participant)
+        if session is None:
+            raise missing_database(database_url_of(folder.root))
+        key = PseudonymKey.read(folder.pseudonym_key)
+        number = find_number_by_name(session, key, participant)
     if number is None:
         raise InputError(
             f"there is no study session {participant!r}",

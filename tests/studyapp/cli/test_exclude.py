@@ -77,7 +77,7 @@ def test_only_a_known_participant_is_excluded_and_no_database_is_made(folder: St
         given = ("exclude", folder.root, "--reason", "asleep", "--", name)
         assert "there is no study session" in run(*given, status=1)
     folder.responses.unlink()
-    run("exclude", folder.root, "1", "--reason", "asleep", status=1)
+    assert "DATABASE_URL" in run("exclude", folder.root, "1", "--reason", "asleep", status=1)
     run("forget", folder.root, "somebody", "--yes", status=1)
 
     assert not folder.responses.exists()

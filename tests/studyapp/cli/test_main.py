@@ -52,7 +52,7 @@ def test_the_nearest_command_is_suggested_for_a_misspelt_one(refused: Refused) -
         ("publish-media s3://bucket", "not valid TOML"),
         ("recruit status", "not valid TOML"),
         ("researchers reset Eve", "no researcher 'Eve'"),
-        ("exclude 1 --reason asleep", "no study session '1'"),
+        ("exclude 1 --reason asleep", "no database of answers yet"),
         ("forget 1", "no database of answers"),
         ("backup out.tar", "no database of answers"),
     ],

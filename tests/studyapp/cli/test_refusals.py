@@ -109,7 +109,7 @@ REFUSED: dict[str, dict[str, str]] = {
     },
     "exclude": {
         "study 1": "Missing option '--reason'",
-        "study 1 --reason asleep": "there is no study session",
+        "study 1 --reason asleep": "there is no database of answers yet",
     },
     "researchers": {"study list Eve": "unexpected extra argument"},
     "preview": {
