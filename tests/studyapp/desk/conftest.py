@@ -35,12 +35,8 @@ def studies_are_read_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def lab(
-    tmp_path: Path, tiny_study_template: Path, empty_sqlite: Path, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[Lab]:
+def lab(tmp_path: Path, tiny_study_template: Path, empty_sqlite: Path) -> Iterator[Lab]:
     """Return a desk whose folder contains the study ``tiny``."""
-    # However slow the machine, changed files are read again at once.
-    monkeypatch.setattr("studyapp.desk.lab.PAUSE", 0)
     folder = tmp_path / "lab"
     shutil.copytree(tiny_study_template, folder / "tiny")
     shutil.copyfile(empty_sqlite, folder / "tiny" / "responses.db")
