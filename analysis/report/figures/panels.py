@@ -242,7 +242,7 @@ def _fit_height(figure: Figure, layout: ConstrainedLayoutEngine, panel_height: f
     """Lay the figure out once, then give every panel its height."""
     with missing_glyphs():
         layout.execute(figure)
-    figure.set_layout_engine("none")
+    figure.set_layout_engine(None)
     before = figure.get_figheight()
     growth = panel_height - figure.axes[0].get_position().height * before
     lines = 1 + max(_line_of(axes) for axes in figure.axes)
