@@ -14,7 +14,6 @@ import pytest
 from argon2 import PasswordHasher
 from flask import Flask
 
-from renderer.jobs import making
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
@@ -25,7 +24,7 @@ from studyapp.web.app import create_app
 from studyapp.web.site import attach, site_of
 from tests.support.fast_applications import fast_applications
 from tests.support.in_process_figures import InProcessFigures
-from tests.support.in_process_rendering import InProcessWorker
+from tests.support.in_process_rendering import rendering_in_process
 from tests.support.servers.s3_stand_in import Store, s3_stand_in, use_keys
 from tests.support.servers.throwaway_postgresql import (
     ThrowawayPostgresql,
@@ -103,10 +102,7 @@ def _fast_applications() -> Iterator[None]:
 
 @pytest.fixture(scope="module", autouse=True)
 def _rendering_in_process() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(making, "LocalWorkers", InProcessWorker)
-        for name, number in making.ONE_THREAD.items():
-            patch.setenv(name, number)
+    with rendering_in_process():
         yield
 
 

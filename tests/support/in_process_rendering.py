@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
+import pytest
+
+from renderer.jobs import making
 from renderer.jobs.doing import Stages, do_job
 from renderer.video_jobs import Job, Outcome
 
@@ -31,3 +35,13 @@ class InProcessWorker:
     def ended(self) -> Sequence[tuple[int, Outcome]]:
         ended, self._ended = self._ended, []
         return ended
+
+
+@contextmanager
+def rendering_in_process() -> Iterator[None]:
+    """Let studies be rendered without starting another process."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(making, "LocalWorkers", InProcessWorker)
+        for name, number in making.ONE_THREAD.items():
+            patch.setenv(name, number)
+        yield

@@ -10,6 +10,7 @@ from studyapp.stimuli.rendering import render
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import finished_video_path
 from tests.functional.blinding.unlike_videos import write_brought, write_motion, write_speech
+from tests.support.in_process_rendering import rendering_in_process
 from tests.support.studies.finished_study import Keys, brought, group, question, study_file
 
 PAGE: Final = {"consent": "You agree.", "break_every": 2}
@@ -85,5 +86,6 @@ def write_study(root: Path, name: str) -> StudyFolder:
             write_brought(target, shown.condition, segment, folder.speech)
         else:
             write_motion(folder.clip(shown.condition, segment.name), shown.condition, segment)
-    assert render(folder, processes=1).failures == ()
+    with rendering_in_process():
+        assert render(folder, processes=1).failures == ()
     return folder
