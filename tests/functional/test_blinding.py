@@ -33,7 +33,7 @@ from tests.support.studies.taking_part_steps import SetClock
 
 pytestmark = pytest.mark.slow
 
-SESSIONS = 2
+SESSIONS = 4
 EXCHANGED = ("main", "catch", "attention")
 """Kinds that nobody can tell apart; practice is announced, and a repeat is known by its speech."""
 

@@ -22,7 +22,7 @@ from tests.support.encoded import VideoRecipe, write_video
 
 SIZE: Final = 64
 FRAME_RATE: Final = 10
-SEGMENTS: Final = 4
+SEGMENTS: Final = 6
 EMOTIONS: Final = ("happiness", "anger", "sadness")
 
 PICTURE: Final = MappingProxyType({"crf": "18", "bf": "0", "sc_threshold": "0"})
