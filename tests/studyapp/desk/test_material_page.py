@@ -10,11 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.database.tables import Event
 from studyapp.desk.job_kinds import RECORD
 from studyapp.desk.lab import Lab, LabStudy
 from studyapp.desk.material_page import Material
-from studyapp.researchers.audit import latest_changes
+from studyapp.researchers.audit import event_label, latest_changes
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import ClipVideo, read_stimuli, write_stimuli
 from tests.studyapp.desk.conftest import Joined
@@ -154,7 +153,7 @@ def test_a_file_is_deleted_after_confirmation(
     os.utime(path, (1, 1))
     assert "damaged" not in ada.get(f"{MATERIAL}/mismatched/take-1").text
     newest = latest_changes(tiny.database)[0]
-    assert (newest.event, newest.detail) == (
-        Event.MATERIAL_REMOVED,
+    assert (event_label(newest), newest.detail) == (
+        "file removed",
         "motion/mismatched/take-1.npz",
     )

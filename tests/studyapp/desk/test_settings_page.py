@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.database.tables import Event
 from studyapp.desk.lab import Lab, LabStudy
-from studyapp.researchers.audit import latest_changes
+from studyapp.researchers.audit import event_label, latest_changes
 from tests.studyapp.desk.conftest import Joined
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.research_browser import ResearchBrowser
@@ -37,9 +36,9 @@ def test_the_file_is_saved_as_typed(tiny: LabStudy, ada: ResearchBrowser, file: 
     assert file.read_text("utf-8") == text.rstrip() + "\n"
     assert "Gestures – once more" in ada.get("/research/").text
     newest = latest_changes(tiny.database)[0]
-    assert (newest.researcher, newest.event, newest.detail) == (
+    assert (newest.researcher, event_label(newest), newest.detail) == (
         "Ada",
-        Event.DEFINITION_EDITED,
+        "study file edited",
         "2 lines removed or added",
     )
 
@@ -129,7 +128,7 @@ def test_changing_the_design_while_people_take_part_makes_a_new_version(
     assert now.study.questions[0].text.endswith("follow the speech better?")
     assert taken.standing().problem is None
     newest = latest_changes(taken.database)[0]
-    assert (newest.researcher, newest.event) == ("Ada", Event.NEW_VERSION)
+    assert (newest.researcher, event_label(newest)) == ("Ada", "new version")
 
 
 def test_the_number_of_participants_may_change_while_people_take_part(

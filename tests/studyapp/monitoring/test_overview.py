@@ -98,6 +98,17 @@ def test_study_sessions_of_another_design_are_counted_separately(
     assert (found.places.done, found.standings, found.analysed) == (0, {}, {})
 
 
+def test_a_study_without_participants_has_an_overview(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    found = overview(opened, served, clock.now())
+
+    assert found.places.open == found.places.wanted == 4
+    assert found.forecast.reason == "nobody has begun yet"
+    assert (found.videos, found.trials, found.items, found.sides) == ((), (), (), ())
+    assert found.decisions == ()
+
+
 def test_opposite_answers_look_the_same(tmp_path: Path, served: ServedStudy) -> None:
     found = []
     for rhythm, emotion in (("2", "-2"), ("-2", "2")):

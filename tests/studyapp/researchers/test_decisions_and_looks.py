@@ -8,11 +8,12 @@ from sqlalchemy import select, update
 from motion.errors import InputError
 from studyapp.custody.forgetting import erase
 from studyapp.database.engine import Database
-from studyapp.database.tables import AuditLine, Event, ExclusionDecision
+from studyapp.database.tables import AuditLine, ExclusionDecision
 from studyapp.researchers.audit import (
     ERASED,
     StudyState,
     Way,
+    event_label,
     latest_changes,
     latest_looks,
     log_look,
@@ -138,7 +139,7 @@ def test_a_look_is_in_both_logs_and_researchers_are_numbered(
     assert [look.researcher for look in looks] == ["Ada", "Grace", "", "Ada"]
     assert {(look.finished, look.planned, look.answers) for look in looks} == {(12, 25, 300)}
     newest = latest_changes(opened)[0]
-    assert (newest.event, newest.researcher) == (Event.LOOKED_AT, "Ada")
+    assert (event_label(newest), newest.researcher) == ("results looked at", "Ada")
     assert newest.detail == "12 of 25 participants had finished"
     shared = read_once(opened, stored_answers).looks
     numbered = ["researcher 1", "command line", "researcher 2", "researcher 1"]

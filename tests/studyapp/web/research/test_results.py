@@ -7,8 +7,7 @@ from typing import cast
 import pytest
 from flask import Flask
 
-from studyapp.database.tables import Event
-from studyapp.researchers.audit import latest_changes, latest_looks
+from studyapp.researchers.audit import event_label, latest_changes, latest_looks
 from studyapp.web.research.page import figure, interval, span
 from studyapp.web.site import site_of
 from tests.studyapp.web.research.conftest import LogIn
@@ -68,8 +67,8 @@ def test_results_are_shown_once_a_reason_is_given_and_each_look_is_logged(
     assert "Interim" in analyst.get(RESULTS).text
     log_in.clock.advance(minutes=21)
     assert "Interim" not in analyst.get(RESULTS).text
-    events = [line.event for line in latest_changes(log_in.stored)][:3]
-    assert events == [Event.LOOKED_AT, Event.LOOKED_AT, Event.UNBLINDED]
+    events = [event_label(line) for line in latest_changes(log_in.stored)][:3]
+    assert events == ["results looked at", "results looked at", "results unblinded"]
 
 
 def test_at_the_end_results_need_no_reason(log_in: LogIn, figures: InProcessFigures) -> None:
