@@ -68,6 +68,11 @@ class GroupedStudy(Study):
         """Every motion is rated or ranked."""
         return True
 
+    @property
+    def reference_condition(self) -> str | None:
+        """The condition that trials show for comparison, and that nobody judges."""
+        return None
+
     def prefers(self, answers: Answers, better: int, worse: int) -> bool:
         """Tell whether `better` is rated above, or ranked before, `worse` on every question."""
         higher, lower = (worse, better) if self.is_ordered else (better, worse)
@@ -86,8 +91,7 @@ class GroupedStudy(Study):
         conditions: Sequence[str] = (),
     ) -> PlannedTrial:
         """Return a trial of `conditions`, by default those of `part`, without a position."""
-        # Only rankings have one.
-        reference: str | None = getattr(self, "reference", None)
+        reference = self.reference_condition
         return PlannedTrial(
             position=0,
             kind=kind,

@@ -172,6 +172,11 @@ class RankingStudy(GroupedStudy):
             notes.append("no reference is shown; the published design shows the real recording")
         return tuple(notes)
 
+    @property
+    def reference_condition(self) -> str | None:
+        """The reference."""
+        return self.reference
+
     def _draw_extra(
         self, segments: Sequence[Segment], used: Sequence[Segment], chance: np.random.Generator
     ) -> list[tuple[RankingBlock, Segment]]:
