@@ -207,10 +207,7 @@ class Study(Section, ABC):
         """Return the possible answers to `question` in `trial`."""
 
     def prefers(self, answers: Answers, better: int, worse: int) -> bool:
-        """Tell whether `answers` prefer stimulus `better` to `worse` on every question.
-
-        Of two stimuli, however slightly.
-        """
+        """Tell whether each of `answers` prefers `better` of two stimuli, however slightly."""
         del worse
         return all((value > 0) if better == 2 else (value < 0) for value in answers.values())
 
