@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import closing, suppress
+from contextlib import closing
 from pathlib import Path, PurePosixPath
 from typing import Any
 from urllib.parse import urlsplit
@@ -12,7 +12,6 @@ from urllib.parse import urlsplit
 import click
 
 from motion.errors import InputError
-from motion.files import write_text
 from studyapp.cli.arguments import (
     FOLDER,
     public_address,
@@ -31,7 +30,7 @@ from studyapp.custody.deployment import (
 from studyapp.database.engine import (
     Database,
     database_url_of,
-    display_address,
+    record_database,
     refuse_second_database,
 )
 from studyapp.desk.lab import ACCOUNTS
@@ -126,15 +125,22 @@ def command(
             where=f"accel-redirect {accel_prefix!r}",
             remedy="Begin it with /, such as /videos-of-one/",
         )
-    if not os.environ.get("DATABASE_URL"):
+    is_elsewhere = bool(os.environ.get("DATABASE_URL"))
+    if not is_elsewhere:
         refuse_second_database(folder)
     url = address or f"http://{server['host']}:{server['port']}{path}"
+
+    def announce() -> None:
+        if is_elsewhere:
+            record_database(folder, database_url_of(folder.root))
+        _print_links(folder, url, as_test=as_test)
+
     run_server(
         folder.root,
         accel_prefix=accel_prefix,
         prefix=prefix,
         origin=address.removesuffix(path),
-        on_ready=lambda: _print_links(folder, url, as_test=as_test),
+        on_ready=announce,
         **server,
     )
 
@@ -149,11 +155,7 @@ def _print_links(folder: StudyFolder, url: str, *, as_test: bool) -> None:
         click.echo(f"Take part as a test at {link} (once; it is never analysed).")
         if os.environ.get("DISPLAY") or sys.platform == "darwin":
             click.launch(link)
-    database_url = database_url_of(folder.root)
-    if os.environ.get("DATABASE_URL"):
-        with suppress(OSError):  # the server may not be allowed to write there
-            write_text(folder.elsewhere, display_address(database_url), private=True)
-    database = Database.open(database_url)
+    database = Database.open(database_url_of(folder.root))
     if not _print_owners_link(database, url, "the study's"):
         click.echo(f"Watch the study at {url}/research/.")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from errno import ENOSPC
 from functools import cache, cached_property
@@ -28,6 +28,7 @@ from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
+from motion.files import write_text
 from studyapp.database.postgresql import (
     READING_SECONDS,
     STATEMENT_SECONDS,
@@ -323,6 +324,12 @@ def _is_usable(address: URL) -> bool:
 def display_address(url: str) -> str:
     """Return the address to be read, without its password."""
     return unquote(_address(url).render_as_string(hide_password=True))
+
+
+def record_database(folder: StudyFolder, url: str) -> None:
+    """Note in `folder` which database its answers are in, without the password."""
+    with suppress(OSError):  # the server may not be allowed to write there
+        write_text(folder.elsewhere, display_address(url), private=True)
 
 
 def refuse_second_database(folder: StudyFolder) -> None:
