@@ -15,8 +15,8 @@ from statistics import median
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats, Floats32
 from motion.clip import MotionClip, freeze
 from motion.errors import InputError
 from motion.resample import resample
@@ -60,9 +60,8 @@ _FRAMED_JOINTS: Final = {
 }
 """Joints that are compared, by the study's framing."""
 
-FloatArray = NDArray[np.float64]
 
-Pictures = NDArray[np.float32]
+Pictures = Floats32
 """Downscaled grey pictures of a video, shape (N, H, W), 0 (black) to 255."""
 
 
@@ -91,7 +90,7 @@ def motion_difference(
     return metres, flawed / reference if reference else (np.inf if flawed else 1.0)
 
 
-def _mean_acceleration(positions: FloatArray, rate: float) -> float:
+def _mean_acceleration(positions: Floats, rate: float) -> float:
     """Return the mean acceleration in m/s²; 0 for fewer than three frames."""
     if len(positions) < 3:
         return 0.0

@@ -14,11 +14,11 @@ from typing import Any, Final, Literal
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 from sqlalchemy.orm import Session
 
 from analysis.answers.participants import EVERYBODY, ArmState
+from motion.arrays import Bools
 from motion.errors import InputError
 from motion.files import cell_as_given, harmless_frame, sha256_of, write_text
 from studyapp.database.engine import Database, database_url_of, missing_database
@@ -128,7 +128,7 @@ def snapshot(folder: StudyFolder, origin: Source) -> Iterator[Session | None]:
         yield session
 
 
-def has_current_design(study_sessions: pd.DataFrame) -> NDArray[np.bool_]:
+def has_current_design(study_sessions: pd.DataFrame) -> Bools:
     """Return which study sessions have the current design of their arm.
 
     A new version of a study may change what participants of an arm see; earlier answers then

@@ -10,12 +10,11 @@ from itertools import groupby
 from operator import itemgetter
 from typing import Any, Final, Literal
 
-import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from sqlalchemy import ColumnElement, Select, case, exists, func, select
 from sqlalchemy.orm import Session
 
+from motion.arrays import Bools
 from studyapp.database.tables import (
     Look,
     Place,
@@ -94,7 +93,7 @@ class StoredAnswers:
     more_places: int
     screened_out: Mapping[str, int]
 
-    def part(self, study_sessions: NDArray[np.bool_]) -> StoredAnswers:
+    def part(self, study_sessions: Bools) -> StoredAnswers:
         """Return the answers of some study sessions."""
         chosen = self.study_sessions[study_sessions]
         trials = self.trials[self.trials["study_session"].isin(chosen["study_session"])]

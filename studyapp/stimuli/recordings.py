@@ -8,9 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
+from motion.arrays import Floats32
 from motion.audio import Audio, read_audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -220,7 +218,7 @@ def _take_motion(
 
 
 def _read(
-    path: Path, facts: RecordingFacts, mean_hands: NDArray[np.float32] | None
+    path: Path, facts: RecordingFacts, mean_hands: Floats32 | None
 ) -> tuple[MotionClip, list[str]]:
     return read_recorded(
         path,

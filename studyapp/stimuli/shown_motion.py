@@ -6,9 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
+from motion.arrays import Floats32
 from motion.audio import Audio, read_audio
 from motion.body.abilities import BodyAbilities, read_expression_matrix, unsupported
 from motion.body.archive import read_mean_hands
@@ -55,7 +53,7 @@ def shown_body(folder: StudyFolder, study: Study) -> BodyModel:
     return read_body(body_file(folder, study), expression_matrix=matrix)
 
 
-def licensed_hands(folder: StudyFolder, study: Study) -> NDArray[np.float32] | None:
+def licensed_hands(folder: StudyFolder, study: Study) -> Floats32 | None:
     """Return the mean hands, shape (30, 3), of the study's licensed body, if there is one."""
     body = body_file(folder, study) if study.video.body else None
     return read_mean_hands(body) if body is not None and body.is_file() else None

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from analysis.evaluators.training_clips import ClipSource
+from motion.arrays import Floats32
 from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
@@ -161,7 +159,7 @@ def _folder_recordings(
 def _read(
     path: Path,
     frame_rate: float | None,
-    mean_hands: NDArray[np.float32] | None,
+    mean_hands: Floats32 | None,
     show_note: Callable[[str], None] | None,
 ) -> MotionClip:
     clip, notes = read_recorded(path, frame_rate=frame_rate, mean_hands=mean_hands)

@@ -14,8 +14,8 @@ from itertools import combinations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from motion.arrays import Floats
 from studyapp.study.design.trial import Tally
 
 Pair = tuple[str, str]
@@ -54,9 +54,7 @@ def most_informative_pairs(
     return chosen
 
 
-def posterior(
-    conditions: Sequence[str], votes: Tally
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def posterior(conditions: Sequence[str], votes: Tally) -> tuple[Floats, Floats]:
     """Return the mode and covariance of the strengths of `conditions`, in logits.
 
     Returns
@@ -82,24 +80,20 @@ def posterior(
     return strengths, np.linalg.inv(precision)
 
 
-def _information(strengths: NDArray[np.float64], i: int, j: int) -> float:
+def _information(strengths: Floats, i: int, j: int) -> float:
     probability = 1 / (1 + np.exp(strengths[j] - strengths[i]))
     return float(probability * (1 - probability))
 
 
-def _expected_information(
-    strengths: NDArray[np.float64], covariance: NDArray[np.float64], i: int, j: int
-) -> float:
+def _expected_information(strengths: Floats, covariance: Floats, i: int, j: int) -> float:
     variance = covariance[i, i] + covariance[j, j] - 2 * covariance[i, j]
     return float(0.5 * np.log1p(_information(strengths, i, j) * variance))
 
 
-def _update_covariance(
-    strengths: NDArray[np.float64], covariance: NDArray[np.float64], i: int, j: int
-) -> NDArray[np.float64]:
+def _update_covariance(strengths: Floats, covariance: Floats, i: int, j: int) -> Floats:
     """Return the covariance after one more answer about a pair (Sherman–Morrison)."""
     information = _information(strengths, i, j)
     row = covariance[i] - covariance[j]
     gain = information / (1 + information * (row[i] - row[j]))
-    updated: NDArray[np.float64] = covariance - np.outer(row, row) * gain
+    updated: Floats = covariance - np.outer(row, row) * gain
     return updated
