@@ -139,8 +139,7 @@ def run_job(jobs: Path, job: Job) -> None:
         If another job of the study runs.
     """
     folder = jobs / job.kind
-    jobs.mkdir(exist_ok=True)
-    with _locked(jobs) as lock:
+    with no_other_job(jobs) as lock:
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir()
         job.write(folder)
@@ -159,8 +158,15 @@ def run_job(jobs: Path, job: Job) -> None:
 
 
 @contextmanager
-def _locked(jobs: Path) -> Iterator[int]:
-    """Give the lock of a study's jobs; processes that inherit it go on holding it."""
+def no_other_job(jobs: Path) -> Iterator[int]:
+    """Give the lock of a study's jobs; processes that inherit it go on holding it.
+
+    Raises
+    ------
+    InputError
+        If a job of the study runs.
+    """
+    jobs.mkdir(exist_ok=True)
     lock = os.open(jobs, os.O_RDONLY)
     try:
         deadline = time.monotonic() + LOCK_SECONDS

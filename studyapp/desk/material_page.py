@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final, Literal
 
 from flask import Response, abort, redirect, request, send_file, url_for
 from flask.typing import ResponseReturnValue
 from pydantic import BaseModel, ConfigDict, ValidationError
+from sqlalchemy import select
 
 from motion.endings import VIDEO_ENDING
 from motion.errors import InputError
 from motion.segment import Segment
-from studyapp.database.tables import Event
+from studyapp.database.tables import Event, TrialStimulus
 from studyapp.desk.inbox import Inbox
 from studyapp.desk.job_kinds import RECORD
+from studyapp.desk.jobs import no_other_job
 from studyapp.desk.lab import OpenedStudy
 from studyapp.desk.page import page
 from studyapp.researchers.account import Right
 from studyapp.study.design.trial import Stimulus
 from studyapp.study.folder import StudyFolder
-from studyapp.study.media import finished_video_path, recorded_stimuli
+from studyapp.study.media import finished_video_path, recorded_stimuli, remove_segment_files
 from studyapp.web.research.motion_scenes import Scene, scenes_of, send_scene
 from studyapp.web.research.pages import Page
 
@@ -242,13 +246,14 @@ def clip_scene(study: OpenedStudy, condition: str, segment: str) -> Response:
 
 
 def segment_motion(study: OpenedStudy, segment: str) -> ResponseReturnValue:
-    """Show the motion of one segment in all conditions side by side."""
+    """Show one segment, with its motion in all conditions side by side."""
     clips, cells = _row(study, segment)
     return page(
         "segment",
         study=study,
         material=clips,
         segment=clips.segments[segment],
+        cells=cells,
         scenes=_scenes(cells),
     )
 
@@ -276,15 +281,54 @@ def _scenes(cells: Sequence[Cell]) -> list[Scene]:
 def remove_clip(study: OpenedStudy, condition: str, segment: str) -> ResponseReturnValue:
     """Remove the motion or the finished video of one segment in one condition."""
     _, cell = _cell(study, condition, segment)
-    if "sure" not in request.form:
-        raise InputError("nothing was removed", remedy="Tick the box to remove the file for good")
-    with study.database.writing() as session:
+    name = cell.source.relative_to(study.folder.root).as_posix()
+    with _removing(study, name, segment, condition):
         cell.source.unlink(missing_ok=True)
-        name = cell.source.relative_to(study.folder.root).as_posix()
-        study.log(session, Event.MATERIAL_REMOVED, name)
     return redirect(
         url_for("research.clip", study=study.name, condition=condition, segment=segment), 303
     )
+
+
+def remove_segment(study: OpenedStudy, segment: str) -> ResponseReturnValue:
+    """Remove one segment in all conditions."""
+    clips, _ = _row(study, segment)
+    if len(clips.segments) == 1:
+        raise InputError(
+            "the last segment cannot be removed", remedy="Bring in others first, then remove it"
+        )
+    with _removing(study, f"segment {segment}", segment):
+        remove_segment_files(study.folder, segment)
+    return redirect(url_for("research.material", study=study.name), 303)
+
+
+@contextmanager
+def _removing(
+    study: OpenedStudy, what: str, segment: str, condition: str | None = None
+) -> Iterator[None]:
+    """Log the removal of `what`; refuse it unconfirmed, during a job, and from participants."""
+    if "sure" not in request.form:
+        raise InputError("nothing was removed", remedy="Tick the box to remove it for good")
+    if any(
+        segment in (shown.segment, shown.speech) and condition in (None, shown.condition)
+        for shown in _shown_stimuli(study)
+    ):
+        raise InputError(
+            "people have taken part, and what they see cannot be removed",
+            remedy="Make another study without it",
+        )
+    with no_other_job(study.folder.jobs), study.database.writing() as session:
+        yield
+        study.log(session, Event.MATERIAL_REMOVED, what)
+
+
+def _shown_stimuli(study: OpenedStudy) -> list[Stimulus]:
+    """Return what participants see or will see; nothing before the first of them."""
+    columns = (TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech)
+    with study.database.reading() as session:
+        rows = session.execute(select(*columns).distinct()).mappings()
+        shown = [Stimulus(**row) for row in rows]
+    served = study.study.served()
+    return [*shown, *chain(*served.videos)] if shown and served else shown
 
 
 def _cell(study: OpenedStudy, condition: str, segment: str) -> tuple[Material, Cell]:
@@ -305,4 +349,5 @@ PAGES: Final = (
     Page("GET", SEGMENT, segment_motion, Right.WATCH),
     Page("GET", f"{SEGMENT}/<int:scene>", segment_scene, Right.WATCH),
     Page("POST", f"{CLIP}/remove", remove_clip, Right.STEER),
+    Page("POST", "/segments/<segment>/remove", remove_segment, Right.STEER),
 )

@@ -47,7 +47,7 @@ EVENT_LABELS: Final[Mapping[Event, str]] = MappingProxyType(
         Event.SECOND_FACTOR_OFF: "second factor turned off",
         Event.DEFINITION_EDITED: "study file edited",
         Event.JOB_BEGUN: "job started",
-        Event.MATERIAL_REMOVED: "file removed",
+        Event.MATERIAL_REMOVED: "material removed",
     }
 )
 """Labels of events whose names are not clear enough."""

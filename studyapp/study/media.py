@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from motion.errors import InputError
 from motion.files import digest, write_text
+from motion.segment import SEGMENTS_FILE, write_segments
 from studyapp.study.design.trial import Content, Stimulus
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.sections import explain_errors
@@ -150,6 +151,31 @@ def recorded_stimuli(path: Path) -> Stimuli:
 def write_stimuli(path: Path, stimuli: Stimuli) -> None:
     """Write `stimuli.json`."""
     write_text(path, stimuli.model_dump_json(indent=1) + "\n")
+
+
+def remove_segment_files(folder: StudyFolder, name: str) -> None:
+    """Remove one of several segments, with its motion, its videos, and speech that only it uses.
+
+    Videos with its speech and another segment's motion are removed too.
+    """
+    stimuli = recorded_stimuli(folder.stimuli)
+    files = [
+        *(clip.file for clip in stimuli.clips if name in (clip.segment, clip.speech)),
+        *(pair.file for pair in stimuli.pairs if name == pair.segment),
+        *(copy.file for copy in stimuli.copies if name in (copy.segment, copy.heard)),
+    ]
+    finished = (f"videos/*/{each}.mp4" for each in (name, f"{name}@*", f"*@{name}"))
+    for pattern in (*files, *finished, f"motion/*/{name}.npz"):
+        for path in folder.root.glob(pattern):
+            path.unlink()
+    # Now, so that an interrupted removal can be repeated.
+    if (folder.speech / SEGMENTS_FILE).exists():
+        kept = {segment.name: segment for segment in folder.segments()}
+        wav = kept.pop(name).wav
+        write_segments(folder.speech, kept.values())
+        folder.semantics(name).unlink(missing_ok=True)
+        if all(segment.wav != wav for segment in kept.values()):
+            (folder.speech / wav).unlink()
 
 
 def finished_video_path(videos: Path, stimulus: Stimulus) -> Path:

@@ -26,7 +26,8 @@ IN_A_STUDY: dict[Role, set[str]] = {
         *("material", "clip", "clip_video", "clip_scene", "segment_motion", "segment_scene"),
     },
     "analyst": {
-        *("settings", "save_settings", "start_job", "stop_running_job", "remove_clip"),
+        *("settings", "save_settings", "start_job", "stop_running_job"),
+        *("remove_clip", "remove_segment"),
         *("bring_in", "remove_upload", "uploaded", "take_piece"),
     },
     "owner": {"begin_new_version", "invite_to_study"},

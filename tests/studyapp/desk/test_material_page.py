@@ -6,11 +6,14 @@ import json
 import os
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from motion.segment import write_segments
 from studyapp.desk.job_kinds import RECORD
+from studyapp.desk.jobs import no_other_job
 from studyapp.desk.lab import Lab, LabStudy
 from studyapp.desk.material_page import Material
 from studyapp.researchers.audit import event_label, latest_changes
@@ -106,6 +109,7 @@ def test_a_viewer_plays_a_video_and_is_offered_no_removal(
     assert (answer.status_code, len(answer.data)) == (206, 100)
     answer.close()
     assert not page.soup.select("form[action$=remove]")
+    assert not mary.get(f"{TINY}segments/take-0/motion").soup.select("form[action$=remove]")
 
 
 def test_only_motion_that_is_there_is_offered_in_3d(
@@ -118,7 +122,7 @@ def test_only_motion_that_is_there_is_offered_in_3d(
     assert not ada.get(f"{MATERIAL}/rule_based/take-3").soup.select(
         ".motion-viewer, script[src*=viewer]"
     )
-    assert "no motion yet" in ada.get(f"{TINY}segments/take-3/motion").text
+    assert "no motion to turn around" in ada.get(f"{TINY}segments/take-3/motion").text
 
 
 @pytest.mark.parametrize(
@@ -154,6 +158,59 @@ def test_a_file_is_deleted_after_confirmation(
     assert "damaged" not in ada.get(f"{MATERIAL}/mismatched/take-1").text
     newest = latest_changes(tiny.database)[0]
     assert (event_label(newest), newest.detail) == (
-        "file removed",
+        "material removed",
         "motion/mismatched/take-1.npz",
     )
+
+
+def test_a_segment_is_removed_with_all_that_belongs_to_it(
+    tiny: LabStudy, folder: StudyFolder, ada: ResearchBrowser
+) -> None:
+    write_motion(folder.clip("broken", "take-0"), 2.0)
+    write_finished(folder, "take-0", "take-0@take-1", "take-1@take-0", "take-01", "take-0.1")
+    (other,) = (clip for clip in folder.root.glob("motion/*/*.npz") if clip.stem != "take-0")
+    stimuli = read_stimuli(folder.stimuli)
+    row = ada.get(MATERIAL).soup.select("tbody th a")[0]
+    where = str(ada.get(str(row["href"])).one("form[action$=remove]")["action"])
+    assert ada.post(where).status_code == 409
+    assert ada.post(where, sure="on").status_code == 303
+    assert [segment.name for segment in folder.segments()] == ["take-1", "take-2", "take-3"]
+    for video in (*stimuli.clips, *stimuli.pairs):
+        assert (folder.root / video.file).exists() is (video.segment != "take-0"), video
+    assert list(folder.root.glob("motion/*/*.npz")) == [other]
+    assert {path.stem for path in (folder.videos / "theirs").iterdir()} == {"take-01", "take-0.1"}
+    newest = latest_changes(tiny.database)[0]
+    assert (event_label(newest), newest.detail) == ("material removed", "segment take-0")
+    # Speech remains for as long as a segment uses it, and one segment always does.
+    for name in ("take-1", "take-2"):
+        assert ada.post(f"{TINY}segments/{name}/remove", sure="on").status_code == 303
+    answer = ada.post(f"{TINY}segments/take-3/remove", sure="on")
+    assert (answer.status_code, "The last segment cannot be removed" in answer.text) == (409, True)
+    assert (folder.speech / "take.wav").exists()
+
+
+def write_finished(folder: StudyFolder, *names: str) -> None:
+    for name in names:
+        path = folder.videos / "theirs" / f"{name}.mp4"
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+
+
+def test_what_participants_see_stays_and_what_came_by_mistake_goes(
+    folder: StudyFolder, ada: ResearchBrowser, taken: LabStudy
+) -> None:
+    (folder.speech / "stray.wav").write_bytes((folder.speech / "take.wav").read_bytes())
+    segments = folder.segments()
+    write_segments(folder.speech, (*segments, replace(segments[0], name="stray", wav="stray.wav")))
+    write_motion(folder.clip("rule_based", "stray"), 2.0)
+    for where in (f"{MATERIAL}/rule_based/take-0", f"{TINY}segments/take-0"):
+        answer = ada.post(f"{where}/remove", sure="on")
+        assert (answer.status_code, "people have taken part" in answer.text.lower()) == (409, True)
+    with no_other_job(folder.jobs):
+        assert "another job" in ada.post(f"{TINY}segments/stray/remove", sure="on").text.lower()
+    assert ada.post(f"{TINY}segments/stray/remove", sure="on").status_code == 303
+    assert folder.segments() == segments
+    assert not (folder.speech / "stray.wav").exists()
+    assert not folder.clip("rule_based", "stray").exists()
+    assert folder.clip("rule_based", "take-0").exists()
+    assert taken.standing().state == "running"
