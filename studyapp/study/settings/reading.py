@@ -15,7 +15,7 @@ from studyapp.study.protocols.mismatch import MismatchStudy
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.protocols.rating import RatingStudy
-from studyapp.study.settings.sections import explain_errors
+from studyapp.study.settings.sections import explain_errors, lines_of, with_line
 from studyapp.study.settings.study import Study
 
 PROTOCOLS: Final[Mapping[str, type[Study]]] = MappingProxyType(
@@ -92,7 +92,7 @@ def parse_study(data: Mapping[str, object], *, where: object, text: str = "") ->
     protocol = ALIASES.get(str(name), str(name))
     if protocol not in PROTOCOLS:
         raise InputError(
-            f"protocol: unknown protocol {name!r}",
+            with_line(f"protocol: unknown protocol {name!r}", lines_of(text)),
             where=where,
             remedy=f"Use one of {', '.join((*PROTOCOLS, *ALIASES))}",
         )

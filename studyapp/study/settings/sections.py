@@ -78,7 +78,7 @@ def explain_errors(
     Each names its line in `text`. Of an unknown key, it names the closest known key of `section`,
     or says that the key belongs to the study as a whole.
     """
-    lines = _lines(text)
+    lines = lines_of(text)
     errors = error.errors(include_url=False)
     sentences = []
     for each in errors:
@@ -107,12 +107,12 @@ def explain_errors(
         elif line:
             message += f" (line {line})"
         elif kind == "value_error":
-            message = "; ".join(_with_line(part, lines) for part in message.split("; "))
+            message = "; ".join(with_line(part, lines) for part in message.split("; "))
         sentences.append(f"{key}: {message}" if key else message)
     return "; ".join(sentences)
 
 
-def _with_line(contradiction: str, lines: Mapping[Location, int]) -> str:
+def with_line(contradiction: str, lines: Mapping[Location, int]) -> str:
     """Return what contradicts another key, with the line of the key it begins with, if any."""
     key = re.match(r"[\w.-]*", contradiction)
     line = _line_of(key[0].split("."), lines) if key else None
@@ -129,7 +129,7 @@ _KEY: Final = re.compile(rf"\s*({_NAMED}(?:\s*\.\s*{_NAMED})*)\s*=")
 _LONG_TEXT: Final = re.compile(r'"""|\'\'\'')
 
 
-def _lines(text: str) -> dict[Location, int]:
+def lines_of(text: str) -> dict[Location, int]:
     """Return the line of a TOML file in which each table and each key begins."""
     lines: dict[Location, int] = {}
     table: Location = ()

@@ -93,6 +93,7 @@ EXTRA = '\n[[questions]]\nname = "extra"\n'
     ("before", "after", "line", "said"),
     [
         ("\ntrials = 24", "\ntrials = -24", "trials = -24", "(line {})"),
+        ('protocol = "pairwise"', 'protocol = "pair"', "protocol = ", "protocol 'pair' (line {})"),
         ('devices = ["computer", "tablet"]', 'devices = ["watch"]', "devices = ", "(line {})"),
         ('title = "Expression of the emotion"', "title = 3", "title = 3", "(line {})"),
         (
