@@ -31,6 +31,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, tuple
         for name in ("sliders", "ranking", "ties"):
             write_shown_study(folder / name, name)
             studies[name] = stack.enter_context(shown(folder / name))
+        studies["test"] = stack.enter_context(shown(folder / "sliders", is_test=True))
         yield studies
 
 
@@ -218,6 +219,17 @@ def test_all_videos_stay_in_view_and_enlarging_them_is_not_sent(page: Page) -> N
     page.keyboard.press("l")
     expect(page.get_by_role("button", name="Larger videos")).to_be_visible()
     assert video_sizes(page) == {small}
+
+
+@pytest.mark.parametrize("page", ["test"], indirect=True)
+def test_larger_videos_fit_the_window_with_their_buttons_in_a_test_participation_too(
+    page: Page,
+) -> None:
+    page.get_by_role("button", name="Larger videos").click()
+    page.evaluate("scrollTo(0, 0)")
+    button, ending = (page.locator(each).first.bounding_box() for each in (".play", ".ending"))
+    assert button is not None and ending is not None
+    assert button["y"] + button["height"] <= ending["y"]
 
 
 def line(page: Page, number: int = 0) -> Locator:
