@@ -17,6 +17,8 @@ Language = Literal["en", "de", "ja"]
 
 Framing = Literal["upper_body", "full_body", "face", "hands"]
 
+Avatar = Literal["alex", "maya", "jonas", "amara", "henry", "grey", "mannequin", "skeleton"]
+
 _REACHABLE: Final = re.compile(r"\S@\S+\.\S|https?://|www\.|(\d[\s()/.-]*){6}")
 """An e-mail address, the address of a page, or a telephone number."""
 
@@ -97,9 +99,7 @@ class Video(Section):
     background: str = Field("#ececee", pattern=COLOUR)
     size: int = Field(720, ge=64, le=1440, multiple_of=2)
     frame_rate: int = Field(30, ge=10, le=60)
-    avatar: Literal["alex", "maya", "jonas", "amara", "henry", "grey", "mannequin", "skeleton"] = (
-        "alex"
-    )
+    avatar: Avatar = "alex"
     body: str | None = None
     expression_matrix: str | None = None
 

@@ -14,13 +14,14 @@ from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from threading import BoundedSemaphore
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 from flask import Response, abort, current_app, send_from_directory, url_for
 
 from studyapp.session.trials import numbered_stimuli
 from studyapp.side_process import SideProcessError, output_of
 from studyapp.study.design.trial import Content, Stimulus
+from studyapp.study.settings.presentation import Avatar
 from studyapp.web.participants.trial_page import letter
 from studyapp.web.research.page import page
 
@@ -130,6 +131,8 @@ def viewer_file(filename: str) -> Response:
 
 def viewer_avatar(avatar: str) -> Response:
     """Send the body of an avatar."""
+    if avatar not in get_args(Avatar):
+        abort(404)
     try:
         body = _avatar(avatar)
     except _NothingMadeError as error:
