@@ -111,7 +111,8 @@ def test_every_figure_is_also_a_file_and_every_named_table_latex(
         assert r"\toprule" in file.read_text("utf-8")
 
 
-def test_hostile_names_are_escaped(tmp_path: Path) -> None:
+def test_hostile_names_are_escaped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("analysis.report.page.FORMATS", {})
     table = pairwise_table((HOSTILE, "other"), effects=(1.0, 0.0), participants=4, segments=4)
     report = report_of(table, "pairwise", tmp_path)
 

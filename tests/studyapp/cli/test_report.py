@@ -10,6 +10,12 @@ import pytest
 from tests.analysis.results.made_tables import pairwise_table, ranking_table, rating_table
 from tests.support.command_line import run
 
+
+@pytest.fixture(autouse=True)
+def figures_on_the_page_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("analysis.report.page.FORMATS", {})
+
+
 MADE = {"pairwise": pairwise_table, "ranking": ranking_table, "rating": rating_table}
 
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import pytest
 
-from analysis.report.figures import style
 from motion.segment import write_segments
 from studyapp.database.tables import StudySession
 from studyapp.session.ending import withdraw
@@ -24,11 +23,11 @@ from tests.support.studies.taking_part_steps import SetClock
 Answered = Callable[..., StudyFolder]
 
 
-@pytest.fixture(autouse=True)
-def at_home(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Use the database beside the study, and skip font subsets, which only printing needs."""
-    monkeypatch.delenv("DATABASE_URL", raising=False)
-    monkeypatch.setitem(style.STYLE, "pdf.fonttype", 3)
+@pytest.fixture(scope="module", autouse=True)
+def figures_on_the_page_alone() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("analysis.report.page.FORMATS", {})
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 from sqlalchemy import update
 
+from analysis.report.figures.style import FORMATS
 from analysis.results.report import analyse_table, as_json
 from studyapp.database.engine import sqlite_url
 from studyapp.database.tables import StudyVersion
@@ -142,8 +143,9 @@ def test_a_report_says_where_it_shows_the_rehearsal_instead_of_answers(
 
 
 def test_reports_are_reproducible_and_replace_older_files(
-    answered: Answered,
+    answered: Answered, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("analysis.report.page.FORMATS", FORMATS)
     folder = answered("ranking")
     stale = folder.report / "tables" / "earlier.csv"
     stale.parent.mkdir(parents=True)
