@@ -11,7 +11,6 @@ from typing import Final
 import av
 import numpy as np
 from av.filter import Graph
-from scipy.signal import resample_poly
 
 from motion.audio import Audio, read_audio
 from renderer.encoder import SOUND_RATE
@@ -102,6 +101,9 @@ def true_peak(audio: Audio) -> float:
 
     Measured by fourfold oversampling (ITU-R BS.1770, annex 2).
     """
+    # Imported here: it takes half a second, and few commands play sound.
+    from scipy.signal import resample_poly
+
     oversampled = resample_poly(audio.samples, _OVERSAMPLING, 1)
     peak = max(float(np.abs(oversampled).max()), float(np.abs(audio.samples).max()))
     return 20 * math.log10(peak) if peak > 0 else -math.inf

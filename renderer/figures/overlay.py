@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from PIL import Image, ImageColor
 
@@ -125,6 +124,8 @@ def draw_overlay(
     background : tuple of int
         Background of the figures if it is not.
     """
+    from matplotlib.patches import Rectangle
+
     line = pixels(LETTERS) * _LINE
     letters = font(pixels(LETTERS))
     lines = (len(names) if len(names) > 1 else 0) + 1

@@ -9,15 +9,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-import matplotlib as mpl
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from PIL import Image, ImageFont
 
 from motion.errors import InputError
 from motion.files import replacing
+
+# matplotlib is imported where it is used: it takes long, and not everybody draws.
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 INK: Final = "#222226"
 FAINT_INK: Final = "#6a6a72"
@@ -41,7 +43,9 @@ _NO_DATES: Final = {
 @cache
 def font(size: float) -> ImageFont.FreeTypeFont:
     """Return DejaVu Sans of `size` pixels; it covers Latin, Greek, Cyrillic and more."""
-    return ImageFont.truetype(Path(mpl.get_data_path(), "fonts", "ttf", "DejaVuSans.ttf"), size)
+    from matplotlib import get_data_path
+
+    return ImageFont.truetype(Path(get_data_path(), "fonts", "ttf", "DejaVuSans.ttf"), size)
 
 
 def fitted(text: str, letters: ImageFont.FreeTypeFont, width: float) -> str:
@@ -90,6 +94,8 @@ class Plate:
     @classmethod
     def of(cls, width: int, height: int, *, clear: bool) -> Plate:
         """Return an empty page, transparent if `clear`, otherwise white."""
+        from matplotlib.figure import Figure
+
         figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
         figure.patch.set_facecolor("none" if clear else "white")
         return cls(width, height, figure)
@@ -116,10 +122,12 @@ class Plate:
 
     def save(self, paths: Sequence[Path]) -> None:
         """Write the page to each of `paths`, in the format of its ending, one of `ENDINGS`."""
+        from matplotlib import rc_context
+
         for path in paths:
             check_ending(path)
         for path in paths:
-            with mpl.rc_context(_STYLE), replacing(path) as draft:
+            with rc_context(_STYLE), replacing(path) as draft:
                 ending = path.suffix.lower()
                 self.figure.savefig(
                     draft, format=ending[1:], dpi=DOTS_PER_INCH, metadata=_NO_DATES[ending]

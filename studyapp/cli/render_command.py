@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 import click
@@ -21,9 +21,10 @@ from studyapp.cli.arguments import (
     study_folder,
 )
 from studyapp.cli.output import echo_note, progress, sign_of_life
-from studyapp.stimuli.publishing import allow_origin, publish
 from studyapp.study.folder import StudyFolder
-from studyapp.web.media_store import Place
+
+if TYPE_CHECKING:
+    from studyapp.web.media_store import Place
 
 
 @click.command("render")
@@ -166,6 +167,9 @@ def publish_media_command(
     rendering; without a bucket, it uploads to the previous one. boto3 finds the keys, for example
     in AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY.
     """
+    # Imported here: it loads the database, which rendering does not need.
+    from studyapp.stimuli.publishing import allow_origin, publish
+
     if bucket is None and (endpoint or region):
         raise click.UsageError("Give --endpoint and --region together with s3://BUCKET/FOLDER.")
     place = None if bucket is None else _parse_place(bucket, endpoint, region)
@@ -180,6 +184,8 @@ def publish_media_command(
 
 
 def _parse_place(bucket: str, endpoint: str, region: str) -> Place:
+    from studyapp.web.media_store import Place
+
     parts, store = urlsplit(bucket), urlsplit(endpoint)
     path = parts.path.strip("/")
     if endpoint and store.scheme != "https" and store.hostname not in ("127.0.0.1", "localhost"):

@@ -10,13 +10,9 @@ from errno import ENOSPC
 from functools import cache, cached_property
 from pathlib import Path
 from shutil import disk_usage
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 from urllib.parse import unquote
 
-from alembic import command
-from alembic.config import Config
-from alembic.runtime.migration import MigrationContext
-from alembic.script import ScriptDirectory
 from sqlalchemy import (
     URL,
     Connection,
@@ -39,6 +35,11 @@ from studyapp.database.postgresql import (
 )
 from studyapp.database.sqlite import hold_writer_lock, keep_private, sqlite_engine
 from studyapp.study.folder import StudyFolder
+
+# Alembic is imported where it is used: it takes long, and not every command opens a database.
+if TYPE_CHECKING:
+    from alembic.config import Config
+    from alembic.script import ScriptDirectory
 
 LEAST_FREE: Final = 1 << 20
 """Bytes of the disk below which an SQLite database counts as full."""
@@ -229,6 +230,8 @@ def migration_config(connection: Connection) -> Config:
 
 def _migrate(engine: Engine, url: str) -> None:
     """Migrate the database to the newest schema; several processes may try at once."""
+    from alembic import command
+
     with engine.execution_options(writes=True).begin() as connection, without_timeout(connection):
         take_turn(connection, Turn.MIGRATION)
         revision = schema_of(connection)
@@ -250,6 +253,8 @@ def _require_known(revision: str, url: str) -> None:
 
 def schema_of(connection: Connection) -> str | None:
     """Return the name of the database's schema; None if it has none yet."""
+    from alembic.runtime.migration import MigrationContext
+
     return MigrationContext.configure(connection).get_current_revision()
 
 
@@ -260,10 +265,14 @@ def _newest_schema() -> str | None:
 @cache
 def _schemas() -> ScriptDirectory:
     """Return all schemas, cached because reading them is slow."""
+    from alembic.script import ScriptDirectory
+
     return ScriptDirectory.from_config(_config())
 
 
 def _config() -> Config:
+    from alembic.config import Config
+
     config = Config()
     config.set_main_option("script_location", "studyapp.database:migrations")
     return config

@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from enum import IntEnum
 from typing import Any, Final
 
-import psycopg
-from psycopg.abc import RV, PQGen
 from sqlalchemy import (
     URL,
     BigInteger,
@@ -51,28 +49,11 @@ MAX_CONNECTIONS: Final = 15
 """Connections of a process, which are kept open: opening one costs as much as a page."""
 
 
-class PatientConnection(psycopg.Connection[Any]):
-    """A connection that closes if the server does not answer.
-
-    Attributes
-    ----------
-    patience : float or None
-        Seconds to wait for each statement; None for no limit.
-    """
-
-    patience: float | None = None
-
-    def wait(self, gen: PQGen[RV], interval: float = 0.1, timeout: float | None = None) -> RV:
-        """Wait for the server; after a timeout its state is unknown, so close the connection."""
-        try:
-            return super().wait(gen, interval, self.patience if timeout is None else timeout)
-        except psycopg.errors._WaitTimeout as error:
-            self.pgconn.finish()
-            raise psycopg.OperationalError("the database does not answer") from error
-
-
 def postgresql_engine(address: URL, seconds: float, **options: Any) -> Engine:
     """Return an engine with a timeout of `seconds` for each statement."""
+    # Imported here: psycopg takes long, and most studies use SQLite.
+    from studyapp.database.patient_connection import PatientConnection
+
     engine = create_engine(
         address,
         # Writers rely on locks, whatever the server's default is.
@@ -85,9 +66,7 @@ def postgresql_engine(address: URL, seconds: float, **options: Any) -> Engine:
     )
 
     @event.listens_for(engine, "do_connect")
-    def connect(
-        _dialect: Any, _record: Any, arguments: list[Any], named: dict[str, Any]
-    ) -> PatientConnection:
+    def connect(_dialect: Any, _record: Any, arguments: list[Any], named: dict[str, Any]) -> Any:
         connection = PatientConnection.connect(
             *arguments, **{"connect_timeout": CONNECT_SECONDS, **named}
         )
@@ -105,10 +84,10 @@ def postgresql_engine(address: URL, seconds: float, **options: Any) -> Engine:
 @contextmanager
 def without_timeout(connection: Connection) -> Iterator[None]:
     """Lift the timeout for the current transaction on `connection`."""
-    driver: Any = connection.connection.driver_connection
-    if not isinstance(driver, PatientConnection):
+    if connection.dialect.name != "postgresql":
         yield
         return
+    driver: Any = connection.connection.driver_connection
     patience, driver.patience = driver.patience, None
     try:
         connection.exec_driver_sql("SET LOCAL statement_timeout = 0")
@@ -128,12 +107,14 @@ def _require_alive(
     since = record.info.get(IDLE_SINCE)
     if since is None or time.monotonic() - since < IDLE_SECONDS:
         return
+    from psycopg import Error
+
     driver: Any = connection
     patience, driver.patience = driver.patience, ALIVE_SECONDS
     try:
         connection.cursor().execute("SELECT 1")
         connection.commit()
-    except psycopg.Error as error:
+    except Error as error:
         raise DisconnectionError from error
     finally:
         driver.patience = patience

@@ -6,7 +6,6 @@ import sqlite3
 from collections.abc import Callable
 from typing import Any, Final
 
-import psycopg
 from sqlalchemy import Engine
 from sqlalchemy.exc import DBAPIError
 
@@ -37,6 +36,9 @@ def scrub(database: Database) -> None:
     InputError
         If somebody blocks the rewriting for too long; the deletion itself stands.
     """
+    # Imported here: few commands scrub, and psycopg takes long.
+    import psycopg
+
     clean: Callable[[Engine], None] = (
         _rewrite_postgresql if database.engine.dialect.name == "postgresql" else _rewrite_sqlite
     )

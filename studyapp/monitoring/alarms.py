@@ -21,7 +21,6 @@ from email.utils import localtime, make_msgid
 from typing import Final, Literal, Self
 from urllib.parse import unquote, urlsplit
 
-import httpx
 from sqlalchemy import delete, func, select
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from sqlalchemy.orm import Session
@@ -98,6 +97,9 @@ class AlarmChannels:
 
         A failure is logged without address and password.
         """
+        # Imported here: a server that raises no alarm need not load it.
+        import httpx
+
         channels: list[tuple[str, Callable[[str], None]]] = []
         if self.webhook:
             channels.append(("the webhook", self._post))
@@ -120,6 +122,8 @@ class AlarmChannels:
 
     def _post(self, text: str) -> None:
         message = {"study": self.study, "text": text}
+        import httpx
+
         httpx.post(self.webhook, json=message, timeout=SECONDS).raise_for_status()
 
     def _mail(self, text: str) -> None:

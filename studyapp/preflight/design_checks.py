@@ -10,8 +10,8 @@ from motion.errors import listed
 from motion.segment import EMOTIONS
 from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import MOST_PLACES, Material
-from studyapp.results.analysed_tasks import study_notes
 from studyapp.study.design.trial import Kind
+from studyapp.study.settings.conditions import study_notes
 from studyapp.study.settings.exclusions import Coverage, FailedAttention, FailedCatch
 from studyapp.study.settings.study import Study
 

@@ -6,10 +6,9 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import closing
-from typing import Final
+from typing import TYPE_CHECKING, Final
 from urllib.parse import urlsplit
 
-import httpx
 from sqlalchemy import func, select
 
 from motion.errors import InputError
@@ -24,6 +23,9 @@ from studyapp.session.versions import needs_new_version
 from studyapp.study.folder import StudyFolder, format_size
 from studyapp.study.settings.study import Study
 from studyapp.study.versioning import design_digest
+
+if TYPE_CHECKING:
+    import httpx
 
 TIMEOUT_SECONDS: Final = 15.0
 HEALTH: Final = "healthz"
@@ -118,6 +120,9 @@ def address_findings(
     transport : httpx.BaseTransport, optional
         Replaces the network.
     """
+    # Imported here: most checks send no request.
+    import httpx
+
     base = address if address.endswith("/") else f"{address}/"
     parts = urlsplit(base)
     if parts.scheme != "https" and parts.hostname not in _LOCAL:

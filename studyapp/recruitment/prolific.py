@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from motion.errors import InputError, listed
 from motion.segment import Segment
@@ -18,12 +18,14 @@ from studyapp.recruitment.payment import (
     judge_submission,
     known_participants_of,
 )
-from studyapp.recruitment.prolific_client import ProlificClient, ProlificStudy, Submission
 from studyapp.recruitment.record import count_places, read_record, require_public, write_record
 from studyapp.researchers.pseudonyms import fold_name
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.presentation import Device
 from studyapp.study.settings.study import Study
+
+if TYPE_CHECKING:
+    from studyapp.recruitment.prolific_client import ProlificClient, ProlificStudy, Submission
 
 CODE_TYPES: Final = {
     "completed": ("COMPLETED",),

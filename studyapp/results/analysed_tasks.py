@@ -105,17 +105,6 @@ def compared_conditions(study: Study) -> tuple[str, ...]:
     return tuple(study.conditions)
 
 
-def study_notes(study: Study) -> tuple[str, ...]:
-    """Return what a report and a check note about the study's design."""
-    if study.has_recording or not study.catch.trials:
-        return ()
-    names = study.display_names
-    return (
-        "No condition is a recording of a person, so there is no ground truth: "
-        f"catch trials show {names[study.catch_against]} against {names[study.catch.condition]}.",
-    )
-
-
 SHARED: Final = (
     *("participant", "segment", "question", "trial", "kind", "set", "emotion", "speaker"),
     *("response_seconds", "watched", "instructed"),

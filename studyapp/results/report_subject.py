@@ -22,12 +22,13 @@ from motion.files import sha256_of
 from motion.segment import Segment
 from renderer.figures.sheet import pictures_of, small_picture
 from renderer.figures.strip import Moment, even_moments, loud_moments
-from studyapp.results.analysed_tasks import compared_conditions, study_notes
+from studyapp.results.analysed_tasks import compared_conditions
 from studyapp.results.metrics import measure_study
 from studyapp.study.folder import StudyFolder, video_duration
 from studyapp.study.media import stimulus_videos
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.rating import RatingStudy
+from studyapp.study.settings.conditions import study_notes
 from studyapp.study.settings.questions import SCALE_STEPS
 from studyapp.study.settings.study import GROUND_TRUTH, Study
 

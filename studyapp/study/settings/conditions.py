@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from pydantic import Field, model_validator
 
 from generators.registry import generator_names, needs_model, needs_source, settings_type
 from generators.settings import Reader, Settings
 from studyapp.study.settings.sections import Name, Section
+
+if TYPE_CHECKING:
+    from studyapp.study.settings.study import Study
 
 
 class Condition(Section, extra="allow"):
@@ -158,6 +162,17 @@ def catch_problems(conditions: Mapping[str, Condition], catch: Catch) -> list[st
     elif needs_model(catch.generator):
         problems.append(f"catch: a network such as {catch.generator!r} cannot make flawed motion")
     return problems
+
+
+def study_notes(study: Study) -> tuple[str, ...]:
+    """Return what a report and a check note about the study's design."""
+    if study.has_recording or not study.catch.trials:
+        return ()
+    names = study.display_names
+    return (
+        "No condition is a recording of a person, so there is no ground truth: "
+        f"catch trials show {names[study.catch_against]} against {names[study.catch.condition]}.",
+    )
 
 
 def with_sources(conditions: Mapping[str, Condition], names: set[str]) -> dict[str, Condition]:

@@ -17,10 +17,10 @@ from studyapp.preflight.check import check
 from studyapp.preflight.design_checks import balance_findings
 from studyapp.preflight.finding import SEVERITIES, Finding, Severity
 from studyapp.preflight.material import Material
-from studyapp.results.analysed_tasks import study_notes
 from studyapp.stimuli.rendering import equalise_sizes
 from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Stimuli, read_stimuli, write_stimuli
+from studyapp.study.settings.conditions import study_notes
 from studyapp.study.study_file import new_study
 from tests.studyapp.conftest import OwnStudy
 from tests.support.studies.made_study import make_segments, make_study
