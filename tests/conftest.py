@@ -33,13 +33,14 @@ BEGIN_LONG_WITHIN = 0.8
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """What is imported to collect tests stays: look through it for garbage only once."""
+    """What is imported to collect tests stays: look through it for garbage once, then seldom."""
     gc.disable()
     try:
         return (yield)
     finally:
         gc.collect()
         gc.freeze()
+        gc.set_threshold(10_000)
         gc.enable()
 
 

@@ -91,8 +91,9 @@ def test_every_trainable_generator_is_listed_with_the_feature_networks() -> None
 @pytest.mark.slow
 @short_training()
 def test_a_network_trained_on_a_corpus_moves_like_its_speakers(
-    corpus: Path, tmp_path: Path
+    corpus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("generators.diffsheg.train.VALIDATION_WINDOWS", 128)
     recordings, out = tmp_path / "recordings", tmp_path / "networks" / "two.safetensors"
     shutil.copytree(corpus, recordings)
     damaged = sorted(recordings.glob("1/*.bvh"))[0]
