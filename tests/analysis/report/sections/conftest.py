@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.figures import style
 from analysis.results.report import TableReport
 from tests.analysis.report.sections.reading import SCALE
 from tests.analysis.report.subjects import headline
-from tests.analysis.results.made_tables import (
-    mismatch_table,
-    pairwise_table,
-    ranking_table,
-    rating_table,
-    report_of,
-)
+from tests.analysis.results.made_tables import TABLES, pairwise_table, rating_table, report_of
 
 Analyse = Callable[[str, pd.DataFrame], TableReport]
+Reports = Callable[[str], TableReport]
+Sections = Callable[[str], tuple[Section, ...]]
 
 
 @pytest.fixture(scope="session")
@@ -33,35 +29,37 @@ def analyse(tmp_path_factory: pytest.TempPathFactory) -> Analyse:
 
 
 @pytest.fixture(scope="session")
-def reports(analyse: Analyse) -> Mapping[str, TableReport]:
-    """Return the results of a table of each protocol, and of comparisons with one condition."""
-    pairs = pairwise_table(participants=6, segments=4)
-    with_static = pairs[(pairs["left"] == "static") | (pairs["right"] == "static")]
-    # The table names another condition before 'static'.
-    first = with_static[(with_static["left"] == "ours") & (with_static["segment"] == "s3")]
-    sets = (
-        rating_table(participants=6, segments=4).assign(set="1"),
-        rating_table(("truth", "late"), participants=6, segments=4, seed=2).assign(set="2"),
-    )
-    two_questions = pairwise_table(questions=("rhythm", "emotion"), participants=6, segments=4)
-    return {
-        "all pairs": analyse("pairwise", two_questions),
-        "against one": analyse("pairwise", pd.concat([first, with_static.drop(first.index)])),
-        "mismatch": analyse("mismatch", mismatch_table(participants=6, segments=4)),
-        "rating": analyse("rating", pd.concat(sets)),
-        "ranking": analyse("ranking", ranking_table(participants=6, segments=4)),
-    }
+def reports(analyse: Analyse) -> Reports:
+    """Return the results of a table of a protocol, or of comparisons with one condition."""
+
+    @cache
+    def report(name: str) -> TableReport:
+        if name == "all pairs":
+            questions = ("rhythm", "emotion")
+            return analyse(
+                "pairwise", pairwise_table(questions=questions, participants=6, segments=4)
+            )
+        if name == "against one":
+            pairs = pairwise_table(participants=6, segments=4)
+            with_static = pairs[(pairs["left"] == "static") | (pairs["right"] == "static")]
+            # The table names another condition before 'static'.
+            first = with_static[(with_static["left"] == "ours") & (with_static["segment"] == "s3")]
+            return analyse("pairwise", pd.concat([first, with_static.drop(first.index)]))
+        if name == "rating":
+            other = rating_table(("truth", "late"), participants=6, segments=4, seed=2)
+            sets = {"1": rating_table(participants=6, segments=4), "2": other}
+            return analyse(name, pd.concat([sets[key].assign(set=key) for key in sets]))
+        return analyse(name, TABLES[name](participants=6, segments=4))
+
+    return report
 
 
 @pytest.fixture(scope="session")
-def sections(reports: Mapping[str, TableReport]) -> Mapping[str, tuple[Section, ...]]:
-    """Return the sections of all of these, drawn once."""
+def sections(reports: Reports) -> Sections:
+    """Return the sections of one of these, drawn once."""
     changes: dict[str, dict[str, object]] = {
         "all pairs": {"origin": "rehearsal"},
         "against one": {"reference": "static"},
         "rating": {"scale_labels": {"match": SCALE}},
     }
-    with pytest.MonkeyPatch.context() as patch:
-        # As `quick_fonts`, which holds for a module.
-        patch.setitem(style.STYLE, "pdf.fonttype", 3)
-        return {name: headline(found, **changes.get(name, {})) for name, found in reports.items()}
+    return cache(lambda name: headline(reports(name), **changes.get(name, {})))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
+from functools import cache
 
 from bs4 import BeautifulSoup, Tag
 
@@ -13,9 +15,14 @@ SCALE = ("very unnatural", "not realistic", "looks OK", "looks good", "looks gre
 
 def drawn(picture: Picture, place: int = 0) -> Tag:
     """Return a figure's element: the wide one, or the narrow one at place 1."""
-    found = BeautifulSoup(picture.svg, "html.parser")("svg")[place]
+    found = _drawings(picture.svg)[place]
     assert isinstance(found, Tag)
     return found
+
+
+@cache
+def _drawings(svg: str) -> list[Tag]:
+    return list(BeautifulSoup(svg, "html.parser")("svg"))
 
 
 def words(picture: Picture) -> list[str]:
@@ -67,3 +74,15 @@ def named_table(section: Section, name: str) -> Table:
 def texts(table: Table) -> list[list[str]]:
     """Return the texts of a table's cells."""
     return [[cell.text for cell in row] for row in table.rows]
+
+
+def check_texts(sections: Iterable[Section]) -> None:
+    """Require that no text is of a missing number, and that every cell has a header."""
+    for section in sections:
+        said = [cell for table in section.tables for row in texts(table) for cell in row]
+        said += [note for table in section.tables for note in table.notes]
+        said += [told(picture) for picture in section.pictures]
+        assert not any("nan" in re.split(r"\W", text.lower()) for text in said)
+        for table in section.tables:
+            assert {len(row) for row in table.rows} <= {len(table.header)}
+            assert not table.groups or sum(span for _, span in table.groups) == len(table.header)

@@ -1,18 +1,16 @@
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import pytest
 
-from analysis.report.content import Section
 from analysis.report.sections.conditions import distribution_pictures
 from analysis.results.conditions import RankingResults, RatingResults
-from analysis.results.report import TableReport
-from tests.analysis.report.sections.conftest import Analyse
+from tests.analysis.report.sections.conftest import Analyse, Reports, Sections
 from tests.analysis.report.sections.reading import (
     SCALE,
     bar,
+    check_texts,
     named_picture,
     named_table,
     told,
@@ -21,36 +19,34 @@ from tests.analysis.report.sections.reading import (
 from tests.analysis.report.subjects import headline
 from tests.analysis.results.made_tables import rating_table
 
-Sections = Mapping[str, tuple[Section, ...]]
-
 
 @pytest.fixture(scope="module")
-def results(reports: Mapping[str, TableReport]) -> RatingResults:
-    found = reports["rating"].results
+def results(reports: Reports) -> RatingResults:
+    found = reports("rating").results
     assert isinstance(found, RatingResults)
     return found
 
 
 def test_sets_are_kept_apart(sections: Sections) -> None:
-    assert [section.heading for section in sections["rating"]] == [
+    assert [section.heading for section in sections("rating")] == [
         "Set 1: how the conditions were rated",
         "Set 2: how the conditions were rated",
     ]
-    first, second = ({row[0].text for row in s.tables[0].rows} for s in sections["rating"])
+    first, second = ({row[0].text for row in s.tables[0].rows} for s in sections("rating"))
     assert first == {"truth", "ours", "static"}
     assert second == {"truth", "late"}
-    names = [p.name for s in sections["rating"] for p in s.pictures]
+    names = [p.name for s in sections("rating") for p in s.pictures]
     assert len(names) == len(set(names))
 
 
 def test_bar_segments_are_proportional_to_scores_and_ranks(
     results: RatingResults, ranking_results: RankingResults, sections: Sections
 ) -> None:
-    picture = named_picture(sections["rating"][0], "ratings-set-1")
+    picture = named_picture(sections("rating")[0], "ratings-set-1")
     for row, rated in enumerate(c for c in results.conditions if c.set == "1"):
         percents = [100 * count / rated.n for count in rated.counts.values()]
         assert bar(picture, row, 5)[1] == pytest.approx(percents, abs=0.05)
-    picture = named_picture(sections["ranking"][0], "places")
+    picture = named_picture(sections("ranking")[0], "places")
     best_first = sorted(ranking_results.conditions, key=lambda c: c.mean_rank.estimate)
     for row, ranked in enumerate(best_first):
         percents = list(ranked.rank_percent.values())
@@ -60,7 +56,7 @@ def test_bar_segments_are_proportional_to_scores_and_ranks(
 def test_cumulative_curves_are_the_shares_that_reach_a_score(
     results: RatingResults, sections: Sections
 ) -> None:
-    said = told(named_picture(sections["rating"][0], "cumulative-set-1"))
+    said = told(named_picture(sections("rating")[0], "cumulative-set-1"))
     for one in (c for c in results.conditions if c.set == "1"):
         assert f"{one.condition}: 100% at least 1" in said
         assert f"{one.at_least[3]:.0f}% at least 3" in said
@@ -69,7 +65,7 @@ def test_cumulative_curves_are_the_shares_that_reach_a_score(
 def test_the_best_mean_is_bold_and_the_second_best_underlined(
     sections: Sections,
 ) -> None:
-    rows = named_table(sections["rating"][0], "scores-set-1").rows
+    rows = named_table(sections("rating")[0], "scores-set-1").rows
     means = {row[0].text: row[1] for row in rows}
     assert means["truth"].best
     assert means["ours"].second
@@ -80,12 +76,12 @@ def test_the_best_mean_is_bold_and_the_second_best_underlined(
 def test_contrasts_start_with_paired_differences_corrected_by_holm(
     results: RatingResults, sections: Sections
 ) -> None:
-    rows = named_table(sections["rating"][0], "contrasts-set-1").rows
+    rows = named_table(sections("rating")[0], "contrasts-set-1").rows
     found = [c for c in results.contrasts if c.set == "1"]
     assert [[row[4].value, row[7].value] for row in rows] == [
         [c.difference.estimate, c.difference.p_holm] for c in found
     ]
-    assert named_picture(sections["rating"][0], "contrasts-set-1")
+    assert named_picture(sections("rating")[0], "contrasts-set-1")
 
 
 def test_a_table_says_which_differences_are_not_of_pairs_and_which_intervals_of_one_segment(
@@ -107,7 +103,7 @@ def test_a_table_says_which_differences_are_not_of_pairs_and_which_intervals_of_
 def test_score_labels_are_in_the_legend_or_if_they_differ_in_the_caption(
     results: RatingResults, sections: Sections
 ) -> None:
-    legend = " ".join(words(named_picture(sections["rating"][0], "ratings-set-1")))
+    legend = " ".join(words(named_picture(sections("rating")[0], "ratings-set-1")))
     assert [label for label in SCALE if label not in legend] == []
     conditions = [c for c in results.conditions if c.set == "1"]
     twice = [*conditions, *(replace(c, question="sync") for c in conditions)]
@@ -117,8 +113,8 @@ def test_score_labels_are_in_the_legend_or_if_they_differ_in_the_caption(
 
 
 @pytest.fixture(scope="module")
-def ranking_results(reports: Mapping[str, TableReport]) -> RankingResults:
-    found = reports["ranking"].results
+def ranking_results(reports: Reports) -> RankingResults:
+    found = reports("ranking").results
     assert isinstance(found, RankingResults)
     return found
 
@@ -126,7 +122,7 @@ def ranking_results(reports: Mapping[str, TableReport]) -> RankingResults:
 def test_mean_ranks_first_places_and_worths_share_a_section(
     ranking_results: RankingResults, sections: Sections
 ) -> None:
-    (ranking_section,) = sections["ranking"]
+    (ranking_section,) = sections("ranking")
     assert [picture.name for picture in ranking_section.pictures] == ["places", "worths"]
     for row, one in zip(
         named_table(ranking_section, "ranks").rows, ranking_results.conditions, strict=True
@@ -139,3 +135,8 @@ def test_mean_ranks_first_places_and_worths_share_a_section(
         one.condition: one.estimate for one in worths.conditions
     }
     assert "rank " in told(named_picture(ranking_section, "worths"))
+
+
+@pytest.mark.parametrize("name", ["rating", "ranking"])
+def test_no_cell_or_note_says_nan(name: str, sections: Sections) -> None:
+    check_texts(sections(name))

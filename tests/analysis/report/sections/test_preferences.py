@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import pytest
 
 from analysis.report import wording
@@ -10,9 +8,10 @@ from analysis.report.sections import preferences
 from analysis.report.sections.preferences import pairwise_groups
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.report import TableReport
-from tests.analysis.report.sections.conftest import Analyse
+from tests.analysis.report.sections.conftest import Analyse, Reports, Sections
 from tests.analysis.report.sections.reading import (
     bar,
+    check_texts,
     hints,
     named_picture,
     named_table,
@@ -22,14 +21,11 @@ from tests.analysis.report.sections.reading import (
 from tests.analysis.report.subjects import headline
 from tests.analysis.results.made_tables import mismatch_table, pairwise_table
 
-Sections = Mapping[str, tuple[Section, ...]]
-Reports = Mapping[str, TableReport]
-
 
 @pytest.fixture
 def section(sections: Sections) -> Section:
     """Return the section of all pairs."""
-    (section,) = sections["all pairs"]
+    (section,) = sections("all pairs")
     return section
 
 
@@ -43,7 +39,7 @@ def test_tooltips_and_the_text_alternative_have_every_number(
 ) -> None:
     picture = named_picture(section, "preferences")
     assert len(hints(picture)) == 3 * 2 * 5
-    for comparison in results(reports["all pairs"]).comparisons:
+    for comparison in results(reports("all pairs")).comparisons:
         a, b = comparison.a, comparison.b
         levels = (f"clearly {a}", f"slightly {a}", "no difference")
         for level, count in zip(levels, comparison.counts.values(), strict=False):
@@ -55,7 +51,7 @@ def test_tooltips_and_the_text_alternative_have_every_number(
 def test_bars_are_proportional_and_centred_on_no_difference(
     reports: Reports, section: Section
 ) -> None:
-    (group,) = pairwise_groups(results(reports["all pairs"]), None)
+    (group,) = pairwise_groups(results(reports("all pairs")), None)
     picture = named_picture(section, "preferences")
     for row, label in enumerate(group.labels):
         found = next(r for r in group.rows if r.label == label and r.result.question == "emotion")
@@ -74,7 +70,7 @@ def test_emotion_comes_first_and_rows_are_sorted_by_its_win_share(
     shares = [
         wording.share(one.win_share.estimate)
         for one in sorted(
-            (c for c in results(reports["all pairs"]).comparisons if c.question == "emotion"),
+            (c for c in results(reports("all pairs")).comparisons if c.question == "emotion"),
             key=lambda one: -one.win_share.estimate,
         )
     ]
@@ -84,7 +80,7 @@ def test_emotion_comes_first_and_rows_are_sorted_by_its_win_share(
 def test_comparisons_are_oriented_to_their_common_condition(
     reports: Reports, sections: Sections
 ) -> None:
-    found = results(reports["against one"])
+    found = results(reports("against one"))
     (group,) = pairwise_groups(found, None)
     assert group.first == "static"
     turned = 0
@@ -100,9 +96,9 @@ def test_comparisons_are_oriented_to_their_common_condition(
         assert row.result.win_share.low == pytest.approx(1 - one.win_share.high)
         assert row.result.clmm.estimate == -one.clmm.estimate
     assert 0 < turned < len(group.rows)
-    (section,) = sections["against one"]
+    (section,) = sections("against one")
     assert [picture.name for picture in section.pictures] == ["preferences"]
-    (of_all,) = pairwise_groups(results(reports["all pairs"]), "ours")
+    (of_all,) = pairwise_groups(results(reports("all pairs")), "ours")
     assert of_all.first == "the first"
 
 
@@ -113,7 +109,7 @@ def test_tests_beside_those_that_the_report_decides_by_are_called_secondary(
     effects = (1.0, 0.6, 0.3, 0.0)
     table = pairwise_table(conditions, effects=effects, participants=5, segments=4)
     for (shown,), decisive in (
-        (sections["all pairs"], "win-shares"),
+        (sections("all pairs"), "win-shares"),
         (headline(analyse("pairwise", table)), "contrasts"),
     ):
         for name in ("win-shares", "contrasts"):
@@ -124,14 +120,14 @@ def test_tests_beside_those_that_the_report_decides_by_are_called_secondary(
 def test_table_a5_sums_and_published_p_values_match_the_results(
     reports: Reports, sections: Sections
 ) -> None:
-    (section,) = sections["against one"]
+    (section,) = sections("against one")
     table = named_table(section, "preferences")
     assert table.groups == (("", 1), ("Emotion", 4))
     as_published = named_table(section, "as-published")
     assert any("resemble each other" in note for note in as_published.notes)
     for row in table.rows:
         one = next(
-            c for c in results(reports["against one"]).comparisons if row[0].text in {c.a, c.b}
+            c for c in results(reports("against one")).comparisons if row[0].text in {c.a, c.b}
         )
         ours, other = ("a", "b") if one.a == "static" else ("b", "a")
         assert [cell.value for cell in row[1:]] == pytest.approx(
@@ -148,11 +144,11 @@ def test_many_comparisons_are_shown_as_a_matrix(
     reports: Reports, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(preferences, "MOST_BARS", 2)
-    (section,) = headline(reports["all pairs"])
+    (section,) = headline(reports("all pairs"))
     assert [picture.name for picture in section.pictures] == ["win-share-matrix", "strengths"]
     said = hints(section.pictures[0])
     assert len(said) == 2 * 3 * 2
-    for one in results(reports["all pairs"]).comparisons:
+    for one in results(reports("all pairs")).comparisons:
         share = one.win_share.estimate
         assert any(
             text.startswith(f"{one.a} against {one.b}: {wording.share(share)}") for text in said
@@ -165,9 +161,9 @@ def test_many_comparisons_are_shown_as_a_matrix(
 def test_own_speech_is_on_the_left_for_every_condition(
     reports: Reports, sections: Sections
 ) -> None:
-    mismatch = reports["mismatch"].results
+    mismatch = reports("mismatch").results
     assert isinstance(mismatch, MismatchResults)
-    (section,) = sections["mismatch"]
+    (section,) = sections("mismatch")
     picture = named_picture(section, "own-speech")
     said = hints(picture)
     for one in mismatch.conditions:
@@ -185,3 +181,8 @@ def test_without_degrees_of_preference_none_are_named(analyse: Analyse) -> None:
     said = " ".join(hints(named_picture(section, "own-speech")))
     assert "slightly" not in said and ", own speech: " in said
     assert "clear and slight" not in named_table(section, "own-speech").caption
+
+
+@pytest.mark.parametrize("name", ["all pairs", "against one", "mismatch"])
+def test_no_cell_or_note_says_nan(name: str, sections: Sections) -> None:
+    check_texts(sections(name))
