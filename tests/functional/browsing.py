@@ -38,6 +38,11 @@ ARGUMENTS = (
 SOFTWARE_GRAPHICS = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 """Further arguments for pages that draw motion on a machine without a graphics card."""
 
+IMPATIENT = (
+    "const { timeout } = AbortSignal; AbortSignal.timeout = () => timeout.call(AbortSignal, 1000);"
+)
+"""A script by which a page gives up a dead connection after one second."""
+
 IN_A_BROWSER = [
     pytest.mark.browser,
     pytest.mark.slow,

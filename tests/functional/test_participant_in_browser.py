@@ -13,7 +13,7 @@ from sqlalchemy import func, select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Video, WatchRecord
-from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, follow, wait_until
+from tests.functional.browsing import IMPATIENT, IN_A_BROWSER, PATIENCE_MS, follow, wait_until
 from tests.functional.taking_part import (
     WATCHED,
     answer,
@@ -372,27 +372,38 @@ def test_a_report_whose_response_is_lost_counts_once_after_a_reload(
     assert played(database, arrived[0]) < 1.05
 
 
-def test_delayed_reports_are_kept_and_block_nobody_for_long(
+def test_delayed_blocked_and_repeated_reports_count_once_and_block_nobody_for_long(
     browser: Browser, address: str, database: Database
 ) -> None:
     page = browser.new_page()  # the browser itself complains of status 429
     page.set_default_timeout(PATIENCE_MS)
+    page.add_init_script(IMPATIENT)
     begin_study(page, address)
     refused: list[str] = []
+    unanswered: list[Route] = []
 
     def refuse(route: Route) -> None:
         refused.append(route.request.url)
         route.fulfill(status=429, headers={"Retry-After": "1"}, body="")
+
+    def lose_the_answer(route: Route) -> None:
+        route.fetch()
+        unanswered.append(route)
 
     page.route("**/watched/**", refuse)
     watch(page)
     answer(page)
     page.locator("#next").click()
     wait_until(page, lambda: len(refused) >= 4)
-    expect(page.locator("#problem")).to_be_hidden()
+    problem = page.locator("#problem")
+    expect(problem).to_be_hidden()
+    page.route("**/watched/**", lambda route: route.abort("blockedbyclient"))
+    expect(problem).to_contain_text("If this lasts, please switch ad blockers off")
     page.unroute("**/watched/**")
+    page.route("**/watched/**", lose_the_answer, times=2)
 
     expect_trial(page, 2)
+    assert len(unanswered) == 2
     videos = [video.token for video in study_session_of(page, database).trials[0].videos]
     assert [played(database, video) for video in videos] == pytest.approx([1.0, 1.0], abs=0.1)
     page.close()

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 
 from studyapp.database.engine import Database
-from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, press
+from tests.functional.browsing import IMPATIENT, IN_A_BROWSER, PATIENCE_MS, press
 from tests.functional.taking_part import (
     WATCHED,
     answers_of,
@@ -29,9 +29,6 @@ HEARD_TO_THE_END = """async audio => {
   await audio.play();
   audio.currentTime = audio.duration - 0.5;
 }"""
-IMPATIENT = (
-    "const { timeout } = AbortSignal; AbortSignal.timeout = () => timeout.call(AbortSignal, 1000);"
-)
 
 
 @pytest.fixture(scope="module")

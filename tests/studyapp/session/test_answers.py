@@ -78,7 +78,12 @@ UNUSABLE: list[tuple[dict[str, str | list[str]], str]] = [
 
 
 def test_unusable_answers_are_refused_and_nothing_is_stored(participant: Participant) -> None:
-    first = ready(participant)
+    first = participant.trial().token
+    with pytest.raises(
+        UnacceptableError, match=r"^About 2 s .* not been .* switch ad blockers off"
+    ):
+        participant.answer(first, {"rhythm": "1", "emotion": "0"})
+    assert ready(participant) == first
 
     for answers, words in UNUSABLE:
         with pytest.raises(UnacceptableError, match=words):
