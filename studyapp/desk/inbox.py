@@ -36,7 +36,9 @@ from studyapp.researchers.account import Right
 from studyapp.study.folder import IMPORTABLE_ENDINGS, StudyFolder
 from studyapp.web.research.pages import Page
 
-NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.@+ ()-]{0,149}")
+NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.@-]{0,149}")
+"""As segments are named; a video names two with @ between them."""
+
 PARTIAL: Final = re.compile(rf"\.(?P<name>{NAME.pattern})\.(?P<size>\d+)\.(?P<changed>\d+)\.part")
 
 LARGEST_PIECE: Final = 1024 * 1024
@@ -213,8 +215,8 @@ class Inbox:
         if NAME.fullmatch(upload.name) is None:
             raise InputError(
                 f"a file cannot be called {upload.name[:200]!r} here",
-                remedy="Use A to Z, a to z, digits, spaces and . _ - + @ ( ) for its name, "
-                "beginning with a letter or digit, at most 150 of them",
+                remedy="Use A to Z, a to z, digits and . _ - for its name, beginning with a letter "
+                "or digit, at most 150 of them",
             )
         if Path(upload.name).suffix.lower() not in IMPORTABLE_ENDINGS:
             raise InputError(

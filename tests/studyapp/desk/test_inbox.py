@@ -115,6 +115,8 @@ def test_a_chunk_sent_twice_at_once_is_stored_once(
     ("field", "values", "message"),
     [
         ("name", ("../take.wav", ".hidden.wav", "a\\b.wav", "a\0.wav", "b" * 200), "be called"),
+        # Importing would refuse them as names of segments.
+        ("name", ("take 1.wav", "take(1).wav", "_take.wav"), "be called"),
         ("name", ("run.py", "take.pkl", "take.wav.exe"), "neither speech, motion nor a video"),
         ("condition", ("..", "../../elsewhere", "/etc"), "not a usable condition name"),
         ("size", (0,), "is empty"),
