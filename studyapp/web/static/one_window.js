@@ -16,7 +16,7 @@ addEventListener("pageshow", (event) => {
   if (event.persisted) location.replace(dialog.dataset.address);
 });
 
-// Firefox has no channels where it forbids cookies: the server alone then keeps two windows apart.
+// Where Firefox forbids cookies this fails, and the server alone keeps two windows apart.
 if ("BroadcastChannel" in window && dialog.showModal) {
   const channel = new BroadcastChannel(`study session ${dialog.dataset.window}`);
   channel.addEventListener("message", giveWay);
