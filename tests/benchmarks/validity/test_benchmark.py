@@ -93,15 +93,15 @@ def test_the_command_prints_values_and_writes_each_kind_of_study_once(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "validity.md"
-    for name in ("votes", "mismatch", "votes"):
+    for name in ("ratings", "mismatch", "ratings"):
         main(["--studies", "1", "--only", name, "--processes", "1", "--write", str(path)])
 
     *_, studies, seconds = capsys.readouterr().out.splitlines()
     assert studies == "studies: 1"
     assert seconds.startswith("seconds: ")
     text = path.read_text("utf-8")
-    assert text.index("## Mismatch") < text.index("## Votes")
-    assert text.count("## Votes") == 1
+    assert text.index("## Mismatch") < text.index("## Ratings\n")
+    assert text.count("## Ratings\n") == 1
     assert "seed 1" in text
     assert "Not here yet: pairs; " in text
 

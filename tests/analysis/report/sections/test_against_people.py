@@ -9,6 +9,7 @@ import numpy as np
 
 from analysis.answers.table import ANALYSED_KINDS
 from analysis.report.content import Section
+from analysis.report.figures.style import FORMATS, as_file
 from analysis.report.sections.against_people import against_people_section, sampling_range_sentence
 from analysis.results.against_people import metrics_against_people
 from analysis.results.grouping import ByQuestion
@@ -60,7 +61,9 @@ def test_correlations_are_in_a_table_and_two_reproducible_figures(
         "metric-correlations",
         "metrics-against-people-1",
     ]
-    assert all(picture.figure for picture in shown.pictures)
+    for picture in shown.pictures:
+        assert picture.figure
+        assert all(len(as_file(picture.figure, extension)) > 1000 for extension in FORMATS)
     assert "c00" in shown.pictures[1].svg
     assert "With 4 conditions" in shown.paragraphs[0]
 
