@@ -13,6 +13,9 @@ from torch import Tensor
 
 REFERENCE = Path(__file__).parents[3] / "shared" / "reference"
 
+PIECE = 1 << 16
+"""Numbers drawn at once: so few fit into the processor's cache, which is several times faster."""
+
 
 def reference_arrays(name: str) -> dict[str, Tensor]:
     """Return what a released network was given and what it answered; skip where it is not here."""
@@ -31,9 +34,14 @@ def _weight(name: str, shape: Sequence[int]) -> Tensor:
     if name.endswith("num_batches_tracked"):
         return torch.tensor(0)
     random = np.random.default_rng(zlib.crc32(name.encode()))
-    weight = 0.05 * random.standard_normal(shape)
-    if name.endswith("running_var"):
-        weight = 1 + np.abs(weight)
-    elif name.endswith(".weight") and len(shape) == 1:
-        weight = 1 + weight
-    return torch.as_tensor(weight, dtype=torch.float32)
+    weight = torch.empty(tuple(shape))
+    flat = weight.view(-1).numpy()
+    for start in range(0, len(flat), PIECE):
+        piece = flat[start : start + PIECE]
+        drawn = 0.05 * random.standard_normal(len(piece))
+        if name.endswith("running_var"):
+            drawn = 1 + np.abs(drawn)
+        elif name.endswith(".weight") and len(shape) == 1:
+            drawn = 1 + drawn
+        piece[:] = drawn
+    return weight
