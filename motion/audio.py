@@ -7,19 +7,20 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, Self, cast
+from typing import TYPE_CHECKING, Final, Self, cast
 
-import av
 import numpy as np
 import soundfile
-from av.audio.frame import AudioFrame
-from av.audio.resampler import AudioResampler
-from av.container import InputContainer
 
 from motion.arrays import Floats, Floats32
 from motion.errors import InputError, found_at
 from motion.files import replacing
 from motion.segment import excerpt_bounds
+
+# PyAV is imported where it is used: every command knows this module, and few read audio.
+if TYPE_CHECKING:
+    from av.audio.frame import AudioFrame
+    from av.container import InputContainer
 
 SPEECH_RATE: Final = 16000
 """Samples per second that speech is analysed at."""
@@ -155,6 +156,8 @@ def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
         If the file is missing, has no readable audio, is shorter than its header declares, or
         lasts longer than `LONGEST`.
     """
+    import av
+
     path = Path(path)
     if not path.is_file():
         raise InputError("there is no such audio file", where=path, remedy="Check the path")
@@ -208,6 +211,8 @@ def _check_whole_wav(path: Path) -> None:
 
 def _decode(container: InputContainer, sample_rate: int | None, path: Path) -> tuple[Floats32, int]:
     """Return the channel-averaged samples of the first audio stream, and their rate."""
+    from av.audio.resampler import AudioResampler
+
     stream = container.streams.audio[0]
     rate = sample_rate or stream.rate
     # Interleaved, since PyAV crashes on planes of eight and more channels.

@@ -12,8 +12,6 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Final
 
-import av
-
 from motion.audio import WHOLE_FORMATS
 from motion.endings import MOTION_ENDINGS, SPEECH_ENDINGS, VIDEO_ENDING
 from motion.errors import InputError
@@ -295,6 +293,8 @@ def similar_file(file: Path, needed: Collection[Path]) -> Path | None:
 
 def video_duration(video: Path) -> float:
     """Return the duration of a video in seconds; `InputError` if it cannot be opened."""
+    import av
+
     try:
         with av.open(str(video), options=dict(WHOLE_FORMATS)) as container:
             return (container.duration or 0) / av.time_base
