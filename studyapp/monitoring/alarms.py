@@ -121,9 +121,9 @@ class AlarmChannels:
         return succeeded
 
     def _post(self, text: str) -> None:
-        message = {"study": self.study, "text": text}
         import httpx
 
+        message = {"study": self.study, "text": text}
         httpx.post(self.webhook, json=message, timeout=SECONDS).raise_for_status()
 
     def _mail(self, text: str) -> None:
