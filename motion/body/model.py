@@ -8,8 +8,8 @@ once, because drawing videos needs no gradients.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -242,6 +242,16 @@ def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel
     InputError
         If the file is missing or not an archive, or an array is missing or has a wrong shape.
     """
+    status = path.stat() if path.is_file() else None
+    body = _body_in(path, status and (status.st_ino, status.st_mtime_ns, status.st_size))
+    if expression_matrix is None:
+        return body
+    return replace(body, expression_matrix=read_expression_matrix(expression_matrix))
+
+
+@lru_cache(maxsize=2)
+def _body_in(path: Path, _state: tuple[int, ...] | None) -> BodyModel:
+    """Read a body in this state of its file, without a matrix; kept, since it takes long."""
     with body_archive(path) as archive:
         missing = [name for name in _REQUIRED if name not in archive]
         if missing:
@@ -268,7 +278,6 @@ def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel
         weights=sparse.csr_array(arrays.get("twist_weights", arrays["weights"]).astype(np.float32)),
         twist_joints=_twist_joints(arrays),
         has_arkit_slots=bool(arrays.get("arkit_slots", False)),
-        expression_matrix=read_expression_matrix(expression_matrix) if expression_matrix else None,
         credits=str(arrays.get("credits", "")),
         surface=surface,
     )
