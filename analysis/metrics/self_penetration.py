@@ -17,7 +17,6 @@ from typing import Final
 
 import numpy as np
 from scipy.spatial import cKDTree
-from trimesh.triangles import closest_point
 
 from analysis.metrics.scores import Metric, MetricResult
 from motion.arrays import Bools, Floats, Floats32, Ints
@@ -236,6 +235,9 @@ def _main_joints(body: BodyModel) -> Ints:
 
 def _distances(points: Floats, triangles: Floats) -> Floats:
     """Return the points' distances to the nearest of the triangles with the nearest centres."""
+    # Imported here: most reports measure no bodies, and this loads a library of meshes.
+    from trimesh.triangles import closest_point
+
     near = cKDTree(triangles.mean(axis=1)).query(points, k=min(_NEAREST, len(triangles)))[1]
     near = near.reshape(len(points), -1)
     repeated = np.repeat(points, near.shape[1], axis=0)
