@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
-import gc
 import signal
 import sys
 from errno import EDQUOT, ENOSPC
@@ -13,6 +11,7 @@ from typing import Any, Final
 import click
 
 from motion.errors import InputError
+from studyapp.side_process import keep_what_is_imported
 
 _COMMANDS: Final = {
     "backup": ("backup", "Back up a study into one file, or check a backup."),
@@ -135,10 +134,7 @@ def group(debug: bool) -> None:
 
 def main() -> None:
     """Run the command line; an interruption says how to continue."""
-    # What is imported stays: looking through it for garbage, again and again and once more at the
-    # end, would take a third of the time of a short command.
-    gc.set_threshold(10_000)
-    atexit.register(gc.freeze)
+    keep_what_is_imported()
     # Ended like this, a command stops what it has started, as it does at Ctrl-C.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
