@@ -7,16 +7,19 @@ filterbank; a fusion and a decoder reconstruct it from their three latents.
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 import torch
 from scipy.fft import dct
 from torch import Tensor, nn
 from torch.nn import functional
-from transformers import ASTConfig, ASTModel
 
 from generators.amuse.config import PARTS, SpeechConfig
+
+# transformers is imported where it is used: it takes seconds.
+if TYPE_CHECKING:
+    from transformers import ASTConfig
 
 
 class SpeechOutput(NamedTuple):
@@ -42,6 +45,8 @@ class SpeechOutput(NamedTuple):
 
 def ast_config(config: SpeechConfig) -> ASTConfig:
     """Return the sizes of an encoder's transformer."""
+    from transformers import ASTConfig
+
     return ASTConfig(
         hidden_size=config.width,
         num_hidden_layers=config.layers,
@@ -59,6 +64,8 @@ class SpeechEncoder(nn.Module):
     """One of the three encoders, E_c, E_e or E_s, with a head if it classifies."""
 
     def __init__(self, config: SpeechConfig, classes: int | None = None) -> None:
+        from transformers import ASTModel
+
         super().__init__()
         self.transformer = ASTModel(ast_config(config))
         self.feature_head = nn.Sequential(

@@ -11,8 +11,6 @@ from typing import Any, Final
 
 import torch
 from torch import Tensor, nn
-from transformers import PreTrainedModel
-from transformers.modeling_utils import ALL_ATTENTION_FUNCTIONS
 
 
 class SkipTransformer(nn.Module):
@@ -94,6 +92,10 @@ def pack(network: nn.Module) -> None:
     """
     if not torch.backends.mkldnn.is_available():  # type: ignore[no-untyped-call]
         return
+    # Imported here: it takes seconds, and networks without such a model need none of it.
+    from transformers import PreTrainedModel
+    from transformers.modeling_utils import ALL_ATTENTION_FUNCTIONS
+
     ALL_ATTENTION_FUNCTIONS.register(_ATTENTION, _attention)
     for model in network.modules():
         if isinstance(model, PreTrainedModel) and model.device.type == "cpu":

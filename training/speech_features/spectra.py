@@ -8,18 +8,20 @@ from __future__ import annotations
 
 import warnings
 from functools import cache
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import torch
 from scipy.fft import dct
 from torch import Tensor
-from transformers import ASTFeatureExtractor
 
 from motion.arrays import Floats, Floats32
 from motion.audio import SPEECH_RATE, Audio
 from motion.audio_analysis import load_librosa
 from motion.errors import InputError
+
+if TYPE_CHECKING:
+    from transformers import ASTFeatureExtractor
 
 ROWS_PER_SECOND: Final = 100
 
@@ -71,6 +73,9 @@ def filterbank(samples: Floats32, rows: int = 1024, bands: int = 128) -> Tensor:
 
 @cache
 def _feature_extractor(rows: int, bands: int) -> ASTFeatureExtractor:
+    # Imported here: it takes a second, and few networks hear by filterbanks.
+    from transformers import ASTFeatureExtractor
+
     with warnings.catch_warnings():
         # Kaldi's lowest bands are narrower than the spectrum's resolution, and empty in Kaldi too.
         warnings.filterwarnings("ignore", message="At least one mel filter has all zero values")

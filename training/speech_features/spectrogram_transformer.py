@@ -10,16 +10,18 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import torch
 from torch import Tensor
 from torch.nn import functional
-from transformers import ASTConfig, ASTModel
 
 from motion.errors import listed
 from training.layers.first_weights import encode_components, principal_components, waves
 from training.released_weights import CONFIG, SavedNetworks
+
+if TYPE_CHECKING:
+    from transformers import ASTConfig, ASTModel
 
 _AST: Final = "audio-spectrogram-transformer"
 _SAVED: Final = SavedNetworks(
