@@ -12,7 +12,6 @@ import pytest
 import torch
 from safetensors.torch import load_file, save_file
 from scipy.fft import dct
-from transformers import HubertConfig, HubertModel
 
 from motion.arrays import Floats32
 from motion.audio import Audio
@@ -95,6 +94,8 @@ def test_the_log_spectrogram_of_silence_is_finite() -> None:
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A network of HuBERT-large's width, but with few channels elsewhere."""
+    from transformers import HubertConfig, HubertModel
+
     folder = tmp_path_factory.mktemp("models") / "hubert"
     config = HubertConfig(
         hidden_size=1024,
@@ -134,6 +135,8 @@ def test_the_stand_in_distinguishes_speech_but_not_loudness_and_is_deterministic
 
 
 def test_weights_from_a_folder_are_used_and_identified_by_their_hash(saved: Path) -> None:
+    from transformers import HubertModel
+
     hubert = load_hubert(saved)
     assert not hubert.stands_in
     assert "hubert (sha256 " in hubert.description

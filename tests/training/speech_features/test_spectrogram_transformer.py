@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 import torch
-from transformers import ASTConfig, ASTModel, DeiTConfig, DeiTModel
 
 from generators.amuse.config import SPEECH_PRESETS
 from generators.amuse.speech import SpeechEncoder, ast_config
@@ -22,10 +21,10 @@ from training.speech_features.spectrogram_transformer import (
     read_ast_weights,
 )
 
-CONFIG = ast_config(SMALL)
-
 
 def test_an_image_network_is_converted_to_one_for_sound(tmp_path: Path) -> None:
+    from transformers import DeiTConfig, DeiTModel
+
     sizes = DeiTConfig(
         hidden_size=SMALL.width,
         num_hidden_layers=SMALL.layers,
@@ -36,7 +35,7 @@ def test_an_image_network_is_converted_to_one_for_sound(tmp_path: Path) -> None:
     model = DeiTModel(sizes, add_pooling_layer=False)
     torch.nn.init.normal_(model.embeddings.position_embeddings)
     model.save_pretrained(tmp_path)
-    weights = read_ast_weights(tmp_path, CONFIG)
+    weights = read_ast_weights(tmp_path, ast_config(SMALL))
     SpeechEncoder(SMALL).transformer.load_state_dict(weights)
     colours = model.embeddings.patch_embeddings.projection.weight
     torch.testing.assert_close(
@@ -53,14 +52,16 @@ def test_an_image_network_is_converted_to_one_for_sound(tmp_path: Path) -> None:
 def test_another_size_or_architecture_is_refused_with_the_difference(
     tmp_path: Path,
 ) -> None:
+    from transformers import ASTConfig, ASTModel
+
     ASTModel(ASTConfig(hidden_size=8, num_hidden_layers=1, num_attention_heads=2)).save_pretrained(
         tmp_path
     )
     with pytest.raises(InputError, match=r"another size.*hidden_size 8 instead of 24"):
-        read_ast_weights(tmp_path, CONFIG)
+        read_ast_weights(tmp_path, ast_config(SMALL))
     (tmp_path / "config.json").write_text(json.dumps({"model_type": "bert"}))
     with pytest.raises(InputError, match="a network of type 'bert', not an AST or a DeiT"):
-        read_ast_weights(tmp_path, CONFIG)
+        read_ast_weights(tmp_path, ast_config(SMALL))
 
 
 def test_a_speech_encoder_responds_to_the_time_of_a_sound() -> None:
