@@ -32,6 +32,9 @@ PREFERENCE: Final = {
 
 RESAMPLES: Final = 2_000
 
+FULL: Final = 0.05
+"""Share of filled cells from which on a table is resampled without its indices."""
+
 _BLOCK: Final = 4_000_000
 """Sums held at a time, which bounds the memory."""
 
@@ -170,7 +173,10 @@ def _resampled_sums(
     table: sparse.csr_array, participants: Floats, segments: Floats, shape: tuple[int, ...]
 ) -> Floats:
     """Return the sum of each group over drawn participants and segments, shape (B, G)."""
-    by_cell = np.asarray((table.T @ participants.T).T, np.float64).reshape(-1, *shape)
+    # A product with a table that is hardly sparse is faster without its indices.
+    is_full = table.nnz > FULL * table.shape[0] * table.shape[1]
+    sums = participants @ table.toarray() if is_full else (table.T @ participants.T).T
+    by_cell = np.asarray(sums, np.float64).reshape(-1, *shape)
     return np.asarray(np.einsum("bgi,bi->bg", by_cell, segments))
 
 

@@ -13,7 +13,7 @@ each with short derivatives.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
@@ -21,7 +21,7 @@ import numpy as np
 from scipy.special import logit
 
 from analysis.stats.ordinal.crossed import Information, Layout
-from motion.arrays import Floats, Indices, Ints
+from motion.arrays import Bools, Floats, Indices, Ints
 
 Changes = tuple[Floats, Floats, Floats]
 
@@ -209,6 +209,19 @@ class Answers:
         """Return the thresholds' parameters, the fixed effects and the standard deviations."""
         first, second = self.thresholds.count, self.thresholds.count + self.fixed.shape[1]
         return parameters[:first], parameters[first:second], parameters[second:]
+
+    def part(self, chosen: Bools) -> Answers:
+        """Return the answers `chosen`, without the groups that have none."""
+        names = [np.unique(codes[chosen], return_inverse=True) for codes in self.layout.groups]
+        return replace(
+            self,
+            codes=self.codes[chosen],
+            fixed=self.fixed[chosen],
+            layout=Layout(
+                tuple(codes for _, codes in names), tuple(len(each) for each, _ in names)
+            ),
+            multipliers=tuple(multiplier[chosen] for multiplier in self.multipliers),
+        )
 
 
 @dataclass(frozen=True)

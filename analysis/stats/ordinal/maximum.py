@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from itertools import product
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from scipy.optimize import minimize
@@ -41,6 +41,12 @@ ROUNDING: Final = 1e-10
 SHORT: Final = 0.05
 """Distance, in standard errors, over which neither curvature nor likelihood changes visibly."""
 
+MANY: Final = 40_000
+"""Answers from which on the climb starts where a part of them leads."""
+
+EVERY: Final = 3
+"""The part has every third group of each random effect."""
+
 BOUNDARY: Final = 0.01
 """A smaller standard deviation, in units of the noise's scale, counts as zero."""
 
@@ -64,14 +70,11 @@ def maximum(
         Whether to compute the curvature, which takes longer than the climb; without it, the climb's
         approximation tells whether the maximum was reached.
     """
-    counts = np.bincount(answers.codes, minlength=answers.thresholds.categories)
-    thresholds = answers.thresholds.start(counts)
-    effects, deviations = np.zeros(answers.fixed.shape[1]), np.full(answers.terms, 0.5)
-    start = np.concatenate([thresholds, effects, deviations])
+    start, scale = _start(answers)
     climb = _Climb(answers)
     precision = ROUGH if curved else FINE
     for _ in range(CLIMBS):
-        candidate, distance = _climbed(climb, start, precision)
+        candidate, distance, _ = _climbed(climb, start, scale, precision)
         if curved:
             best, current, curvature, maximal = _stepped(climb, candidate)
         else:
@@ -84,7 +87,23 @@ def maximum(
             break
         else:
             start, precision = best, precision / FINER
+        scale = None
     return best, current, curvature, maximal
+
+
+def _start(answers: Answers) -> tuple[Floats, Floats | None]:
+    """Return where to start, and the inverse curvature there, per answer, if it is known."""
+    counts = np.bincount(answers.codes, minlength=answers.thresholds.categories)
+    thresholds = answers.thresholds.start(counts)
+    effects, deviations = np.zeros(answers.fixed.shape[1]), np.full(answers.terms, 0.5)
+    start = np.concatenate([thresholds, effects, deviations])
+    if len(answers.codes) >= MANY:
+        part = answers.part(np.all([codes % EVERY == 0 for codes in answers.layout.groups], axis=0))
+        if len(np.unique(part.codes)) == len(counts):
+            near, distance, scale = _climbed(_Climb(part), start, None, FINE)
+            if distance < SHORT and free_parameters(part, near).all():
+                return near, scale
+    return start, None
 
 
 def _off_the_boundary(climb: _Climb, at: Floats, current: Likelihood) -> Floats | None:
@@ -102,17 +121,21 @@ def _off_the_boundary(climb: _Climb, at: Floats, current: Likelihood) -> Floats 
     return None
 
 
-def _climbed(climb: _Climb, start: Floats, precision: float) -> tuple[Floats, float]:
-    """Climb by a quasi-Newton method; also return its estimated distance left, in errors."""
-    end = minimize(
-        climb.descent,
-        start,
-        jac=True,
-        method="BFGS",
-        options={"gtol": precision * _gradient_unit(climb.answers), "maxiter": ITERATIONS},
-    )
+def _climbed(
+    climb: _Climb, start: Floats, scale: Floats | None, precision: float
+) -> tuple[Floats, float, Floats]:
+    """Climb by a quasi-Newton method.
+
+    Also return its estimated distance left, in errors, and inverse curvature, per answer.
+    """
+    options: dict[str, Any] = {
+        "gtol": precision * _gradient_unit(climb.answers),
+        "maxiter": ITERATIONS,
+        "hess_inv0": scale,
+    }
+    end = minimize(climb.descent, start, jac=True, method="BFGS", options=options)  # type: ignore[call-overload]
     left = math.sqrt(len(climb.answers.codes) * abs(float(end.jac @ end.hess_inv @ end.jac)))
-    return np.asarray(end.x, np.float64), left
+    return np.asarray(end.x, np.float64), left, (end.hess_inv + end.hess_inv.T) / 2
 
 
 def _stepped(climb: _Climb, parameters: Floats) -> tuple[Floats, Likelihood, Floats, bool]:

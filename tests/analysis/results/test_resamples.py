@@ -24,7 +24,11 @@ from tests.analysis.results.made_tables import read_table
 from tests.analysis.results.simulated_studies import AgreeingStudy, metrics_of, names
 
 
-def test_resamples_are_those_of_the_two_way_bootstrap_and_estimates_the_means() -> None:
+@pytest.mark.parametrize("full", [0.0, 1.0])
+def test_resamples_are_those_of_the_two_way_bootstrap_and_estimates_the_means(
+    monkeypatch: pytest.MonkeyPatch, full: float
+) -> None:
+    monkeypatch.setattr("analysis.results.resamples.FULL", full)
     answers, _ = AgreeingStudy(conditions=3).drawn(np.random.default_rng(1))
     one = answers[answers["condition"] == "c01"]
     table = one.pivot(index="participant", columns="segment", values="value").to_numpy()

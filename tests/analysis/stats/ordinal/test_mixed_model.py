@@ -61,6 +61,23 @@ def test_skipping_standard_errors_keeps_the_likelihood(size: tuple[int, int]) ->
     assert np.isnan(quick.standard_errors["side"])
 
 
+@pytest.mark.parametrize("every", [2, 3, 20])
+def test_starting_where_a_part_of_the_answers_leads_ends_at_the_same_maximum(
+    monkeypatch: pytest.MonkeyPatch, every: int
+) -> None:
+    made = made_answers(60, 40)
+    usual = fitted(made)
+    monkeypatch.setattr("analysis.stats.ordinal.maximum.MANY", 0)
+    monkeypatch.setattr("analysis.stats.ordinal.maximum.EVERY", every)
+
+    result = fitted(made)
+
+    assert result.converged
+    assert result.log_likelihood == pytest.approx(usual.log_likelihood, abs=1e-6)
+    assert result.estimates == pytest.approx(usual.estimates, abs=1e-4)
+    assert result.standard_errors == pytest.approx(usual.standard_errors, abs=1e-4)
+
+
 def test_a_variance_at_its_boundary_is_reported() -> None:
     made = made_answers()
     # Two items with identical answers differ less than by chance.
