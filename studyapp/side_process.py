@@ -74,10 +74,10 @@ def available_processors() -> int:
     return min(os.cpu_count() or 1, MOST_PROCESSES)
 
 
-def keep_what_is_imported() -> None:
-    """Let this process look through what it imports for garbage seldom, and not when it ends.
+def collect_garbage_seldom() -> None:
+    """Let this process collect garbage seldom, and not when it ends.
 
-    That would take up to a third of the time of a short command.
+    What it imports stays: looking through it takes up to a third of the time of a short command.
     """
     gc.set_threshold(10_000)
     atexit.register(gc.freeze)
@@ -90,6 +90,6 @@ def give_way(processor_seconds: int) -> None:
 
 
 if __name__ == "__main__":
-    keep_what_is_imported()
+    collect_garbage_seldom()
     del sys.argv[0]
     runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)

@@ -11,7 +11,7 @@ from typing import Any, Final
 import click
 
 from motion.errors import InputError
-from studyapp.side_process import keep_what_is_imported
+from studyapp.side_process import collect_garbage_seldom
 
 _COMMANDS: Final = {
     "backup": ("backup", "Back up a study into one file, or check a backup."),
@@ -134,7 +134,7 @@ def group(debug: bool) -> None:
 
 def main() -> None:
     """Run the command line; an interruption says how to continue."""
-    keep_what_is_imported()
+    collect_garbage_seldom()
     # Ended like this, a command stops what it has started, as it does at Ctrl-C.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
