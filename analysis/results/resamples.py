@@ -150,6 +150,7 @@ def resample_preferences(tallies: Tallies, *, resamples: int, seed: int) -> Resa
     """
     chance = np.random.default_rng(seed)
     sums, counts = tallies.cells
+    tables = [_fastest(table) for table in (tallies.sums, tallies.counts)]
     scores, drawn_segments = [], []
     block = max(1, min(resamples, _BLOCK // max(counts.size, tallies.participants)))
     for start in range(0, resamples, block):
@@ -157,8 +158,7 @@ def resample_preferences(tallies: Tallies, *, resamples: int, seed: int) -> Resa
         participants = bootstrap_counts(chance, size, tallies.participants)
         segments = bootstrap_counts(chance, size, len(tallies.segments))
         resampled = [
-            _resampled_sums(table, participants, segments, counts.shape)
-            for table in (tallies.sums, tallies.counts)
+            _resampled_sums(table, participants, segments, counts.shape) for table in tables
         ]
         scores.append(_scores(tallies, *resampled))
         drawn_segments.append(segments)
@@ -169,14 +169,20 @@ def resample_preferences(tallies: Tallies, *, resamples: int, seed: int) -> Resa
     )
 
 
+def _fastest(table: sparse.csr_array) -> Floats | sparse.csr_array:
+    """Return `table` without indices if it is hardly sparse: then its products are faster."""
+    is_full = table.nnz > FULL * table.shape[0] * table.shape[1]
+    return np.asarray(table.toarray(), np.float64) if is_full else table
+
+
 def _resampled_sums(
-    table: sparse.csr_array, participants: Floats, segments: Floats, shape: tuple[int, ...]
+    table: Floats | sparse.csr_array,
+    participants: Floats,
+    segments: Floats,
+    shape: tuple[int, ...],
 ) -> Floats:
     """Return the sum of each group over drawn participants and segments, shape (B, G)."""
-    # A product with a table that is hardly sparse is faster without its indices.
-    is_full = table.nnz > FULL * table.shape[0] * table.shape[1]
-    sums = participants @ table.toarray() if is_full else (table.T @ participants.T).T
-    by_cell = np.asarray(sums, np.float64).reshape(-1, *shape)
+    by_cell = np.asarray(participants @ table, np.float64).reshape(-1, *shape)
     return np.asarray(np.einsum("bgi,bi->bg", by_cell, segments))
 
 
