@@ -14,6 +14,7 @@ from flask import Response, abort, redirect, request, send_file, url_for
 from flask.typing import ResponseReturnValue
 from pydantic import BaseModel, ConfigDict, ValidationError
 from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from motion.endings import VIDEO_ENDING
 from motion.errors import InputError
@@ -308,25 +309,24 @@ def _removing(
     """Log the removal of `what`; refuse it unconfirmed, during a job, and from participants."""
     if "sure" not in request.form:
         raise InputError("nothing was removed", remedy="Tick the box to remove it for good")
-    if any(
-        segment in (shown.segment, shown.speech) and condition in (None, shown.condition)
-        for shown in _shown_stimuli(study)
-    ):
-        raise InputError(
-            "people have taken part, and what they see cannot be removed",
-            remedy="Make another study without it",
-        )
     with no_other_job(study.folder.jobs), study.database.writing() as session:
+        if any(
+            segment in (shown.segment, shown.speech) and condition in (None, shown.condition)
+            for shown in _shown_stimuli(study, session)
+        ):
+            raise InputError(
+                "people have taken part, and what they see cannot be removed",
+                remedy="Make another study without it",
+            )
         yield
         study.log(session, Event.MATERIAL_REMOVED, what)
 
 
-def _shown_stimuli(study: OpenedStudy) -> list[Stimulus]:
+def _shown_stimuli(study: OpenedStudy, session: Session) -> list[Stimulus]:
     """Return what participants see or will see; nothing before the first of them."""
     columns = (TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech)
-    with study.database.reading() as session:
-        rows = session.execute(select(*columns).distinct()).mappings()
-        shown = [Stimulus(**row) for row in rows]
+    rows = session.execute(select(*columns).distinct()).mappings()
+    shown = [Stimulus(**row) for row in rows]
     served = study.study.served()
     return [*shown, *chain(*served.videos)] if shown and served else shown
 
