@@ -33,9 +33,10 @@ def check_name(name: str, kind: str, where: object = "") -> str:
     """Return `name` if it is safe as a file name in a study folder, else raise `InputError`."""
     if not _NAME.fullmatch(name):
         raise InputError(
-            f"{name!r} is not a usable {kind} name",
+            f"{name[:200]!r} is not a usable {kind} name",
             where=where,
-            remedy="Use letters, digits, '_', '-' and '.', starting with a letter or digit",
+            remedy="Use up to 100 letters, digits, '_', '-' and '.', starting with a letter or "
+            "digit",
         )
     return name
 

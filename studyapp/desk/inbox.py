@@ -36,10 +36,7 @@ from studyapp.researchers.account import Right
 from studyapp.study.folder import IMPORTABLE_ENDINGS, StudyFolder
 from studyapp.web.research.pages import Page
 
-NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.@-]{0,149}")
-"""As segments are named; a video names two with @ between them."""
-
-PARTIAL: Final = re.compile(rf"\.(?P<name>{NAME.pattern})\.(?P<size>\d+)\.(?P<changed>\d+)\.part")
+PARTIAL: Final = re.compile(r"\.(?P<name>.+)\.(?P<size>\d+)\.(?P<changed>\d+)\.part")
 
 LARGEST_PIECE: Final = 1024 * 1024
 """Bytes that one request to the desk may bring; a study's pages take less."""
@@ -212,13 +209,11 @@ class Inbox:
 
     def _paths(self, upload: Upload) -> tuple[Path, Path]:
         """Return where a file lies when it is complete, and until then."""
-        if NAME.fullmatch(upload.name) is None:
-            raise InputError(
-                f"a file cannot be called {upload.name[:200]!r} here",
-                remedy="Use A to Z, a to z, digits and . _ - for its name, beginning with a letter "
-                "or digit, at most 150 of them",
-            )
-        if Path(upload.name).suffix.lower() not in IMPORTABLE_ENDINGS:
+        suffix = Path(upload.name).suffix
+        # A video with another segment's speech names both with @ between them.
+        for name in upload.name.removesuffix(suffix).split("@", 1):
+            check_name(name, "file")
+        if suffix.lower() not in IMPORTABLE_ENDINGS:
             raise InputError(
                 f"the file {upload.name} is neither speech, motion nor a video that can be "
                 "brought in",

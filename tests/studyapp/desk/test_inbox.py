@@ -114,9 +114,17 @@ def test_a_chunk_sent_twice_at_once_is_stored_once(
 @pytest.mark.parametrize(
     ("field", "values", "message"),
     [
-        ("name", ("../take.wav", ".hidden.wav", "a\\b.wav", "a\0.wav", "b" * 200), "be called"),
+        (
+            "name",
+            ("../take.wav", ".hidden.wav", "a\\b.wav", "a\0.wav", ""),
+            "not a usable file name",
+        ),
         # Importing would refuse them as names of segments.
-        ("name", ("take 1.wav", "take(1).wav", "_take.wav"), "be called"),
+        (
+            "name",
+            ("take 1.wav", "_take.wav", f"{'b' * 101}.wav", "a@b@c.mp4"),
+            "a usable file name",
+        ),
         ("name", ("run.py", "take.pkl", "take.wav.exe"), "neither speech, motion nor a video"),
         ("condition", ("..", "../../elsewhere", "/etc"), "not a usable condition name"),
         ("size", (0,), "is empty"),
@@ -132,6 +140,16 @@ def test_files_that_can_never_be_imported_are_refused_at_once(
         with pytest.raises(InputError, match=message):
             inbox.append(upload(**{field: value}), 0, b"x")
     assert files(folder) == []
+
+
+def test_a_video_may_name_two_segments_of_the_longest_names(
+    inbox: Inbox, folder: StudyFolder
+) -> None:
+    name = f"{'a' * 100}@{'b' * 100}.mp4"
+    assert inbox.append(upload(name=name), 0, CONTENT[:10]) == 10
+    assert [(file.name, file.received) for file in inbox.files()] == [(name, 10)]
+    assert inbox.append(upload(name=name), 10, CONTENT[10:]) == len(CONTENT)
+    assert files(folder) == [f"inbox/{name}"]
 
 
 def test_a_file_must_be_removed_before_another_takes_its_name(
@@ -186,7 +204,7 @@ def test_refusals_give_a_reason_or_where_to_go_on(ada: ResearchBrowser) -> None:
     assert ada.client.get(UPLOADS, query_string=asked).get_json() == {"offset": 5}
     status, answer = send_piece(ada, b"x", offset=0, size=1, name="../study.toml")
     assert status == 422
-    assert "cannot be called" in str(answer["problem"])
+    assert "not a usable file name" in str(answer["problem"])
     assert send_piece(ada, b"x", offset=0, size=10**11)[0] == 422
     assert ada.client.get(UPLOADS, query_string={**WHAT, "size": "0"}).status_code == 422
     assert ada.client.get(UPLOADS, query_string={"name": "a.wav"}).status_code == 400
