@@ -144,9 +144,9 @@ def render_study_file(options: StudyOptions, *, where: object) -> str:
     text = render_template(template, **variables)
     if options.language != TEMPLATE_LANGUAGE:
         text = _translated(text, read_template(template, options.language), options)
-    text = _with_wording(text, options)
     remedy = "Nothing was written: give other values"
     try:
+        text = _with_wording(text, options)
         # Lines of a file that nobody sees say nothing.
         parse_study(tomllib.loads(text), where=where)
     except tomllib.TOMLDecodeError:
@@ -196,21 +196,26 @@ def _multiline_array(items: list[Any]) -> tomlkit.items.Array:
 
 def _with_wording(text: str, options: StudyOptions) -> str:
     """Return a study file with the question texts, the avatar and the framing of `options`."""
+    study = tomllib.loads(text)
+    texts = {
+        question["name"]: options.wording.get(question["name"], question["text"])
+        for question in study["questions"]
+    }
+    framing = options.framing
+    if framing is None and "face" not in study.get("freeze", ()):
+        framing = "face" if all(map(is_about_face, texts.values())) else None
+    if not (options.wording or options.avatar or framing):
+        # Preserving comments takes ten times as long as all the rest.
+        return text
     document: Any = tomlkit.parse(text)
     for question in document["questions"]:
-        if (words := options.wording.get(question["name"])) is not None:
-            question["text"] = words
+        if question["name"] in options.wording:
+            question["text"] = options.wording[question["name"]]
     if options.avatar is not None:
         document["video"]["avatar"] = options.avatar
-    framing = options.framing or ("face" if _is_about_faces_alone(document) else None)
     if framing is not None:
         document["video"]["framing"] = framing
     return tomlkit.dumps(document)
-
-
-def _is_about_faces_alone(document: Mapping[str, Any]) -> bool:
-    texts = [str(question["text"]) for question in document["questions"]]
-    return "face" not in document.get("freeze", ()) and all(map(is_about_face, texts))
 
 
 def _template_variables(options: StudyOptions) -> dict[str, Any]:
