@@ -44,11 +44,11 @@ serve: setup  ## Serve a study (STUDY=demo-study) to take part in it yourself.
 
 # The tests start Python hundreds of times; what is compiled is kept even where the environment says otherwise.
 test: export PYTHONDONTWRITEBYTECODE =
-# Four processes run tests on two cores, since browsers and servers often wait; more threads would only wait for each other.
+# Five processes run tests on two cores, since browsers and servers often wait; more threads would only wait for each other.
 test: export OMP_NUM_THREADS = 1
 test: export OPENBLAS_NUM_THREADS = 1
 test: setup-browser setup-engines setup-database setup-proxies  ## Run all tests, including those in real browsers.
-	$(BIN)/pytest -n 4 --dist loadfile --no-loadscope-reorder --max-worker-restart 0
+	$(BIN)/pytest -n 5 --dist loadfile --no-loadscope-reorder --max-worker-restart 0
 
 check: $(VENV)/.developed  ## Check format, lint, types and layers.
 	$(BIN)/ruff format --check .
