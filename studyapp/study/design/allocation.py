@@ -138,7 +138,7 @@ def _count_taken(available: Mapping[str, int], before: Sequence[int]) -> Mapping
 
 def shuffled(items: Sequence[T], chance: np.random.Generator) -> list[T]:
     """Return `items` in random order."""
-    return [items[index] for index in chance.permutation(len(items))]
+    return [items[index] for index in chance.permutation(len(items)).tolist()]
 
 
 def draw_segments(
