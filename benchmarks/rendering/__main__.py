@@ -54,7 +54,7 @@ _LABELS: Final = {
     "x264": "x264 and AAC alone, one clip",
     "x264 pair": "x264 and AAC alone, one pair",
     "plain loop": "pair by a plain pyrender loop",
-    "mended loop": "the same, shader cache mended",
+    "patched loop": "the same, shader cache patched",
 }
 
 
@@ -207,7 +207,7 @@ def _print(
         "clip_fps": rate["clip"],
         "pair_fps": median(pairs),
         "plain_loop_fps": rate["plain loop"],
-        "mended_loop_fps": rate["mended loop"],
+        "patched_loop_fps": rate["patched loop"],
         "x264_fps": rate["x264"],
         "pair_over_plain_loop": median(
             mine["pair"] / loop.rate

@@ -42,7 +42,7 @@ def write_posed_mesh(path: Path, body: BodyModel, camera: Camera, look: Look, fr
 def peers(posed_mesh: Path) -> dict[str, Callable[[], Measured]]:
     """Return the plain loop, with pyrender as released and with its cache repaired."""
     plain = [sys.executable, "-m", "benchmarks.rendering.stock_loop", str(posed_mesh)]
-    commands = {"plain loop": plain, "mended loop": [*plain, "--mended"]}
+    commands = {"plain loop": plain, "patched loop": [*plain, "--patched"]}
     return {name: partial(_run, command) for name, command in commands.items()}
 
 

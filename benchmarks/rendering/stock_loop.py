@@ -1,8 +1,8 @@
 """A pair of clips drawn with pyrender as research code uses it, in its own process.
 
-``python -m benchmarks.rendering.stock_loop FILE [--mended]`` draws both sides, each frame with a
+``python -m benchmarks.rendering.stock_loop FILE [--patched]`` draws both sides, each frame with a
 new mesh in a new scene and pyrender's own renderer, collects all pictures, then encodes them side
-by side. ``--mended`` repairs pyrender's shader cache; other fixes, without which it does not start
+by side. ``--patched`` repairs pyrender's shader cache; other fixes, without which it does not start
 here, are always in place. Skinning is not counted. Prints one line of JSON.
 """
 
@@ -28,8 +28,8 @@ from renderer.opengl import PLATFORM, pyrender
 def main() -> None:
     """Measure, and print ``frames``, ``seconds``, ``busy`` (processor) and ``peak_mb``."""
     file = Path(sys.argv[1])
-    if "--mended" not in sys.argv:
-        _undo_shader_cache_mend()
+    if "--patched" not in sys.argv:
+        _undo_shader_cache_patch()
     with np.load(file) as arrays:
         vertices, faces, colours = arrays["vertices"], arrays["faces"], arrays["colours"]
         pose, angle = arrays["camera"], float(arrays["field_of_view"])
@@ -61,7 +61,7 @@ class _FreshPointer(ctypes.c_void_p):
     __hash__ = object.__hash__
 
 
-def _undo_shader_cache_mend() -> None:
+def _undo_shader_cache_patch() -> None:
     """Return a new object for the current context at every call, so that no cache ever hits."""
     if PLATFORM == "osmesa":
         platform = importlib.import_module("OpenGL.platform")

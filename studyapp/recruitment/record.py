@@ -94,7 +94,7 @@ def draw_codes(folder: StudyFolder, *, again: bool = False) -> list[str]:
         document = tomlkit.parse(text)
     except TOMLKitError as error:
         raise InputError(
-            f"not valid TOML: {error}", where=folder.definition, remedy="Mend that line"
+            f"not valid TOML: {error}", where=folder.definition, remedy="Correct that line"
         ) from None
     written = _prolific(document)
     drawn = {key: draw_code() for key in KEYS if again or not written.get(key)}

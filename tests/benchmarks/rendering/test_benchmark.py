@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 NAMES = [
-    "clip_fps", "pair_fps", "plain_loop_fps", "mended_loop_fps", "x264_fps",
+    "clip_fps", "pair_fps", "plain_loop_fps", "patched_loop_fps", "x264_fps",
     "pair_over_plain_loop", "compose_over_x264", "peak_mb",
 ]  # fmt: skip
 

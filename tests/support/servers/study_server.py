@@ -94,7 +94,7 @@ class StudyServer:
             time.sleep(PAUSE)
         self.stop()
         last = self.log.read_text(encoding="utf-8", errors="replace")[-2000:]
-        raise InputError(f"the server does not start: {last}", where=HOST, remedy="Mend that")
+        raise InputError(f"the server does not start: {last}", where=HOST, remedy="Fix that")
 
     def stop(self) -> None:
         """End the server with all its processes, gently."""

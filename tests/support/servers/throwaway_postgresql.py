@@ -194,7 +194,7 @@ class ThrowawayPostgresql:
         return InputError(
             f"PostgreSQL does not start: {output[-2000:].strip()}",
             where=str(self.folder),
-            remedy="Read what PostgreSQL says, and mend that",
+            remedy="Read what PostgreSQL says, and fix that",
         )
 
 
