@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import signal
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from errno import EDQUOT, ENOSPC
 from importlib import import_module, metadata
 from typing import Any, Final
@@ -132,13 +135,34 @@ def group(debug: bool) -> None:
     """Find out which generated motion people prefer, and whether the metrics agree."""
 
 
+@contextmanager
+def _every_interruption() -> Iterator[None]:
+    """Interrupt again where Python only prints the exception, as in a weak reference's callback."""
+    print_exception, thread = sys.unraisablehook, threading.get_ident()
+
+    def interrupt_again(unraisable: sys.UnraisableHookArgs) -> None:
+        if unraisable.exc_type is KeyboardInterrupt:
+            again = threading.Timer(0.1, signal.pthread_kill, (thread, signal.SIGINT))
+            again.daemon = True
+            again.start()
+        else:
+            print_exception(unraisable)
+
+    sys.unraisablehook = interrupt_again
+    try:
+        yield
+    finally:
+        sys.unraisablehook = print_exception
+
+
 def main() -> None:
     """Run the command line; an interruption says how to continue."""
     collect_garbage_seldom()
     # Ended like this, a command stops what it has started, as it does at Ctrl-C.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        group(standalone_mode=False, prog_name="motionjury")
+        with _every_interruption():
+            group(standalone_mode=False, prog_name="motionjury")
     except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)

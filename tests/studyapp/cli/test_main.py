@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -136,6 +137,23 @@ def test_an_interrupted_command_says_how_to_resume(
         main()
     assert exit_.value.code == 130
     assert "Run the same command again" in capsys.readouterr().err
+
+
+def test_an_interruption_where_python_only_prints_it_is_repeated(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Finalized:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+
+    def interrupted(**_: object) -> None:
+        Finalized()
+        time.sleep(20)
+
+    monkeypatch.setattr(front, "group", interrupted)
+    with pytest.raises(SystemExit) as exit_:
+        main()
+    assert exit_.value.code == 130
 
 
 WITHOUT_MOTION = """
