@@ -9,7 +9,7 @@ from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse, stats
+from scipy import sparse, special
 
 from motion.arrays import Floats, Indices
 
@@ -304,14 +304,15 @@ def with_interval(
     """
     variance = clustered_variance(influences, clusters.participants, clusters.segments, weights)
     error, df = math.sqrt(variance.variance), float(variance.df)
-    law = stats.t(df)
-    margin = float(law.ppf((1 + LEVEL) / 2)) * error
+    # The t distribution's quantile and lower tail, as in `scipy.stats.t`, which takes 200 times as
+    # long for one number.
+    margin = float(special.stdtrit(df, (1 + LEVEL) / 2)) * error
     return replace(
         estimate,
         standard_error=error,
         low=estimate.estimate - margin,
         high=estimate.estimate + margin,
-        p_value=float(2 * law.sf(abs(estimate.estimate - null) / error)),
+        p_value=float(2 * special.stdtr(df, -abs(estimate.estimate - null) / error)),
         df=df,
         method=str(variance.method),
     )
