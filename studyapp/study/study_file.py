@@ -204,7 +204,7 @@ def _with_wording(text: str, options: StudyOptions) -> str:
     framing = options.framing
     if framing is None and "face" not in study.get("freeze", ()):
         framing = "face" if all(map(is_about_face, texts.values())) else None
-    if not (options.wording or options.avatar or framing):
+    if not options.wording and options.avatar is None and framing is None:
         # Preserving comments takes ten times as long as all the rest.
         return text
     document: Any = tomlkit.parse(text)
