@@ -13,12 +13,11 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
 from analysis.planning.part import Part
 from analysis.results.mixed_models import SidedAnswers, net_preference
 from analysis.results.preference import FEWEST
-from analysis.stats.clustered_mean import Clusters, clustered_variance
+from analysis.stats.clustered_mean import Clusters, clustered_variance, t_p_value
 from analysis.stats.multiple_testing import holm_rows
 from analysis.stats.strength_differences import difference_tests
 from analysis.stats.strength_models import plackett_luce
@@ -164,9 +163,9 @@ def clustered_tests(values: Floats, participants: Indices, items: Indices) -> tu
     variance = clustered_variance(influences, clusters.participants, clusters.segments)
     with np.errstate(invalid="ignore", divide="ignore"):
         t = np.abs(means) / np.sqrt(variance.variance)
-    p_values = 2 * stats.t(variance.df).sf(t)
+    p_values = t_p_value(t, variance.df)
     p_values[np.ptp(values, axis=1) == 0] = np.nan
-    return means, np.asarray(p_values, np.float64)
+    return means, p_values
 
 
 def _savage_scores(ranks: Floats) -> Floats:

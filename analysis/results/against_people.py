@@ -9,7 +9,6 @@ from typing import Final
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 from threadpoolctl import threadpool_limits
 
 from analysis.answers.table import AnswerTable
@@ -32,7 +31,7 @@ from analysis.results.resamples import (
     resample_preferences,
     tally,
 )
-from analysis.stats.clustered_mean import LEVEL, Interval
+from analysis.stats.clustered_mean import Interval, t_quantile
 from analysis.stats.samples import percentile_interval
 from motion.arrays import Floats
 
@@ -335,6 +334,6 @@ def _interval(estimate: float, without_each: Floats) -> tuple[float, float, str]
         return math.nan, math.nan, "but for one segment, scores and answers lie on a line"
     z = np.arctanh(without_each)
     error = math.sqrt((count - 1) / count * float(np.square(z - z.mean()).sum()))
-    margin = float(stats.t(count - 1).ppf((1 + LEVEL) / 2)) * error
+    margin = float(t_quantile(count - 1)) * error
     centre = math.atanh(estimate)
     return math.tanh(centre - margin), math.tanh(centre + margin), ""

@@ -10,10 +10,9 @@ from typing import Any, Final, Literal
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
 from analysis.results.grouping import PairKey, codes, shown_conditions
-from analysis.stats.clustered_mean import LEVEL, Estimate, Interval
+from analysis.stats.clustered_mean import Estimate, Interval, t_quantile
 from analysis.stats.f_tests import FTest
 from analysis.stats.one_sample_tests import sign_test
 from analysis.stats.samples import group_means
@@ -281,7 +280,7 @@ def _condition_strengths(fit: FittedStrengths, p_values: Floats) -> tuple[Condit
     if fit.two_way is not None:
         ranks = rank_intervals(fit.strengths, p_values)
         if not fit.unbeaten:
-            margins = stats.t(fit.two_way.freedoms).ppf((1 + LEVEL) / 2) * fit.two_way.errors
+            margins = t_quantile(fit.two_way.freedoms) * fit.two_way.errors
             columns = np.stack([margins, fit.two_way.errors, fit.errors], axis=1)
     return tuple(
         ConditionStrength(
@@ -318,7 +317,7 @@ def _tested(fit: FittedStrengths, a: int, b: int, p_value: float) -> dict[str, A
     if math.isnan(error):
         return {"reason": LEANS_ON_ONE}
     difference = float(fit.strengths[a] - fit.strengths[b])
-    margin = float(stats.t(freedom).ppf((1 + LEVEL) / 2) * error)
+    margin = float(t_quantile(freedom) * error)
     return {
         "low": difference - margin,
         "high": difference + margin,

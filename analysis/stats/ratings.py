@@ -15,9 +15,15 @@ from typing import Final
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy import stats
 
-from analysis.stats.clustered_mean import LEVEL, Clusters, Estimate, clustered_mean, with_interval
+from analysis.stats.clustered_mean import (
+    Clusters,
+    Estimate,
+    clustered_mean,
+    t_p_value,
+    t_quantile,
+    with_interval,
+)
 from analysis.stats.samples import finite
 from motion.arrays import Bools, Floats, Indices
 
@@ -170,14 +176,14 @@ def cliffs_delta(
     if not influences.any():
         return replace(delta, reason="all ratings alike")
     delta = with_interval(delta, influences, clusters, weights=sizes**-2)
-    law, z = stats.t(delta.df), math.atanh(estimate)
+    z = math.atanh(estimate)
     error = delta.standard_error / (1 - estimate**2)
-    margin = float(law.ppf((1 + LEVEL) / 2)) * error
+    margin = float(t_quantile(delta.df)) * error
     return replace(
         delta,
         low=math.tanh(z - margin),
         high=math.tanh(z + margin),
-        p_value=float(2 * law.sf(abs(z) / error)),
+        p_value=float(t_p_value(z / error, delta.df)),
     )
 
 

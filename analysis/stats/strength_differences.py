@@ -17,6 +17,7 @@ from analysis.stats.clustered_mean import (
     ClusteredVariance,
     larger_variance,
     one_way,
+    t_p_value,
 )
 from analysis.stats.f_tests import FTest
 from motion.arrays import Floats, Indices
@@ -159,7 +160,7 @@ def difference_tests(strengths: Floats, errors: TwoWayErrors) -> Floats:
     """Return the two-sided p for each pair of strengths being equal, shape (K, K)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         t = np.abs(strengths[:, None] - strengths) / errors.differences
-    return np.asarray(2 * stats.t(errors.difference_freedoms).sf(t), np.float64)
+    return t_p_value(t, errors.difference_freedoms)
 
 
 def omnibus(strengths: Floats, errors: TwoWayErrors) -> FTest:
