@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import fcntl
 import hashlib
 import json
@@ -10,11 +9,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 import pyarrow
-from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from motion.arrays import Floats32
 from motion.errors import InputError
@@ -41,7 +38,8 @@ class PreparedTakes:
     skipped : tuple of InputError
         Why takes could not be used; those of the folder come first.
     sha256 : str
-        Hash of the takes' names, splits, speakers, emotions and features.
+        Hash of the takes' names, splits, speakers and emotions, of their files and of the features'
+        versions.
     """
 
     takes: tuple[Take, ...]
@@ -80,8 +78,8 @@ def prepare(
     """Compute features of all takes, or read them from the cache.
 
     A cached feature was computed by the same version of the feature from files of the same content.
-    The call may be interrupted and repeated. Several processes may call it at once; they share the
-    work. Everything in `cache` may be removed between calls.
+    The call may be interrupted and repeated. Several processes may call it at once; each feature is
+    computed by one of them. Everything in `cache` may be removed between calls.
 
     Parameters
     ----------
@@ -90,7 +88,7 @@ def prepare(
     features : sequence of Feature
         At least one feature; names must differ.
     cache : Path
-        Folder of the cache, with a folder for each take and a ``.npy`` for each feature.
+        Folder of the cache, with a folder for each take and a file for each feature.
     frame_rate : float
         Frames per second of all features.
     show : callable, optional
@@ -107,87 +105,87 @@ def prepare(
     InputError
         If no take can be used, or the cache cannot be written.
     """
-    arrays: dict[str, dict[str, _CachedArray]] = {}
-    errors: dict[str, InputError] = {}
+    usable: list[Take] = []
+    arrays: dict[str, list[Floats32]] = {feature.name: [] for feature in features}
+    facts: list[object] = [frame_rate]
+    skipped = [*takes.skipped]
     try:
-        for take in _locked_takes(takes.takes, cache):
+        for number, take in enumerate(takes.takes, start=1):
             try:
-                arrays[take.name] = _cached_features(take, features, frame_rate, cache / take.name)
+                with _locked(cache / take.name) as folder:
+                    paths = _feature_paths(take, features, frame_rate, folder)
+                    values = _cached_features(take, features, frame_rate, paths)
             except InputError as error:
-                errors[take.name] = _with_take_name(take, error)
+                skipped.append(_with_take_name(take, error))
+            else:
+                usable.append(take)
+                facts.append([take.name, take.split, take.speaker, take.emotion])
+                facts += [path.name for path in paths]
+                for feature, of_take in zip(features, values, strict=True):
+                    arrays[feature.name].append(of_take)
             if show:
-                show(len(arrays) + len(errors), len(takes.takes), take.name)
+                show(number, len(takes.takes), take.name)
     except OSError as error:
         raise InputError(
             f"features cannot be stored ({error.strerror or error})",
             where=cache,
             remedy="Free space there, or name another folder for them",
         ) from error
-    skipped = (*takes.skipped, *(errors[name] for name in sorted(errors)))
-    if not arrays:
+    if not usable:
         raise InputError(
             f"none of the {len(takes.takes)} takes can be used"
             + (f"; the first: {skipped[0]}" if skipped else ""),
             where=cache,
             remedy="Repair the takes, or name another folder of recordings",
         )
-    usable = tuple(take for take in takes.takes if take.name in arrays)
-    return _trimmed(usable, arrays, [feature.name for feature in features], frame_rate, skipped)
-
-
-def _locked_takes(takes: tuple[Take, ...], cache: Path) -> Iterator[Take]:
-    """Yield each take under a lock; takes locked by another process come last."""
-    busy: list[Take] = []
-    for take in takes:
-        with _take_lock(cache / take.name, wait=False) as locked:
-            if locked:
-                yield take
-            else:
-                busy.append(take)
-    for take in busy:
-        with _take_lock(cache / take.name, wait=True):
-            yield take
+    return PreparedTakes(
+        takes=tuple(usable),
+        arrays={name: tuple(values) for name, values in arrays.items()},
+        frame_rate=frame_rate,
+        skipped=tuple(skipped),
+        sha256=_content_sha256(facts),
+    )
 
 
 @contextmanager
-def _take_lock(folder: Path, *, wait: bool) -> Iterator[bool]:
-    """Hold the lock of a take; yield whether it was acquired."""
+def _locked(folder: Path) -> Iterator[Path]:
+    """Hold the lock of a take's folder, which is made if it is missing."""
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / "lock").open("a") as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-        except BlockingIOError:
-            yield False
-        else:
-            yield True
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield folder
 
 
-def _cached_features(
+def _feature_paths(
     take: Take, features: Sequence[Feature], frame_rate: float, folder: Path
-) -> dict[str, _CachedArray]:
-    """Return the features of a take; compute those that are not in `folder` yet."""
+) -> list[Path]:
+    """Return the files of a take's features; their names have a hash of all that they depend on."""
     files = _hashes_of(take.files, folder / "files.json")
     optional = ("face", "semantic", "transcript")
     roles = [role for role in optional if getattr(take, role) is not None]
-    cached: dict[str, _CachedArray] = {}
-    for feature in features:
-        key = _content_sha256(
-            [json.dumps([files, roles, feature.name, feature.version, frame_rate])]
-        )
-        cached[feature.name] = _cached(take, feature, folder / f"{feature.name}-{key[:32]}.npy")
+    keys = [
+        _content_sha256([files, roles, feature.name, feature.version, frame_rate])
+        for feature in features
+    ]
+    return [
+        folder / f"{feature.name}-{key[:32]}.tensor"
+        for feature, key in zip(features, keys, strict=True)
+    ]
+
+
+def _cached_features(
+    take: Take, features: Sequence[Feature], frame_rate: float, paths: Sequence[Path]
+) -> list[Floats32]:
+    """Return the features of a take, of equal length; compute those that have no file yet."""
+    arrays: list[Floats32] = []
+    for feature, path in zip(features, paths, strict=True):
+        if not path.exists():
+            _write_array(path, _compute(take, feature))
+        arrays.append(_map_array(path))
         # As early as possible: the next feature may take long to compute.
-        _check_lengths(take, cached, frame_rate)
-    return cached
-
-
-def _cached(take: Take, feature: Feature, path: Path) -> _CachedArray:
-    cached = _open_array(path)
-    if cached is None:
-        _write_array(path, _compute(take, feature))
-        cached = _open_array(path)
-    if cached is None:
-        raise OSError(errno.EIO, "the written file cannot be read", str(path))
-    return cached
+        _check_lengths(take, features, arrays, frame_rate)
+    frames = min(map(len, arrays))
+    return [values[:frames] for values in arrays]
 
 
 def _compute(take: Take, feature: Feature) -> Floats32:
@@ -206,14 +204,18 @@ def _compute(take: Take, feature: Feature) -> Floats32:
     return values
 
 
-def _check_lengths(take: Take, cached: Mapping[str, _CachedArray], frame_rate: float) -> None:
+def _check_lengths(
+    take: Take, features: Sequence[Feature], arrays: Sequence[Floats32], frame_rate: float
+) -> None:
     """Raise if the features of a take differ too much in length."""
-    seconds = {name: len(array.values) / frame_rate for name, array in cached.items()}
-    shortest = min(seconds, key=lambda name: seconds[name])
-    longest = max(seconds, key=lambda name: seconds[name])
-    if seconds[longest] - seconds[shortest] > LONGEST_DIFFERENCE:
+    lengths = [
+        (len(values) / frame_rate, feature.name)
+        for values, feature in zip(arrays, features, strict=False)
+    ]
+    (shortest, shorter), (longest, longer) = min(lengths), max(lengths)
+    if longest - shortest > LONGEST_DIFFERENCE:
         raise InputError(
-            f"{longest} lasts {seconds[longest]:.2f} s and {shortest} {seconds[shortest]:.2f} s, "
+            f"{longer} lasts {longest:.2f} s and {shorter} {shortest:.2f} s, "
             f"more than {LONGEST_DIFFERENCE:g} s apart",
             where=take.motion,
             remedy="Give sound and motion of the same recording, from the same moment on",
@@ -227,113 +229,33 @@ def _with_take_name(take: Take, error: InputError) -> InputError:
     )
 
 
-def _trimmed(
-    takes: tuple[Take, ...],
-    cached: Mapping[str, Mapping[str, _CachedArray]],
-    names: list[str],
-    frame_rate: float,
-    skipped: tuple[InputError, ...],
-) -> PreparedTakes:
-    """Return the takes with their features cut to the same length."""
-    arrays: dict[str, list[Floats32]] = {name: [] for name in names}
-    facts = [f"{frame_rate!r}"]
-    for take in takes:
-        features = cached[take.name]
-        frames = min(len(array.values) for array in features.values())
-        facts.append(json.dumps([take.name, take.split, take.speaker, take.emotion, frames]))
-        for name in names:
-            arrays[name].append(features[name].values[:frames])
-            facts.append(f"{name} {features[name].sha256}")
-    return PreparedTakes(
-        takes=takes,
-        arrays={name: tuple(values) for name, values in arrays.items()},
-        frame_rate=frame_rate,
-        skipped=skipped,
-        sha256=_content_sha256(facts),
-    )
-
-
-class _FileState(BaseModel, frozen=True):
-    """The hash of a file; its size and times show whether it is still valid.
+def _hashes_of(files: tuple[Path, ...], memory: Path) -> list[str]:
+    """Return the SHA-256 of each of `files`; those of unchanged files are read from `memory`.
 
     A copy or an edit can keep the modification time (mtime), but not the change time (ctime).
     """
-
-    size: int
-    mtime_ns: int
-    ctime_ns: int = 0
-    sha256: str
-
-
-_STATES: Final = TypeAdapter(dict[str, _FileState])
-
-
-def _state_of(path: Path, known: _FileState | None = None) -> _FileState:
-    """Return the state of `path`; it is read only if size or times differ from `known`."""
-    status = path.stat()
-    state = _FileState(
-        size=status.st_size,
-        mtime_ns=status.st_mtime_ns,
-        ctime_ns=status.st_ctime_ns,
-        sha256="" if known is None else known.sha256,
-    )
-    return state if state == known else state.model_copy(update={"sha256": sha256_of(path)})
-
-
-def _hashes_of(files: tuple[Path, ...], memory: Path) -> tuple[str, ...]:
-    """Return the SHA-256 of each of `files`.
-
-    The file `memory` has the hashes of earlier calls; it may be missing or damaged.
-    """
-    try:
-        known = _STATES.validate_json(memory.read_bytes())
-    except (OSError, ValidationError):
-        known = {}
-    states: dict[str, _FileState] = {}
+    known = json.loads(memory.read_text("utf-8")) if memory.exists() else {}
+    hashes: dict[str, str] = {}
     for path in files:
-        place = str(path.absolute())
         try:
-            states[place] = _state_of(path, known.get(place))
+            status = path.stat()
+            times = f"{status.st_mtime_ns} {status.st_ctime_ns}"
+            state = f"{path.absolute()} {status.st_size} {times}"
+            hashes[state] = known.get(state) or sha256_of(path)
         except OSError as error:
             raise InputError(
                 f"the file cannot be read ({error.strerror})",
                 where=path,
                 remedy="Check that it is there and may be read",
             ) from error
-    if states != known:
-        write_text(memory, _STATES.dump_json(states, indent=1).decode())
-    return tuple(states[str(path.absolute())].sha256 for path in files)
-
-
-@dataclass(frozen=True, eq=False)
-class _CachedArray:
-    """An array (frames, channels), memory-mapped and read-only, and the hash of its file."""
-
-    values: Floats32
-    sha256: str
+    if hashes != known:
+        write_text(memory, json.dumps(hashes, indent=1))
+    return list(hashes.values())
 
 
 def _write_array(path: Path, values: Floats32) -> None:
-    """Write `values` to `path` (``.npy``), and next to it a seal that proves it intact."""
-    with replacing(path) as draft:
-        np.save(draft, values, allow_pickle=False)
-    write_text(path.with_suffix(".json"), _state_of(path).model_dump_json())
-
-
-def _open_array(path: Path) -> _CachedArray | None:
-    """Return the array in `path`; None if it is missing or damaged."""
-    seal_path = path.with_suffix(".json")
-    try:
-        seal = _FileState.model_validate_json(seal_path.read_bytes())
-        state = _state_of(path, seal)
-        if state.sha256 != seal.sha256:
-            return None
-        if state != seal:
-            # A copy has the same content but another time. It need not be read again.
-            write_text(seal_path, state.model_dump_json())
-        return _CachedArray(_map_array(path), state.sha256)
-    except (OSError, ValidationError, ValueError):
-        return None
+    with replacing(path) as draft, pyarrow.OSFile(str(draft), "wb") as file:
+        pyarrow.ipc.write_tensor(pyarrow.Tensor.from_numpy(values), file)
 
 
 def _map_array(path: Path) -> Floats32:
@@ -341,20 +263,15 @@ def _map_array(path: Path) -> Floats32:
 
     numpy's own mapping keeps each file open, and a data set has more files than a process may open.
     """
-    with path.open("rb") as file:
-        version = np.lib.format.read_magic(file)
-        if version != (1, 0):
-            raise ValueError(f"version {version} of the file format")
-        shape, fortran_order, dtype = np.lib.format.read_array_header_1_0(file)
-        start = file.tell()
-    if fortran_order or dtype != np.float32 or len(shape) != 2:
-        raise ValueError("not an array that this module wrote")
-    with pyarrow.memory_map(str(path)) as mapped:
-        buffer = mapped.read_buffer()
-    values = np.frombuffer(buffer, dtype=np.float32, offset=start)
-    return values.reshape(shape)
+    try:
+        with pyarrow.memory_map(str(path)) as mapped:
+            values: Floats32 = pyarrow.ipc.read_tensor(mapped).to_numpy()
+            return values
+    except (OSError, ValueError) as error:
+        raise InputError(
+            "the cached feature cannot be read", where=path, remedy="Delete the file"
+        ) from error
 
 
-def _content_sha256(parts: list[str]) -> str:
-    """Return one hash of several texts in order."""
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+def _content_sha256(facts: Sequence[object]) -> str:
+    return hashlib.sha256(json.dumps(facts).encode()).hexdigest()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 from concurrent.futures import ThreadPoolExecutor
@@ -9,6 +10,7 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import numpy as np
+import pyarrow
 import pytest
 
 from motion.errors import InputError
@@ -70,9 +72,9 @@ def test_no_usable_take_and_an_unwritable_cache_are_errors(
     feature, _ = counting("digit", digit)
     with pytest.raises(InputError, match=r"features cannot be stored \(Not a directory\)"):
         prepared(takes, tmp_path / "file", feature)
-    # NumPy's error of a full disk has no number.
-    monkeypatch.setattr(np, "save", Mock(side_effect=OSError("9 requested and 2 written")))
-    with pytest.raises(InputError, match=r"features cannot be stored \(9 requested and 2 written"):
+    full = Mock(side_effect=OSError(errno.ENOSPC, "No space left on device"))
+    monkeypatch.setattr(pyarrow.ipc, "write_tensor", full)
+    with pytest.raises(InputError, match=r"features cannot be stored \(No space left on device"):
         prepared(takes, tmp_path / "cache", feature)
 
 
@@ -101,28 +103,18 @@ def test_a_copied_data_set_or_cache_is_not_recomputed(takes: TakeFolder, tmp_pat
     first = prepared(takes, tmp_path / "cache", feature)
     os.utime(takes.takes[0].speech, (1, 1))
     shutil.copytree(tmp_path / "cache", tmp_path / "copy")
-    for path in (tmp_path / "copy").rglob("*.npy"):
-        os.utime(path, (2, 2))
-    moved = takes_in(tmp_path / "elsewhere")
-    for result in (takes, moved):
+    for result in (takes, takes_in(tmp_path / "elsewhere")):
         assert prepared(result, tmp_path / "copy", feature).sha256 == first.sha256
     assert len(asked) == 4
 
 
-def test_damaged_cache_files_are_recomputed(takes: TakeFolder, tmp_path: Path) -> None:
-    feature, asked = counting("digit", digit)
-    cache = tmp_path / "cache"
-    first = prepared(takes, cache, feature)
-    cut, flipped, unsealed, _ = sorted(cache.rglob("*.npy"))
+def test_a_cached_feature_that_was_cut_off_is_named(takes: TakeFolder, tmp_path: Path) -> None:
+    feature, _ = counting("digit", digit)
+    prepared(takes, tmp_path / "cache", feature)
+    cut = min((tmp_path / "cache").rglob("*.tensor"))
     cut.write_bytes(cut.read_bytes()[:100])
-    content = bytearray(flipped.read_bytes())
-    content[-3] ^= 1
-    flipped.write_bytes(content)
-    unsealed.with_suffix(".json").write_text("{")
-    (cache / "take03" / "files.json").write_bytes(b"\xff")
-    again = prepared(takes, cache, feature)
-    assert asked[4:] == ["take00", "take01", "take02"]
-    assert again.sha256 == first.sha256
+    (error,) = prepared(takes, tmp_path / "cache", feature).skipped
+    assert f"{cut}: take take00: the cached feature cannot be read. Delete the file" in str(error)
 
 
 def test_a_bad_take_is_named_and_skipped(takes: TakeFolder, tmp_path: Path) -> None:
