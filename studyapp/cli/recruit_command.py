@@ -53,14 +53,12 @@ def command(context: click.Context, folder: StudyFolder) -> None:
 
 
 @command.subcommand("codes")
-@click.option("--again", is_flag=True, help="Replace existing codes.")
-def codes(folder: StudyFolder, again: bool) -> None:
-    """Draw the study's three Prolific codes, and write them into study.toml."""
-    drawn = draw_codes(folder, again=again)
-    if drawn:
-        click.echo(f"Wrote codes into {folder.definition}: {', '.join(drawn)}")
-    else:
-        click.echo("The study already has all its codes; --again replaces them.")
+def codes(folder: StudyFolder) -> None:
+    """Draw three Prolific codes, for study.toml."""
+    drawn = draw_codes(folder)
+    click.echo(f"Write these into {folder.definition}, under [recruitment.prolific]:")
+    for key, code in drawn.items():
+        click.echo(f'{key} = "{code}"')
 
 
 @command.subcommand("create")

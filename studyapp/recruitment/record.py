@@ -5,19 +5,14 @@ The record of what was made there is kept beside the study, in ``recruitment.jso
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-import tomlkit
 from pydantic import BaseModel, ConfigDict, ValidationError
-from tomlkit.exceptions import TOMLKitError
 
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.reading import parse_text, read_text
 from studyapp.study.settings.recruitment import draw_code
 from studyapp.study.settings.study import Study
 
@@ -67,49 +62,16 @@ def write_record(root: Path, record: RecruitmentRecord) -> None:
 
 
 KEYS: Final = ("completed", "screened_out", "failed_attention")
-HEADING: Final = re.compile(r"^\[recruitment\.prolific\][^\n]*\n", re.MULTILINE)
 
 
-def draw_codes(folder: StudyFolder, *, again: bool = False) -> list[str]:
-    """Write missing codes into the study file, and change nothing else in it.
-
-    Parameters
-    ----------
-    again : bool
-        Whether to replace the codes that it has.
-
-    Returns
-    -------
-    list of str
-        Keys of the codes that were drawn.
+def draw_codes(folder: StudyFolder) -> dict[str, str]:
+    """Return new completion codes by their key in ``[recruitment.prolific]``.
 
     Raises
     ------
     InputError
-        If the study file is wrong in another way, or the study is on Prolific already, which
-        only knows the codes that it was made with.
+        If the study is on Prolific already, which only knows the codes that it was made with.
     """
-    text = read_text(folder.definition)
-    try:
-        document = tomlkit.parse(text)
-    except TOMLKitError as error:
-        raise InputError(
-            f"not valid TOML: {error}", where=folder.definition, remedy="Correct that line"
-        ) from None
-    written = _prolific(document)
-    drawn = {key: draw_code() for key in KEYS if again or not written.get(key)}
-    if drawn:
-        _require_unmade(folder)
-    missing = {key: code for key, code in drawn.items() if key not in written}
-    written.update({key: code for key, code in drawn.items() if key in written})
-    text = _added(tomlkit.dumps(document), missing)
-    parse_text(text, where=folder.definition)
-    if drawn:
-        write_text(folder.definition, text)
-    return list(drawn)
-
-
-def _require_unmade(folder: StudyFolder) -> None:
     prolific_study = read_record(folder.root).prolific_study
     if prolific_study is not None:
         raise InputError(
@@ -119,28 +81,7 @@ def _require_unmade(folder: StudyFolder) -> None:
             remedy="Keep the codes. For new ones, delete the draft on Prolific, remove its id from "
             "this file, draw them, and run 'motionjury recruit STUDY create' again",
         )
-
-
-def _prolific(document: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the table of Prolific's keys; an empty one if there is none."""
-    table: Any = document
-    for key in ("recruitment", "prolific"):
-        table = table.get(key, {}) if isinstance(table, dict) else {}
-    return table if isinstance(table, dict) else {}
-
-
-def _added(text: str, codes: Mapping[str, str]) -> str:
-    """Return `text` with more codes below the heading of their table, or with both at the end.
-
-    Written as text: tomlkit would put them after comments that belong to the next table.
-    """
-    if not codes:
-        return text
-    lines = "".join(f'{key} = "{code}"\n' for key, code in codes.items())
-    heading = HEADING.search(text)
-    if heading is None:
-        return f"{text.rstrip()}\n\n[recruitment.prolific]\n{lines}"
-    return text[: heading.end()] + lines + text[heading.end() :]
+    return {key: draw_code() for key in KEYS}
 
 
 def count_places(study: Study) -> int:

@@ -8,14 +8,13 @@ import hmac
 import json
 import os
 import secrets
-from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, Self
 
-from sqlalchemy import ColumnElement, Row, func, or_, select, true
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
@@ -24,8 +23,6 @@ from studyapp.database.tables import StudySession
 
 KEY_BYTES: Final = 32
 PSEUDONYM_BYTES: Final = 10
-PSEUDONYM_LENGTH: Final = 17
-REPEAT_SUFFIX: Final = "x"
 
 FOLDER: Final = "sub-"
 """Prefix of pseudonyms in folders for another lab."""
@@ -34,9 +31,6 @@ PREFIX: Final = "p"
 """A letter, so that no spreadsheet mistakes a pseudonym for a number."""
 
 OTHER_USERS: Final = 0o077
-
-Identified = StudySession | Row[int, str, str | None, str | None]
-"""A study session, or its `id`, `token`, `visit` and `recruiter_participant`."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +97,7 @@ class PseudonymKey:
             raise InputError("the key cannot be stored", where=path, remedy="Check the folder")
         return created
 
-    def pseudonym(self, participant: Identified) -> str:
+    def pseudonym(self, participant: StudySession) -> str:
         """Return the participant's pseudonym: ``p`` and sixteen letters and digits.
 
         It is the first 80 bits of an HMAC with SHA-256 (RFC 2104) of the recruiter's name for the
@@ -117,40 +111,23 @@ class PseudonymKey:
         digest = hmac.digest(self.secret, json.dumps(identity).encode(), hashlib.sha256)
         return PREFIX + base64.b32encode(digest[:PSEUDONYM_BYTES]).decode("ascii").lower()
 
-    def pseudonyms(self, study_sessions: Iterable[Identified]) -> dict[int, str]:
-        """Return a name for each study session, by its number.
+    def pseudonyms(self, study_sessions: Iterable[StudySession]) -> dict[int, str]:
+        """Return the pseudonym of each study session's participant, by its number."""
+        return {each.id: self.pseudonym(each) for each in study_sessions}
 
-        It is the participant's pseudonym, with ``x2`` and so on for further study sessions of the
-        same participant.
-        """
-        names: dict[int, str] = {}
-        times: Counter[str] = Counter()
-        for study_session in sorted(study_sessions, key=lambda each: each.id):
-            name = self.pseudonym(study_session)
-            times[name] += 1
-            again = "" if times[name] == 1 else f"{REPEAT_SUFFIX}{times[name]}"
-            names[study_session.id] = name + again
-        return names
-
-    def is_called(self, participant: Identified, name: str) -> bool:
-        """Tell whether `name`, from an export, is one of the participant's."""
-        pseudonym = name.removeprefix(FOLDER)[:PSEUDONYM_LENGTH]
+    def is_called(self, participant: StudySession, name: str) -> bool:
+        """Tell whether `name`, from an export, is the participant's."""
+        pseudonym = name.removeprefix(FOLDER)
         return hmac.compare_digest(self.pseudonym(participant).encode(), pseudonym.encode())
 
 
 def pseudonyms_of(
     database: Database, key: PseudonymKey, numbers: Collection[int]
 ) -> Mapping[int, str]:
-    """Return the names of the study sessions `numbers` in exports."""
-    chosen = StudySession.id.in_(numbers)
-    # The suffix of a repeated participant depends on their other study sessions.
-    names = select(StudySession.recruiter_participant).where(
-        chosen, StudySession.recruiter_participant.is_not(None)
-    )
-    together = or_(chosen, StudySession.recruiter_participant.in_(names))
+    """Return the pseudonyms of the participants of the study sessions `numbers`."""
     with database.reading() as session:
-        named = key.pseudonyms(_identities(session, together))
-    return {number: named[number] for number in numbers if number in named}
+        chosen = select(StudySession).where(StudySession.id.in_(numbers))
+        return key.pseudonyms(session.scalars(chosen))
 
 
 def find_number_by_name(session: Session, key: PseudonymKey | None, name: str) -> int | None:
@@ -166,7 +143,7 @@ def find_number_by_name(session: Session, key: PseudonymKey | None, name: str) -
     name = name.strip().removeprefix(FOLDER).lower()
     if name.isascii() and name.isdecimal():
         return _existing_number(session, name)
-    named = {} if key is None else key.pseudonyms(_identities(session, true()))
+    named = {} if key is None else key.pseudonyms(session.scalars(select(StudySession)))
     return next((number for number, pseudonym in named.items() if pseudonym == name), None)
 
 
@@ -182,15 +159,6 @@ def find_number_by_recruiter(session: Session, name: str) -> int | None:
             func.lower(StudySession.recruiter_participant) == fold_name(name)
         )
     )
-
-
-def _identities(
-    session: Session, chosen: ColumnElement[bool]
-) -> Sequence[Row[int, str, str | None, str | None]]:
-    query = select(
-        StudySession.id, StudySession.token, StudySession.visit, StudySession.recruiter_participant
-    )
-    return session.execute(query.where(chosen)).all()
 
 
 def _existing_number(session: Session, digits: str) -> int | None:

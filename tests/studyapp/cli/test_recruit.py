@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import re
 import shutil
 import tomllib
 from collections.abc import Iterator
@@ -12,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from studyapp.preflight.recruiting_checks import prolific_code_findings
-from studyapp.recruitment.record import draw_codes
 from studyapp.session.enrolment import Arrival
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
@@ -41,9 +39,10 @@ def stand_in(monkeypatch: pytest.MonkeyPatch) -> Iterator[StandIn]:
 @pytest.fixture
 def folder(tiny_study: Path) -> Path:
     """Return a study on Prolific that has drawn its codes."""
-    more = '\n# Ours.\n[recruitment]\nchannel = "prolific"\n[recruitment.prolific]\nreward = 150\n'
+    more = '\n[recruitment]\nchannel = "prolific"\n[recruitment.prolific]\nreward = 150\n'
     redefine(tiny_study, added=more)
-    draw_codes(StudyFolder(tiny_study))
+    _, *codes = recruit(tiny_study, "codes").splitlines()
+    redefine(tiny_study, added="\n".join(codes))
     return tiny_study
 
 
@@ -51,51 +50,6 @@ def recruit(folder: Path, *arguments: str, status: int = 0) -> str:
     output = run("recruit", folder, *arguments, status=status)
     assert TOKEN not in output
     return output
-
-
-@pytest.mark.parametrize(
-    ("written", "expected"),
-    [
-        (
-            "[recruitment.prolific]\nreward = 9 # cents\n\n# The page.\n",
-            '[recruitment.prolific]\ncompleted = "…"\nscreened_out = "…"\n'
-            'failed_attention = "…"\nreward = 9 # cents\n\n# The page.\n',
-        ),
-        (
-            '[recruitment.prolific]\nscreened_out = ""  # ours\n',
-            '[recruitment.prolific]\ncompleted = "…"\nfailed_attention = "…"\n'
-            'screened_out = "…"  # ours\n',
-        ),
-        (
-            "# The end.\n",
-            '# The end.\n\n[recruitment.prolific]\ncompleted = "…"\nscreened_out = "…"\n'
-            'failed_attention = "…"\n',
-        ),
-    ],
-)
-def test_codes_are_inserted_once_without_other_changes(
-    tiny_study: Path, written: str, expected: str
-) -> None:
-    path = tiny_study / "study.toml"
-    before = path.read_text("utf-8").rstrip() + "\n\n"
-    path.write_text(before + written, "utf-8")
-
-    assert "Wrote codes" in recruit(tiny_study, "codes")
-
-    text = path.read_text("utf-8")
-    assert re.sub(r'"[A-Z0-9]{12}"', '"…"', text.removeprefix(before)) == expected
-    assert len(set(re.findall(r'"[A-Z0-9]{12}"', text))) == 3
-    assert "already" in recruit(tiny_study, "codes")
-    assert path.read_text("utf-8") == text
-
-
-@pytest.mark.parametrize("more", ["[recruitment\n", "[recruitment]\nprolific = { reward = 9 }\n"])
-def test_codes_are_not_written_into_an_invalid_file(tiny_study: Path, more: str) -> None:
-    path = tiny_study / "study.toml"
-    text = path.read_text("utf-8") + more
-    path.write_text(text, "utf-8")
-    assert "study.toml" in recruit(tiny_study, "codes", status=1)
-    assert path.read_text("utf-8") == text
 
 
 def test_a_study_is_made_once_after_yes_and_published_paused_and_stopped(
@@ -109,10 +63,8 @@ def test_a_study_is_made_once_after_yes_and_published_paused_and_stopped(
     create = ("create", "--address", ADDRESS, "--yes")
     assert "Created the draft" in recruit(folder, *create)
     assert "already exists on Prolific" in recruit(folder, *create)
-    text = (folder / "study.toml").read_text("utf-8")
     # Prolific only knows the codes that the study was made with.
-    assert "on Prolific already" in recruit(folder, "codes", "--again", status=1)
-    assert (folder / "study.toml").read_text("utf-8") == text
+    assert "on Prolific already" in recruit(folder, "codes", status=1)
     (folder / "recruitment.json").unlink()
     assert "already exists on Prolific" in recruit(folder, *create)
     assert len(stand_in.studies) == 1

@@ -53,20 +53,6 @@ def test_a_pseudonym_depends_on_person_and_key() -> None:
     assert len({key.pseudonym(each) for each in (one, *(person(**o) for o in others))}) == 5
 
 
-def test_a_person_who_came_twice_has_one_pseudonym_and_two_sessions() -> None:
-    key = PseudonymKey(bytes(32))
-    came = [person(recruiter_participant=name) for name in ("ada", "ben", "ada", "ada")]
-    for number, study_session in enumerate(came, start=1):
-        study_session.id = number
-
-    names = key.pseudonyms(reversed(came))
-
-    ada = key.pseudonym(came[0])
-    assert names == {1: ada, 2: key.pseudonym(came[1]), 3: f"{ada}x2", 4: f"{ada}x3"}
-    for name in (ada, f"{ada}x2", f"sub-{ada}x3"):
-        assert [key.is_called(each, name) for each in came] == [True, False, True, True]
-
-
 def test_the_pseudonym_is_the_documented_function() -> None:
     # HMAC-SHA256 under 32 zero bytes of '["visit", "v"]', computed with openssl.
     assert PseudonymKey(bytes(32)).pseudonym(person(visit="v")) == "pxajyqmjznczyflmy"
