@@ -1,22 +1,18 @@
-"""Answered trials: counts by emotion and arm, durations, and the sides of conditions."""
+"""Answered trials: counts by emotion and arm, and durations."""
 
 from __future__ import annotations
 
-import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median, quantiles
 from typing import Final, NamedTuple
 
-from sqlalchemy import case, func, select
+from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from analysis.answers.table import ANALYSED_KINDS
-from studyapp.database.tables import StudySession, Trial, TrialStimulus
-
-MAX_DEVIATION: Final = 3.0
-"""From one half, in standard errors of a fair coin; more is unlikely by chance."""
+from studyapp.database.tables import StudySession, Trial
 
 MIN_COUNT: Final = 4
 """For fewer values there are no quartiles."""
@@ -98,61 +94,3 @@ def trial_durations(trials: Iterable[AnsweredTrial], kinds: Sequence[str]) -> tu
         if trial.seconds is not None and trial.kind in by_kind:
             by_kind[trial.kind].append(trial.seconds)
     return tuple(durations(kind, seconds) for kind, seconds in by_kind.items() if seconds)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sides:
-    """How often a condition was shown on either side of a pair.
-
-    Attributes
-    ----------
-    condition : str
-        Its display name.
-    left, right : int
-        In answered trials that are analysed.
-    """
-
-    condition: str
-    left: int
-    right: int
-
-    @property
-    def shown(self) -> int:
-        """How often it was shown."""
-        return self.left + self.right
-
-    @property
-    def balanced(self) -> bool:
-        """Whether chance may explain the difference."""
-        spread = 0.5 * math.sqrt(self.shown)
-        return abs(self.left - self.shown / 2) <= MAX_DEVIATION * spread
-
-
-def sides(session: Session, names: Mapping[str, str]) -> tuple[Sides, ...]:
-    """Count the sides of each condition in answered pairs; they are called as `names` says."""
-    judged = (
-        select(TrialStimulus.trial_id)
-        .where(TrialStimulus.number > 0)
-        .group_by(TrialStimulus.trial_id)
-        .having(func.count() == len(("left", "right")))
-    )
-    query = (
-        select(
-            TrialStimulus.condition,
-            func.sum(case((TrialStimulus.number == 1, 1), else_=0)),
-            func.sum(case((TrialStimulus.number == 2, 1), else_=0)),
-        )
-        .join(Trial, Trial.id == TrialStimulus.trial_id)
-        .where(
-            Trial.answered_at.is_not(None),
-            Trial.kind.in_(ANALYSED_KINDS),
-            TrialStimulus.number > 0,
-            TrialStimulus.trial_id.in_(judged),
-        )
-        .group_by(TrialStimulus.condition)
-        .order_by(TrialStimulus.condition)
-    )
-    return tuple(
-        Sides(condition=names.get(condition, condition), left=left, right=right)
-        for condition, left, right in session.connection().execute(query)
-    )

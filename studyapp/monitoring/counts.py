@@ -1,12 +1,10 @@
-"""Counts of places, a forecast of the end, and who left where."""
+"""Counts of places, and who left where."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta
-from typing import Final
 
 from studyapp.monitoring.study_sessions import SessionProgress
 from studyapp.study.design.trial import Arm
@@ -107,123 +105,4 @@ def dropouts(study_sessions: Sequence[SessionProgress]) -> tuple[Dropout, ...]:
             came=sum(each.stands_at >= position for each in others),
         )
         for position in sorted(stopped)
-    )
-
-
-MIN_COUNT: Final = 3
-"""If fewer have finished, their pace is chance."""
-
-WINDOWS: Final = (timedelta(hours=1), timedelta(hours=6), timedelta(days=1), timedelta(days=7))
-"""The shortest in which enough have finished gives the present pace."""
-
-LONGEST_FORECAST: Final = timedelta(days=365)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Forecast:
-    """When the last place will be done.
-
-    Attributes
-    ----------
-    at : datetime or None
-    reason : str
-        Why there is no forecast; empty if there is one.
-    """
-
-    at: datetime | None
-    reason: str = ""
-
-
-def forecast(
-    finished: Sequence[datetime], remaining: int, began: datetime | None, now: datetime
-) -> Forecast:
-    """Return when `remaining` more will have finished.
-
-    Parameters
-    ----------
-    finished : sequence of datetime
-        When participants finished, in any order.
-    began : datetime or None
-        When the first participant came.
-    """
-    if remaining == 0:
-        return Forecast(at=None, reason="all places are done")
-    if began is None:
-        return Forecast(at=None, reason="nobody has begun yet")
-    for span in WINDOWS:
-        since = max(now - span, began)
-        recent = sum(moment > since for moment in finished)
-        if recent >= MIN_COUNT and now > since:
-            left = (now - since) * (remaining / recent)
-            if left > LONGEST_FORECAST:
-                return Forecast(at=None, reason="at this rate it will take more than a year")
-            return Forecast(at=now + left)
-    return Forecast(at=None, reason="too few have finished recently for a forecast")
-
-
-POINTS: Final = 200
-"""Resolution of the time axis of a curve of completions."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Completions:
-    """Places done over time, as points of a curve.
-
-    Attributes
-    ----------
-    since, until : datetime
-        Ends of the time axis: the first participant, and now or when all will be done.
-    done : tuple of (float, float)
-        Time and places, each as a share of its axis in [0, 1]; a staircase.
-    expected : tuple of (float, float)
-        The straight line from now to the projected end; empty where there is none.
-    """
-
-    since: datetime
-    until: datetime
-    done: tuple[tuple[float, float], ...]
-    expected: tuple[tuple[float, float], ...]
-
-
-def completions(
-    finished: Sequence[datetime],
-    wanted: int,
-    began: datetime | None,
-    end: datetime | None,
-    now: datetime,
-) -> Completions | None:
-    """Return the places done over time; None if none is done.
-
-    Parameters
-    ----------
-    finished : sequence of datetime
-        When each place that is done was, in any order.
-    wanted : int
-        Places.
-    began : datetime or None
-        When the first participant came.
-    end : datetime or None
-        When the last place will be done, if there is a forecast.
-    """
-    if began is None or not finished:
-        return None
-    # The curve ends when all places are done.
-    until = end or (max(finished) if len(finished) >= wanted else now)
-    whole = max((until - began).total_seconds(), 1.0)
-    most = max(wanted, len(finished))
-
-    def place(moment: datetime) -> float:
-        return min(1.0, round(POINTS * (moment - began).total_seconds() / whole) / POINTS)
-
-    reached = {place(moment): done for done, moment in enumerate(sorted(finished), start=1)}
-    stairs, height = [(0.0, 0.0)], 0.0
-    for across, done in reached.items():
-        stairs += [(across, height), (across, done / most)]
-        height = done / most
-    stairs.append((place(now), height))
-    return Completions(
-        since=began,
-        until=until,
-        done=tuple(stairs),
-        expected=() if end is None else ((place(now), height), (1.0, 1.0)),
     )

@@ -12,11 +12,9 @@ from studyapp.database.engine import Database
 from studyapp.monitoring import counts, data_quality
 from studyapp.monitoring.answered_trials import (
     Durations,
-    Sides,
     analysed_by_emotion,
     answered_trials,
     durations,
-    sides,
     trial_durations,
 )
 from studyapp.monitoring.study_sessions import SessionProgress, Standing, progress_of_sessions
@@ -76,8 +74,6 @@ class Overview:
     announced_minutes : int or None
         The duration that participants are told.
     arms : tuple of PlaceCounts
-    completions : Completions or None
-        Places done over time; None if none is.
     standings : mapping of Standing to int
         How many study sessions there are of each; those of earlier versions are not counted.
     earlier : int
@@ -101,8 +97,6 @@ class Overview:
     is_open: bool
     announced_minutes: int | None
     arms: tuple[counts.PlaceCounts, ...]
-    forecast: counts.Forecast
-    completions: counts.Completions | None
     standings: Mapping[Standing, int]
     earlier: int
     screened_out: Mapping[str, int]
@@ -115,7 +109,6 @@ class Overview:
     whole: Durations
     trials: tuple[Durations, ...]
     videos: tuple[data_quality.VideoShowings, ...]
-    sides: tuple[Sides, ...]
 
     @property
     def places(self) -> counts.PlaceCounts:
@@ -136,7 +129,6 @@ class Overview:
             *(decision for item in self.items for decision in _of_item(item)),
             *(decision for dropout in self.dropouts for decision in _of_dropout(dropout)),
             *_of_duration(self.whole, self.announced_minutes),
-            *(decision for condition in self.sides for decision in _of_sides(condition)),
         )
 
 
@@ -150,25 +142,15 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         trials = [each for each in answered_trials(session) if each.study_session in counted]
         judged_checks = data_quality.checks(session, study, counted)
         videos = data_quality.played_videos(session, study.display_names)
-        balance = sides(session, study.display_names)
         intake = current_intake(session)
         screened_out = count_screened_out(session)
-    arms = counts.count_places(study.arms, present, intake.more_places)
-    places = counts.total_places(arms)
     finished = [each for each in present if each.completed_at]
-    done = [each.completed_at for each in finished if each.standing == "done" and each.completed_at]
-    began = min((each.consented_at for each in present), default=None)
-    expected = counts.forecast(
-        [each.completed_at for each in finished if each.completed_at], places.remaining, began, now
-    )
     return Overview(
         at=now,
         intake=intake,
         is_open=study.open and intake.state == "open",
         announced_minutes=study.page.minutes,
-        arms=arms,
-        forecast=expected,
-        completions=counts.completions(done, places.wanted, began, expected.at, now),
+        arms=counts.count_places(study.arms, present, intake.more_places),
         standings=Counter(each.standing for each in present),
         earlier=len(everybody) - len(present),
         screened_out=screened_out,
@@ -187,7 +169,6 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         ),
         trials=trial_durations(trials, KINDS),
         videos=videos,
-        sides=balance,
     )
 
 
@@ -275,14 +256,4 @@ def _of_duration(whole: Durations, announced_minutes: int | None) -> Iterator[De
             what=f"Half of them take longer than {minutes:.0f} min; {announced_minutes} are "
             "announced.",
             remedy="Announce and pay the time it takes ('minutes' in study.toml).",
-        )
-
-
-def _of_sides(sides: Sides) -> Iterator[Decision]:
-    if not sides.balanced:
-        yield Decision(
-            what=f"{sides.condition} was shown {sides.left} times left and {sides.right} times "
-            "right, which is unlikely by chance.",
-            remedy="With few places done it may still even out; else look at the design's seed "
-            "and at who was replaced.",
         )

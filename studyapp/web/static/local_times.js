@@ -9,8 +9,7 @@ const FORMS = {
 export function writeLocalTimes(part) {
   for (const time of part.querySelectorAll("time[data-form]")) {
     const at = new Date(time.dateTime);
-    const today = at.toDateString() === new Date().toDateString();
-    const form = FORMS[time.dataset.form] ?? (today ? { timeStyle: "short" } : FORMS.moment);
+    const form = FORMS[time.dataset.form];
     time.title = time.textContent;
     time.textContent = at.toLocaleString("en-GB", form);
   }

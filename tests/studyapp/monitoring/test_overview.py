@@ -11,7 +11,7 @@ from sqlalchemy import select, update
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial, WatchRecord
-from studyapp.monitoring.answered_trials import Durations, Sides
+from studyapp.monitoring.answered_trials import Durations
 from studyapp.monitoring.counts import Dropout, PlaceCounts
 from studyapp.monitoring.data_quality import CheckedItem, VideoShowings
 from studyapp.monitoring.one_study_session import one_study_session
@@ -67,9 +67,7 @@ def test_every_event_is_counted_once_and_lists_agree(
     assert sum(video.shown for video in found.videos) == 6 + 2 + 1
     shares = [video.dropped_share for video in found.videos]
     assert max(share for share in shares if share is not None) == pytest.approx(0.1)
-    assert sum(side.left for side in found.sides) == sum(side.right for side in found.sides)
     assert sum(found.failed["catch"].values()) == sum(item.answered for item in found.items)
-    assert found.forecast.at is None
 
     def count(**choice: Any) -> int:
         return len(list_study_sessions(opened, served, Selection(**choice), clock.now()))
@@ -104,8 +102,7 @@ def test_a_study_without_participants_has_an_overview(
     found = overview(opened, served, clock.now())
 
     assert found.places.open == found.places.wanted == 4
-    assert found.forecast.reason == "nobody has begun yet"
-    assert (found.videos, found.trials, found.items, found.sides) == ((), (), (), ())
+    assert (found.videos, found.trials, found.items) == ((), (), ())
     assert found.decisions == ()
 
 
@@ -197,10 +194,6 @@ def quiet(opened: Database, served: ServedStudy, clock: SetClock) -> Overview:
         ({"dropouts": left(3, 30)}, "3 of 30 who came so far left at trial 3"),
         ({"dropouts": left(5, 30, position=0)}, "left before the first trial"),
         ({"announced_minutes": 7}, "longer than 10 min; 7 are announced"),
-        (
-            {"sides": (Sides(condition="ours", left=66, right=34),)},
-            "ours was shown 66 times left and 34 times right",
-        ),
     ],
 )
 def test_findings_come_with_their_numbers_and_a_remedy(
@@ -226,7 +219,6 @@ def test_findings_come_with_their_numbers_and_a_remedy(
         {"announced_minutes": 8},
         {"announced_minutes": None},
         {"whole": Durations(what="whole", count=2), "announced_minutes": 1},
-        {"sides": (Sides(condition="ours", left=64, right=36),)},
         {
             "arms": (PlaceCounts(arm="", wanted=10, done=10, active=0, stale=0),),
             "is_open": False,
