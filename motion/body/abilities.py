@@ -7,10 +7,9 @@ bring their own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -19,47 +18,28 @@ from motion.clip import ARKIT_COUNT, EXPRESSION_COUNT, LARGEST_VALUE, MotionClip
 from motion.errors import InputError
 from motion.skeleton import FACE_JOINTS, joint_index
 
+if TYPE_CHECKING:
+    from motion.body.model import BodyModel
+
 _NAMES: Final = {"arkit": "ARKit weights", "expressions": "SMPL-X expression coefficients"}
 _FACE: Final = [joint_index(name) for name in FACE_JOINTS]
 
 _SHAPE: Final = (EXPRESSION_COUNT, ARKIT_COUNT)
 
 
-@dataclass(frozen=True, kw_only=True)
-class BodyAbilities:
-    """The features of a clip's face and shape that a body can show.
-
-    Attributes
-    ----------
-    has_face : bool
-        Whether it has facial expressions.
-    has_arkit_slots : bool
-        Whether it shows ARKit's facial actions, rather than SMPL-X's expression components.
-    has_matrix : bool
-        Whether it also shows the other kind, converted by a matrix.
-    shapes : int
-        The number of its betas.
-    """
-
-    has_face: bool
-    has_arkit_slots: bool
-    has_matrix: bool
-    shapes: int
-
-
-def unsupported(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
-    """Return a sentence for each feature of `clip` that a body with these abilities cannot show."""
+def unsupported(clip: MotionClip, body: BodyModel) -> tuple[str, ...]:
+    """Return a sentence for each feature of `clip` that `body` cannot show."""
     return tuple(chain(_expression_notes(clip, body), _shape_notes(clip, body)))
 
 
-def _expression_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
+def _expression_notes(clip: MotionClip, body: BodyModel) -> tuple[str, ...]:
     """Return a note if the face stays still although the clip moves it.
 
     ARKit weights and SMPL-X's expression coefficients are different spaces; a body has slots for
     one of them, and neither is guessed from the other.
     """
     moving = [name for name, face in clip.faces.items() if np.any(face)]
-    if not body.has_face:
+    if not body.expression_directions.size:
         if not moving and not clip.poses[:, _FACE].any():
             return ()
         return (
@@ -67,7 +47,7 @@ def _expression_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
             "is shown (choose an avatar with a face)",
         )
     body_face = "arkit" if body.has_arkit_slots else "expressions"
-    if not moving or body_face in clip.faces or body.has_matrix:
+    if not moving or body_face in clip.faces or body.expression_matrix is not None:
         return ()
     return (
         f"the clip's face is given as {_NAMES[moving[0]]}, which this body has no slots for; its "
@@ -76,9 +56,9 @@ def _expression_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
     )
 
 
-def _shape_notes(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
+def _shape_notes(clip: MotionClip, body: BodyModel) -> tuple[str, ...]:
     """Return a note if the body's shape differs from the clip's."""
-    known = body.shapes
+    known = body.shape_directions.shape[2]
     if not np.any(clip.betas[known:]):
         return ()
     if known:

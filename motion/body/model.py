@@ -19,7 +19,7 @@ from scipy import sparse
 from scipy.spatial.transform import Rotation
 
 from motion.arrays import Floats, Floats32, Ints
-from motion.body.abilities import BodyAbilities, read_expression_matrix
+from motion.body.abilities import read_expression_matrix
 from motion.body.archive import body_archive
 from motion.body.skinning import TwistJoints, skinning_matrices
 from motion.clip import EXPRESSION_COUNT, MotionClip, arkit_index
@@ -90,16 +90,6 @@ class BodyModel:
     expression_matrix: Floats32 | None = None
     credits: str = ""
     surface: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-
-    @property
-    def abilities(self) -> BodyAbilities:
-        """The features of a clip's face and shape that it can show."""
-        return BodyAbilities(
-            has_face=bool(self.expression_directions.size),
-            has_arkit_slots=self.has_arkit_slots,
-            has_matrix=self.expression_matrix is not None,
-            shapes=self.shape_directions.shape[2],
-        )
 
     def face(self, clip: MotionClip) -> Floats32 | None:
         """Return the clip's face as this body's parameters, shape (n, 52) or (n, 100), or None.

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import suppress
 from typing import Final
 
 from motion.errors import InputError
 from studyapp.preflight import (
-    catch_checks,
     design_checks,
     motion_checks,
     recruiting_checks,
@@ -75,7 +73,6 @@ _CHECKS: Final[tuple[tuple[str, Callable[[Material], Iterable[Finding]]], ...]] 
     ("sound", sound_checks.sound_findings),
     ("weight of pages", video_checks.weight_findings),
     ("motion", motion_checks.motion_findings),
-    ("catch trials", catch_checks.catch_picture_findings),
     ("design", design_checks.design_findings),
     ("balance", design_checks.balance_findings),
     ("serving", serving_checks.serving_findings),
@@ -90,11 +87,8 @@ def _material_findings(material: Material, on_step: OnStep) -> Iterator[Finding]
         on_step(name)
         findings += check_material(material)
     if expected is not None:
-        pace = None
-        with suppress(InputError):  # serving_findings reports a database that cannot be read
-            pace = time_checks.pace_of_study(material.folder, expected)
-        findings += time_checks.time_findings(material.study, expected, pace)
-        needed = time_checks.minutes_needed(expected, pace)
+        findings += time_checks.time_findings(material.study, expected)
+        needed = time_checks.minutes_needed(expected)
     findings += recruiting_checks.pay_findings(material.study, needed)
     yield from findings
     if not any(finding.severity == "error" for finding in findings):

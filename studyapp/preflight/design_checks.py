@@ -12,7 +12,7 @@ from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import MOST_PLACES, Material
 from studyapp.study.design.trial import Kind
 from studyapp.study.settings.conditions import study_notes
-from studyapp.study.settings.exclusions import Coverage, FailedAttention, FailedCatch
+from studyapp.study.settings.exclusions import FailedAttention, FailedCatch
 from studyapp.study.settings.study import Study
 
 KIND_WORDS: Final[Mapping[Kind, str]] = {
@@ -38,10 +38,6 @@ def design_findings(material: Material) -> Iterator[Finding]:
         yield make_finding("no-trials", segments=len(segments))
         return
     yield make_finding("trials", count=len(plan), kinds=kinds)
-    checks = [trial.segment for trial in plan if trial.kind in ("catch", "attention")]
-    times = Counter(trial.segment for trial in plan)
-    if repeated := sum(times[segment] > 1 for segment in checks):
-        yield make_finding("speech-repeated", repeated=repeated, checks=len(checks))
     for sentence in (*study.notes(segments), *study_notes(study)):
         yield make_finding("design", sentence.rstrip("."))
     if any("{emotion}" in question.text for question in study.questions):
@@ -79,20 +75,13 @@ def _check_findings(study: Study) -> Iterator[Finding]:
 
 
 def _exclusion_findings(study: Study) -> Iterator[Finding]:
-    """Yield who will be excluded, and rules that exclude nobody."""
+    """Yield who will be excluded."""
     rules = study.settled_exclusions
     numbered = "; ".join(
         f"{number}. who {rule.to_rule().description} ({rule.shorthand()})"
         for number, rule in enumerate(rules, start=1)
     )
     yield make_finding("exclusions", rules=numbered or "nobody")
-    for rule in rules:
-        if isinstance(rule, Coverage) and rule.below <= study.watching.coverage:
-            yield make_finding(
-                "exclusion-without-effect",
-                rule=rule.shorthand(),
-                coverage=study.watching.coverage,
-            )
 
 
 def balance_findings(material: Material) -> Iterator[Finding]:

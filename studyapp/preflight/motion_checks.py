@@ -2,35 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Final
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from motion.body.abilities import BodyAbilities
+from motion.body.model import BodyModel
 from motion.clip import CHANNELS, MotionClip, freeze, moving_channels
 from motion.errors import InputError, listed
 from motion.formats import read_clip
-from renderer.look import BACKGROUND
 from studyapp.preflight.catch_checks import catch_motion_findings
 from studyapp.preflight.finding import Finding, finding_of_error, make_finding
 from studyapp.preflight.material import Material
-from studyapp.stimuli.render_plan import study_camera
-from studyapp.stimuli.shown_motion import (
-    background_of,
-    left_out,
-    shown_abilities,
-    shown_body,
-    study_look,
-)
-from studyapp.study.settings.questions import is_about_face
+from studyapp.stimuli.shown_motion import left_out, shown_body
 from studyapp.study.settings.study import Study
-
-LEAST_HEAD_PIXELS: Final = 120
-"""Height of a head below which lips and brows are only a few pixels."""
-
-_HEAD_METRES: Final = 0.26
-"""From the chin to the top of the hair."""
 
 ClipsBySegment = Mapping[str, Mapping[str, MotionClip]]
 
@@ -107,12 +91,12 @@ def _body_findings(material: Material, clips: ClipsBySegment) -> Iterator[Findin
     """Yield what the study's body or its camera does not show of the motion."""
     study = material.study
     try:
-        body = shown_abilities(material.folder, study)
+        body = shown_body(material.folder, study)
     except InputError as error:
         where = error.where.removeprefix(f"{material.folder.root}/")
         yield finding_of_error("body-unusable", error, where=where)
         return
-    yield from _shape_findings(clips, body.shapes)
+    yield from _shape_findings(clips, body.shape_directions.shape[2])
     frozen = [
         (name, freeze(clip, study.freeze))
         for name, by_segment in clips.items()
@@ -121,7 +105,7 @@ def _body_findings(material: Material, clips: ClipsBySegment) -> Iterator[Findin
     for sentence in left_out(frozen, body):
         yield make_finding("motion-not-shown", sentence.rstrip("."))
     if frozen:
-        yield from _framing_findings(material, body, [clip for _, clip in frozen])
+        yield from _framing_findings(study, body)
 
 
 def _shape_findings(clips: ClipsBySegment, known: int) -> Iterator[Finding]:
@@ -143,30 +127,10 @@ def _shape_findings(clips: ClipsBySegment, known: int) -> Iterator[Finding]:
         yield make_finding("shape-tells-apart", conditions=listed(others), other=first)
 
 
-def _framing_findings(
-    material: Material, body: BodyAbilities, clips: Sequence[MotionClip]
-) -> Iterator[Finding]:
-    """Yield a framing on what does not move, and a face that is judged but small."""
-    study = material.study
+def _framing_findings(study: Study, body: BodyModel) -> Iterator[Finding]:
+    """Yield a framing on what does not move."""
     part = study.video.framing if study.video.framing in ("face", "hands") else ""
     if part in study.freeze:
         yield make_finding("framed-part-still", framing=part, why="freeze holds it still")
-    elif part == "face" and not body.has_face:
+    elif part == "face" and not body.expression_directions.size:
         yield make_finding("framed-part-still", framing=part, why="the study's body has no face")
-    if background_of(study) != BACKGROUND:
-        yield make_finding("background-unlike-pages")
-    about_face = [question.name for question in study.questions if is_about_face(question.text)]
-    if about_face and not part and body.has_face and "face" not in study.freeze:
-        pixels = _head_pixels(material, clips)
-        if pixels < LEAST_HEAD_PIXELS:
-            yield make_finding("face-small", question=about_face[0], pixels=pixels)
-
-
-def _head_pixels(material: Material, clips: Sequence[MotionClip]) -> int:
-    """Return the height of a head in the videos."""
-    study = material.study
-    look = study_look(material.folder, study)
-    camera = study_camera(clips, look, shown_body(material.folder, study))
-    distance = float(np.linalg.norm(np.subtract(camera.eye, camera.target)))
-    view_height = 2 * distance * np.tan(np.radians(camera.field_of_view / 2))
-    return round(float(study.video.size * _HEAD_METRES / view_height))

@@ -13,29 +13,17 @@ from studyapp.preflight.finding import Finding, make_finding
 from studyapp.recruitment.prolific import CODE_TYPES
 from studyapp.recruitment.record import FILE, count_places, read_record
 from studyapp.study.settings.presentation import Language, reaches_somebody
-from studyapp.study.settings.recruitment import MIN_FAILED_CHECKS, format_amount, hourly_rate
+from studyapp.study.settings.recruitment import format_amount, hourly_rate
 from studyapp.study.settings.study import Study
-from studyapp.study.study_file import TEMPLATE_LANGUAGE, TEMPLATES, read_template
+from studyapp.study.study_file import read_template
 
 
 def recruiting_findings(study: Study) -> Iterator[Finding]:
-    """Yield what the study's channel lacks, and who need not be paid."""
+    """Yield what the study's channel lacks."""
     recruitment = study.recruitment
     if recruitment.missing_codes:
         yield make_finding("codes-missing", missing=listed(recruitment.missing_codes))
     yield from _place_findings(study)
-    limit, checks = recruitment.unpaid_failed_checks, study.attention.trials
-    if recruitment.names_participants and limit and checks:
-        if checks < limit:
-            yield make_finding(
-                "everybody-paid",
-                checks=checks,
-                limit=limit,
-                remedy=f"Set attention.trials to {max(limit, MIN_FAILED_CHECKS)} or more if "
-                "the rule should have an effect",
-            )
-        else:
-            yield make_finding("unpaid-rule", checks=checks, limit=limit)
 
 
 def prolific_code_findings(study: Study, root: Path) -> Iterator[Finding]:
@@ -178,22 +166,6 @@ def _text_findings(study: Study) -> Iterator[Finding]:
         yield make_finding("consent-from-template")
     if title in {_normalise_space(template["title"]) for template in own}:
         yield make_finding("title-from-template", title=study.title)
-    if study.page.language != TEMPLATE_LANGUAGE and (english := _untranslated_keys(study)):
-        yield make_finding(
-            "texts-untranslated", language=study.page.language, texts=listed(english)
-        )
-
-
-def _untranslated_keys(study: Study) -> list[str]:
-    """Return the keys with the text of an English template; other texts cannot be judged."""
-    templates = [read_template(template) for template in TEMPLATES]
-    texts = {question["text"] for template in templates for question in template["questions"]}
-    keys = [f"the question {each.name!r}" for each in study.questions if each.text in texts]
-    if study.page.consent in {template["page"]["consent"] for template in templates}:
-        keys.insert(0, "page.consent")
-    if study.title in {template["title"] for template in templates}:
-        keys.insert(0, "title")
-    return keys
 
 
 def _normalise_space(text: str) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
-from motion.audio import Audio, read_audio
+from motion.audio import read_audio
 from motion.errors import InputError
 from renderer.loudness import SHORTEST, integrated_loudness
 from studyapp.preflight.finding import Finding, make_finding
@@ -17,14 +17,6 @@ from studyapp.study.media import finished_video_path
 
 LOUDNESS_TOLERANCE: Final = 1.0
 """LU by which two videos may differ, as EBU R 128 allows live programmes."""
-
-QUIET_DB: Final = -50.0
-"""Relative to full scale; inaudible beside speech at the common loudness."""
-
-MOST_SILENCE: Final = 0.6
-"""Share of a video that may be silent: speakers pause."""
-
-_BLOCK_SECONDS: Final = 0.1
 
 
 def sound_findings(material: Material) -> Iterator[Finding]:
@@ -41,9 +33,6 @@ def sound_findings(material: Material) -> Iterator[Finding]:
         lufs = integrated_loudness(audio)
         if lufs is not None:
             loudness[stimulus.segment][name] = lufs
-            share = _silent_share(audio)
-            if share > MOST_SILENCE:
-                yield make_finding("sound-mostly-silent", where=name, share=share)
         elif audio.duration >= SHORTEST:
             yield make_finding("sound-silent", where=name)
     yield from _loudness_findings(loudness)
@@ -61,15 +50,6 @@ def _distinct_sounds(material: Material) -> Mapping[str, tuple[Stimulus, Path]]:
             name = material.display_path(finished_video_path(material.folder.videos, stimulus))
         sounds.setdefault(name, (stimulus, video.file))
     return sounds
-
-
-def _silent_share(audio: Audio) -> float:
-    """Return the share of blocks of 100 ms that are quieter than `QUIET_DB`."""
-    length = max(1, round(_BLOCK_SECONDS * audio.sample_rate))
-    count = max(1, len(audio.samples) // length)
-    blocks = audio.samples[: count * length].reshape(count, -1).astype(float)
-    power = (blocks**2).mean(axis=1)
-    return float((power < 10 ** (QUIET_DB / 10)).mean())
 
 
 def _loudness_findings(by_segment: Mapping[str, Mapping[str, float]]) -> Iterator[Finding]:

@@ -1,23 +1,17 @@
-"""How long a study takes, as expected and as observed, and whether participants are told so."""
+"""How long a study takes, and whether participants are told so."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import closing
 from dataclasses import dataclass
 from statistics import median
 from typing import Final
 
-from sqlalchemy import select
-
-from studyapp.database.engine import Database, database_url_of
-from studyapp.database.tables import StudySession
 from studyapp.preflight.finding import Finding, make_finding
 from studyapp.preflight.material import Material
 from studyapp.session.trials import expected_seconds
 from studyapp.study.design.trial import Content, PlannedTrial, has_sound
-from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
 SECONDS_FOR_A_FORM_QUESTION: Final = 8.0
@@ -107,52 +101,6 @@ def _video_seconds(content: Content, material: Material) -> float:
     return video.duration if video else material.segments_by_name[content[0].segment].duration
 
 
-FEWEST_FINISHED: Final = 3
-"""Below, the pace is down to chance."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Pace:
-    """How fast this study's participants were.
-
-    Attributes
-    ----------
-    finished : int
-        Participants who finished.
-    minutes : float
-        Their median time, as recruiting sites measure it.
-    times_expected : float
-        The same, relative to the expected time.
-    """
-
-    finished: int
-    minutes: float
-    times_expected: float
-
-
-def pace_of_study(folder: StudyFolder, expected: ExpectedTime) -> Pace | None:
-    """Return the pace of this study's participants; None if too few have finished."""
-    database = Database.open_for_reading(database_url_of(folder.root))
-    if database is None:
-        return None
-    with closing(database), database.reading() as session:
-        # Interruptions count, as they do in the times that recruiting sites report.
-        rows = session.execute(
-            select(StudySession.consented_at, StudySession.completed_at).where(
-                StudySession.completed_at.is_not(None), StudySession.withdrawn_at.is_(None)
-            )
-        ).all()
-    durations = [(ended - began).total_seconds() for began, ended in rows if ended]
-    if len(durations) < FEWEST_FINISHED:
-        return None
-    seconds = median(durations)
-    return Pace(
-        finished=len(durations),
-        minutes=seconds / 60,
-        times_expected=seconds / expected.seconds,
-    )
-
-
 LONG_MINUTES: Final = 60
 
 MINUTES_TOLERANCE: Final = 3
@@ -163,27 +111,19 @@ SLOW_FACTOR: Final = 3.0
 """How many times the expected time a slow participant may spend on a page."""
 
 
-def minutes_needed(expected: ExpectedTime, pace: Pace | None) -> int:
-    """Return the minutes that a participant needs, at the observed pace if there is one."""
-    seconds = expected.seconds * (1.0 if pace is None else pace.times_expected)
-    return max(1, round(seconds / 60))
+def minutes_needed(expected: ExpectedTime) -> int:
+    """Return the minutes that a participant needs."""
+    return max(1, round(expected.seconds / 60))
 
 
-def time_findings(study: Study, expected: ExpectedTime, pace: Pace | None) -> Iterator[Finding]:
+def time_findings(study: Study, expected: ExpectedTime) -> Iterator[Finding]:
     """Yield how long the study takes, and settings that do not fit that."""
-    needed = minutes_needed(expected, pace)
-    observed = (
-        f"; the {pace.finished} who have finished took {pace.minutes:.0f} (median), "
-        f"{pace.times_expected:.1f} times the expected time"
-        if pace
-        else ""
-    )
+    needed = minutes_needed(expected)
     yield make_finding(
         "expected-duration",
         needed=needed,
         videos=expected.videos / 60,
         around=expected.around / 60,
-        pace=observed,
     )
     stated = study.page.minutes
     tolerance = max(MINUTES_TOLERANCE, SHARE_TOLERANCE * needed)

@@ -202,9 +202,6 @@ def _shown_file_findings(material: Material, content: Content) -> Iterator[Findi
     flaw = flaw_of(video.file, video.duration, sound=stimulus.speech is not None)
     if flaw is not None:
         yield _flaw_finding(flaw, name, "Delete the file and run 'motionjury render'")
-        return
-    if stimulus.speech is None and (encoded := format_of(video.file)) and encoded.sound:
-        yield make_finding("sound-unwanted", where=name)
 
 
 def _size_findings(by_segment: FilesBySegment) -> Iterator[Finding]:

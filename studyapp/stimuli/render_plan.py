@@ -116,7 +116,7 @@ class RenderPlan:
             keys=keys,
             clips=clips,
             pairs=pairs,
-            notes=left_out(((name, clip) for (name, _), clip in shown.items()), model.abilities),
+            notes=left_out(((name, clip) for (name, _), clip in shown.items()), model),
         )
 
     @property

@@ -8,7 +8,7 @@ from typing import Final
 
 from motion.arrays import Floats32
 from motion.audio import Audio, read_audio
-from motion.body.abilities import BodyAbilities, read_expression_matrix, unsupported
+from motion.body.abilities import unsupported
 from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip, freeze
@@ -16,7 +16,7 @@ from motion.errors import InputError
 from motion.formats import read_clip
 from motion.segment import Segment
 from renderer.encoder import SOUND_RATE
-from renderer.look import AVATARS, Colour, Look, default_body
+from renderer.look import Colour, Look, default_body
 from renderer.loudness import at_common_loudness
 from renderer.shown_clip import as_shown
 from renderer.viewer.packing import avatar_body
@@ -59,29 +59,7 @@ def licensed_hands(folder: StudyFolder, study: Study) -> Floats32 | None:
     return read_mean_hands(body) if body is not None and body.is_file() else None
 
 
-def shown_abilities(folder: StudyFolder, study: Study) -> BodyAbilities:
-    """Return what the study's body can show, without building an avatar.
-
-    Raises
-    ------
-    InputError
-        If the licensed body or the expression matrix cannot be read.
-    """
-    if study.video.body:
-        return shown_body(folder, study).abilities
-    matrix = expression_matrix_file(folder, study)
-    if matrix is not None:
-        read_expression_matrix(matrix)
-    has_face = AVATARS[study.video.avatar].has_face
-    return BodyAbilities(
-        has_face=has_face,
-        has_arkit_slots=has_face,
-        has_matrix=matrix is not None,
-        shapes=0,
-    )
-
-
-def left_out(shown: Iterable[tuple[str, MotionClip]], body: BodyAbilities) -> tuple[str, ...]:
+def left_out(shown: Iterable[tuple[str, MotionClip]], body: BodyModel) -> tuple[str, ...]:
     """Return the motion that the body cannot show, as a sentence per condition.
 
     Parameters

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motion.body.abilities import BodyAbilities, read_expression_matrix, unsupported
+from motion.body.abilities import read_expression_matrix, unsupported
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -21,9 +21,13 @@ FACES: list[dict[str, Any]] = [{"arkit": ARKIT}, {"expressions": COEFFICIENTS}, 
 MATRIX = np.random.default_rng(0).normal(0, 0.3, (100, 52)).astype(np.float32)
 
 
-def _body(**abilities: Any) -> BodyAbilities:
-    usual = {"has_face": True, "has_arkit_slots": True, "has_matrix": False, "shapes": 0}
-    return BodyAbilities(**(usual | abilities))
+BODIES: dict[str, dict[str, Any]] = {
+    "arkit": {},
+    "components": {"has_arkit_slots": False},
+    "with a matrix": {"expression_matrix": MATRIX},
+    "faceless": {"expression_directions": np.zeros((0, 3, 0))},
+    "shaped": {"shape_directions": np.zeros((0, 3, 10))},
+}
 
 
 def _clip(**more: Any) -> MotionClip:
@@ -33,22 +37,22 @@ def _clip(**more: Any) -> MotionClip:
 
 
 @pytest.mark.parametrize(
-    ("body", "clip", "sentence"),
+    ("kind", "clip", "sentence"),
     [
-        ({}, {"expressions": COEFFICIENTS}, "given as SMPL-X .*video.expression_matrix"),
-        ({"has_arkit_slots": False}, {"arkit": ARKIT}, "given as ARKit .*expression_matrix"),
-        ({"has_matrix": True}, {"expressions": COEFFICIENTS}, None),
-        *(({"has_face": False}, face, "this body has none") for face in FACES),
-        ({}, {"arkit": 0 * ARKIT, "expressions": COEFFICIENTS}, None),
-        ({}, {"betas": np.ones(10)}, "does not take on"),
-        ({"shapes": 10}, {"betas": np.ones(300)}, "only the first 10 of the clip's 300 betas"),
-        ({"shapes": 10}, {"betas": np.pad(np.ones(10), (0, 290))}, None),
+        ("arkit", {"expressions": COEFFICIENTS}, "given as SMPL-X .*video.expression_matrix"),
+        ("components", {"arkit": ARKIT}, "given as ARKit .*expression_matrix"),
+        ("with a matrix", {"expressions": COEFFICIENTS}, None),
+        *(("faceless", face, "this body has none") for face in FACES),
+        ("arkit", {"arkit": 0 * ARKIT, "expressions": COEFFICIENTS}, None),
+        ("arkit", {"betas": np.ones(10)}, "does not take on"),
+        ("shaped", {"betas": np.ones(300)}, "only the first 10 of the clip's 300 betas"),
+        ("shaped", {"betas": np.pad(np.ones(10), (0, 290))}, None),
     ],
 )
 def test_unsupported_features_are_noted(
-    body: dict[str, Any], clip: dict[str, Any], sentence: str | None
+    body: BodyModel, kind: str, clip: dict[str, Any], sentence: str | None
 ) -> None:
-    message = unsupported(_clip(**clip), _body(**body))
+    message = unsupported(_clip(**clip), replace(body, **BODIES[kind]))
     assert len(message) == (sentence is not None)
     assert sentence is None or re.search(sentence, message[0])
 

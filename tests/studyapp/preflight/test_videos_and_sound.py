@@ -11,7 +11,6 @@ import pytest
 
 from motion.audio import Audio
 from renderer.encoder import SOUND_RATE
-from studyapp.preflight.catch_checks import catch_picture_findings
 from studyapp.preflight.material import Material
 from studyapp.preflight.sound_checks import sound_findings
 from studyapp.preflight.video_checks import (
@@ -43,7 +42,6 @@ def check_videos(folder: StudyFolder) -> dict[str, str]:
         *finished_video_findings(material),
         *shown_video_findings(material),
         *sound_findings(material),
-        *catch_picture_findings(material),
     ]
     return {finding.name: finding.what for finding in findings}
 
@@ -53,9 +51,6 @@ def test_the_only_finding_of_an_intact_study_is_small_pictures(own_study: OwnStu
 
 
 SILENCE = Audio(np.zeros(2 * SOUND_RATE, np.float32), SOUND_RATE)
-PAUSED = Audio(
-    np.where(np.arange(2 * SOUND_RATE) < SOUND_RATE // 2, 0.1, 0).astype(np.float32), SOUND_RATE
-)
 FREE_BOX = (12).to_bytes(4, "big") + b"free" + bytes(4)
 
 
@@ -69,7 +64,6 @@ FREE_BOX = (12).to_bytes(4, "big") + b"free" + bytes(4)
         (VideoRecipe(frames=62), "lengths-differ", "to 2.07 s"),
         (VideoRecipe(sound=None), "sound-missing", "has no sound"),
         (VideoRecipe(sound=SILENCE), "sound-silent", "videos/ours/one.mp4 is silent"),
-        (VideoRecipe(sound=PAUSED), "sound-mostly-silent", "75%"),
     ],
 )
 def test_revealing_or_missing_properties_of_a_file_are_found(
@@ -83,13 +77,6 @@ def test_revealing_or_missing_properties_of_a_file_are_found(
         spoil(file)
 
     assert words in check_videos(study)[name]
-
-
-def test_sound_in_a_silent_video_is_found(own_study: OwnStudy) -> None:
-    study = own_study("mismatch")
-    shutil.copyfile(participant_file(study, "ours"), participant_file(study, "ours", sound=False))
-
-    assert "should be shown without" in check_videos(study)["sound-unwanted"]
 
 
 def test_loudness_is_compared_within_a_segment_before_between_segments(
@@ -106,20 +93,6 @@ def test_loudness_is_compared_within_a_segment_before_between_segments(
 
     assert "louder than videos/real/one.mp4" in findings["loudness-differs-beside"]
     assert "loudness-differs" not in findings
-
-
-def test_catch_trials_with_similar_videos_are_found(own_study: OwnStudy) -> None:
-    study = own_study("pairwise")
-    assert "hardly differ in 3 of 3 segments" in check_videos(study)["catch-hardly-differs"]
-    for segment, spoilt in (("one", VideoRecipe(rate=10)), ("two", VideoRecipe(frames=24))):
-        write_video(study.videos / "broken" / f"{segment}.mp4", spoilt)
-        write_video(study.videos / "real" / f"{segment}.mp4", VideoRecipe())
-    # A slower video differs, and a shorter one is compared up to its end.
-    assert "hardly differ in 2 of 3 segments" in check_videos(study)["catch-hardly-differs"]
-    for segment in ("one", "two", "three"):
-        write_video(study.videos / "broken" / f"{segment}.mp4", VideoRecipe(size=120))
-
-    assert "catch-hardly-differs" not in check_videos(study)
 
 
 def test_page_weight_includes_the_next_pages_videos() -> None:

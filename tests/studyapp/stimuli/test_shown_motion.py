@@ -1,21 +1,9 @@
 from __future__ import annotations
 
-import numpy as np
-
 from motion.segment import Segment
-from renderer.look import FIRST_AVATAR
-from studyapp.stimuli.shown_motion import segment_scene, shown_abilities, shown_body
+from studyapp.stimuli.shown_motion import segment_scene
 from studyapp.study.folder import StudyFolder
-from tests.support.studies.redefining import set_keys
 from tests.support.studies.takes import write_motion, write_speech
-
-
-def test_stated_abilities_match_the_body(folder: StudyFolder) -> None:
-    np.save(folder.root / "face.npy", np.ones((100, 52)))
-    set_keys(folder.definition, {"video.expression_matrix": "face.npy"})
-    study = folder.study()
-    assert study.video.avatar == FIRST_AVATAR
-    assert shown_abilities(folder, study) == shown_body(folder, study).abilities
 
 
 def test_other_speech_is_cut_to_the_motions_length(folder: StudyFolder) -> None:
