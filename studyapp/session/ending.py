@@ -139,10 +139,10 @@ def withdraw(database: Database, token: str, clock: Clock) -> None:
         study_session = find_study_session(session, token)
         _require_unfinished(study_session)
         if study_session.withdrawn_at is None:
-            end_withdrawn(session, study_session, clock.now())
+            _end_withdrawn(session, study_session, clock.now())
 
 
-def end_withdrawn(session: Session, study_session: StudySession, now: datetime) -> None:
+def _end_withdrawn(session: Session, study_session: StudySession, now: datetime) -> None:
     """End `study_session` as withdrawn.
 
     If deletion was promised, all that remains is that somebody took part and withdrew: when, in
@@ -161,8 +161,7 @@ def end_withdrawn(session: Session, study_session: StudySession, now: datetime) 
     study_session.recruiter_session = study_session.submit_to = ""
     study_session.conditions = []
     study_session.number = None
-    if study_session.sound_checked_at is not None:
-        study_session.sound_tries = 0  # kept only for those who left at the sound check
+    study_session.sound_tries = 0
     study_session.started_at = study_session.sound_checked_at = None
     study_session.sound_digits = ""
     study_session.rested_at_position = None

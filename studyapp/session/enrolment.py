@@ -37,7 +37,6 @@ from studyapp.session.intake import (
     take_allocation_turn,
     wanted_places,
 )
-from studyapp.session.participation import left_at_sound_check
 from studyapp.session.places import (
     full_study_error,
     has_stale_places,
@@ -114,8 +113,7 @@ class Arrival:
 def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Clock) -> str:
     """Give the arriving participant a study session and return its token.
 
-    Participants who already have one get it back, whatever its state. Only those who left at the
-    sound check start over: they had not seen anything yet.
+    Participants who already have one get it back, whatever its state.
 
     Raises
     ------
@@ -149,14 +147,14 @@ def resume(database: Database, served: ServedStudy, arrival: Arrival, clock: Clo
     """
     with database.reading() as session:
         existing = session.scalars(_study_session_query(arrival)).first()
-        if existing is None or left_at_sound_check(existing):
+        if existing is None:
             return None
         if _is_proven(existing, arrival) and not _has_new_submission(existing, arrival):
             return existing.token
     with database.writing() as session:
         # Locked, so that nothing is stored about somebody who is being forgotten.
         existing = session.scalars(_study_session_query(arrival).with_for_update()).first()
-        if existing is None or left_at_sound_check(existing):
+        if existing is None:
             return None
         if not _is_proven(existing, arrival):
             _require_inactive(existing, served, clock.now())
@@ -212,8 +210,7 @@ def require_admission(
     """
     now = clock.now()
     with database.reading() as session:
-        existing = session.scalars(_study_session_query(arrival)).first()
-        if existing is None or left_at_sound_check(existing):
+        if session.scalars(_study_session_query(arrival)).first() is None:
             require_open_place(session, served, current_intake(session), now)
             _require_uncrowded_address(session, served, arrival, now)
 
@@ -235,8 +232,7 @@ def _enrol_newcomer(
 
 
 def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetime) -> str | None:
-    existing = session.scalars(_study_session_query(arrival)).first()
-    if existing is not None and not left_at_sound_check(existing):
+    if session.scalars(_study_session_query(arrival)).first() is not None:
         return None
     intake = current_intake(session)
     require_open_intake(served, intake)
@@ -249,9 +245,6 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
     version_id = session.scalar(version)
     if version_id is None:
         raise changed_study_error()
-    if existing is not None:
-        session.delete(existing)
-        session.flush()  # no two study sessions may have the same name
     arm = served.arms[place.arm, place.design]
     planned = served.study.plan(arm, place.number, served.segments, count_votes(session, served))
     study_session = StudySession(

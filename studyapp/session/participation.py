@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.session.ending import Exit, end_withdrawn, exit_of
+from studyapp.session.ending import Exit, exit_of
 from studyapp.session.places import regain_place
 from studyapp.session.refusal import ConflictError, UnacceptableError
 from studyapp.session.served_study import ServedStudy
@@ -64,8 +64,6 @@ class Situation:
         The completion code and the way back; None before the end is stored.
     trial : ShownTrial or None
         The current trial.
-    left_at_sound_check : bool
-        Whether they left because they could not hear the sound.
     """
 
     state: State
@@ -78,7 +76,6 @@ class Situation:
     has_tried_comprehension: bool = False
     exit: Exit | None = None
     trial: ShownTrial | None = None
-    left_at_sound_check: bool = False
 
     @property
     def completion_code(self) -> str | None:
@@ -100,7 +97,6 @@ def load_situation(database: Database, served: ServedStudy, token: str, clock: C
             presentations=len(study_session.trials),
             practice=sum(trial.kind == "practice" for trial in study_session.trials),
             exit=exit_of(served.study.recruitment, study_session),
-            left_at_sound_check=left_at_sound_check(study_session),
         )
         if situation.state not in ("instructed", "started"):
             return situation
@@ -141,9 +137,6 @@ def _minutes_left(session: Session, study_session: StudySession, study: Study) -
 
 SPOKEN_DIGITS: Final = 3
 
-TRIES_BEFORE_LEAVING: Final = 3
-"""Wrong tries after which participants may leave because they hear nothing."""
-
 
 def sound_check_due(study_session: StudySession, served: ServedStudy) -> bool:
     """Tell whether the participant must still pass the sound check."""
@@ -165,7 +158,7 @@ def digits_to_speak(database: Database, served: ServedStudy, token: str) -> str:
 
 
 def check_sound(
-    database: Database, served: ServedStudy, token: str, typed: str, clock: Clock, *, tries: int
+    database: Database, served: ServedStudy, token: str, typed: str, clock: Clock
 ) -> bool:
     """Tell whether the participant typed the spoken digits, and store the result.
 
@@ -175,9 +168,6 @@ def check_sound(
     ----------
     typed : str
         Digits of any width, with anything between them.
-    tries : int
-        Number of wrong tries that the page knew of. A try that is sent again, by a double click or
-        a reload, counts once.
 
     Raises
     ------
@@ -202,30 +192,8 @@ def check_sound(
         if digits == study_session.sound_digits:
             study_session.sound_checked_at = clock.now()
             return True
-        if tries == study_session.sound_tries:
-            study_session.sound_tries += 1
+        study_session.sound_tries += 1
         return False
-
-
-def leave_sound_check(database: Database, served: ServedStudy, token: str, clock: Clock) -> None:
-    """End the study session of somebody who cannot hear the sound, as if withdrawn.
-
-    Nothing changes before `TRIES_BEFORE_LEAVING` tries, and after the check.
-    """
-    with database.writing() as session:
-        study_session = find_study_session(session, token)
-        has_tried = study_session.sound_tries >= TRIES_BEFORE_LEAVING
-        if has_tried and sound_check_due(study_session, served):
-            end_withdrawn(session, study_session, clock.now())
-
-
-def left_at_sound_check(study_session: StudySession) -> bool:
-    """Tell whether the participant left at the sound check after trying."""
-    return (
-        study_session.withdrawn_at is not None
-        and study_session.sound_checked_at is None
-        and study_session.sound_tries >= TRIES_BEFORE_LEAVING
-    )
 
 
 def break_due(study_session: StudySession, study: Study) -> int | None:

@@ -17,10 +17,7 @@ identifies the participant. What programs may rely on:
 ``GET /take/<token>``           where the participant stands: sound check, questions,
                                 instructions, a trial, a break, the end.
 ``POST /take/<token>/sound-check``  the form ``<form id="sound-check">``: ``digits`` as they are
-                                spoken in the ``src`` of its page's ``<audio>``, and a hidden
-                                ``tries``, the wrong tries so far, by which one that is sent again
-                                counts once; after three, the page has a form to leave
-                                (``/unheard``).
+                                spoken in the ``src`` of its page's ``<audio>``.
 ``POST /take/<token>/form/<stage>``  more such questions, ``demographics`` or ``closing``.
 ``POST /take/<token>/begin``    the instructions' form; after a wrong first try it holds a hidden
                                 ``tries`` too.

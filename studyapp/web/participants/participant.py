@@ -12,12 +12,7 @@ from pydantic import ValidationError
 from studyapp.session.answers import Fields, skip_unplayable, store_answers
 from studyapp.session.ending import screened_out_exit, withdraw, withdrawal_promise
 from studyapp.session.form_answers import find_problems, start_trials, store_form_answers
-from studyapp.session.participation import (
-    TRIES_BEFORE_LEAVING,
-    Situation,
-    leave_break,
-    load_situation,
-)
+from studyapp.session.participation import Situation, leave_break, load_situation
 from studyapp.session.playback import record_watched
 from studyapp.session.refusal import IneligibleError, UnacceptableError
 from studyapp.session.trials import ShownTrial
@@ -71,7 +66,7 @@ def begin_trials(token: str) -> ResponseReturnValue:
             token,
             site.clock,
             answers=comprehension,
-            tries=known_tries(),
+            tries=request.form.get("tries", 0, type=int),
         )
     except UnacceptableError as refusal:
         problem = note_and_explain(refusal)
@@ -221,7 +216,6 @@ def situation_page(
         token=token,
         situation=situation,
         problem=problem,
-        tries_before_leaving=TRIES_BEFORE_LEAVING,
         presentations=situation.presentations,
         practice=situation.practice,
         frozen=frozen_words(study),
@@ -295,11 +289,6 @@ def problems_of(stage: Stage, form_answers: Mapping[str, str]) -> dict[str, str]
     """Return in words why answers to questions of `stage` cannot be accepted, by question."""
     problems = find_problems(study_site().study, stage, form_answers)
     return {name: say(problem) for name, problem in problems.items()}
-
-
-def known_tries() -> int:
-    """Return the number of tries that the submitted form's page knew of."""
-    return request.form.get("tries", 0, type=int)
 
 
 def form_fields() -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""The sound check: digits are read out and typed in; who cannot hear them may leave."""
+"""The sound check: digits are read out and typed in."""
 
 from __future__ import annotations
 
@@ -11,16 +11,12 @@ from typing import Final
 from flask import Blueprint, request, send_file
 from flask.typing import ResponseReturnValue
 
-from studyapp.session.participation import check_sound, digits_to_speak, leave_sound_check
+from studyapp.session.participation import check_sound, digits_to_speak
 from studyapp.session.refusal import UnacceptableError
 from studyapp.study.settings.presentation import Language
 from studyapp.web.errors import note_and_explain
 from studyapp.web.language import _
-from studyapp.web.participants.participant import (
-    current_page,
-    known_tries,
-    redirect_to_current_page,
-)
+from studyapp.web.participants.participant import current_page, redirect_to_current_page
 from studyapp.web.site import study_site
 
 RECORDINGS: Final = Path(__file__).parents[1] / "digit_recordings"
@@ -89,20 +85,10 @@ def check(token: str) -> ResponseReturnValue:
     site = study_site()
     typed = request.form.get("digits", "")
     try:
-        is_right = check_sound(
-            site.database, site.served, token, typed, site.clock, tries=known_tries()
-        )
+        is_right = check_sound(site.database, site.served, token, typed, site.clock)
         problem = _("Those are not the digits that were spoken. Please try once more.")
     except UnacceptableError as refusal:
         is_right, problem = False, note_and_explain(refusal)
     if is_right:
         return redirect_to_current_page(token)
     return current_page(token, problem=problem), 422
-
-
-@pages.post("/take/<token>/sound-check/unheard")
-def unheard(token: str) -> ResponseReturnValue:
-    """Leave the study without having heard anything."""
-    site = study_site()
-    leave_sound_check(site.database, site.served, token, site.clock)
-    return redirect_to_current_page(token)

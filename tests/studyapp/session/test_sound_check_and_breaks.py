@@ -7,25 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.session.enrolment import Arrival, resume
+from studyapp.session.enrolment import Arrival
 from studyapp.session.form_answers import store_form_answers
-from studyapp.session.participation import (
-    check_sound,
-    digits_to_speak,
-    leave_break,
-    leave_sound_check,
-)
-from studyapp.session.refusal import (
-    ConflictError,
-    StudyFullError,
-    UnacceptableError,
-    UnknownAddressError,
-)
+from studyapp.session.participation import check_sound, digits_to_speak, leave_break
+from studyapp.session.refusal import ConflictError, UnacceptableError
 from studyapp.session.trials import minutes_left
 from studyapp.study.design.trial import Stimulus
 from tests.studyapp.session.conftest import Open
-from tests.support.read_once import read_once
-from tests.support.studies.exported import study_sessions_table
 from tests.support.studies.form_questions import ABOUT, ADULT, FORM
 from tests.support.studies.taking_part_steps import Participant
 
@@ -42,15 +30,8 @@ def digits(participant: Participant) -> str:
     return digits_to_speak(participant.database, participant.served, participant.token)
 
 
-def hear(participant: Participant, typed: str, tries: int = 0) -> bool:
-    return participant.do(check_sound, typed, tries=tries)
-
-
-def mishear(participant: Participant) -> bool:
-    """Type wrong digits into the present page, and send it twice, as by a double click."""
-    wrong = "".join(str((int(digit) + 1) % 10) for digit in digits(participant))
-    tries = participant.look().sound_tries or 0
-    return any(hear(participant, wrong, tries) for _ in range(2))
+def hear(participant: Participant, typed: str) -> bool:
+    return participant.do(check_sound, typed)
 
 
 def test_wrong_digits_are_counted_and_exclude_nobody(
@@ -63,7 +44,7 @@ def test_wrong_digits_are_counted_and_exclude_nobody(
     with pytest.raises(UnacceptableError, match="No digits"):
         hear(listener, "none")
     for tries in range(1, 6):
-        assert not mishear(listener)
+        assert not hear(listener, "".join(str((int(digit) + 1) % 10) for digit in spoken))
         assert (listener.look().sound_tries, digits(listener)) == (tries, spoken)
 
     assert hear(listener, spoken)
@@ -81,63 +62,6 @@ def test_digits_may_have_separators_and_any_width(listener: Participant, between
     wide = [chr(ord("０") + int(digit)) for digit in digits(listener)]
 
     assert hear(listener, between.join(wide))
-
-
-def test_leaving_is_offered_after_three_attempts_and_frees_the_place(listener: Participant) -> None:
-    for _ in range(3):
-        listener.do(leave_sound_check)
-        assert listener.look().state == "instructed"
-        mishear(listener)
-    listener.do(leave_sound_check)
-
-    assert listener.look().state == "withdrawn"
-    assert listener.stored().sound_tries == 3
-    for number in range(4):
-        listener.another().enrol(f"visit {number}")
-    with pytest.raises(StudyFullError):
-        listener.another().enrol("visit")
-    assert listener.look().left_at_sound_check
-
-
-RECRUITED = Arrival(
-    recruiter_participant="left", recruiter_study="study", recruiter_session="session"
-)
-
-
-@pytest.mark.parametrize("arrival", [Arrival(visit="visit"), RECRUITED])
-def test_a_participant_who_left_at_the_sound_check_may_start_again(
-    listener: Participant, arrival: Arrival
-) -> None:
-    left = listener.arrive(arrival).token
-    before = len(read_once(listener.database, study_sessions_table))
-    for _ in range(3):
-        mishear(listener)
-    listener.do(leave_sound_check)
-    assert resume(listener.database, listener.served, arrival, listener.clock) is None
-
-    listener.arrive(arrival)
-
-    assert listener.token != left
-    assert listener.look().sound_tries == 0
-    assert resume(listener.database, listener.served, arrival, listener.clock) == listener.token
-    assert len(read_once(listener.database, study_sessions_table)) == before
-    with pytest.raises(UnknownAddressError):
-        replace(listener, token=left).look()
-
-
-@pytest.mark.parametrize("tries", [1, 3])
-def test_a_participant_who_withdraws_at_the_sound_check_cannot_start_again(
-    listener: Participant, tries: int
-) -> None:
-    for _ in range(tries):
-        mishear(listener)
-    if tries == 3:
-        hear(listener, digits(listener))
-    listener.withdraw()
-
-    assert not listener.look().left_at_sound_check
-    left = listener.token
-    assert listener.enrol().token == left
 
 
 def test_questions_come_after_the_sound_check(open_changed: Open) -> None:

@@ -76,15 +76,3 @@ def test_page_and_headers_do_not_depend_on_the_digits(listening: Flask, visitor:
     names = {name for name, _ in answers_by_digits[0][1][1]}
     assert not {"ETag", "Last-Modified", "Expires", "Content-Disposition"} & names
     assert ("Cache-Control", "no-store") in answers_by_digits[0][1][1]
-
-
-def test_whoever_hears_nothing_may_leave_after_three_tries(visitor: Visitor) -> None:
-    for _ in range(3):
-        page = visitor.page()
-        assert page.soup.select("#unheard") == []
-        wrong = {"digits": "12345", "tries": page.value("[name=tries]", "value")}
-        assert visitor.client.post(page.action, data=wrong).status_code == 422
-
-    leaving = visitor.page().value("#unheard form", "action")
-    assert visitor.client.post(leaving).status_code == 303
-    assert visitor.page().heading == "You have left the study"
