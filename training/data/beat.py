@@ -1,4 +1,4 @@
-"""BEAT and BEAT2 (Liu et al. 2022, 2024), and any folder of SMPL-X ``.npz`` files and sound.
+"""BEAT and BEAT2 (Liu et al. 2022, 2024): names of recordings, and motion.
 
 The name of a recording is ``{number}_{name}_{type}_{start}_{end}``: number and name of the speaker,
 the type of recording (even: monologue; odd: conversation; 0 and 1: English), and the first and last
@@ -8,30 +8,14 @@ text that is spoken.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
 from typing import Final, Self
 
 from motion.audio import read_audio
-from motion.endings import SPEECH_ENDINGS
 from motion.errors import InputError
 from motion.formats.bvh import BvhFrameCountError, read_bvh
 from motion.formats.bvh_motion import BvhMotion, settle_first_frame
 from motion.segment import EMOTIONS
-from training.data.found_take import (
-    UNKNOWN_SPEAKER,
-    Findings,
-    FolderFiles,
-    FoundTake,
-    each_take,
-    found_take,
-    has_arrays,
-    sound_of,
-    split_folder,
-    without_duplicates,
-)
 from training.data.take import LONGEST_DIFFERENCE, Split, Take
 
 
@@ -155,102 +139,3 @@ class BeatName:
 def _emotion_of(text: int) -> str:
     last_texts = zip(LAST_TEXTS, EMOTIONS, strict=True)
     return next((emotion for last_text, emotion in last_texts if text <= last_text), "")
-
-
-def find_beat(files: FolderFiles) -> Findings:
-    """Return the takes of a folder of BEAT, nested or flat.
-
-    Every ``.bvh`` is a take. Its sound (``.wav``), facial weights (``.json``) and annotated
-    gestures (``.txt``) share its name; the last two may be missing.
-    """
-    return _find_takes(files, ".bvh", _beat_take)
-
-
-def find_beat2(files: FolderFiles) -> Findings:
-    """Return the takes of a folder of SMPL-X motion and sound.
-
-    Every ``.npz`` with poses is a take. Its sound has the same name, in the same or another folder:
-    BEAT2 keeps motion in ``smplxflame_30``, sound in ``wave16k`` and annotated gestures in ``sem``.
-    BEAT's names give speaker and emotion; otherwise the folder of motion and sound names the
-    speaker.
-    """
-    return _find_takes(files, ".npz", _beat2_take)
-
-
-def _find_takes(
-    files: FolderFiles, ending: str, take_of: Callable[[FolderFiles, Path], FoundTake | None]
-) -> Findings:
-    candidates, skipped = each_take(files.ending_in(ending), partial(take_of, files))
-    takes, duplicates = without_duplicates(candidates)
-    return Findings(
-        takes=takes,
-        skipped=(*skipped, *_unpaired_sounds(files, ending), *duplicates),
-        speakers=_speakers(candidate.take for candidate in takes),
-        split_rule="the rule published with BEAT",
-    )
-
-
-def _beat_take(files: FolderFiles, motion: Path) -> FoundTake:
-    name = BeatName.parse(motion.stem)
-    if name is None:
-        raise InputError(
-            "the file's name is not in BEAT's format",
-            where=motion,
-            remedy="Name it {number}_{name}_{type}_{start}_{end}, such as 2_scott_0_9_9",
-        )
-    face = files.companion(motion, (".json",))
-    return _named_take(files, motion, name, name.speaker, face=face)
-
-
-def _beat2_take(files: FolderFiles, motion: Path) -> FoundTake | None:
-    if not has_arrays(motion, "poses"):
-        if files.companion(motion, SPEECH_ENDINGS):
-            raise InputError(
-                "the file holds no poses", where=motion, remedy="Give SMPL-X poses in it"
-            )
-        return None
-    speech = sound_of(motion, files)
-    place, _ = split_folder(files.place_of(motion))
-    name = BeatName.parse(motion.stem)
-    in_speaker_folder = speech.parent == motion.parent and len(place.parts) > 1
-    speaker = name.speaker if name else place.parts[-2] if in_speaker_folder else UNKNOWN_SPEAKER
-    return _named_take(files, motion, name, speaker)
-
-
-def _named_take(
-    files: FolderFiles, motion: Path, name: BeatName | None, speaker: str, **tracks: Path | None
-) -> FoundTake:
-    place, folder_split = split_folder(files.place_of(motion).with_suffix(""))
-    return found_take(
-        files,
-        motion,
-        place,
-        name=motion.stem,
-        speaker=speaker,
-        emotion=name.emotion if name else "",
-        recording=motion.stem,
-        given_split=folder_split or (name.published_split if name else None),
-        semantic=files.companion(motion, (".txt",)),
-        **tracks,
-    )
-
-
-def _unpaired_sounds(files: FolderFiles, ending: str) -> list[InputError]:
-    """Return an error for each sound with a BEAT name and no motion."""
-    return [
-        InputError(
-            "the sound has no motion", where=sound, remedy=f"Put {sound.stem}{ending} next to it"
-        )
-        for sound in files.ending_in(".wav")
-        if BeatName.parse(sound.stem) and files.companion(sound, (ending,)) is None
-    ]
-
-
-def _speakers(takes: Iterable[Take]) -> tuple[str, ...]:
-    """Return the speakers by number; those without a number come last, by name."""
-    numbers: dict[str, int] = {}
-    for take in takes:
-        name = BeatName.parse(take.name)
-        number = name.number if name else 10**9
-        numbers[take.speaker] = min(numbers.get(take.speaker, number), number)
-    return tuple(sorted(numbers, key=lambda speaker: (numbers[speaker], speaker)))

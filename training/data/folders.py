@@ -1,12 +1,18 @@
 """Finding the takes of a folder of any known layout.
 
-Clips as plain arrays are those of TED Gesture (Yoon et al. 2020) and SHOW (Yi et al. 2023).
+Every motion file is a take. Its sound has the same name, in the same or another folder: BEAT2 keeps
+motion in ``smplxflame_30``, sound in ``wave16k`` and annotated gestures in ``sem``. A folder
+``train``, ``val`` or ``test`` above it names its split. BEAT's names give speaker and emotion;
+otherwise a folder names the speaker. Clips as plain arrays are those of TED Gesture (Yoon et al.
+2020), ``talk/clip.npz``, each of whose talks counts as one speaker, and SHOW (Yi et al. 2023),
+``speaker/video/clip/clip.npy`` (or ``.npz``) or ``speaker/video/clip.npy``. The data sets' own
+pickles and databases of pickles are never opened, because unpickling them runs code.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Final
 
@@ -14,128 +20,79 @@ from motion.endings import SPEECH_ENDINGS
 from motion.errors import InputError, listed
 from motion.formats.smplx_rows import ARRAYS as SHOW_ARRAYS
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
-from training.data.beat import find_beat, find_beat2
+from motion.formats.transcript import preferred_transcript
+from training.data.beat import BeatName
 from training.data.found_take import (
-    UNKNOWN_SPEAKER,
-    Findings,
     FolderFiles,
     FoundTake,
-    each_take,
-    found_take,
     has_arrays,
     list_folder,
     split_folder,
-    with_unique_names,
+    usable_name,
 )
 from training.data.splitting import USUAL_NAMES, by_list, by_rule, read_split_list
-from training.data.take import KINDS, Kind, Split, TakeFolder
+from training.data.take import KINDS, Kind, Take, TakeFolder
 
-DATABASE = "data.mdb"
-_CONVERT = "if you trust the file: docs/data.md shows how"
+UNKNOWN_SPEAKER: Final = "unknown"
+"""The speaker of takes whose data set names none."""
+
+_SEE_DOCS: Final = "see docs/data.md, which also converts pickled data sets (.pkl, data.mdb)"
 
 
-def find_ted(files: FolderFiles) -> Findings:
-    """Return the takes of a folder of TED Gesture's clips, saved as plain arrays.
+@dataclass(frozen=True)
+class _Identity:
+    """What the place of a motion file says about its take; see `FoundTake`."""
 
-    A clip is ``talk/clip.npz`` (see `motion.formats.ted_npz`) with its sound next to it. A folder
-    ``train``, ``val`` or ``test`` above it names its split. Every talk counts as one speaker. TED
-    Gesture's own databases are never opened, because unpickling them runs code.
-    """
-    databases = [
-        InputError(
-            "the database holds pickled Python objects, not plain arrays",
-            where=path,
-            remedy=f"Save its clips once as .npz and .wav, {_CONVERT}",
+    place: PurePosixPath
+    name: str
+    speaker: str
+    recording: str
+
+
+def _beat_identity(place: PurePosixPath) -> _Identity:
+    if BeatName.parse(place.name) is None:
+        raise InputError(
+            "the file's name is not in BEAT's format",
+            remedy="Name it {number}_{name}_{type}_{start}_{end}, such as 2_scott_0_9_9",
         )
-        for path in files.files
-        if path.name == DATABASE
-    ]
-    takes, skipped = each_take(files.ending_in(".npz"), partial(_ted_take, files))
-    return _findings(takes, [*databases, *skipped])
+    return _beat2_identity(place)
 
 
-def find_show(files: FolderFiles) -> Findings:
-    """Return the takes of a folder of SHOW's clips, as distributed with TalkSHOW.
-
-    A clip is ``speaker/video/clip/clip.npy`` (or ``.npz``) or ``speaker/video/clip.npy``, with its
-    sound next to it. A folder ``train``, ``val`` or ``test`` above it names its split. Takes are
-    named after speaker and clip. SHOW's own ``.pkl`` files are never opened, because unpickling
-    them runs code.
-    """
-    takes, skipped = each_take(files.ending_in(".npy", ".npz"), partial(_show_take, files))
-    pickled = [
-        InputError(
-            "the motion is pickled, not a plain array",
-            where=path,
-            remedy=f"Save its arrays once with numpy.savez, {_CONVERT}",
-        )
-        for path in files.ending_in(".pkl")
-        if files.companion(path, SPEECH_ENDINGS) and not files.companion(path, (".npy", ".npz"))
-    ]
-    return _findings(takes, [*skipped, *pickled])
+def _beat2_identity(place: PurePosixPath) -> _Identity:
+    return _Identity(place, place.name, place.parent.name or UNKNOWN_SPEAKER, place.name)
 
 
-def _findings(takes: Sequence[FoundTake], skipped: Iterable[InputError]) -> Findings:
-    unique = with_unique_names(takes)
-    return Findings(
-        takes=unique,
-        skipped=tuple(skipped),
-        speakers=tuple(sorted({item.take.speaker for item in unique})),
-        split_rule="the folders train, val and test",
-    )
-
-
-def _ted_take(files: FolderFiles, motion: Path) -> FoundTake | None:
-    if not has_arrays(motion, *TED_ARRAYS):
-        if files.companion(motion, SPEECH_ENDINGS):
-            raise InputError(
-                "the file holds no motion of TED Gesture",
-                where=motion,
-                remedy=f"Give one of the arrays {', '.join(TED_ARRAYS)}",
-            )
-        return None
-    place, split = split_folder(files.place_of(motion).with_suffix(""))
-    recording = place.parent if place.parent.parts else place
-    return _clip_take(files, motion, place, recording, place.parent.parts[-1:], split)
-
-
-def _show_take(files: FolderFiles, motion: Path) -> FoundTake | None:
-    if files.companion(motion, SPEECH_ENDINGS) is None and motion.suffix.lower() == ".npz":
-        # Data sets come with statistics and other arrays.
-        return None
-    place, split = split_folder(files.place_of(motion).with_suffix(""))
-    if len(place.parts) > 1 and place.parts[-1] == place.parts[-2]:
+def _show_identity(place: PurePosixPath) -> _Identity:
+    if place.name == place.parent.name:
         place = place.parent
     outer = place.parent.parts
     recording = place.parent if len(outer) > 1 else place
-    return _clip_take(files, motion, place, recording, outer[:1], split)
+    speaker = outer[0] if outer else UNKNOWN_SPEAKER
+    return _Identity(place, "_".join(place.parts), speaker, recording.as_posix())
 
 
-def _clip_take(
-    files: FolderFiles,
-    motion: Path,
-    place: PurePosixPath,
-    recording: PurePosixPath,
-    speaker: tuple[str, ...],
-    split: Split | None,
-) -> FoundTake:
-    """Return the clip at `place`; `speaker` is empty if no folder names one."""
-    return found_take(
-        files,
-        motion,
-        place,
-        name="_".join((*speaker, place.name)),
-        speaker=speaker[0] if speaker else UNKNOWN_SPEAKER,
-        recording=recording.as_posix(),
-        given_split=split,
-    )
+def _ted_identity(place: PurePosixPath) -> _Identity:
+    talk = place.parent if place.parent.parts else place
+    speaker = place.parent.name or UNKNOWN_SPEAKER
+    return _Identity(place, "_".join(place.parts), speaker, talk.as_posix())
 
 
-_READERS: Final[Mapping[Kind, Callable[[FolderFiles], Findings]]] = {
-    "beat": find_beat,
-    "beat2": find_beat2,
-    "show": find_show,
-    "ted": find_ted,
+@dataclass(frozen=True)
+class _Layout:
+    """Endings of motion files, arrays of which an ``.npz`` has one, and what places say."""
+
+    endings: tuple[str, ...]
+    arrays: tuple[str, ...]
+    identity: Callable[[PurePosixPath], _Identity]
+    split_rule: str = "the rule published with BEAT"
+
+
+_FOLDERS: Final = "the folders train, val and test"
+_LAYOUTS: Final[Mapping[Kind, _Layout]] = {
+    "beat": _Layout((".bvh",), (), _beat_identity),
+    "beat2": _Layout((".npz",), ("poses",), _beat2_identity),
+    "show": _Layout((".npy", ".npz"), SHOW_ARRAYS, _show_identity, _FOLDERS),
+    "ted": _Layout((".npz",), TED_ARRAYS, _ted_identity, _FOLDERS),
 }
 
 
@@ -166,29 +123,24 @@ def read_takes(
     """
     files = list_folder(folder)
     layout = _kind_of(files) if kind is None else _checked_kind(kind)
-    findings = _READERS[layout](files)
-    if not findings.takes:
+    found, skipped = _find_takes(files, _LAYOUTS[layout])
+    if not found:
+        first = f"; the first file: {skipped[0]}" if skipped else ""
         raise InputError(
-            f"the folder holds no take of {layout}"
-            + (
-                f"; the first of {len(findings.skipped)} files is not a take because "
-                f"{findings.skipped[0].what}"
-                if findings.skipped
-                else ""
-            ),
-            where=folder,
-            remedy=findings.skipped[0].remedy if findings.skipped else "See docs/data.md",
+            f"the folder holds no take of {layout}{first}", where=folder, remedy=_SEE_DOCS
         )
     list_path = split_list or next(
         (folder / name for name in USUAL_NAMES if (folder / name).is_file()), None
     )
-    takes, notes = by_list(findings, read_split_list(list_path)) if list_path else by_rule(findings)
-    speakers = {take.speaker for take in takes}
+    if list_path:
+        takes, notes = by_list(found, read_split_list(list_path), list_path)
+    else:
+        takes, notes = by_rule(found, _LAYOUTS[layout].split_rule)
     return TakeFolder(
         kind=layout,
         takes=tuple(sorted(takes, key=lambda take: take.name)),
-        speakers=tuple(speaker for speaker in findings.speakers if speaker in speakers),
-        skipped=findings.skipped,
+        speakers=_speakers(takes),
+        skipped=tuple(skipped),
         notes=notes,
     )
 
@@ -204,35 +156,96 @@ def _kind_of(files: FolderFiles) -> Kind:
     """Return the layout of the files."""
     if any(files.ending_in(".bvh")):
         return "beat"
-    kinds: set[Kind] = set()
-    if any(path.name == DATABASE for path in files.files):
-        kinds.add("ted")
-    if any(files.companion(path, SPEECH_ENDINGS) for path in files.ending_in(".npy", ".pkl")):
-        kinds.add("show")
-    for path in files.ending_in(".npz"):
-        if files.companion(path, SPEECH_ENDINGS):
-            kinds |= _kinds_of_archive(path)
+    kinds = sorted(
+        kind
+        for kind, layout in _LAYOUTS.items()
+        if any(
+            files.companion(path, SPEECH_ENDINGS) and _is_motion(path, layout)
+            for path in files.ending_in(*layout.endings)
+        )
+    )
     if len(kinds) == 1:
-        return kinds.pop()
-    problem = (
-        f"the folder may be {listed(sorted(kinds))}"
-        if kinds
-        else "the folder holds no recordings of a known layout"
-    )
+        return kinds[0]
+    problem = f"may be {listed(kinds)}" if kinds else "holds no recordings of a known layout"
     raise InputError(
-        problem,
+        f"the folder {problem}",
         where=files.root,
-        remedy=f"Name its layout, one of {listed(KINDS)}, or see docs/data.md for what each is",
+        remedy=f"Name its layout, one of {listed(KINDS)}, or {_SEE_DOCS}",
     )
 
 
-def _kinds_of_archive(path: Path) -> set[Kind]:
-    arrays: Mapping[Kind, tuple[str, ...]] = {
-        "beat2": ("poses",),
-        "show": SHOW_ARRAYS,
-        "ted": TED_ARRAYS,
-    }
-    try:
-        return {kind for kind, keys in arrays.items() if has_arrays(path, *keys)}
-    except InputError:
-        return set()
+def _is_motion(path: Path, layout: _Layout) -> bool:
+    return path.suffix.lower() != ".npz" or has_arrays(path, *layout.arrays)
+
+
+def _find_takes(files: FolderFiles, layout: _Layout) -> tuple[list[FoundTake], list[InputError]]:
+    """Return the takes, and why other files are not takes."""
+    takes: dict[str, FoundTake] = {}
+    skipped: list[InputError] = []
+    for motion in files.ending_in(*layout.endings):
+        sound = files.companion(motion, SPEECH_ENDINGS)
+        is_motion = _is_motion(motion, layout)
+        if sound is None and not is_motion:
+            continue  # Data sets come with statistics and other arrays.
+        try:
+            if not is_motion:
+                raise InputError(
+                    f"the file is damaged, or holds none of the arrays {', '.join(layout.arrays)}",
+                    remedy="Copy it again",
+                )
+            item = _found_take(files, motion, sound, layout)
+            first = takes.setdefault(item.take.name, item)
+            if first is not item:
+                raise InputError(
+                    f"take {item.take.name} exists twice; {first.take.motion} is used",
+                    remedy="Rename or remove one of them",
+                )
+        except InputError as error:
+            skipped.append(InputError(error.what, where=motion, remedy=error.remedy))
+    skipped += [
+        InputError(
+            "the sound has no motion",
+            where=sound,
+            remedy=f"Put {sound.stem}{layout.endings[0]} next to it",
+        )
+        for sound in files.ending_in(*SPEECH_ENDINGS)
+        if files.companion(sound, layout.endings) is None
+    ]
+    return [*takes.values()], skipped
+
+
+def _found_take(files: FolderFiles, motion: Path, sound: Path | None, layout: _Layout) -> FoundTake:
+    if sound is None:
+        raise InputError("the motion has no sound", remedy=f"Put {motion.stem}.wav next to it")
+    if not (motion.stat().st_size and sound.stat().st_size):
+        raise InputError("the motion or its sound is empty", remedy="Copy both again")
+    place, folder_split = split_folder(files.place_of(motion).with_suffix(""))
+    identity = layout.identity(place)
+    beat = BeatName.parse(motion.stem)
+    take = Take(
+        name=usable_name(identity.name),
+        speaker=beat.speaker if beat else identity.speaker,
+        emotion=beat.emotion if beat else "",
+        split="train",
+        speech=sound,
+        motion=motion,
+        face=files.companion(motion, (".json",)),
+        semantic=files.companion(motion, (".txt",)),
+        transcript=preferred_transcript(lambda ending: files.companion(motion, (ending,))),
+    )
+    return FoundTake(
+        take=take,
+        place=identity.place.as_posix(),
+        recording=identity.recording,
+        given_split=folder_split or (beat.published_split if beat else None),
+    )
+
+
+def _speakers(takes: Sequence[Take]) -> tuple[str, ...]:
+    """Return the speakers by BEAT's number; those without a number come last, by name."""
+    numbers: dict[str, int] = {}
+    for take in takes:
+        name = BeatName.parse(take.name)
+        number = name.number if name else 10**9
+        numbers[take.speaker] = min(numbers.get(take.speaker, number), number)
+    return tuple(sorted(numbers, key=lambda speaker: (numbers[speaker], speaker)))

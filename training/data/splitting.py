@@ -8,17 +8,17 @@ from __future__ import annotations
 import csv
 import hashlib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from motion.endings import MOTION_ENDINGS, SPEECH_ENDINGS
 from motion.errors import InputError, counted, listed
-from training.data.found_take import SPLIT_WORDS, Findings
+from training.data.found_take import SPLIT_WORDS, FoundTake
 from training.data.take import SPLITS, Split, Take
 
 USUAL_NAMES: Final = ("splits.csv", "train_test_split.csv", "train_val_test.json")
@@ -27,34 +27,11 @@ USUAL_NAMES: Final = ("splits.csv", "train_test_split.csv", "train_val_test.json
 _NAME_COLUMNS: Final = ("name", "id")
 _SPLIT_COLUMNS: Final = ("split", "type")
 _ENDINGS: Final = (*MOTION_ENDINGS, *SPEECH_ENDINGS, ".json", ".pkl")
-_FORMS: Final = (
-    "Give a CSV with the columns name and split, or JSON with lists of names under train, "
-    "validation and test"
-)
 _BY_SPLIT: Final = TypeAdapter(dict[str, list[str]])
 
 
-@dataclass(frozen=True, kw_only=True)
-class SplitList:
-    """The splits of takes.
-
-    Attributes
-    ----------
-    path : Path
-        File of the list.
-    splits : mapping of str to split
-        Split of each name.
-    others : mapping of str to str
-        Split of each name in a split of another kind, such as BEAT2's ``additional``.
-    """
-
-    path: Path
-    splits: Mapping[str, Split]
-    others: Mapping[str, str]
-
-
-def read_split_list(path: Path) -> SplitList:
-    """Read a split list.
+def read_split_list(path: Path) -> Mapping[str, Split | None]:
+    """Return the split of each name in a list; None if it is none of ours, as ``additional``.
 
     Parameters
     ----------
@@ -66,81 +43,52 @@ def read_split_list(path: Path) -> SplitList:
     Raises
     ------
     InputError
-        If it is neither, names no split, or puts a name into two splits.
+        If it is neither, or puts a name into two splits.
     """
-    splits: dict[str, Split] = {}
-    others: dict[str, str] = {}
-    for name, word, where in _rows(path):
-        name = without_ending(name)
-        split = SPLIT_WORDS.get(word.lower())
-        previous = splits.get(name) or others.get(name)
-        if previous is not None and previous != (split or word):
+    splits: dict[str, Split | None] = {}
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        rows = _json_rows(text) if path.suffix.lower() == ".json" else _csv_rows(text)
+    except (OSError, ValueError) as error:
+        problem = str(error).partition("\n")[0]
+        raise InputError(
+            f"the split list cannot be read ({problem})",
+            where=path,
+            remedy="Give a CSV with the columns name and split, or JSON with lists of names under "
+            "train, validation and test",
+        ) from error
+    for name, word in rows:
+        name, split = _without_ending(name), SPLIT_WORDS.get(word.strip().lower())
+        if splits.setdefault(name, split) != split:
             raise InputError(
-                f"{name!r} is in {previous} and in {split or word}",
-                where=where,
-                remedy="Keep each take in one split",
+                f"{name!r} is in two splits", where=path, remedy="Keep each take in one split"
             )
-        if split:
-            splits[name] = split
-        else:
-            others[name] = word
-    if not splits:
-        raise InputError("the split list names no split", where=path, remedy=_FORMS)
-    return SplitList(path=path, splits=splits, others=others)
+    return splits
 
 
-def without_ending(name: str) -> str:
+def _json_rows(text: str) -> list[tuple[str, str]]:
+    by_split = _BY_SPLIT.validate_json(text)
+    return [(name, word) for word, names in by_split.items() for name in names]
+
+
+def _csv_rows(text: str) -> list[tuple[str, str]]:
+    table = csv.DictReader(text.splitlines())
+    header = {name.strip().lower(): name for name in table.fieldnames or ()}
+    columns = [
+        next((header[name] for name in names if name in header), None)
+        for names in (_NAME_COLUMNS, _SPLIT_COLUMNS)
+    ]
+    if None in columns:
+        raise ValueError(f"it has the columns {', '.join(header)}")
+    rows = [[row[column] or "" for column in columns if column is not None] for row in table]
+    return [(name, word) for name, word in rows]
+
+
+def _without_ending(name: str) -> str:
     """Return the name of a take without a file ending, with ``/`` between folders."""
     name = name.strip().replace("\\", "/").removeprefix("./")
     ending = next((ending for ending in _ENDINGS if name.lower().endswith(ending)), "")
     return name[: len(name) - len(ending)]
-
-
-def _rows(path: Path) -> Iterator[tuple[str, str, str]]:
-    """Yield name, split and position in the list."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError("the split list cannot be read", where=path, remedy=_FORMS) from error
-    if path.suffix.lower() == ".json":
-        yield from _json_rows(text, path)
-    else:
-        yield from _csv_rows(text, path)
-
-
-def _json_rows(text: str, path: Path) -> Iterator[tuple[str, str, str]]:
-    try:
-        for word, names in _BY_SPLIT.validate_json(text).items():
-            yield from ((name, word, str(path)) for name in names)
-    except ValidationError as error:
-        raise InputError(
-            f"the split list is not JSON of names by split ({str(error).splitlines()[0]})",
-            where=path,
-            remedy=_FORMS,
-        ) from error
-
-
-def _csv_rows(text: str, path: Path) -> Iterator[tuple[str, str, str]]:
-    rows = [
-        ([cell.strip() for cell in row], f"{path}, line {line}")
-        for line, row in enumerate(csv.reader(text.splitlines()), start=1)
-        if any(cell.strip() for cell in row)
-    ]
-    if not rows:
-        raise InputError("the split list is empty", where=path, remedy=_FORMS)
-    header = [cell.lower() for cell in rows[0][0]]
-    name_at = next((header.index(name) for name in _NAME_COLUMNS if name in header), None)
-    split_at = next((header.index(name) for name in _SPLIT_COLUMNS if name in header), None)
-    if name_at is None or split_at is None:
-        raise InputError(
-            f"the split list has the columns {', '.join(header)}", where=path, remedy=_FORMS
-        )
-    for row, where in rows[1:]:
-        if len(row) <= max(name_at, split_at) or not row[name_at] or not row[split_at]:
-            raise InputError(
-                "the row has no name or no split", where=where, remedy="Complete or remove it"
-            )
-        yield row[name_at], row[split_at], where
 
 
 HELD_OUT_SHARE: Final = 0.1
@@ -150,7 +98,9 @@ _QUOTED_NAMES: Final = 3
 """Number of names that a note quotes."""
 
 
-def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tuple[str, ...]]:
+def by_list(
+    found: Sequence[FoundTake], splits: Mapping[str, Split | None], path: Path
+) -> tuple[tuple[Take, ...], tuple[str, ...]]:
     """Return the takes that a list names, with their splits, and notes about the others.
 
     A list may use the take's name, its file's name, or its path below the folder.
@@ -158,54 +108,57 @@ def by_list(findings: Findings, splits: SplitList) -> tuple[tuple[Take, ...], tu
     Raises
     ------
     InputError
-        If the list names none of the takes.
+        If the list in `path` gives a split to none of the takes.
     """
     takes: list[Take] = []
-    unlisted: list[str] = []
-    elsewhere: Counter[str] = Counter()
+    left_out: list[str] = []
     known_names: set[str] = set()
-    for item in findings.takes:
+    for item in found:
         names = (item.take.name, item.take.motion.stem, item.place)
-        split = next((splits.splits[name] for name in names if name in splits.splits), None)
+        split = next((splits[name] for name in names if name in splits), None)
         known_names.update(names)
-        if split is not None:
-            takes.append(replace(item.take, split=split))
-        elif other := next((splits.others[name] for name in names if name in splits.others), None):
-            elsewhere[other] += 1
+        if split is None:
+            left_out.append(item.take.name)
         else:
-            unlisted.append(item.take.name)
+            takes.append(replace(item.take, split=split))
     if not takes:
         raise InputError(
-            f"the split list names none of the {len(findings.takes)} takes, of which the first is "
-            f"{findings.takes[0].take.name}",
-            where=splits.path,
+            f"the split list names none of the {len(found)} takes, of which the first is "
+            f"{found[0].take.name}",
+            where=path,
             remedy="Name takes after their files",
         )
-    missing = sorted(name for name in (*splits.splits, *splits.others) if name not in known_names)
-    notes = [f"splits by {splits.path.name}: {count_splits(takes)}"]
-    if unlisted:
-        notes.append(f"{_quote_names(unlisted, 'take')} left out, which the list does not name")
-    notes += [f"{counted(number, 'take')} left out as {word}" for word, number in elsewhere.items()]
+    notes = [f"splits by {path.name}: {count_splits(takes)}"]
+    if left_out:
+        notes.append(f"{_quote_names(left_out, 'take')} left out, to which the list gives no split")
+    missing = sorted(splits.keys() - known_names)
     if missing:
         notes.append(f"{_quote_names(missing, 'name')} of the list not found")
     return tuple(takes), tuple(notes)
 
 
-def by_rule(findings: Findings) -> tuple[tuple[Take, ...], tuple[str, ...]]:
+def by_rule(found: Sequence[FoundTake], rule: str) -> tuple[tuple[Take, ...], tuple[str, ...]]:
     """Return all takes with the data set's own split, or one by hash.
 
     A take without a split gets that of other takes of its recording. Recordings without a split are
     sorted by the hash of their name: the first tenth is for testing and the next for validation, at
     least one each if there are three or more.
+
+    Parameters
+    ----------
+    found : sequence of FoundTake
+        The takes.
+    rule : str
+        The source of `FoundTake.given_split`, in words.
     """
     given: dict[str, list[Split]] = {}
-    for item in sorted(findings.takes, key=lambda item: item.take.name):
+    for item in sorted(found, key=lambda item: item.take.name):
         if item.given_split:
             given.setdefault(item.recording, []).append(item.given_split)
-    hashed = split_by_hash({item.recording for item in findings.takes} - set(given))
+    hashed = split_by_hash({item.recording for item in found} - set(given))
     ruled: list[Take] = []
     by_hash: list[Take] = []
-    for item in findings.takes:
+    for item in found:
         if item.recording in given:
             ruled.append(replace(item.take, split=item.given_split or given[item.recording][0]))
         else:
@@ -213,7 +166,7 @@ def by_rule(findings: Findings) -> tuple[tuple[Take, ...], tuple[str, ...]]:
     divided = sum(len(set(splits)) > 1 for splits in given.values())
     notes = []
     if ruled:
-        notes.append(f"splits by {findings.split_rule}: {count_splits(ruled)}")
+        notes.append(f"splits by {rule}: {count_splits(ruled)}")
     if divided:
         notes.append(
             f"{counted(divided, 'recording')} cut into takes of several splits, so held-out takes "
