@@ -16,22 +16,18 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.clip_video import Stage
-from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
+from renderer.encoder import VideoWriter, video_frame
 from renderer.figures.plate import FAINT_INK, INK, fitted, font, wrapped
-from renderer.figures.skeleton_lines import joints_of, with_skeleton
-from renderer.framing import Camera
 from renderer.look import BACKGROUND
 from renderer.loudness import at_common_loudness
 from renderer.picture import SUPERSAMPLING
 
 MAX_PANELS: Final = 9
-MIN_SPEED: Final = 0.1
 
 _CAPTION_SHARE: Final = 0.11  # height of a caption line, of a panel's side
 _LETTER_SHARE: Final = 0.058
 _TEXT_LINES: Final = 2
 _LINE_SHARE: Final = 0.8  # height of a line of the text, of a caption line
-_SPEED_NAMES: Final = {0.5: "half speed", 0.25: "quarter speed", 0.1: "a tenth of the speed"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,12 +105,9 @@ class GridLayout:
 
 def write_grid(
     stage: Stage,
-    camera: Camera,
     panels: Sequence[Panel],
     speech: Audio,
     *,
-    speed: float,
-    skeleton: bool,
     text: str,
     video: Path,
     on_frame: Callable[[int, int], None] = lambda done, total: None,
@@ -126,17 +119,10 @@ def write_grid(
     stage : Stage
         The stage that renders all clips; entered. Its look sets the panels' size and the frame
         rate.
-    camera : Camera
-        The camera of `stage`.
     panels : sequence of Panel
         The panels, all with the same number of frames.
     speech : Audio
-        The speech at `renderer.encoder.SOUND_RATE`, which is heard at full speed only.
-    speed : float
-        Speed in (0, 1]. Below 1, the video shows its speed and has a silent sound track, so that it
-        can be joined to others.
-    skeleton : bool
-        Draw the skeleton over the body.
+        The speech at `renderer.encoder.SOUND_RATE`.
     text : str
         The spoken text; empty if unknown.
     video : Path
@@ -147,36 +133,26 @@ def write_grid(
     rate = stage.look.frame_rate
     layout = GridLayout(count=len(panels), size=stage.look.size, text=text)
     count = len(panels[0].clip)
-    if speed == 1:
-        sound = at_common_loudness(speech)
-    else:
-        sound = Audio(np.zeros(round(count / rate * SOUND_RATE), np.float32), SOUND_RATE)
     background = _background(layout, [panel.caption for panel in panels])
-    picture_streams = [_pictures(stage, camera, panel.clip, skeleton) for panel in panels]
+    picture_streams = [_pictures(stage, panel.clip) for panel in panels]
     with (
         replacing(video) as draft,
-        VideoWriter(draft, *layout.frame, rate, sound) as writer,
+        VideoWriter(draft, *layout.frame, rate, at_common_loudness(speech)) as writer,
     ):
         for number, pictures in enumerate(zip(*picture_streams, strict=True)):
             frame = background.copy()
             for place, picture in enumerate(pictures):
                 frame.paste(picture, layout.position(place))
-            _write_clock(frame, layout, number / rate * speed, speed)
+            _write_clock(frame, layout, number / rate)
             writer.write(video_frame(np.asarray(frame)))
             on_frame(number + 1, count)
 
 
-def _pictures(
-    stage: Stage, camera: Camera, clip: MotionClip, skeleton: bool
-) -> Iterator[Image.Image]:
-    joints = joints_of(clip, stage.body) if skeleton else None
+def _pictures(stage: Stage, clip: MotionClip) -> Iterator[Image.Image]:
     for number in range(len(clip)):
         # Frame by frame, because one stage draws the clips of a grid in turn.
         pixels = next(stage.pictures(clip.frames(slice(number, number + 1))))
-        picture = Image.fromarray(pixels).reduce(SUPERSAMPLING).convert("RGB")
-        if joints is not None:
-            picture = with_skeleton(picture, joints[number], camera)
-        yield picture
+        yield Image.fromarray(pixels).reduce(SUPERSAMPLING).convert("RGB")
 
 
 def _background(layout: GridLayout, captions: Sequence[str]) -> Image.Image:
@@ -201,15 +177,11 @@ def _background(layout: GridLayout, captions: Sequence[str]) -> Image.Image:
     return image
 
 
-def _write_clock(frame: Image.Image, layout: GridLayout, seconds: float, speed: float) -> None:
-    """Write the time of the speech in the lower right corner, and the speed in the left one."""
+def _write_clock(frame: Image.Image, layout: GridLayout, seconds: float) -> None:
+    """Write the time of the speech in the lower right corner."""
     pen = ImageDraw.Draw(frame)
     small = font(layout.size * _LETTER_SHARE * 0.7)
-    letters = font(layout.size * _LETTER_SHARE * 0.9)
     width, height = layout.frame
     middle = height - layout.caption_height * 0.45
     margin = layout.caption_height * 0.3
     pen.text((width - margin, middle), f"{seconds:.1f} s", FAINT_INK, small, anchor="rm")
-    if speed != 1:
-        words = _SPEED_NAMES.get(speed, f"{speed:g} × speed")
-        pen.text((margin, middle), words, INK, letters, anchor="lm")

@@ -17,9 +17,8 @@ from scipy.ndimage import minimum_filter
 from motion.arrays import Floats, Floats32
 from motion.body.model import BodyModel
 from motion.clip import MotionClip
-from motion.skeleton import joint_index
+from motion.skeleton import forward_kinematics, joint_index
 from renderer.clip_video import Stage, large_still, still
-from renderer.figures.skeleton_lines import joints_of, with_skeleton
 from renderer.framing import Camera, look_at, project
 from renderer.picture import SUPERSAMPLING
 
@@ -116,16 +115,9 @@ def common_box(body: BodyModel, poses: Iterable[MotionClip], camera: Camera) -> 
     return float(left), float(top), float(right), float(bottom)
 
 
-def panel(
-    stage: Stage, pose: MotionClip, camera: Camera, *, clear: bool, skeleton: bool = False
-) -> Image.Image:
+def panel(stage: Stage, pose: MotionClip, camera: Camera, *, clear: bool) -> Image.Image:
     """Return the frame of `pose` as RGBA, without the background if `clear`."""
-    picture = (
-        cut_out(stage, pose, camera).picture if clear else still(stage, pose, 0).convert("RGBA")
-    )
-    if skeleton:
-        picture = with_skeleton(picture, joints_of(pose, stage.body)[0], camera, key=False)
-    return picture
+    return cut_out(stage, pose, camera).picture if clear else still(stage, pose, 0).convert("RGBA")
 
 
 def cropped(picture: Image.Image, box: Box, size: tuple[int, int]) -> Image.Image:
@@ -139,6 +131,12 @@ def aspect_of(box: Box) -> float:
     """Return the height of `box` over its width."""
     left, top, right, bottom = box
     return (bottom - top) / (right - left)
+
+
+def joints_of(clip: MotionClip, body: BodyModel) -> Floats:
+    """Return the joints of `body` in each frame of `clip`, shape (T, 55, 3)."""
+    positions, _ = forward_kinematics(clip.poses, clip.trans, body.joints(clip.betas))
+    return positions
 
 
 _FACE_MARGIN: Final = 0.17

@@ -24,7 +24,6 @@ from renderer.figures.plate import (
     font,
     pixels,
 )
-from renderer.figures.skeleton_lines import SIDE_COLOURS, SIDE_MARKS
 
 MAX_MOMENTS: Final = 16
 """Largest number of moments that is legible in one figure."""
@@ -120,8 +119,6 @@ class StripLayout:
         Height of a panel divided by its width.
     wave : bool
         Whether the speech's waveform is drawn under the panels.
-    skeleton : bool
-        Whether skeletons are drawn and their colours explained.
     """
 
     inches: float
@@ -129,7 +126,6 @@ class StripLayout:
     moments: tuple[Moment, ...]
     aspect: float
     wave: bool = True
-    skeleton: bool = False
 
     @property
     def margin(self) -> int:
@@ -172,7 +168,7 @@ def draw_strip(
     wave = round(_WAVE_HEIGHT * DOTS_PER_INCH) if layout.wave else round(line / 4)
     page = Plate.of(
         layout.margin + len(layout.moments) * (width + _GAP) - _GAP,
-        round(axis_at + wave + (2.4 if layout.skeleton else 1.4) * line),
+        round(axis_at + wave + 1.4 * line),
         clear=clear,
     )
     texts, names_size = _fit_texts(layout.rows, height)
@@ -193,11 +189,6 @@ def draw_strip(
         words_middle = panels_height + line * 0.55
         page.write(centre, words_middle, word, ha="center", fontsize=words_size, fontstyle=style)
     _draw_time(page, layout, speech, centres, words_at, axis_at, wave)
-    if layout.skeleton:
-        for place, (side, mark) in enumerate(SIDE_MARKS.items()):
-            colour = [channel / 255 for channel in SIDE_COLOURS[side]]
-            x, y = layout.margin + place * 4 * line, page.height - line / 2
-            page.write(x, y, f"{mark} {side}", color=colour, fontsize=LETTERS - 1)
     return page
 
 

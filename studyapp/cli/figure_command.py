@@ -40,7 +40,6 @@ conditions = click.option(
 )
 clear = click.option("--clear", is_flag=True, help="Make the background transparent.")
 closeup = click.option("--closeup", is_flag=True, help="Show only the faces.")
-skeleton = click.option("--skeleton", is_flag=True, help="Draw the skeleton over the body.")
 output = click.option(
     "--output", type=FILE, help="The output file, instead of one in FOLDER/figures."
 )
@@ -83,7 +82,6 @@ def command() -> None:
 @click.option("--condition", required=True, help="The condition to show.")
 @click.option("--at", "seconds", type=Number(0), required=True, help="The moment.")
 @click.option("--size", type=click.IntRange(64, 2160), default=1440)
-@skeleton
 @clear
 @closeup
 @output
@@ -113,21 +111,19 @@ def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
 @click.option("--wave/--no-wave", default=True, help="Draw the waveform of the speech below.")
 @clear
 @closeup
-@skeleton
 @output
 def strip(
     folder: StudyFolder,
     output: Path | None,
     count: int,
     wave: bool,
-    skeleton: bool,
     **options: Any,
 ) -> None:
     """Write a strip with a row per condition and a column per key word."""
     from studyapp.stimuli.figures.paper_figures import write_strip
 
     figure = _figure(folder, "strip", output, options)
-    write_strip(figure, count=count, wave=wave, skeleton=skeleton)
+    write_strip(figure, count=count, wave=wave)
     click.echo(f"The strip is {' and '.join(map(str, figure.outputs))}")
 
 
@@ -169,23 +165,13 @@ def overlay(
 @study_folder
 @segment
 @conditions
-@click.option(
-    "--slow",
-    "speed",
-    type=Number(0.1, 1),
-    default=1.0,
-    metavar="SPEED",
-    help="Slow motion without sound, such as 0.25 for a quarter of the speed.",
-)
-@skeleton
 @closeup
 @output
 def grid(folder: StudyFolder, output: Path | None, **options: Any) -> None:
     """Write a video of several conditions side by side, with their names."""
     from studyapp.stimuli.figures.paper_figures import write_condition_grid
 
-    slow = "" if options["speed"] == 1 else f"-slow{options['speed']:g}"
-    path = output or folder.figures / f"grid-{options['segment']}{slow}.mp4"
+    path = output or folder.figures / f"grid-{options['segment']}.mp4"
     with progress("grid", "frame") as show:
         write_condition_grid(folder, **options, output=path, on_frame=show)
     click.echo(f"The video is {path}")

@@ -12,7 +12,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
 from renderer.clip_video import Stage, still
-from renderer.figures.skeleton_lines import joints_of
+from renderer.figures.panels import joints_of
 from renderer.framing import Camera, frame_clips, project
 from renderer.look import BACKGROUND, FRAMINGS, VIEWS, Look
 from renderer.shown_clip import frame_at

@@ -91,26 +91,22 @@ class FigureMaterial:
         require_distinct(labels)
         return dict(zip(names, labels, strict=True))
 
-    def clip(
-        self, segment: Segment, condition: str, *, frame_rate: float | None = None
-    ) -> MotionClip:
-        """Return the motion as participants see it, by default at the videos' frame rate."""
+    def clip(self, segment: Segment, condition: str) -> MotionClip:
+        """Return the motion as participants see it."""
         name = _require_known(condition, "condition", self.plan.conditions)
         path = self.plan.folder.clip(name, segment.name)
-        rate = frame_rate or self.plan.look.frame_rate
-        return self._shown(read_clip(path), path, segment, rate)
+        return self._shown(read_clip(path), path, segment)
 
     def variation(self, segment: Segment, path: Path) -> tuple[MotionClip, list[str]]:
         """Return motion for `segment` from any file, as participants would see it, and notes."""
         hands = licensed_hands(self.plan.folder, self.plan.study)
         clip, notes = read_recorded(path, mean_hands=hands)
-        return self._shown(clip, path, segment, self.plan.look.frame_rate), notes
+        return self._shown(clip, path, segment), notes
 
-    def _shown(
-        self, clip: MotionClip, path: Path, segment: Segment, frame_rate: float
-    ) -> MotionClip:
+    def _shown(self, clip: MotionClip, path: Path, segment: Segment) -> MotionClip:
         plan = self.plan
-        return as_shown(clip, plan.model, path, segment.duration, plan.study.freeze, frame_rate)
+        rate = plan.look.frame_rate
+        return as_shown(clip, plan.model, path, segment.duration, plan.study.freeze, rate)
 
     def speech(self, segment: Segment, sample_rate: int = SPEECH_RATE) -> Audio:
         """Return the speech of `segment`."""

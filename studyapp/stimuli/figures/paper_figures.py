@@ -14,11 +14,10 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.encoder import SOUND_RATE
-from renderer.figures.grid_video import MIN_SPEED, GridLayout, Panel, write_grid
+from renderer.figures.grid_video import GridLayout, Panel, write_grid
 from renderer.figures.overlay import blended, colours_for, draw_overlay, faded
 from renderer.figures.panels import FULL_BOX, Box, aspect_of, common_box, cropped, cut_out, panel
 from renderer.figures.plate import DOTS_PER_INCH, check_ending
-from renderer.figures.skeleton_lines import joints_of, with_skeleton
 from renderer.figures.strip import Moment, StripLayout, draw_strip, loud_moments
 from renderer.shown_clip import frame_at
 from studyapp.stimuli.figures.material import FigureMaterial, require_distinct
@@ -70,7 +69,6 @@ def write_still(
     condition: str,
     seconds: float,
     size: int,
-    skeleton: bool,
     clear: bool,
     closeup: bool,
     output: Path,
@@ -87,8 +85,6 @@ def write_still(
         Time from the segment's start.
     size : int
         Pixels of each side.
-    skeleton : bool
-        Draw the skeleton over the body.
     clear : bool
         Make the background transparent.
     closeup : bool
@@ -105,13 +101,11 @@ def write_still(
         material, [[pose]] = material.close_to_faces([[pose]])
     with material.stage(size) as stage:
         picture = panel(stage, pose, material.camera, clear=clear)
-        if skeleton:
-            picture = with_skeleton(picture, joints_of(pose, stage.body)[0], material.camera)
     with replacing(output) as draft:
         (picture if clear else picture.convert("RGB")).save(draft, "PNG", optimize=True)
 
 
-def write_strip(figure: PaperFigure, *, count: int, wave: bool, skeleton: bool) -> None:
+def write_strip(figure: PaperFigure, *, count: int, wave: bool) -> None:
     """Write a strip with a row per condition and a column per moment.
 
     Parameters
@@ -120,8 +114,6 @@ def write_strip(figure: PaperFigure, *, count: int, wave: bool, skeleton: bool) 
         Number of loud syllables to show if `figure` has no moments.
     wave : bool
         Draw the waveform of the speech below.
-    skeleton : bool
-        Draw the skeleton over the body.
     """
     material = FigureMaterial.read(figure.folder)
     segment = material.segment(figure.segment)
@@ -142,12 +134,11 @@ def write_strip(figure: PaperFigure, *, count: int, wave: bool, skeleton: bool) 
         moments=moments,
         aspect=aspect_of(box),
         wave=wave,
-        skeleton=skeleton,
     )
     with material.stage(_drawn_size(layout.panel[0], box)) as stage:
         panels = {
             key: cropped(
-                panel(stage, pose, material.camera, clear=figure.clear, skeleton=skeleton),
+                panel(stage, pose, material.camera, clear=figure.clear),
                 box,
                 layout.panel,
             )
@@ -219,8 +210,6 @@ def write_condition_grid(
     *,
     segment: str,
     conditions: Sequence[str],
-    speed: float,
-    skeleton: bool,
     closeup: bool,
     output: Path,
     on_frame: Callable[[int, int], None] = lambda done, total: None,
@@ -235,11 +224,6 @@ def write_condition_grid(
         Name of the segment.
     conditions : sequence of str
         Each ``name`` or ``name=label``; empty for all but the catch condition.
-    speed : float
-        From `renderer.figures.grid_video.MIN_SPEED` to 1. Slow motion interpolates the original
-        motion, so it is as smooth as at full speed.
-    skeleton : bool
-        Draw the skeleton over the body.
     closeup : bool
         Show only the faces.
     output : Path
@@ -247,20 +231,14 @@ def write_condition_grid(
     on_frame : callable
         Called with (finished frames, all frames) after each.
     """
-    if not MIN_SPEED <= speed <= 1:
-        raise InputError(
-            f"the speed {speed:g} is out of range", remedy=f"Give {MIN_SPEED:g} to 1, such as 0.25"
-        )
     if output.suffix.lower() != ".mp4":
         raise InputError("a grid is written as MP4", where=output, remedy="End its name with .mp4")
     material = FigureMaterial.read(folder)
     excerpt = material.segment(segment)
     labels = material.labels(conditions)
     fitting_size = MAX_WIDTH // GridLayout(count=len(labels), size=2).columns // 2 * 2
-    rate = material.plan.look.frame_rate
     panels = [
-        Panel(caption=label, clip=material.clip(excerpt, name, frame_rate=rate / speed))
-        for name, label in labels.items()
+        Panel(caption=label, clip=material.clip(excerpt, name)) for name, label in labels.items()
     ]
     if closeup:
         material, faces = material.close_to_faces([[panel.clip] for panel in panels])
@@ -268,11 +246,8 @@ def write_condition_grid(
     with material.stage(min(material.plan.look.size, fitting_size)) as stage:
         write_grid(
             stage,
-            material.camera,
             panels,
             material.speech(excerpt, sample_rate=SOUND_RATE),
-            speed=speed,
-            skeleton=skeleton,
             text=excerpt.transcript,
             video=output,
             on_frame=on_frame,

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from motion.clip import MotionClip
-from motion.resample import resample
 from renderer.clip_video import Stage, still
 from renderer.encoder import SOUND_RATE
 from renderer.figures.grid_video import GridLayout, Panel, write_grid
@@ -37,12 +36,12 @@ def clips(clip: MotionClip) -> Clips:
 
 
 @pytest.fixture(scope="module")
-def write(stage: Stage, camera: Camera) -> Write:
+def write(stage: Stage) -> Write:
     def write(clips: tuple[MotionClip, ...], video: Path, **changes: object) -> Path:
         panels = [Panel(caption=f"condition {k}", clip=clip) for k, clip in enumerate(clips)]
-        given = {"speed": 1.0, "skeleton": False, "text": "we got the house", "video": video}
+        given = {"text": "we got the house", "video": video}
         hum = tone(SECONDS, 220, SOUND_RATE, 0.3)
-        write_grid(stage, camera, panels, hum, **(given | changes))  # type: ignore[arg-type]
+        write_grid(stage, panels, hum, **(given | changes))  # type: ignore[arg-type]
         return video
 
     return write
@@ -94,18 +93,3 @@ def test_names_words_and_time_stand_below(grid: Path) -> None:
     footer = np.s_[-layout.footer_height :]
     assert ink[footer].any()
     assert np.abs(first[footer] - last[footer]).max() > 40  # the clock goes on
-
-
-def test_slow_motion_is_longer_silent_and_labelled(
-    write: Write, clips: Clips, tmp_path: Path
-) -> None:
-    slow = tuple(resample(clip, 120) for clip in clips)
-    video = write(slow, tmp_path / "slow.mp4", speed=0.25, text="")
-    frames = pictures_of(video).astype(int)
-    assert len(frames) == round(SECONDS * 30 / 0.25)
-    assert np.abs(sound_of(video)).max() < 1e-3
-    layout = GridLayout(count=2, size=SIZE)
-    corner = frames[0, -layout.footer_height :, : SIZE // 2]
-    assert np.abs(corner - BACKGROUND).max() > 60
-    # In between is new motion, not a frame shown four times.
-    assert np.abs(np.diff(frames[:4, :SIZE], axis=0)).max(axis=(1, 2, 3)).min() > 5

@@ -12,8 +12,15 @@ from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
 from renderer.clip_video import Stage, still
-from renderer.figures.panels import NO_DEPTH, CutOut, align_faces, box_around, cut_out, face_camera
-from renderer.figures.skeleton_lines import joints_of
+from renderer.figures.panels import (
+    NO_DEPTH,
+    CutOut,
+    align_faces,
+    box_around,
+    cut_out,
+    face_camera,
+    joints_of,
+)
 from renderer.framing import Camera, frame_clips, project
 from renderer.look import BACKGROUND, VIEWS, Look
 from renderer.shown_clip import frame_at

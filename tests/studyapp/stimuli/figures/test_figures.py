@@ -25,20 +25,20 @@ def test_a_still_has_the_requested_size(study: StudyFolder, tmp_path: Path) -> N
     run(*command)
     with Image.open(path) as image:
         assert (image.size, image.mode) == ((200, 200), "RGB")
-    run(*command, "--skeleton", "--clear")
+    run(*command, "--clear")
     with Image.open(path) as image:
         assert (image.size, image.mode) == ((200, 200), "RGBA")
         assert image.getpixel((0, 0))[3] == 0  # type: ignore[index]
 
 
-def test_a_slow_grid_lasts_longer(study: StudyFolder, tmp_path: Path) -> None:
-    shown = ("--condition", "rule_based", "--condition", "ground_truth", "--skeleton")
+def test_a_grid_shows_the_named_conditions_side_by_side(study: StudyFolder, tmp_path: Path) -> None:
+    shown = ("--condition", "rule_based", "--condition", "ground_truth")
     path = tmp_path / "grid.mp4"
-    options = ("--segment", SEGMENT, *shown, "--slow", 0.5, "--output", path)
+    options = ("--segment", SEGMENT, *shown, "--output", path)
     run("figure", "grid", study.root, *options)
     with av.open(str(path)) as video:
         stream = video.streams.video[0]
-        assert sum(1 for _ in video.decode(stream)) == 20
+        assert sum(1 for _ in video.decode(stream)) == 10
         assert stream.average_rate == 10
         assert stream.width == 192
 
