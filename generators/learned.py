@@ -12,7 +12,7 @@ from torch import nn
 
 from generators.interface import ClipRequest, Generator, OnPart, SpeechSegment, with_length
 from generators.learned_settings import ModelSettings
-from generators.registry import TrainedGenerator, TrainingRequest, run_folder
+from generators.registry import TrainedGenerator, TrainingRequest
 from motion.arrays import Floats
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
@@ -23,7 +23,7 @@ from training.data.take import Feature
 from training.data.windows import Windows
 from training.device import check_device
 from training.run.loop import Trained, train
-from training.run.records import RunFolder, run_facts
+from training.run.records import RunFolder, run_facts, run_folder
 from training.run.task import Task, WindowTask
 from training.speakers import Speakers
 

@@ -119,11 +119,6 @@ class TrainingRequest:
     show_training: Show = show_nothing
 
 
-def run_folder(out: Path) -> Path:
-    """Return the folder of the run that writes the network to `out`."""
-    return out.with_suffix(".run")
-
-
 @dataclass(frozen=True, kw_only=True)
 class TrainedGenerator:
     """The result of a training.

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
 from scipy.spatial.transform import Rotation
 
 from analysis.metrics.kinematics import GESTURE_JOINTS
-from motion.arrays import Floats32, Ints
+from motion.arrays import Floats32
 from motion.body.face_landmarks import FaceLandmarks
-from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE, MotionClip
+from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import JOINT_NAMES, joint_index
 
 Face = Literal["arkit", "expressions"]
 Channels = Literal["body", "gesture", "expression", "both", "landmarks"]
+
+_FACES: Final = MappingProxyType[Face, str](
+    {"arkit": "ARKit weights", "expressions": "SMPL-X expression coefficients"}
+)
 
 _LEGS: Final = ("hip", "knee", "ankle", "foot")
 
@@ -86,10 +89,14 @@ class ClipView:
             rotations = clip.poses[:, [joint_index(name) for name in joints]]
             matrices = Rotation.from_rotvec(rotations.reshape(-1, 3)).as_matrix()
             parts.append(np.swapaxes(matrices[:, :, :2], 1, 2).astype(np.float32))
-        if self.face == "arkit":
-            parts.append(_required(clip.arkit, "ARKit weights"))
-        elif self.face == "expressions":
-            parts.append(_required(clip.expressions, "SMPL-X expression coefficients"))
+        if self.face is not None:
+            values = getattr(clip, self.face)
+            if values is None:
+                raise InputError(
+                    f"the clip holds no {_FACES[self.face]}, which the network was trained on",
+                    remedy="Use clips that hold them, or train a network on these clips",
+                )
+            parts.append(values)
         if self.landmarks is not None:
             parts.append(self.landmarks.shifts(clip))
         return np.concatenate([part.reshape(len(clip), -1) for part in parts], axis=1)
@@ -106,15 +113,6 @@ class ClipView:
         if self.landmarks is not None:
             parts.append(f"{self.landmarks.count} face landmarks, metres from the neutral face")
         return "; ".join(parts)
-
-
-def _required(values: Floats32 | None, name: str) -> Floats32:
-    if values is None:
-        raise InputError(
-            f"the clip holds no {name}, which the network was trained on",
-            remedy="Use clips that hold them, or train a network on the channels of these clips",
-        )
-    return values
 
 
 JOINTS_OF_CHANNELS: Final = MappingProxyType[Channels, tuple[str, ...]](
@@ -148,50 +146,8 @@ def face_of(clip: MotionClip) -> Face:
     )
 
 
-LARGEST: Final = 10_000
-"""Largest size of a network; a file with a larger one is damaged."""
-
 TOLERANCE: Final = 0.1
 """Seconds by which a clip may be shorter than one window; its last frame is repeated."""
-
-
-Size = Annotated[int, Field(ge=1, le=LARGEST)]
-FrameRate = Annotated[float, Field(ge=MIN_FRAME_RATE, le=MAX_FRAME_RATE)]
-
-
-class Facts(BaseModel):
-    """Metadata of a file, without unknown keys or numbers that are not finite."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class WindowConfig(Facts):
-    """The windows in which a network sees motion.
-
-    Attributes
-    ----------
-    frame_rate : float
-        Frames per second to which clips are resampled.
-    window : int
-        Frames of a window, from 2.
-    stride : int
-        Frames from one window of a training clip to the next. Windows that are embedded for
-        scores do not overlap.
-    """
-
-    frame_rate: FrameRate
-    window: Annotated[Size, Field(ge=2)]
-    stride: Size
-
-    @property
-    def seconds(self) -> float:
-        """Length of a window."""
-        return self.window / self.frame_rate
-
-
-def window_starts(frames: int, window: int, stride: int) -> Ints:
-    """Return the starts of a clip's complete windows, every `stride` frames."""
-    return np.arange(0, frames - window + 1, stride, dtype=np.int64)
 
 
 def long_enough(frames: Floats32, window: int, frame_rate: float) -> Floats32:
@@ -215,6 +171,6 @@ def long_enough(frames: Floats32, window: int, frame_rate: float) -> Floats32:
 
 
 def cut_windows(frames: Floats32, window: int, stride: int) -> Floats32:
-    """Return the windows of a clip's frames, shape (T, C), as shape (n, window, C)."""
-    starts = window_starts(len(frames), window, stride)
-    return np.asarray(frames[starts[:, None] + np.arange(window)])
+    """Return the complete windows of a clip's frames, shape (T, C), as shape (n, window, C)."""
+    windows = np.lib.stride_tricks.sliding_window_view(frames, window, axis=0)[::stride]
+    return np.array(windows.swapaxes(1, 2))

@@ -5,99 +5,154 @@ One safetensors file holds everything that its scores depend on.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Final, Literal
+from typing import Any, ClassVar, Final, Literal, Self
 
 import numpy as np
 import torch
-from pydantic import Field, ValidationError
+from pydantic import TypeAdapter
 from torch import Tensor
 
 from analysis.evaluators import feature_networks as names
-from analysis.evaluators.clip_views import TOLERANCE, ClipView, Facts, cut_windows, long_enough
-from analysis.evaluators.design import Design, Network
-from analysis.evaluators.examples import Normalisation
+from analysis.evaluators.clip_views import (
+    JOINTS_OF_CHANNELS,
+    TOLERANCE,
+    Channels,
+    ClipView,
+    Face,
+    cut_windows,
+    long_enough,
+)
+from analysis.evaluators.networks import (
+    AutoencoderConfig,
+    AutoencoderNetwork,
+    EmotionConfig,
+    EmotionNetwork,
+)
 from motion.arrays import Floats32
 from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip, freeze
-from motion.errors import InputError, found_at
+from motion.errors import InputError
 from motion.files import sha256_of
 from motion.resample import resample
-from training.weights_file import WeightsFile, read_weights, write_weights
+from training.weights_file import read_weights, write_weights
+
+Kind = Literal["emotion", "motion", "face"]
+Network = EmotionNetwork | AutoencoderNetwork
 
 _BATCH_SIZE: Final = 64
 
 SHOWN_OF_HASH: Final = 16
 
-_FORMAT: Final = 2
-
-_REMEDY: Final = "Give a file as 'motionjury train evaluator' wrote it, or train again"
-
-
-class DataFacts(Facts):
-    """The data a network was trained on.
-
-    Attributes
-    ----------
-    sha256 : str
-        Hash of the motion files, their recordings and emotions.
-    clips, recordings : int
-        Number of clips and of their recordings.
-    windows, held_out_windows : int
-        Windows for training, and held-out windows.
-    held_out : str
-        What was held out, in words.
-    """
-
-    sha256: str = Field(pattern="^[0-9a-f]{64}$")
-    clips: int
-    recordings: int
-    windows: int
-    held_out_windows: int
-    held_out: str
+_SEEN: Final = {
+    "landmarks": "face landmarks",
+    "gesture": "gestures",
+    "expression": "expressions",
+    "both": "gestures and expressions",
+}
 
 
-class TrainingFacts(Facts):
-    """The training of a network.
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """The input and sizes of a feature network.
 
     Attributes
     ----------
-    config : mapping
-        `training.config.TrainingConfig`, as JSON holds it.
-    best_step : int
-        Step with the best weights on held-out windows, which the file holds.
-    last_loss : float
-        Loss of the last step.
-    versions : mapping of str to str
-        Versions of the packages used.
+    channels : str
+        Its input.
+    network : EmotionConfig or AutoencoderConfig
+        Its sizes and windows.
+    face : {'arkit', 'expressions'} or None
+        How the face is represented, if its weights are used.
+    labels : tuple of str
+        The emotions it classifies; empty except for the kind ``emotion``.
+    frozen : tuple of str
+        Channels that are frozen in its input (`motion.clip`).
     """
 
-    config: dict[str, Any]
-    best_step: int
-    last_loss: float
-    versions: dict[str, str]
+    channels: Channels
+    network: EmotionConfig | AutoencoderConfig
+    face: Face | None
+    labels: tuple[str, ...]
+    frozen: tuple[str, ...]
+
+    @property
+    def kind(self) -> Kind:
+        """AMUSE's evaluator M, an autoencoder of motion, or one of face landmarks."""
+        if self.channels == "body":
+            return "emotion"
+        return "face" if self.channels == "landmarks" else "motion"
+
+    def view(self, landmarks: FaceLandmarks | None = None) -> ClipView:
+        """Return its view of a clip; the kind ``face`` needs landmarks."""
+        joints = JOINTS_OF_CHANNELS[self.channels]
+        return ClipView(joints=joints, face=self.face, landmarks=landmarks)
+
+    def fresh_network(self, channels: int) -> Network:
+        """Return an untrained network for frames with this number of channels."""
+        if isinstance(self.network, EmotionConfig):
+            return EmotionNetwork(self.network, channels, len(self.labels))
+        return AutoencoderNetwork(self.network, channels)
+
+    def description(self) -> str:
+        """Return the network in words."""
+        if isinstance(self.network, EmotionConfig):
+            return f"emotion classifier (AMUSE's M), {self.network.width} features"
+        return f"autoencoder of {_SEEN[self.channels]}, {self.network.features} features"
 
 
+@dataclass(frozen=True, kw_only=True)
 class EvaluatorFacts(Design):
     """The metadata of a file: the network's design, data and training.
 
     Attributes
     ----------
-    data : DataFacts
-        The data.
-    training : TrainingFacts
-        The training.
+    data : mapping
+        ``sha256`` of the clips, numbers of ``clips``, their ``recordings``, ``windows`` and
+        ``held_out_windows``, and what was ``held_out``, in words.
+    training : mapping
+        Its ``config``, ``best_step`` and the ``versions`` of packages.
     held_out : mapping of str to float
         Measurements on held-out windows.
     """
 
-    format: Literal[2] = _FORMAT
-    data: DataFacts
-    training: TrainingFacts
-    held_out: dict[str, float]
+    format: Literal[2] = 2
+    data: Mapping[str, Any]
+    training: Mapping[str, Any]
+    held_out: Mapping[str, float]
+
+
+_FACTS: Final = TypeAdapter(EvaluatorFacts)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Normalisation:
+    """Mean and spread of each channel over all recorded frames.
+
+    Attributes
+    ----------
+    mean, deviation : ndarray, shape (C,), float32
+        In the channels' own units; no deviation is 0.
+    """
+
+    mean: Floats32
+    deviation: Floats32
+
+    @classmethod
+    def of(cls, clips: Sequence[Floats32], *, floor: Floats32) -> Self:
+        """Return the normalisation of frames; still channels, below `floor`, are not amplified."""
+        count = sum(len(clip) for clip in clips)
+        mean = sum(clip.sum(axis=0, dtype=np.float64) for clip in clips) / count
+        squares = sum(((clip - mean) ** 2).sum(axis=0) for clip in clips)
+        deviation = np.maximum(np.sqrt(squares / count), floor)
+        return cls(mean=mean.astype(np.float32), deviation=deviation.astype(np.float32))
+
+    def __call__(self, frames: Floats32) -> Floats32:
+        """Return frames, shape (T, C), in standard deviations from the mean."""
+        return np.asarray((frames - self.mean) / self.deviation, np.float32)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -159,9 +214,7 @@ class Evaluator:
         InputError
             If the clip is shorter than one window, or lacks the network's input.
         """
-        windows = torch.from_numpy(self._windows(clip))
-        with torch.inference_mode():
-            return np.asarray(in_batches(self.network.embed, windows).numpy())
+        return in_batches(self.network.embed, self._windows(clip))
 
     def classify(self, clip: MotionClip) -> Floats32:
         """Return the probability of each emotion in each window of a clip.
@@ -181,9 +234,7 @@ class Evaluator:
                 f"a network of kind {self.facts.kind!r} classifies no emotions",
                 remedy="Use one of kind emotion ('motionjury train evaluator emotion')",
             )
-        windows = torch.from_numpy(self._windows(clip))
-        with torch.inference_mode():
-            return np.asarray(in_batches(self.network, windows).softmax(dim=1).numpy())
+        return in_batches(lambda rows: self.network(rows).softmax(dim=1), self._windows(clip))
 
     def _windows(self, clip: MotionClip) -> Floats32:
         """Return the windows of a clip as the network's input, shape (n, window, channels)."""
@@ -203,44 +254,43 @@ class Evaluator:
             "frame rate": f"{rate:g} fps, resampled",
             "window": f"{window} frames ({window / rate:.4g} s), not overlapping; a clip that is "
             f"up to {TOLERANCE:g} s too short holds its last frame",
-            "trained on": f"{data.clips} clips of {data.recordings} recordings, {data.windows} "
-            f"windows, data sha256 {data.sha256[:SHOWN_OF_HASH]}",
-            "held out": f"{data.held_out}: {self._held_out()}",
+            "trained on": f"{data['clips']} clips of {data['recordings']} recordings, "
+            f"{data['windows']} windows, data sha256 {data['sha256'][:SHOWN_OF_HASH]}",
+            "held out": f"{data['held_out']}: {self._held_out()}",
         }
         if facts.frozen:
             description["held still"] = ", ".join(facts.frozen)
         return description
 
     def _held_out(self) -> str:
-        facts = self.facts
-        count = f"{facts.data.held_out_windows} windows"
-        if facts.kind == "emotion":
+        measured = self.facts.held_out
+        count = f"{self.facts.data['held_out_windows']} windows"
+        if self.labels:
             return (
-                f"accuracy {facts.held_out['accuracy']:.3f} of {count} (always the most frequent "
-                f"emotion: {facts.held_out['largest_share']:.3f})"
+                f"accuracy {measured['accuracy']:.3f} of {count} (always the most frequent "
+                f"emotion: {measured['largest_share']:.3f})"
             )
         return (
-            f"reconstruction error {facts.held_out['error']:.3f} deviations of {count} (always "
-            f"the mean pose: {facts.held_out['error_of_mean']:.3f})"
+            f"reconstruction error {measured['error']:.3f} deviations of {count} (always "
+            f"the mean pose: {measured['error_of_mean']:.3f})"
         )
 
 
-def in_batches(network: Callable[[Tensor], Tensor], windows: Tensor) -> Tensor:
+@torch.inference_mode()
+def in_batches(network: Callable[[Tensor], Tensor], windows: Floats32) -> Floats32:
     """Return a network's output for windows, shape (n, ...), computed in batches."""
-    return torch.cat([network(batch) for batch in torch.split(windows, _BATCH_SIZE)])
+    batches = torch.split(torch.from_numpy(windows), _BATCH_SIZE)
+    return np.concatenate([network(batch).numpy() for batch in batches])
 
 
 def write_evaluator(path: Path, evaluator: Evaluator) -> None:
     """Write `evaluator` to `path` in one step; equal ones make equal bytes."""
-    tensors: dict[str, Tensor] = {
-        f"network.{name}": tensor for name, tensor in evaluator.network.state_dict().items()
-    }
-    tensors["normalisation.mean"] = torch.from_numpy(evaluator.normalisation.mean)
-    tensors["normalisation.deviation"] = torch.from_numpy(evaluator.normalisation.deviation)
+    arrays = {f"normalisation.{name}": v for name, v in vars(evaluator.normalisation).items()}
     if evaluator.landmarks is not None:
-        for name, array in evaluator.landmarks.arrays().items():
-            tensors[f"landmarks.{name}"] = torch.from_numpy(array)
-    write_weights(path, tensors, evaluator.facts.model_dump(mode="json"))
+        arrays |= {f"landmarks.{name}": v for name, v in evaluator.landmarks.arrays().items()}
+    tensors = {f"network.{name}": v for name, v in evaluator.network.state_dict().items()}
+    tensors |= {name: torch.from_numpy(array) for name, array in arrays.items()}
+    write_weights(path, tensors, _FACTS.dump_python(evaluator.facts, mode="json"))
 
 
 def load_evaluator(path: Path) -> Evaluator:
@@ -252,58 +302,24 @@ def load_evaluator(path: Path) -> Evaluator:
         If the file is missing or damaged, or comes from another program or version.
     """
     file = read_weights(path)
-    with found_at(path):
-        facts = _facts(file)
-        landmarks = None
-        if facts.channels == "landmarks":
-            arrays = {
-                name: tensor.numpy() for name, tensor in file.with_prefix("landmarks").items()
-            }
-            landmarks = FaceLandmarks.from_arrays(arrays)
-        channels = facts.view(landmarks).channels
+
+    def arrays(part: str) -> dict[str, Any]:
+        return {name: tensor.numpy() for name, tensor in file.with_prefix(part).items()}
+
+    try:
+        facts = _FACTS.validate_python(file.facts)
+        is_face = facts.kind == "face"
+        landmarks = FaceLandmarks.from_arrays(arrays("landmarks")) if is_face else None
         return Evaluator(
             facts=facts,
-            network=_network(file, facts, channels),
-            normalisation=_normalisation(file, channels),
+            network=file.loaded(facts.fresh_network(facts.view(landmarks).channels), "network"),
+            normalisation=Normalisation(**arrays("normalisation")),
             landmarks=landmarks,
             sha256=sha256_of(path),
         )
-
-
-def _facts(file: WeightsFile) -> EvaluatorFacts:
-    if "kind" not in file.facts:
-        raise InputError("the file holds weights, but no feature network", remedy=_REMEDY)
-    if file.facts.get("format") != _FORMAT:
+    except (TypeError, ValueError, RuntimeError, AssertionError) as error:
         raise InputError(
-            f"the feature network is of format {file.facts.get('format')!r}, not {_FORMAT}",
-            remedy="Use the version of the program that trained it, or train again",
-        )
-    try:
-        return EvaluatorFacts.model_validate(file.facts)
-    except ValidationError as error:
-        # Keys of one kind of network are unknown to the other; such errors explain nothing.
-        first = min(error.errors(), key=lambda item: item["type"] == "extra_forbidden")
-        key = ".".join(map(str, first["loc"]))
-        raise InputError(
-            f"the file's description of its network is unusable: {key}: {first['msg']}",
-            remedy=_REMEDY,
+            "the file holds weights, but not of a feature network of this version",
+            where=path,
+            remedy="Give a file as 'motionjury train evaluator' wrote it, or train again",
         ) from error
-
-
-def _network(file: WeightsFile, design: Design, channels: int) -> Network:
-    network = design.fresh_network(channels)
-    try:
-        network.load_state_dict(file.with_prefix("network"))
-    except RuntimeError as error:
-        raise InputError("the weights do not fit the network's sizes", remedy=_REMEDY) from error
-    return network.eval().requires_grad_(False)
-
-
-def _normalisation(file: WeightsFile, channels: int) -> Normalisation:
-    arrays = {name: tensor.numpy() for name, tensor in file.with_prefix("normalisation").items()}
-    for name in ("mean", "deviation"):
-        if name not in arrays or arrays[name].shape != (channels,):
-            raise InputError(f"the {name} of the channels does not fit", remedy=_REMEDY)
-    if not (arrays["deviation"] > 0).all():
-        raise InputError("the deviation of a channel is not above 0", remedy=_REMEDY)
-    return Normalisation(mean=arrays["mean"], deviation=arrays["deviation"])

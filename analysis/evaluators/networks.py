@@ -14,20 +14,39 @@ layers; here it has Yoon's.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Final, Self
+from typing import Final
 
-import torch
-from pydantic import Field, model_validator
 from torch import Tensor, nn
 
-from analysis.evaluators.clip_views import FrameRate, Size, WindowConfig
+from training.layers.transformers import sinusoids
 
 
+@dataclass(frozen=True, kw_only=True)
+class WindowConfig:
+    """The windows in which a network sees motion.
+
+    Attributes
+    ----------
+    frame_rate : float
+        Frames per second to which clips are resampled.
+    window : int
+        Frames of a window.
+    stride : int
+        Frames from one window of a training clip to the next. Windows that are embedded for
+        scores do not overlap.
+    """
+
+    frame_rate: float
+    window: int
+    stride: int
+
+
+@dataclass(frozen=True, kw_only=True)
 class EmotionConfig(WindowConfig):
-    """Sizes of the network; those of AMUSE by default.
+    """Sizes of an emotion classifier.
 
     Attributes
     ----------
@@ -43,36 +62,25 @@ class EmotionConfig(WindowConfig):
         Layers between embedding and emotions.
     """
 
-    frame_rate: FrameRate = 30.0
-    window: Size = 300
-    stride: Size = 300
-    width: Size = 256
-    feed_forward: Size = 1024
-    layers: Size = 8
-    heads: Size = 4
-    dropout: float = Field(0.1, ge=0, lt=1)
-    hidden: tuple[Size, ...] = (128, 64)
-
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
-        if self.width % (2 * self.heads):
-            raise ValueError(f"width {self.width} is not a multiple of twice the heads")
-        return self
+    width: int
+    feed_forward: int
+    layers: int
+    heads: int
+    dropout: float
+    hidden: tuple[int, ...]
 
 
-EMOTION_FULL: Final = EmotionConfig()
-"""AMUSE's: windows of ten seconds."""
+@dataclass(frozen=True, kw_only=True)
+class AutoencoderConfig(WindowConfig):
+    """Sizes of an autoencoder, whose windows have at least 12 frames.
 
-EMOTION_TINY: Final = EmotionConfig(
-    frame_rate=15.0,
-    window=60,
-    stride=15,
-    width=64,
-    feed_forward=128,
-    layers=2,
-    hidden=(32,),
-)
-"""For a processor: windows of four seconds."""
+    Attributes
+    ----------
+    features : int
+        Length of an embedding; the convolutions have as many channels, or twice as many.
+    """
+
+    features: int
 
 
 class EmotionNetwork(nn.Module):
@@ -122,11 +130,7 @@ class EmotionNetwork(nn.Module):
         return logits
 
     def losses(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
-        """Return the cross-entropy of a batch, as in AMUSE's appendix D."""
-        return {"loss": nn.functional.cross_entropy(self(windows), labels)}
-
-    def measured(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
-        """Return the cross-entropy and the accuracy of a batch."""
+        """Return the cross-entropy of a batch, as in AMUSE's appendix D, and the accuracy."""
         logits = self(windows)
         return {
             "loss": nn.functional.cross_entropy(logits, labels),
@@ -134,43 +138,8 @@ class EmotionNetwork(nn.Module):
         }
 
 
-def sinusoids(length: int, width: int) -> Tensor:
-    """Return positional encodings (Vaswani et al. 2017, section 3.5), shape (length, width)."""
-    rates = torch.exp(torch.arange(0, width, 2) * (-math.log(10_000.0) / width))
-    angles = torch.arange(length)[:, None] * rates
-    return torch.stack([angles.sin(), angles.cos()], dim=2).reshape(length, width)
-
-
 _SLOPE: Final = 0.2
 """Negative slope of the leaky rectifiers."""
-
-_SHORTEST: Final = 12
-"""Frames that the encoder's convolutions need."""
-
-
-class AutoencoderConfig(WindowConfig):
-    """Sizes of the network.
-
-    Attributes
-    ----------
-    features : int
-        Length of an embedding; the convolutions have as many channels, or twice as many.
-    """
-
-    frame_rate: FrameRate = 15.0
-    window: Annotated[Size, Field(ge=_SHORTEST)] = 34
-    stride: Size = 10
-    features: Size = 300
-
-
-MOTION_FULL: Final = AutoencoderConfig()
-"""BEAT's 300 features."""
-
-FACE_FULL: Final = AutoencoderConfig(features=64)
-"""For face landmarks; Speech2UnifiedExpressions states no size."""
-
-AUTOENCODER_TINY: Final = AutoencoderConfig(features=32)
-"""Yoon's 32 features: enough for a processor."""
 
 
 class AutoencoderNetwork(nn.Module):
@@ -221,16 +190,17 @@ class AutoencoderNetwork(nn.Module):
         """Return the errors of a batch, in deviations of the training frames.
 
         The loss is the mean absolute error of values and of their changes from frame to frame (Yoon
-        et al. 2020).
+        et al. 2020). ``error_of_mean`` is the error of the mean pose.
         """
         rebuilt = self(windows)
         error = nn.functional.l1_loss(rebuilt, windows)
         change = nn.functional.l1_loss(rebuilt.diff(dim=1), windows.diff(dim=1))
-        return {"loss": error + change, "error": error, "change": change}
-
-    def measured(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
-        """Return the errors of a batch, and the error of the mean pose."""
-        return {**self.losses(windows, labels), "error_of_mean": windows.abs().mean()}
+        return {
+            "loss": error + change,
+            "error": error,
+            "change": change,
+            "error_of_mean": windows.abs().mean(),
+        }
 
 
 def _convolved(

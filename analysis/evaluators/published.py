@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-import torch
 from numpy.typing import ArrayLike
 from torch import nn
 
@@ -83,8 +82,7 @@ class PublishedEvaluator:
         """
         windows = np.asarray(motion, np.float32)
         self._check(windows)
-        with torch.inference_mode():
-            return np.asarray(in_batches(self.network, torch.from_numpy(windows)).numpy())
+        return in_batches(self.network, windows)
 
     def embed(self, clip: MotionClip) -> Floats32:
         """Return one row of features for each window, or part of a window, of a clip, (w, d).

@@ -12,9 +12,7 @@ from typing import Final
 import torch
 
 from analysis.evaluators.clip_views import Channels
-from analysis.evaluators.design import TRAINING, EvaluatorRequest, Kind
-from analysis.evaluators.training import train_evaluator
-from analysis.evaluators.training_clips import ClipSource
+from analysis.evaluators.training import PRESETS, ClipSource, EvaluatorRequest, train_evaluator
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.network_file import load_network, write_network
 from generators.registry import TRAINABLE, TrainingRequest
@@ -22,7 +20,6 @@ from motion.files import sha256_of
 from motion.formats import read_clip
 from studyapp.cli.output import progress
 from training.data.take import Take, TakeFolder
-from training.run.records import RunFolder
 
 SYSTEMS: Final = ("diffsheg", "amuse")
 
@@ -32,7 +29,7 @@ ABLATIONS: Final = ("without_alignment", "disjoint", "without_prior", "mfcc")
 STEPS: Final = MappingProxyType({"diffsheg": 1_500})
 """Steps instead of the configs', so that all networks are trained within an hour and a half."""
 
-JUDGES: Final[tuple[tuple[str, Kind, Channels], ...]] = (
+JUDGES: Final[tuple[tuple[str, str, Channels], ...]] = (
     ("gesture", "motion", "gesture"),
     ("expression", "motion", "expression"),
     ("emotion", "emotion", "body"),
@@ -166,12 +163,7 @@ def train_evaluators(
             )
             for take in takes
         ]
-        usual = TRAINING[kind, "tiny"]
-        request = EvaluatorRequest(
-            kind=kind,
-            size="tiny",
-            channels=channels,
-            training=usual if steps is None else replace(usual, steps=steps),
-        )
-        train_evaluator(request, sources, out, RunFolder(out.with_suffix(".run")))
+        changes = {} if steps is None else {"steps": steps}
+        request = EvaluatorRequest(channels=channels, preset=PRESETS[kind]["tiny"], changes=changes)
+        train_evaluator(request, sources, out)
     return networks_by_name

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
@@ -17,14 +16,6 @@ from torch.nn import functional
 from motion.arrays import Floats, Floats32
 from training.diffusion import LINEAR
 from training.layers.interpolation import interpolate_features
-
-
-def frame_positions(longest: int, width: int) -> Tensor:
-    """Return interleaved sines and cosines of each frame's position, (1, longest, width)."""
-    frame = torch.arange(longest, dtype=torch.float32)[:, None]
-    exponents = torch.arange(0, width, 2, dtype=torch.float32) / width
-    angles = frame * torch.exp(-math.log(10_000) * exponents)
-    return torch.stack([angles.sin(), angles.cos()], dim=-1).reshape(1, longest, width)
 
 
 def zeroed(layer: nn.Linear) -> nn.Linear:

@@ -22,11 +22,11 @@ from generators.diffsheg.layers import (
     LinearSkip,
     SpeechEncoder,
     StyledBlock,
-    frame_positions,
     zeroed,
 )
 from motion.arrays import Floats32
 from training.diffusion import LINEAR, step_embedding
+from training.layers.transformers import sinusoids
 
 MEL_GAIN: Final = 2.0
 """Factor on the mel bands of the shared encoder, inferred from the released network's outputs."""
@@ -46,7 +46,7 @@ class Branch(nn.Module):
     def __init__(self, config: DenoiserConfig, values: int, cond_values: int, width: int) -> None:
         super().__init__()
         self.inward = nn.Linear(values, width)
-        self.register_buffer("position", frame_positions(config.longest, width))
+        self.register_buffer("position", sinusoids(config.longest, width)[None])
         self.dropout = nn.Dropout(config.dropout)
         self.audio = nn.Linear(2 * config.audio_width, 2 * config.audio_width)
         self.speech = SpeechEncoder(config.speech_features, config.speech_width)

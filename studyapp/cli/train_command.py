@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -18,7 +17,6 @@ from generators.registry import (
     Trainable,
     TrainingChoice,
     TrainingRequest,
-    run_folder,
 )
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
@@ -28,11 +26,11 @@ from studyapp.cli.output import echo_note, echo_skipped, progress
 from studyapp.study.settings.study import GROUND_TRUTH
 from training.data.take import KINDS
 from training.run.launching import is_leader
+from training.run.records import run_folder
 
 if TYPE_CHECKING:
     from analysis.evaluators.clip_views import Channels
-    from analysis.evaluators.design import Kind, Size
-    from analysis.evaluators.training import TrainedEvaluator
+    from analysis.evaluators.evaluator import EvaluatorFacts, Kind
 
 
 class _Networks(LazyGroup):
@@ -112,7 +110,7 @@ def evaluator(
     data: Path,
     condition: str,
     channels: Channels | None,
-    size: Size,
+    size: str,
     out: Path | None,
     device: str,
     fps: float | None,
@@ -126,59 +124,57 @@ def evaluator(
     Speech2UnifiedExpressions: FLD). Run the same command again to continue an interrupted run.
     """
     # Imported here: torch takes seconds to load, which --help should not wait for.
-    from analysis.evaluators.design import CHANNELS_OF_KIND, TRAINING, EvaluatorRequest
-    from analysis.evaluators.training import train_evaluator
+    from analysis.evaluators.training import (
+        CHANNELS_OF_KIND,
+        PRESETS,
+        EvaluatorRequest,
+        train_evaluator,
+    )
     from motion.body.face_landmarks import FaceLandmarks
     from studyapp.stimuli.training_recordings import recordings_of
-    from training.run.records import RunFolder
 
     if channels is not None and kind != "motion":
         raise InputError(
             f"--channels is for the kind motion, not {kind}",
             remedy=f"Omit it: the input of a network of kind {kind} is that of its paper",
         )
-    given = {key: value for key, value in training.items() if value is not None}
     recordings = recordings_of(
         data, condition=condition, file_rate=fps, body=body, show_note=echo_note
     )
     request = EvaluatorRequest(
-        kind=kind,
-        size=size,
-        channels=channels or CHANNELS_OF_KIND[kind][0],
-        training=replace(TRAINING[kind, size], **given),
+        channels=channels or CHANNELS_OF_KIND[kind],
+        preset=PRESETS[kind][size],
+        changes={key: value for key, value in training.items() if value is not None},
         frozen=recordings.frozen,
         landmarks=FaceLandmarks.of(recordings.read_body()) if kind == "face" else None,
         device=device,
     )
     name = f"{kind}-{channels}" if channels else kind
     target = out or recordings.networks / f"{name}.safetensors"
-    folder = RunFolder(run_folder(target))
     with (
         training_run(target),
         progress("read", "clip") as show_reading,
         progress("train", "step") as show_training,
     ):
-        trained = train_evaluator(
+        facts, skipped = train_evaluator(
             request,
             recordings.sources,
             target,
-            folder,
             show_reading=show_reading,
             show_training=show_training,
         )
     if is_leader():
-        _print_result(trained, target)
+        echo_skipped(skipped, "clip")
+        _print_result(facts, target)
 
 
-def _print_result(trained: TrainedEvaluator, target: Path) -> None:
-    facts = trained.facts
-    echo_skipped(trained.skipped, "clip")
+def _print_result(facts: EvaluatorFacts, target: Path) -> None:
+    data, held_out = facts.data, facts.held_out
     click.echo(
-        f"Learned from {facts.data.windows} windows of {facts.data.clips} clips; held out "
-        f"{facts.data.held_out} ({facts.data.held_out_windows} windows)."
+        f"Learned from {data['windows']} windows of {data['clips']} clips; held out "
+        f"{data['held_out']} ({data['held_out_windows']} windows)."
     )
-    held_out = facts.held_out
-    if facts.kind == "emotion":
+    if facts.labels:
         click.echo(
             f"Accuracy on held-out data with {len(facts.labels)} emotions: "
             f"{held_out['accuracy']:.3f}; of always choosing the most frequent: "
@@ -197,7 +193,7 @@ def _print_result(trained: TrainedEvaluator, target: Path) -> None:
             "mean little: use more recordings or more steps.",
             err=True,
         )
-    click.echo(f"Wrote {target}, with the weights of step {facts.training.best_step}")
+    click.echo(f"Wrote {target}, with the weights of step {facts.training['best_step']}")
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from analysis.evaluators.training_clips import ClipSource
+from analysis.evaluators.training import ClipSource
 from motion.arrays import Floats32
 from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body

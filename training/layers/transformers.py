@@ -1,4 +1,4 @@
-"""Transformers with skips, and transformers packed for inference on a CPU.
+"""Positions, transformers with skips, and transformers packed for inference on a CPU.
 
 Skips are those of Bao et al. 2023 (U-ViT) and Chen et al. 2023 (MLD). Packed layers are faster and
 give the same results up to rounding. torch multiplies matrices with MKL, which is slow on CPUs that
@@ -7,10 +7,18 @@ are not Intel's. oneDNN, a part of torch, is fast on all of them, and lays out w
 
 from __future__ import annotations
 
+import math
 from typing import Any, Final
 
 import torch
 from torch import Tensor, nn
+
+
+def sinusoids(length: int, width: int) -> Tensor:
+    """Return positional encodings (Vaswani et al. 2017, section 3.5), shape (length, width)."""
+    exponents = torch.arange(0, width, 2, dtype=torch.float32) / width
+    angles = torch.arange(length)[:, None] * torch.exp(-math.log(10_000) * exponents)
+    return torch.stack([angles.sin(), angles.cos()], dim=-1).reshape(length, width)
 
 
 class SkipTransformer(nn.Module):

@@ -52,6 +52,11 @@ class RunFolder:
         self.curves = root / "curves.png"
 
 
+def run_folder(out: Path) -> Path:
+    """Return the folder of the run that writes the network to `out`."""
+    return out.with_suffix(".run")
+
+
 LogLine = Mapping[str, Any]
 """``step`` (steps made), and either ``learning_rate``, ``loss`` and its parts, or ``held_out`` with
 the validation after that step."""

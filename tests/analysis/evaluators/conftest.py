@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,30 +8,27 @@ from typing import Any
 import pytest
 
 from analysis.evaluators.clip_views import Channels
-from analysis.evaluators.design import TRAINING, EvaluatorRequest, Kind
-from analysis.evaluators.evaluator import Evaluator, load_evaluator
-from analysis.evaluators.training import train_evaluator
+from analysis.evaluators.evaluator import Evaluator, Kind, load_evaluator
+from analysis.evaluators.training import PRESETS, EvaluatorRequest, train_evaluator
 from motion.body.face_landmarks import FaceLandmarks
 from motion.body.model import read_body
 from renderer.look import default_body
 from tests.analysis.evaluators.published_weights import write_checkpoint
 from tests.analysis.evaluators.swinging import sources
 from tests.support.short_training import short_training, trained_shortly
-from training.run.records import RunFolder
 
 __all__ = ["trained_shortly"]
 
 
 def trained(folder: Path, kind: Kind, channels: Channels, *, steps: int, **options: Any) -> Path:
     """Train a tiny network for a few steps and return its file."""
-    training = replace(TRAINING[kind, "tiny"], steps=steps)
     request = EvaluatorRequest(
-        kind=kind, size="tiny", channels=channels, training=training, **options
+        channels=channels, preset=PRESETS[kind]["tiny"], changes={"steps": steps}, **options
     )
     out = folder / f"{kind}-{channels}.safetensors"
     # A session's first file is made before `trained_shortly` holds; bytes are compared with it.
     with short_training():
-        train_evaluator(request, sources(), out, RunFolder(out.with_suffix(".run")))
+        train_evaluator(request, sources(), out)
     return out
 
 

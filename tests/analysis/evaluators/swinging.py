@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from analysis.evaluators.training_clips import ClipSource
+from analysis.evaluators.training import ClipSource
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
 from tests.motion.random_clips import clip_of

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.evaluators.clip_views import JOINTS_OF_CHANNELS, Channels
-from analysis.evaluators.design import SIZES, Design, Kind
-from analysis.evaluators.evaluator import DataFacts, Evaluator, EvaluatorFacts, TrainingFacts
-from analysis.evaluators.examples import Normalisation
+from analysis.evaluators.clip_views import Channels
+from analysis.evaluators.evaluator import Design, Evaluator, EvaluatorFacts, Normalisation
+from analysis.evaluators.training import PRESETS
 from analysis.measurement import measured_clips
 from analysis.metrics.kinematics import joint_motion
 from analysis.metrics.self_penetration import PenetrableBody
@@ -41,13 +40,11 @@ def moving(count: int = 120) -> MotionClip:
     return clip_of(waves, waves[:, 0], 25, arkit=arkit)
 
 
-def network(kind: Kind, channels: Channels) -> Evaluator:
+def network(kind: str, channels: Channels) -> Evaluator:
     """Return a network of seeded weights, which no training changes."""
     design = Design(
-        kind=kind,
         channels=channels,
-        network=SIZES[kind]["tiny"],
-        joints=JOINTS_OF_CHANNELS[channels],
+        network=PRESETS[kind]["tiny"].network,
         face="arkit" if channels == "both" else None,
         labels=EMOTIONS if kind == "emotion" else (),
         frozen=(),
@@ -56,14 +53,7 @@ def network(kind: Kind, channels: Channels) -> Evaluator:
     made = design.fresh_network(width)
     shapes = {name: list(weight.shape) for name, weight in made.state_dict().items()}
     made.load_state_dict(reference_weights(shapes))
-    facts = EvaluatorFacts(
-        **dict(design),
-        data=DataFacts(
-            sha256="0" * 64, clips=1, recordings=1, windows=1, held_out_windows=1, held_out=""
-        ),
-        training=TrainingFacts(config={}, best_step=0, last_loss=0.0, versions={}),
-        held_out={},
-    )
+    facts = EvaluatorFacts(**vars(design), data={}, training={}, held_out={})
     normalisation = Normalisation(
         mean=np.linspace(-0.1, 0.1, width, dtype=np.float32),
         deviation=np.linspace(0.5, 1.5, width, dtype=np.float32),
@@ -99,7 +89,7 @@ def test_changed_cached_values_require_a_new_version() -> None:
 @pytest.mark.parametrize(
     ("kind", "channels"), [("motion", "gesture"), ("emotion", "body"), ("motion", "both")]
 )
-def test_changed_network_features_require_a_new_version(kind: Kind, channels: Channels) -> None:
+def test_changed_network_features_require_a_new_version(kind: str, channels: Channels) -> None:
     evaluator = network(kind, channels)
     arrays = [evaluator.embed(moving())]
     if evaluator.labels:
