@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-MOTION_ENDINGS: Final = (".bvh", ".npz", ".npy", ".csv")
-"""A ``.csv`` file is motion if it is a table of joints (`motion.formats.is_motion_file`)."""
+MOTION_ENDINGS: Final = (".bvh", ".npz", ".npy")
 
 SPEECH_ENDINGS: Final = (
     ".wav", ".flac", ".mp3", ".m4a", ".ogg", ".oga", ".opus", ".aif", ".aiff",

@@ -19,13 +19,11 @@ from motion.formats.beat_tracks import read_arkit_json, read_semantic_scores, se
 from motion.formats.clip_npz import read_clip
 from motion.formats.joint_maps import choose_joint_map
 from motion.formats.retarget import retarget
-from motion.formats.smplx_rows import ARRAYS as SHOW_ARRAYS
-from motion.formats.smplx_rows import read_rows, read_show_npz
+from motion.formats.smplx_rows import read_rows
 from motion.formats.ted_npz import AXES, read_ted_npz
 from motion.formats.transcript import read_transcript
 from motion.resample import frame_positions, resample, slerp
 from training.data.beat import read_beat_bvh
-from training.data.found_take import has_arrays
 from training.data.take import Feature, Kind, Take
 from training.spaces.beat import UPPER_BODY_JOINTS, body_values, face_values
 from training.spaces.bones_and_landmarks import bone_and_landmark_values
@@ -119,8 +117,6 @@ def read_smplx(take: Take) -> MotionClip:
     """
     if take.motion.suffix.lower() == ".npy":
         return read_rows(take.motion)
-    if has_arrays(take.motion, *SHOW_ARRAYS):
-        return read_show_npz(take.motion)
     return read_clip(take.motion)
 
 

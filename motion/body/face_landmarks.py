@@ -20,7 +20,7 @@ from scipy import sparse
 
 from motion.arrays import Bools, Floats, Floats32, Ints
 from motion.body.model import BodyModel
-from motion.clip import ARKIT_COUNT, ARKIT_NAMES, EXPRESSION_COUNT, MotionClip
+from motion.clip import ARKIT_COUNT, ARKIT_NAMES, MotionClip
 from motion.errors import InputError
 from motion.skeleton import JOINT_COUNT, joint_index
 
@@ -229,20 +229,6 @@ class FaceLandmarks:
             raise InputError(f"the landmarks lack {error}", remedy="Make the file again") from error
         rows = len(template)
         pose, matrix = arrays.get("pose_directions"), arrays.get("expression_matrix")
-        fits = (
-            rows > JOINT_COUNT
-            and template.shape == (rows, 3)
-            and directions.ndim == 3
-            and directions.shape[:2] == (rows, 3)
-            and weights.shape == (rows, JOINT_COUNT)
-            and slots.shape == (1,)
-            and (pose is None or pose.shape == (rows, 3, 9 * (JOINT_COUNT - 1)))
-            and (matrix is None or matrix.shape == (EXPRESSION_COUNT, ARKIT_COUNT))
-        )
-        if not fits:
-            raise InputError(
-                "the arrays of the landmarks do not fit together", remedy="Make the file again"
-            )
         count = rows - JOINT_COUNT
         joints = sparse.eye_array(JOINT_COUNT, rows, k=count, format="csr", dtype=np.float32)
         body = BodyModel(

@@ -301,13 +301,6 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
         "weights": (count, JOINT_COUNT),
         "kintree_table": (2, JOINT_COUNT),
     }
-    if "twist_bones" in arrays:
-        extra = len(arrays["twist_bones"])
-        expected |= {
-            "twist_bones": (extra, 2),
-            "twist_shares": (extra, 2),
-            "twist_weights": (count, JOINT_COUNT + extra),
-        }
     for name, shape in expected.items():
         actual_shape = arrays[name].shape
         fits = len(actual_shape) == len(shape) and all(
@@ -320,13 +313,6 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
                 where=path,
                 remedy=f"Give an SMPL-X model with {JOINT_COUNT} joints in .npz format",
             )
-    bones = arrays.get("twist_bones", np.zeros(0))
-    if np.any((bones < 0) | (bones >= JOINT_COUNT)):
-        raise InputError(
-            "twist_bones of the body model names joints that do not exist",
-            where=path,
-            remedy="Build the default body again, or leave the twist arrays out",
-        )
     if arrays["kintree_table"][0, 1:].tolist() != list(PARENTS[1:]):
         raise InputError(
             "the body model's joint tree is not SMPL-X's",

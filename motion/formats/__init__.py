@@ -11,11 +11,10 @@ import numpy as np
 from motion.arrays import Floats32
 from motion.body.archive import add_mean_hands
 from motion.clip import MotionClip
-from motion.endings import MOTION_ENDINGS
 from motion.errors import InputError, found_at
 from motion.formats.beat_tracks import face_beside, read_arkit_json
 from motion.formats.bvh import read_bvh
-from motion.formats.bvh_motion import BvhMotion, settle_first_frame
+from motion.formats.bvh_motion import settle_first_frame
 from motion.formats.clip_npz import (
     has_fingers_relative_to_mean_hands,
     has_provenance,
@@ -23,26 +22,17 @@ from motion.formats.clip_npz import (
     write_clip,
 )
 from motion.formats.joint_maps import JointMap, check_joint_map, choose_joint_map
-from motion.formats.joint_positions import holds_joints, is_joint_table, read_joints
+from motion.formats.joint_positions import holds_joints, read_joints
 from motion.formats.retarget import retarget
 from motion.formats.smplx_rows import read_rows
 from motion.placement import clear_of_body, place
 from motion.segment import CUT_TOLERANCE
 from motion.skeleton import FINGERS, RELAXED_HANDS
 
-__all__ = ["is_motion_file", "read_clip", "read_motion", "read_recorded", "write_clip"]
+__all__ = ["read_clip", "read_motion", "read_recorded", "write_clip"]
 
 _UNMOVED: Final = 1e-6
 """Largest angle of fingers that a file does not hold, in radians."""
-
-_FAST: Final = 3.0
-"""Mean speed of a runner's pelvis in m/s; gestures are slower."""
-
-_RADIANS: Final = np.pi
-"""A BVH probably holds radians if 95% of its rotations other than zero are below this."""
-
-_STILL: Final = 0.05
-"""If 95% are below this, the motion is still, whether they are radians or degrees."""
 
 
 def read_motion(
@@ -117,12 +107,6 @@ def read_motion(
     )
 
 
-def is_motion_file(path: Path) -> bool:
-    """Return whether a file's ending is of motion; a ``.csv`` file must be a table of joints."""
-    ending = path.suffix.lower()
-    return ending in MOTION_ENDINGS and (ending != ".csv" or is_joint_table(path))
-
-
 def read_recorded(path: Path, **options: Any) -> tuple[MotionClip, list[str]]:
     """Return a motion with the face of its companion file, and notes on both.
 
@@ -165,8 +149,7 @@ def _read_bvh_clip(
             skeleton, fitting = "own map", check_joint_map(joint_map, motion.joint_names)
         clip = retarget(motion, fitting)
     clip, notes = (clip, ()) if as_recorded else clear_of_body(clip)
-    notes = (*motion.notes, *_notes_on_angles(motion), *notes)
-    return _placed(clip, path, f"bvh ({skeleton})", notes)
+    return _placed(clip, path, f"bvh ({skeleton})", (*motion.notes, *notes))
 
 
 def _with_absolute_fingers(clip: MotionClip, mean_hands: Floats32 | None) -> tuple[MotionClip, str]:
@@ -194,40 +177,12 @@ def _with_relaxed_fingers(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]
     return replace(clip, poses=poses), (f"{subject} in the file; relaxed ones are shown",)
 
 
-def _notes_on_angles(motion: BvhMotion) -> tuple[str, ...]:
-    """Return a note if rotations are so small that they are probably radians."""
-    channels = [channel for joint in motion.joints for channel in joint.channels]
-    is_rotation = [channel.endswith("rotation") for channel in channels]
-    angles = np.abs(motion.values[:, is_rotation])
-    # A joint that has turned several times about itself may have far larger angles.
-    usual = np.quantile(angles[angles > 0], 0.95) if angles.any() else np.inf
-    if not _STILL < usual <= _RADIANS:
-        return ()
-    return (
-        f"nearly all rotations are below {usual:.1f} degrees; check that the file holds degrees, "
-        "not radians",
-    )
-
-
-def _notes_on_speed(clip: MotionClip) -> tuple[str, ...]:
-    """Return a note if the body is so fast that a unit or the frame rate is probably wrong."""
-    path_length = np.linalg.norm(np.diff(clip.trans, axis=0), axis=1).sum()
-    speed = path_length / clip.duration
-    if speed < _FAST:
-        return ()
-    return (
-        f"the body moves at {speed:.0f} m/s on average; check the unit of its translation and the "
-        "frame rate",
-    )
-
-
 def _placed(
     clip: MotionClip, path: Path, format_name: str, notes: tuple[str, ...] = ()
 ) -> MotionClip:
     """Return the clip in the study's world, with its origin and `notes` in the provenance."""
     clip, fingers = _with_relaxed_fingers(clip)
-    notes = (*notes, *_notes_on_speed(clip), *fingers)
     clip, turns = place(clip)
     clip = clip.with_provenance(source=path.name, format=format_name)
-    note = "; ".join((*notes, *turns))
+    note = "; ".join((*notes, *fingers, *turns))
     return clip.with_provenance(notes=note) if note else clip

@@ -69,15 +69,10 @@ def load_arrays(path: Path, keys: Collection[str]) -> dict[str, NDArray[Any]]:
                     remedy="Cut the motion into shorter files",
                 )
             for key in present:
-                try:
-                    arrays[key] = np.asarray(archive[key])
-                except ValueError as error:
-                    if "allow_pickle" not in str(error):
-                        raise
-                    raise InputError(
-                        f"array {key!r} cannot be read without running code from the file",
-                        remedy="Save it as plain numbers or text instead of Python objects",
-                    ) from error
+                arrays[key] = np.asarray(archive[key])
     except (zipfile.BadZipFile, zlib.error, *_DAMAGE) as error:
-        raise InputError("the archive is damaged", remedy="Copy or export it again") from error
+        raise InputError(
+            "the archive is damaged, or holds Python objects, which are never loaded",
+            remedy="Copy or export it again, as plain numbers and texts",
+        ) from error
     return arrays

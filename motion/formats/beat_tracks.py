@@ -20,7 +20,7 @@ from pydantic import BaseModel, Field, FiniteFloat, ValidationError
 
 from motion.arrays import Floats, Floats32
 from motion.clip import ARKIT_COUNT, ARKIT_NAMES
-from motion.errors import InputError
+from motion.errors import InputError, found_at
 from motion.files import write_text
 
 _OVERSHOOT: Final = 0.05
@@ -28,8 +28,6 @@ _OVERSHOOT: Final = 0.05
 
 _LONGEST_FRAME: Final = 1.0
 """Largest plausible mean time between frames, in seconds; longer times are in another unit."""
-
-_FEWEST_COLUMNS: Final = 5
 
 
 class _Frame(BaseModel):
@@ -71,36 +69,28 @@ def read_arkit_json(path: Path, frame_rate: float) -> Floats32:
         in seconds, or its weights are outside [0, 1].
     """
     face = _parse(Path(path))
-    columns = _columns(face.names, path)
-    widths = {len(frame.weights) for frame in face.frames}
-    if widths != {len(columns)}:
-        raise InputError(
-            f"frames have {', '.join(map(str, sorted(widths)))} weights for {len(columns)} names",
-            where=path,
-            remedy="Export the face again",
-        )
-    times = np.array([frame.time for frame in face.frames])
-    if (np.diff(times) <= 0).any():
-        index = int(np.argmax(np.diff(times) <= 0)) + 1
-        raise InputError(
-            f"the time of frame {index} is not later than the one before",
-            where=path,
-            remedy="Sort the frames by time and remove duplicates",
-        )
-    if np.diff(times).mean() > _LONGEST_FRAME:
-        raise InputError(
-            f"{len(times)} frames are spread over {np.ptp(times):.4g} s",
-            where=path,
-            remedy="Give the times of the frames in seconds",
-        )
-    weights = np.array([frame.weights for frame in face.frames])
-    if weights.min() < -_OVERSHOOT or weights.max() > 1 + _OVERSHOOT:
-        raise InputError(
-            f"weights lie in [{weights.min():.3g}, {weights.max():.3g}]",
-            where=path,
-            remedy="Scale the blendshape weights to [0, 1]",
-        )
-    duration = times[-1] + np.diff(times).mean()
+    with found_at(path):
+        columns = _columns(face.names)
+        times = np.array([frame.time for frame in face.frames])
+        steps = np.diff(times)
+        if steps.min() <= 0 or steps.mean() > _LONGEST_FRAME:
+            raise InputError(
+                f"the times of {len(times)} frames from {times[0]:.4g} to {times[-1]:.4g} do not "
+                "increase, or are not seconds",
+                remedy="Sort the frames by time, remove duplicates, and give seconds",
+            )
+        if {len(frame.weights) for frame in face.frames} != {len(columns)}:
+            raise InputError(
+                f"a frame does not have {len(columns)} weights, one for each name",
+                remedy="Export the face again",
+            )
+        weights = np.array([frame.weights for frame in face.frames])
+        if weights.min() < -_OVERSHOOT or weights.max() > 1 + _OVERSHOOT:
+            raise InputError(
+                f"weights lie in [{weights.min():.3g}, {weights.max():.3g}]",
+                remedy="Scale the blendshape weights to [0, 1]",
+            )
+    duration = times[-1] + steps.mean()
     frame_times = np.arange(max(1, round(duration * frame_rate))) / frame_rate
     result = np.zeros((len(frame_times), ARKIT_COUNT), np.float32)
     for column, values in zip(columns, np.clip(weights, 0, 1).T, strict=True):
@@ -148,13 +138,13 @@ def _parse(path: Path) -> _FaceFile:
         ) from error
 
 
-def _columns(names: list[str], path: Path) -> list[int]:
+def _columns(names: list[str]) -> list[int]:
     """Return the column of a clip's weights for each name of the file."""
     index_of_name = {name.lower(): index for index, name in enumerate(ARKIT_NAMES)}
     unknown = [name for name in names if name.lower() not in index_of_name]
     if unknown or len({name.lower() for name in names}) != len(names):
         fault = f"unknown facial actions {', '.join(unknown)}" if unknown else "a name occurs twice"
-        raise InputError(fault, where=path, remedy="Use the 52 names of Apple's ARKit, each once")
+        raise InputError(fault, remedy="Use the 52 names of Apple's ARKit, each once")
     return [index_of_name[name.lower()] for name in names]
 
 
@@ -231,22 +221,17 @@ def cut_semantic_scores(
 
 def _span(row: list[str], where: str) -> SemanticSpan:
     try:
-        if len(row) < _FEWEST_COLUMNS:
-            raise ValueError
         span = SemanticSpan(start=float(row[1]), end=float(row[2]), score=float(row[4]))
-    except ValueError as error:
-        raise _no_annotation(where) from error
-    if not (0 <= span.start <= span.end < math.inf and 0 <= span.score < math.inf):
-        raise _no_annotation(where)
+        if not (0 <= span.start <= span.end < math.inf and 0 <= span.score < math.inf):
+            raise ValueError
+    except (ValueError, IndexError) as error:
+        raise InputError(
+            "the row is not an annotation of a gesture",
+            where=where,
+            remedy="Give name, start, end, duration and score, separated by tabs; 0 <= start <= "
+            "end",
+        ) from error
     return span
-
-
-def _no_annotation(where: str) -> InputError:
-    return InputError(
-        "the row is not an annotation of a gesture",
-        where=where,
-        remedy="Give name, start, end, duration and score, separated by tabs; 0 <= start <= end",
-    )
 
 
 def semantic_weights(spans: tuple[SemanticSpan, ...], frames: int, frame_rate: float) -> Floats:

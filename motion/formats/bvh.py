@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from pathlib import Path
 from typing import Final
 
@@ -28,6 +28,9 @@ _USUAL_RATES: Final = (24, 25, 30, 48, 50, 60, 90, 100, 120, 144, 200, 240)
 _LOST_ROWS: Final = 2
 """Rows that downsampling a file may lose at its ends."""
 
+_HEADER: Final = re.compile(
+    r"Frames:\s*(\d{1,12})\nFrame Time:\s*((?:\d+\.?\d*|\.\d+)(?:E[+-]?\d{1,3})?)", re.IGNORECASE
+)
 _SHORTEST_FRAME, _LONGEST_FRAME = Decimal("1e-6"), Decimal("1e6")
 """Smallest and largest plausible frame time in seconds."""
 
@@ -84,20 +87,19 @@ def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
             remedy="Give a BVH file, or export the motion again",
         )
     joints = parse_hierarchy(lines[1:motion_at], path)
-    header, rows = lines[motion_at + 1 : motion_at + 3], lines[motion_at + 3 :]
-    frames = _header_value(header, 0, r"Frames:\s*(\d{1,12})", "'Frames: <number>'", path)
-    frame_time = _header_value(header, 1, r"Frame Time:\s*(\S+)", "'Frame Time: <seconds>'", path)
-    header_rate = _rate_of(frame_time, f"{path}, line {header[1][0]}")
-    values = _parse_rows(rows, sum(len(joint.channels) for joint in joints), path)
+    header = lines[motion_at + 1 : motion_at + 3]
+    frames, header_rate = _parse_header(header, f"{path}, line {lines[motion_at][0]}")
+    width = sum(len(joint.channels) for joint in joints)
+    values = _parse_rows(lines[motion_at + 3 :], width, path)
     notes: tuple[str, ...] = ()
-    if int(frames) != len(values):
-        contradiction = _contradiction(int(frames), header_rate, len(values))
+    if frames != len(values):
+        contradiction = _contradiction(frames, header_rate, len(values))
         if frame_rate is None:
             raise BvhFrameCountError(
                 contradiction,
                 where=path,
                 rows=len(values),
-                frame_rates=_possible_rates(int(frames), header_rate, len(values)),
+                frame_rates=_possible_rates(frames, header_rate, len(values)),
             )
         notes = (f"{contradiction}; read at {frame_rate:g} per second",)
     return BvhMotion(
@@ -108,33 +110,25 @@ def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
     )
 
 
-def _header_value(
-    header: list[tuple[int, str]], index: int, pattern: str, form: str, path: Path
-) -> str:
-    match = re.fullmatch(pattern, header[index][1], re.IGNORECASE) if index < len(header) else None
-    if match is None:
-        where = f"{path}, line {header[index][0]}" if index < len(header) else path
-        raise InputError(
-            f"the motion's header lacks {form}", where=where, remedy="Repair or export again"
-        )
-    return match[1]
+def _parse_header(header: list[tuple[int, str]], where: str) -> tuple[int, float]:
+    """Return the declared number of frames, and the frame rate."""
+    match = _HEADER.fullmatch("\n".join(line for _, line in header))
+    if match is not None and _SHORTEST_FRAME <= Decimal(match[2]) <= _LONGEST_FRAME:
+        return int(match[1]), _rate_of(Decimal(match[2]))
+    raise InputError(
+        "'Frames: <number>' and a usable 'Frame Time: <seconds>' do not follow",
+        where=where,
+        remedy="Repair these two lines, or export the motion again",
+    )
 
 
-def _rate_of(frame_time: str, where: str) -> float:
+def _rate_of(seconds: Decimal) -> float:
     """Return the frame rate of a rounded frame time.
 
     It is a whole number if that number is a common rate, or if the digits distinguish it from its
     neighbours, as 0.033 distinguishes 30 from 29 and 31. Otherwise the frame time is taken
     literally: 0.03 is 33.33.
     """
-    try:
-        seconds = Decimal(frame_time)
-    except InvalidOperation as error:
-        raise InputError(
-            f"frame time {frame_time!r} is not a number", where=where, remedy="Give seconds"
-        ) from error
-    if not seconds.is_finite() or not _SHORTEST_FRAME <= seconds <= _LONGEST_FRAME:
-        raise InputError(f"frame time {frame_time} is not usable", where=where, remedy="Repair it")
     last_digit = Decimal(1).scaleb(int(seconds.as_tuple().exponent))
     nearest_rate = max(1, round(1 / seconds))
     rounded = abs(1 / Decimal(nearest_rate) - seconds) <= last_digit
@@ -164,28 +158,17 @@ def _parse_rows(rows: list[tuple[int, str]], width: int, path: Path) -> Floats:
         raise InputError("the motion has no frame", where=path, remedy="Export it again")
     values = np.empty((len(rows), width))
     for index, (number, line) in enumerate(rows):
-        where = f"{path}, line {number}"
-        cells = line.split()
-        if len(cells) != width:
-            raise InputError(
-                f"the row has {len(cells)} values, the skeleton has {width} channels",
-                where=where,
-                remedy="Repair the row; a last row that is too short means a truncated file",
-            )
         try:
-            values[index] = [float(cell) for cell in cells]
+            row = [float(cell) for cell in line.split()]
+            if len(row) != width or not np.isfinite(row).all():
+                raise ValueError
         except ValueError as error:
             raise InputError(
-                f"the row holds a word that is not a number ({error})",
-                where=where,
-                remedy="Repair the row",
+                f"the row does not hold {width} finite numbers, one for each channel",
+                where=f"{path}, line {number}",
+                remedy="Repair the row; a last row that is too short means a truncated file",
             ) from error
-        if not np.isfinite(values[index]).all():
-            raise InputError(
-                "the row holds a value that is not finite",
-                where=where,
-                remedy="Repair or remove the row",
-            )
+        values[index] = row
     return values
 
 
@@ -207,58 +190,73 @@ def parse_hierarchy(lines: list[tuple[int, str]], path: Path) -> tuple[BvhJoint,
     drafts: list[BvhJoint] = []
     # The open blocks, and the block that the next brace opens: a joint's index, or _END_SITE.
     blocks: list[int] = []
-    announced: int | None = None
+    announced: list[int] = []
     for number, line in _statements(lines):
-        where = f"{path}, line {number}"
-        words = line.split()
-        keyword = words[0].upper()
-        block = blocks[-1] if blocks else None
-        in_joint = block is not None and block != _END_SITE
-        fits = announced is None
-        if keyword == "{":
-            fits = announced is not None
-            if announced is not None:
-                blocks.append(announced)
-            announced = None
-        elif keyword in ("ROOT", "JOINT"):
-            fits &= len(words) > 1 and (in_joint if keyword == "JOINT" else not drafts)
-            if len(drafts) == MOST_JOINTS:
-                raise InputError(
-                    f"the skeleton has more than {MOST_JOINTS} joints",
-                    where=where,
-                    remedy="Export the joints of the body alone",
-                )
-            announced = len(drafts)
-            parent = -1 if block is None else block
-            drafts.append(
-                BvhJoint(name=" ".join(words[1:]), parent=parent, offset=(0, 0, 0), channels=())
-            )
-        elif keyword == "END":
-            fits &= in_joint
-            announced = _END_SITE
-        elif keyword == "}":
-            fits &= bool(blocks)
-            blocks = blocks[:-1]
-        elif keyword == "OFFSET" and block is not None:
-            offset = _offset(words, where)
-            if in_joint:
-                drafts[block] = replace(drafts[block], offset=offset)
-        elif keyword == "CHANNELS" and block is not None and in_joint:
-            drafts[block] = replace(drafts[block], channels=_channels(words, where))
-        else:
-            fits = False
-        if not fits:
+        keyword, *words = line.split()
+        try:
+            _read_statement(keyword.upper(), words, drafts, blocks, announced)
+        except (ValueError, IndexError) as error:
             raise InputError(
                 f"{line!r} does not fit here",
-                where=where,
+                where=f"{path}, line {number}",
                 remedy="Repair the line or export again",
+            ) from error
+        if len(drafts) > MOST_JOINTS:
+            raise InputError(
+                f"the skeleton has more than {MOST_JOINTS} joints",
+                where=f"{path}, line {number}",
+                remedy="Export the joints of the body alone",
             )
     names = [joint.name for joint in drafts]
     twice = sorted({name for name in names if names.count(name) > 1})
-    if blocks or announced is not None or not drafts or twice:
+    if blocks or announced or not drafts or twice:
         problem = f"joint {twice[0]!r} occurs twice" if twice else "the skeleton is not complete"
         raise InputError(problem, where=path, remedy="Export the file again")
     return tuple(drafts)
+
+
+def _read_statement(
+    keyword: str,
+    words: list[str],
+    drafts: list[BvhJoint],
+    blocks: list[int],
+    announced: list[int],
+) -> None:
+    """Change the state of `parse_hierarchy` by one statement.
+
+    Raises
+    ------
+    ValueError or IndexError
+        If the statement does not fit the state.
+    """
+    block = blocks[-1] if blocks else None
+    in_joint = block is not None and block != _END_SITE
+    if keyword == "{":
+        blocks.append(announced.pop())
+    elif announced:
+        raise ValueError
+    elif keyword == "}":
+        blocks.pop()
+    elif words and (in_joint if keyword == "JOINT" else keyword == "ROOT" and not drafts):
+        announced.append(len(drafts))
+        parent = -1 if block is None else block
+        joint = BvhJoint(name=" ".join(words), parent=parent, offset=(0, 0, 0), channels=())
+        drafts.append(joint)
+    elif keyword == "END" and in_joint:
+        announced.append(_END_SITE)
+    elif keyword == "OFFSET" and block is not None:
+        x, y, z = map(float, words)
+        if not np.isfinite([x, y, z]).all():
+            raise ValueError
+        if in_joint:
+            drafts[block] = replace(drafts[block], offset=(x, y, z))
+    elif keyword == "CHANNELS" and block is not None and in_joint:
+        names = tuple(word.capitalize() for word in words[1:])
+        if words[0] != str(len(names)) or len(set(names) & _CHANNELS) != len(names):
+            raise ValueError
+        drafts[block] = replace(drafts[block], channels=names)
+    else:
+        raise ValueError
 
 
 def _statements(lines: list[tuple[int, str]]) -> Iterator[tuple[int, str]]:
@@ -267,29 +265,3 @@ def _statements(lines: list[tuple[int, str]]) -> Iterator[tuple[int, str]]:
         for part in re.split(r"([{}])", line):
             if part.strip():
                 yield number, part.strip()
-
-
-def _offset(words: list[str], where: str) -> tuple[float, float, float]:
-    try:
-        x, y, z = (float(word) for word in words[1:])
-    except ValueError as error:
-        raise InputError(
-            f"{' '.join(words)!r} is not an offset of three numbers",
-            where=where,
-            remedy="Repair it",
-        ) from error
-    if not np.isfinite([x, y, z]).all():
-        raise InputError("the offset is not finite", where=where, remedy="Repair it")
-    return x, y, z
-
-
-def _channels(words: list[str], where: str) -> tuple[str, ...]:
-    names = tuple(word[:1].upper() + word[1:].lower() for word in words[2:])
-    unknown = [name for name in names if name not in _CHANNELS]
-    if words[1:2] != [str(len(names))] or unknown or len(set(names)) != len(names):
-        raise InputError(
-            f"{' '.join(words)!r} is not a list of channels",
-            where=where,
-            remedy="Give their number, then names such as Xposition or Zrotation",
-        )
-    return names

@@ -226,12 +226,8 @@ def _expressions(arrays: Arrays) -> NDArray[Any] | None:
 
 
 def _gender(arrays: Arrays) -> str:
-    gender = arrays.get("gender", np.array("neutral")).reshape(-1)
-    if gender.size != 1:
-        raise InputError(
-            f"gender holds {gender.size} values", remedy="Give one of neutral, female, male"
-        )
-    value = gender[0]
+    gender = arrays.get("gender", np.array("neutral"))
+    value = gender.item() if gender.size == 1 else gender
     return value.decode("ascii", "replace") if isinstance(value, bytes) else str(value)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 import zipfile
 from collections.abc import Mapping
@@ -56,8 +55,6 @@ _OTHER_NAMES: Final = {
 }  # fmt: skip
 _RATES: Final = ("frame_rate", "fps", "mocap_frame_rate", "mocap_framerate")
 _NAMES: Final = ("names", "joint_names")
-_COLUMN: Final = re.compile(r"(?P<joint>.+?)[ _.:]?(?P<axis>[xyzXYZ])$")
-_TIMES: Final = ("time", "t", "timestamp", "seconds")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -78,16 +75,8 @@ def holds_joints(path: Path, start: bytes) -> bool:
         except zipfile.BadZipFile:
             return False
         return "poses" not in keys and not keys.isdisjoint(TED_ARRAYS)
-    if start.startswith(b"\x93NUMPY"):
-        return bool(re.search(rb"'shape': \(\d+, \d+, [23]\)", start))
-    heading = start.removeprefix(b"\xef\xbb\xbf").split(b"\n", 1)[0].decode("utf-8", "replace")
-    return path.suffix.lower() == ".csv" and len(_joints_of(heading.split(","))) >= 3
-
-
-def is_joint_table(path: Path) -> bool:
-    """Return whether a CSV file holds joint positions."""
-    with path.open("rb") as file:
-        return holds_joints(path, file.read(512))
+    is_array = start.startswith(b"\x93NUMPY")
+    return is_array and bool(re.search(rb"'shape': \(\d+, \d+, [23]\)", start))
 
 
 def read_joints(
@@ -99,8 +88,7 @@ def read_joints(
     ----------
     path : Path
         ``.npz`` with `joints` (T, J, 3) and `names` (J), or a clip of TED Gesture; ``.npy`` of
-        (T, J, 3) in the order of SMPL, SMPL+H, SMPL-X, MediaPipe or TED Gesture; ``.csv`` with
-        columns ``NAME_x``, ``NAME_y``, ``NAME_z``, and optionally ``time`` in seconds.
+        (T, J, 3) in the order of SMPL, SMPL+H, SMPL-X, MediaPipe or TED Gesture.
     frame_rate : float, optional
         Frames per second; overrides the file's own.
     joint_map : mapping of str to str, optional
@@ -151,8 +139,6 @@ def _normalised_name(name: str) -> str:
 
 
 def _read(path: Path) -> _Recording:
-    if path.suffix.lower() == ".csv":
-        return _read_table(path)
     if not zipfile.is_zipfile(path):
         return _in_known_order(load_array(path), None)
     arrays = load_arrays(path, (*TED_ARRAYS, *_NAMES, *_RATES))
@@ -203,44 +189,3 @@ def _points(joints: NDArray[Any], count: int) -> Floats:
     if not len(joints):
         raise InputError("the motion has no frame", remedy="Give at least one frame")
     return joints.astype(np.float64)
-
-
-def _joints_of(columns: list[str]) -> dict[str, list[int]]:
-    """Return the columns of x, y and z of each joint that has all three."""
-    axes_of_joint: dict[str, list[int]] = {}
-    for place, column in enumerate(columns):
-        match = _COLUMN.fullmatch(column.strip().strip('"'))
-        if match:
-            axes = axes_of_joint.setdefault(match["joint"], [-1, -1, -1])
-            axes["xyz".index(match["axis"].lower())] = place
-    return {joint: axes for joint, axes in axes_of_joint.items() if min(axes) >= 0}
-
-
-def _read_table(path: Path) -> _Recording:
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            heading, *rows = csv.reader(file)
-        if {len(row) for row in rows if row} != {len(heading)}:
-            raise InputError(
-                f"the table has {len(heading)} headings and rows of other lengths, or no row",
-                remedy="Give a number in every cell",
-            )
-        values = np.array([[float(cell or "nan") for cell in row] for row in rows if row])
-    except (OSError, UnicodeDecodeError, ValueError, csv.Error) as error:
-        raise InputError(
-            f"the table cannot be read ({error})",
-            remedy="Give a heading, then numbers with a point, as many in every row",
-        ) from error
-    joints = _joints_of(heading)
-    places = np.array(list(joints.values()))
-    time = next((i for i, name in enumerate(heading) if name.strip().lower() in _TIMES), None)
-    rate = None
-    if time is not None and len(values) > 1:
-        steps = np.diff(values[:, time])
-        if steps.min() <= 0 or steps.max() > 1.5 * np.median(steps):
-            raise InputError(
-                f"the times in column {heading[time]!r} are not evenly spaced",
-                remedy="Give one row per frame, and seconds",
-            )
-        rate = float(1 / np.mean(steps))
-    return _Recording(points=values[:, places], names=tuple(joints), frame_rate=rate)

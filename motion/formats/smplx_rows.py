@@ -1,7 +1,7 @@
 """SMPL-X parameters side by side in the rows of one array, at 30 fps.
 
 TalkSHOW (Yi et al. 2023) writes ``.npy`` of shape (T, 265), Motion-X (Lin et al. 2023) of shape
-(T, 322). SHOW's own files have TalkSHOW's parts by name, as arrays of an ``.npz``.
+(T, 322).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from motion.clip import EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError, found_at
-from motion.formats.archives import load_array, load_arrays
+from motion.formats.archives import load_array
 from motion.skeleton import JOINT_COUNT
 
 FRAME_RATE: Final = 30.0
@@ -25,61 +25,7 @@ _BODY: Final = slice(12, 75)
 _HANDS: Final = slice(75, 165)
 _EXPRESSION: Final = slice(165, 265)
 
-_PARTS: Final = (
-    ("jaw_pose", 3),
-    ("leye_pose", 3),
-    ("reye_pose", 3),
-    ("global_orient", 3),
-    ("body_pose_axis", 63),
-    ("left_hand_pose", 45),
-    ("right_hand_pose", 45),
-    ("expression", 100),
-)
-"""SHOW's names for the parts of a row, in column order, and their widths."""
-
 MOTION_X_WIDTH: Final = 322
-
-ARRAYS: Final = ("body_pose_axis",)
-"""Arrays that only SHOW's ``.npz`` has."""
-
-
-def read_show_npz(path: Path) -> MotionClip:
-    """Read SHOW's motion from an ``.npz`` of its own arrays, at 30 fps.
-
-    Parameters
-    ----------
-    path : Path
-        A file with the arrays ``jaw_pose``, ``leye_pose``, ``reye_pose``, ``global_orient``,
-        ``body_pose_axis``, ``left_hand_pose``, ``right_hand_pose`` and ``expression``, one row per
-        frame; axis-angle in radians. Other arrays are ignored.
-
-    Raises
-    ------
-    InputError
-        If an array is missing or of another size. Hands as SHOW's 12 principal components are
-        refused: they must be 45 angles. Pickled content is never loaded.
-    """
-    with found_at(path):
-        arrays = load_arrays(path, [name for name, _ in _PARTS])
-        parts = [_part(arrays.get(name), name, width) for name, width in _PARTS]
-        if len({len(part) for part in parts}) > 1:
-            raise InputError(
-                "the arrays are not of equal length", remedy="Save all of SHOW's arrays"
-            )
-        return _clip(np.concatenate(parts, axis=1), FRAME_RATE)
-
-
-def _part(array: NDArray[Any] | None, name: str, width: int) -> NDArray[Any]:
-    if array is None or array.dtype.kind not in "fiu" or not array.size:
-        problem = "there is no array" if array is None else "there are no numbers in the array"
-        raise InputError(f"{problem} {name!r}", remedy="Save all of SHOW's arrays")
-    rows = array.reshape(len(array), -1)
-    if rows.shape[1] != width:
-        hands = "; expand the principal components of hands" if "hand" in name else ""
-        raise InputError(
-            f"{name!r} has shape {array.shape}", remedy=f"Give (frames, {width}){hands}"
-        )
-    return rows
 
 
 def read_rows(path: Path, *, frame_rate: float | None = None) -> MotionClip:

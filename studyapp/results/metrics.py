@@ -14,7 +14,6 @@ from analysis.measurement.presets import combined
 from analysis.metrics.scores import StudyMetrics
 from motion.endings import MOTION_ENDINGS, SPEECH_ENDINGS
 from motion.errors import InputError
-from motion.formats import is_motion_file
 from motion.segment import SEGMENTS_FILE, read_segments
 from renderer.look import default_body
 from studyapp.stimuli.shown_motion import body_file, expression_matrix_file
@@ -237,10 +236,7 @@ def _list_files(folder: Path, endings: Sequence[str]) -> list[Path]:
     return sorted(
         path
         for path in folder.iterdir()
-        if path.suffix.lower() in endings
-        and path.name[0] != "."
-        and path.is_file()
-        and (path.suffix.lower() != ".csv" or is_motion_file(path))
+        if path.suffix.lower() in endings and path.name[0] != "." and path.is_file()
     )
 
 

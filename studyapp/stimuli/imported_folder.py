@@ -16,7 +16,6 @@ from pathlib import Path
 from motion.endings import MOTION_ENDINGS, SPEECH_ENDINGS, VIDEO_ENDING
 from motion.errors import InputError
 from motion.files import replacing
-from motion.formats import is_motion_file
 from motion.segment import SEGMENTS_FILE, check_name
 from studyapp.stimuli.media_probe import DURATION_TOLERANCE, flaw_of
 from studyapp.stimuli.recordings import (
@@ -95,14 +94,17 @@ class _ConditionFolder:
             store = partial(import_speech, self._study, self._folder)
             yield FolderItem(files=self._take([table, *named]), store=store)
         for speech in self._with_ending(SPEECH_ENDINGS):
-            motion = next((file for file in self._motion_files() if file.stem == speech.stem), None)
+            motion = next(
+                (file for file in self._with_ending(MOTION_ENDINGS) if file.stem == speech.stem),
+                None,
+            )
             files = [*([motion] if motion else []), speech, *self._companions(speech)]
             store = partial(self._store_take, motion, speech)
             yield FolderItem(files=self._take(files), store=store)
 
     def motion(self) -> Iterator[FolderItem]:
         """Yield motion of segments that exist by then."""
-        for motion in self._motion_files():
+        for motion in self._with_ending(MOTION_ENDINGS):
             files = self._take([motion, *self._companions(motion)])
             yield FolderItem(files=files, store=partial(self._store_clip, motion))
 
@@ -118,11 +120,6 @@ class _ConditionFolder:
 
     def _with_ending(self, endings: Sequence[str]) -> list[Path]:
         return [path for path in self._remaining.values() if path.suffix.lower() in endings]
-
-    def _motion_files(self) -> list[Path]:
-        motions = filter(is_motion_file, self._remaining.values())
-        # A table of joints is the last choice: other files have the rotations.
-        return sorted(motions, key=lambda path: path.suffix.lower() == ".csv")
 
     def _companions(self, path: Path) -> list[Path]:
         return [file for file in self._with_ending(COMPANION_ENDINGS) if file.stem == path.stem]
@@ -228,6 +225,6 @@ def _refuse_unknown(path: Path) -> list[str]:
     raise InputError(
         "this is neither speech, motion nor a finished video, nor a companion of one",
         where=path,
-        remedy=f"Provide motion as {', '.join(MOTION_ENDINGS)} (a table of joints), speech as "
+        remedy=f"Provide motion as {', '.join(MOTION_ENDINGS)}, speech as "
         f"{', '.join(SPEECH_ENDINGS)}, videos as {VIDEO_ENDING}",
     )

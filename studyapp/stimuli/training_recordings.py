@@ -16,7 +16,7 @@ from motion.clip import MotionClip
 from motion.endings import MOTION_ENDINGS
 from motion.errors import InputError
 from motion.files import sha256_of
-from motion.formats import is_motion_file, read_clip, read_recorded
+from motion.formats import read_clip, read_recorded
 from motion.segment import SEGMENTS_FILE
 from renderer.look import default_body
 from studyapp.stimuli.shown_motion import shown_body
@@ -125,7 +125,7 @@ def _folder_recordings(
         path
         for path in folder.rglob("*")
         if path.is_file()
-        and is_motion_file(path)
+        and path.suffix.lower() in MOTION_ENDINGS
         and not any(part.startswith(".") for part in path.relative_to(folder).parts)
     )
     if not paths:

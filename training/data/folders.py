@@ -5,7 +5,7 @@ motion in ``smplxflame_30``, sound in ``wave16k`` and annotated gestures in ``se
 ``train``, ``val`` or ``test`` above it names its split. BEAT's names give speaker and emotion;
 otherwise a folder names the speaker. Clips as plain arrays are those of TED Gesture (Yoon et al.
 2020), ``talk/clip.npz``, each of whose talks counts as one speaker, and SHOW (Yi et al. 2023),
-``speaker/video/clip/clip.npy`` (or ``.npz``) or ``speaker/video/clip.npy``. The data sets' own
+``speaker/video/clip/clip.npy`` or ``speaker/video/clip.npy``. The data sets' own
 pickles and databases of pickles are never opened, because unpickling them runs code.
 """
 
@@ -18,7 +18,6 @@ from typing import Final
 
 from motion.endings import SPEECH_ENDINGS
 from motion.errors import InputError, listed
-from motion.formats.smplx_rows import ARRAYS as SHOW_ARRAYS
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
 from motion.formats.transcript import preferred_transcript
 from training.data.beat import BeatName
@@ -91,7 +90,7 @@ _FOLDERS: Final = "the folders train, val and test"
 _LAYOUTS: Final[Mapping[Kind, _Layout]] = {
     "beat": _Layout((".bvh",), (), _beat_identity),
     "beat2": _Layout((".npz",), ("poses",), _beat2_identity),
-    "show": _Layout((".npy", ".npz"), SHOW_ARRAYS, _show_identity, _FOLDERS),
+    "show": _Layout((".npy",), (), _show_identity, _FOLDERS),
     "ted": _Layout((".npz",), TED_ARRAYS, _ted_identity, _FOLDERS),
 }
 

@@ -62,20 +62,14 @@ GOOD = np.full((3, 2), 0.5)
     ("weights", "options", "complaint"),
     [
         (GOOD * 100, {}, r"weights lie in \[50, 50\]"),
-        (GOOD[:, :1], {}, "1 weights for 2 names"),
+        (GOOD[:, :1], {}, "does not have 2 weights"),
         (GOOD, {"names": ("jawOpen", "smirk")}, "unknown facial actions smirk"),
         (GOOD, {"names": ("jawOpen", "JawOpen")}, "occurs twice"),
         (GOOD, {"frames": []}, "not JSON of facial weights .frames: "),
         (GOOD * np.nan, {}, "not JSON of facial weights"),
-        (
-            GOOD,
-            {"frames": [{"weights": [0, 0], "time": t} for t in (0, 0.1, 0.1)]},
-            "time of frame 2",
-        ),
-        (
-            GOOD,
-            {"frames": [{"weights": [0, 0], "time": t} for t in (0, 17, 1e15)]},
-            "3 frames are spread over 1e",
+        *(
+            (GOOD, {"frames": [{"weights": [0, 0], "time": t} for t in times]}, "times of 3 frames")
+            for times in ((0, 0.1, 0.1), (0, 17, 1e15))
         ),
     ],
 )

@@ -12,9 +12,9 @@ from tests.motion.formats.bvh_text import CHAIN, bvh_text, columns_of, save_bvh_
 from tests.motion.random_clips import assert_same_clip
 
 
-def person_bvh(path: Path, frames: int | None = None, unit: float = 1.0) -> Path:
+def person_bvh(path: Path, frames: int | None = None) -> Path:
     skeleton = smplx_skeleton()
-    rows = np.stack([columns_of(skeleton, {"left_elbow": (k * unit, 0, 0)}) for k in (10, 20)])
+    rows = np.stack([columns_of(skeleton, {"left_elbow": (k, 0, 0)}) for k in (10, 20)])
     return save_bvh_text(path, bvh_text(skeleton, rows, frames=frames))
 
 
@@ -39,18 +39,6 @@ def test_npz_files_of_others_are_placed_with_a_note(tmp_path: Path) -> None:
     assert clip.provenance["format"] == "npz"
     assert clip.provenance["notes"].endswith("z was up; turned to y up")
     np.testing.assert_allclose(read_clip(tmp_path / "amass.npz").poses[:, 0, 0], np.pi / 2)
-
-
-def test_a_probably_wrong_unit_is_noted(tmp_path: Path) -> None:
-    centimetres = np.linspace(0, 20, 30)[:, None] * np.eye(3)[0]
-    np.savez(tmp_path / "cm.npz", poses=np.zeros((30, 165)), trans=centimetres, fps=30)
-    notes = read_motion(tmp_path / "cm.npz").provenance["notes"]
-    assert "moves at 20 m/s on average; check the unit of its translation" in notes
-    radians = read_motion(person_bvh(tmp_path / "radians.bvh", unit=np.pi / 180))
-    assert "nearly all rotations are below 0.3 degrees; check that" in radians.provenance["notes"]
-    for unit in (1.0, 1e-3):
-        fine = read_motion(person_bvh(tmp_path / f"{unit}.bvh", unit=unit))
-        assert "degrees" not in fine.provenance["notes"]
 
 
 @pytest.mark.parametrize("kind", ["talkshow", "npz (BEAT2)"])

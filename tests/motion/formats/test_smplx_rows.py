@@ -2,14 +2,13 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from motion.errors import InputError
 from motion.formats import read_clip
-from motion.formats.smplx_rows import read_rows, read_show_npz
+from motion.formats.smplx_rows import read_rows
 from motion.skeleton import JOINT_NAMES, joint_index
 
 TALKSHOW = {"jaw": 0, "left_eye": 3, "pelvis": 9, "left_hip": 12, "right_wrist": 72}
@@ -77,39 +76,3 @@ def test_other_files_are_refused_by_name(
         np.save(tmp_path / "bad.npy", content, allow_pickle=True)
     with pytest.raises(InputError, match=rf"bad\.npy: .*{complaint}"):
         read_rows(tmp_path / "bad.npy")
-
-
-ROWS = np.tile(np.arange(265) / 1000, (3, 1))
-NAMES = "jaw_pose leye_pose reye_pose global_orient body_pose_axis left_hand_pose right_hand_pose"
-PARTS = np.split(ROWS, [3, 6, 9, 12, 75, 120, 165], axis=1)
-SHOW: dict[str, Any] = dict(zip([*NAMES.split(), "expression"], PARTS, strict=True))
-
-
-def test_shows_arrays_give_the_same_motion(tmp_path: Path) -> None:
-    body = SHOW["body_pose_axis"].reshape(3, 21, 3)
-    np.savez(tmp_path / "a.npz", **SHOW | {"body_pose_axis": body, "betas": np.zeros(300)})
-    np.save(tmp_path / "a.npy", ROWS)
-    result, expected = read_show_npz(tmp_path / "a.npz"), read_rows(tmp_path / "a.npy")
-    np.testing.assert_array_equal(result.poses, expected.poses)
-    np.testing.assert_array_equal(result.expressions, expected.expressions)
-    assert result.frame_rate == 30
-
-
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"jaw_pose": None}, "there is no array 'jaw_pose'"),
-        ({"left_hand_pose": np.zeros((3, 12))}, "expand the principal components of hands"),
-        ({"expression": np.zeros((2, 100))}, "equal length"),
-        ({"expression": np.full((3, 100), np.nan)}, "not a number"),
-        ({"expression": np.full((3, 100), "a")}, "no numbers in the array 'expression'"),
-    ],
-)
-def test_unusable_show_arrays_are_refused(
-    tmp_path: Path, changed: dict[str, Any], message: str
-) -> None:
-    arrays = SHOW | changed
-    kept = {name: array for name, array in arrays.items() if array is not None}
-    np.savez(tmp_path / "a.npz", **kept)
-    with pytest.raises(InputError, match=rf"a\.npz: .*{message}"):
-        read_show_npz(tmp_path / "a.npz")

@@ -31,9 +31,6 @@ def source(tmp_path: Path) -> Path:
     write_speech(place / "ground_truth" / "take.wav", 2.0)
     write_motion(place / "ground_truth" / "take.npz", 2.0)
     (place / "ground_truth" / "take.lab").write_text("good morning", "utf-8")
-    # A table of joints, which says less than the motion file beside it.
-    joints = [f"{joint}_{axis}" for joint in ("pelvis", "neck", "head") for axis in "xyz"]
-    (place / "ground_truth" / "take.csv").write_text(f"{','.join(joints)}\n", "utf-8")
     for name in ("alone", "take"):
         write_motion(place / "ours" / f"{name}.npz", 2.0)
     write_video(place / "filmed" / "take.mp4", VideoRecipe())

@@ -253,7 +253,7 @@ def test_the_documented_script_converts_shows_pickles_to_takes(tmp_path: Path) -
     clip.write_bytes(pickle.dumps({**arrays, "batch_size": frames}))
     hands = {side: rng.normal(size=(45, 45)).tolist() for side in ("left", "right")}
     (tmp_path / "hands.json").write_text(json.dumps(hands))
-    command = [sys.executable, "-c", script("show_to_npz.py")]
+    command = [sys.executable, "-c", script("show_to_npy.py")]
     subprocess.run([*command, tmp_path / "show", tmp_path / "hands.json"], check=True)
     result = read_takes(tmp_path / "show")
     assert not result.skipped
