@@ -142,7 +142,6 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             landmark_errors=(MALE, MACE_LANDMARKS),
             networks=(feature_networks.LANDMARKS, feature_networks.GESTURE),
         ),
-        "talkshow": Preset(beats=(beat_alignment.TALKSHOW,)),
         "physical": Preset(
             derivatives=(HANDS, HANDS_UNFILTERED), foot_sliding=True, velocity_errors=("L1", "L2")
         ),

@@ -25,6 +25,7 @@ from analysis.metrics.beat_alignment import beat_alignment
 from analysis.metrics.correct_motion import CorrectSettings, correct_share
 from analysis.metrics.diversity import l1_deviation
 from analysis.metrics.kinematics import (
+    ARM_JOINTS,
     FEET,
     GESTURE_JOINTS,
     UPPER_BODY_JOINTS,
@@ -245,7 +246,7 @@ def pose_settings(frame_rate: float) -> dict[str, str]:
 def _beats(positions: Floats, onsets: Onsets, setup: Setup) -> Iterator[MetricResult]:
     for settings in setup.preset.beats:
         yield from beat_alignment(
-            select(positions, settings.joints),
+            select(positions, ARM_JOINTS),
             onsets.times,
             speech_duration=onsets.speech_duration,
             frame_rate=setup.frame_rate,

@@ -1,4 +1,4 @@
-"""Beat alignment: whether a motion stops and turns where the speech has its beats.
+"""Beat alignment: whether a motion stops where the speech has its beats.
 
 Papers use one name for different scores, so each preset fixes all choices. A wide Gaussian rewards
 any dense beats: onsets unrelated to the motion easily score .8. So every score has a chance level;
@@ -26,10 +26,11 @@ SHIFTS: Final = 200
 """Circular shifts over which the chance level is averaged."""
 
 SHALLOWEST: Final = 0.01
-"""Metres per second by which a motion beat must be slower than its surroundings."""
+"""Metres per second by which a motion beat is slower than its surroundings; a shallower dip is
+rounding or sensor noise."""
 
-SHALLOWEST_TURN: Final = 0.04
-"""The same in radians per second, for bones of a quarter of a metre."""
+WINDOW: Final = 7 / 30
+"""A motion beat is slower than everything within this many seconds before and after it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,41 +43,31 @@ class BeatSettings:
         Name of the preset.
     direction : {'motion to audio', 'audio to motion'}
         Each beat of the first kind is scored by its distance to the nearest of the second.
-    joints : tuple of str
-        The joints whose speed is used.
-    bones : tuple of (str, str)
-        Ends of bones, among `joints`, whose angular speed replaces the joints' speed.
     pooling : {'mean speed', 'each joint'}
-        One series of motion beats from the mean speed of joints or bones, or one series per joint
-        or bone, whose scores are averaged.
+        One series of motion beats from the mean speed of the joints, or one series per joint, whose
+        scores are averaged.
     sigma : float
         Width of the Gaussian in seconds.
-    window : float
-        A motion beat is slower than everything within this many seconds before and after it.
     source : str
         Source of these choices.
     """
 
     name: str
     direction: Direction
-    joints: tuple[str, ...]
     pooling: Literal["mean speed", "each joint"]
     sigma: float
-    window: float
     source: str
-    bones: tuple[tuple[str, str], ...] = ()
 
     def description(self, frame_rate: float, detector: str) -> dict[str, str]:
         """Return the settings in words, for a footnote."""
         return {
             "direction": self.direction,
-            "joints": ", ".join(self.joints),
-            "motion": "turning of bones, rad/s" if self.bones else "speed of joints, m/s",
+            "joints": ", ".join(ARM_JOINTS),
+            "motion": "speed of joints, m/s",
             "pooling": self.pooling,
             "sigma": f"{self.sigma:g} s",
-            "extremum window": f"{self.window:.3g} s on each side "
-            f"({extremum_order(self.window, frame_rate)} frames)",
-            "least dip": f"{SHALLOWEST_TURN:g} rad/s" if self.bones else f"{SHALLOWEST:g} m/s",
+            "extremum window": f"{WINDOW:.3g} s on each side ({extremum_order(frame_rate)} frames)",
+            "least dip": f"{SHALLOWEST:g} m/s",
             "frame rate": f"{frame_rate:g} fps",
             "onsets": detector,
             "chance": f"mean over {SHIFTS} circular shifts of the motion beats",
@@ -87,10 +78,8 @@ class BeatSettings:
 AMUSE: Final = BeatSettings(
     name="amuse",
     direction="motion to audio",
-    joints=ARM_JOINTS,
     pooling="mean speed",
     sigma=0.1,
-    window=7 / 30,
     source="Chhatre et al. 2024, appendix E (direction, joints); sigma and window are ours",
 )
 """AMUSE's text: from each motion beat of the arms to the nearest audio beat."""
@@ -98,30 +87,11 @@ AMUSE: Final = BeatSettings(
 BEAT: Final = BeatSettings(
     name="beat",
     direction="audio to motion",
-    joints=ARM_JOINTS,
     pooling="each joint",
     sigma=0.3,
-    window=7 / 30,
     source="Liu et al. 2022 (BEAT), direction, joints and sigma; its speed threshold is not used",
 )
 """BEAT's evaluation: from each audio onset to the nearest motion beat of each joint."""
-
-TALKSHOW: Final = BeatSettings(
-    name="talkshow",
-    direction="audio to motion",
-    joints=ARM_JOINTS,
-    pooling="mean speed",
-    sigma=0.1,
-    window=1 / 15,
-    source="Yi et al. 2023 (TalkSHOW) after Liu et al. 2022 (HA2G): direction, turning, sigma; "
-    "arms and window are ours, the threshold on turning is not used",
-    bones=tuple(
-        (f"{side}_{start}", f"{side}_{end}")
-        for side in ("left", "right")
-        for start, end in (("shoulder", "elbow"), ("elbow", "wrist"))
-    ),
-)
-"""TalkSHOW's and HA2G's: from each audio onset to where the arms' bones turn least."""
 
 
 class BeatAlignment(NamedTuple):
@@ -149,35 +119,29 @@ class BeatAlignment(NamedTuple):
     motion_beats: MetricResult
 
 
-def extremum_order(window: float, frame_rate: float) -> int:
+def extremum_order(frame_rate: float) -> int:
     """Return the window in frames on each side of a motion beat, at least 1."""
-    return max(1, round(window * frame_rate))
+    return max(1, round(WINDOW * frame_rate))
 
 
-def motion_beats(
-    speed: Floats, frame_rate: float, window: float, shallowest: float = SHALLOWEST
-) -> Floats:
+def motion_beats(speed: Floats, frame_rate: float) -> Floats:
     """Return the times of the local minima of a speed curve.
 
     Parameters
     ----------
     speed : ndarray, shape (T,)
-        Speed, such as m/s, between frames k and k + 1, so that value k belongs to time
+        Metres per second between frames k and k + 1, so that value k belongs to time
         (k + ½) / frame_rate.
     frame_rate : float
         Frames per second.
-    window : float
-        Seconds on each side over which no value may be smaller.
-    shallowest : float
-        In units of `speed`; a shallower dip is rounding or sensor noise, not a beat.
 
     Returns
     -------
     ndarray, shape (N,)
         Times in seconds, ascending; the middle of a stretch of equal minima.
     """
-    order = extremum_order(window, frame_rate)
-    dips, shape = find_peaks(-speed, prominence=shallowest, plateau_size=1, distance=order + 1)
+    order = extremum_order(frame_rate)
+    dips, shape = find_peaks(-speed, prominence=SHALLOWEST, plateau_size=1, distance=order + 1)
     lowest = minimum_filter1d(speed, 2 * order + 1, mode="nearest")
     is_lowest = speed[dips] <= lowest[dips]
     middles = (shape["left_edges"] + shape["right_edges"]) / 2
@@ -235,7 +199,7 @@ def beat_alignment(
     Parameters
     ----------
     positions : ndarray, shape (T, J, 3)
-        Positions of `settings.joints` in metres.
+        Positions of the arms' joints in metres.
     onsets : ndarray, shape (N,)
         Onsets of the speech in seconds from the clip's start.
     speech_duration : float
@@ -243,7 +207,7 @@ def beat_alignment(
     frame_rate : float
         Frames per second of `positions`.
     settings : BeatSettings
-        Usually `AMUSE`, `BEAT` or `TALKSHOW`.
+        Usually `AMUSE` or `BEAT`.
     detector : str
         The onset detector, for the settings of the result.
 
@@ -253,11 +217,10 @@ def beat_alignment(
         NaN with a reason if the motion or the speech has no beat, or if one is much shorter.
     """
     duration = len(positions) / frame_rate
-    speeds = _speeds(positions, settings) * frame_rate
+    speeds = np.linalg.norm(np.diff(positions, axis=0), axis=2).T * frame_rate
     if settings.pooling == "mean speed":
         speeds = speeds.mean(axis=0, keepdims=True)
-    shallowest = SHALLOWEST_TURN if settings.bones else SHALLOWEST
-    series = [motion_beats(speed, frame_rate, settings.window, shallowest) for speed in speeds]
+    series = [motion_beats(speed, frame_rate) for speed in speeds]
     moving = [beats for beats in series if len(beats)]
     description = settings.description(frame_rate, detector)
     reason = "" if moving else "the motion has no beat"
@@ -296,15 +259,3 @@ def beat_alignment(
             rate, len(series), description
         ),
     )
-
-
-def _speeds(positions: Floats, settings: BeatSettings) -> Floats:
-    """Return the movement of joints or the turning of bones per frame, shape (joints, T - 1)."""
-    if not settings.bones:
-        return np.asarray(np.linalg.norm(np.diff(positions, axis=0), axis=2).T)
-    starts, ends = ([settings.joints.index(bone[end]) for bone in settings.bones] for end in (0, 1))
-    along = positions[:, ends] - positions[:, starts]
-    along = along / np.maximum(np.linalg.norm(along, axis=2, keepdims=True), 1e-12)
-    # The angle is computed from its chord, because the arc cosine loses all precision near 1.
-    chord = np.linalg.norm(np.diff(along, axis=0), axis=2).T
-    return np.asarray(2 * np.arcsin(np.minimum(1, chord / 2)))

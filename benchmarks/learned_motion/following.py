@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.metrics.beat_alignment import AMUSE, BeatSettings, beat_alignment
-from analysis.metrics.kinematics import WRISTS, joint_motion, select
+from analysis.metrics.kinematics import ARM_JOINTS, WRISTS, joint_motion, select
 from analysis.stats.samples import bootstrap_counts, percentile_interval
 from motion.audio_analysis import DETECTOR
 from motion.clip import ARKIT_NAMES, MotionClip
@@ -85,7 +85,7 @@ def follow(clip: MotionClip, speech: Speech) -> Followed:
     if inside.stop - inside.start < _FEWEST * rate:
         return Followed(wrist_speed=np.nan, jaw_open=np.nan, beats=np.nan, strokes=np.nan)
     positions = joint_motion(clip, rate).relative
-    arms = select(positions[inside], BEATS.joints)
+    arms = select(positions[inside], ARM_JOINTS)
     jaw = np.zeros(len(clip)) if clip.arkit is None else clip.arkit[:, JAW].astype(np.float64)
 
     def aligned(times: FloatArray, detector: str) -> float:
