@@ -1,25 +1,17 @@
-"""Scores as a table for programs: CSV, JSON or Parquet."""
+"""Scores as a table for programs: CSV or Parquet."""
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 import pandas as pd
-import pyarrow as pa
-from pyarrow import parquet
 
 from analysis.metrics.scores import ClipScore, ConditionScore, StudyMetrics
 from motion.errors import InputError
-from motion.files import replacing, write_text
-
-_NUMBERS: Final = ("value", "spread_between_clips", "low", "high")
-_COUNTS: Final = ("n", "clips_scored", "clips")
+from motion.files import replacing, write_frame
 
 COLUMNS: Final = (
     *("condition", "segment", "metric", "value", "unit", "better", "spread_between_clips"),
@@ -29,15 +21,11 @@ COLUMNS: Final = (
 _FIELDS: Final = {"metric": "name", "spread_between_clips": "spread", "clips_scored": "scored"}
 """Fields of scores whose column has another name."""
 
-_TEXT: Final = pa.dictionary(pa.int32(), pa.string())
-"""Texts repeat often, so Parquet stores each once."""
-
-_TYPES: Final[Mapping[str, tuple[str, pa.DataType]]] = MappingProxyType(
-    dict.fromkeys(COLUMNS, ("str", _TEXT))
-    | dict.fromkeys(_NUMBERS, ("float64", pa.float64()))
-    | dict.fromkeys(_COUNTS, ("Int64", pa.int64()))
+_TYPES: Final = (
+    dict.fromkeys(COLUMNS, "str")
+    | dict.fromkeys(("value", "spread_between_clips", "low", "high"), "float64")
+    | dict.fromkeys(("n", "clips_scored", "clips"), "Int64")
 )
-"""Type of each column, in pandas and in Parquet."""
 
 
 def score_table(metrics: StudyMetrics) -> pd.DataFrame:
@@ -53,8 +41,7 @@ def score_table(metrics: StudyMetrics) -> pd.DataFrame:
     """
     scores: tuple[ConditionScore | ClipScore, ...] = (*metrics.conditions, *metrics.clips)
     rows = [{"segment": ""} | _row(score) for score in scores]
-    types = {name: kind for name, (kind, _) in _TYPES.items()}
-    return pd.DataFrame(rows, columns=list(COLUMNS)).astype(types)
+    return pd.DataFrame(rows, columns=list(COLUMNS)).astype(_TYPES)
 
 
 def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[str, object]:
@@ -97,72 +84,34 @@ def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[st
     }
 
 
-def write_scores(metrics: StudyMetrics, path: Path) -> None:
-    """Write all scores to `path` atomically, in the format of its ending.
-
-    Raises
-    ------
-    InputError
-        If the ending is none of .csv, .json and .parquet.
-    """
-    _writer(path)(metrics, path)
+ENDINGS: Final = (".csv", ".parquet")
 
 
 def check_ending(path: Path) -> None:
     """Raise `InputError` if `write_scores` has no format for `path`."""
-    _writer(path)
-
-
-def _writer(path: Path) -> Callable[[StudyMetrics, Path], None]:
-    writer = _WRITERS.get(path.suffix.lower())
-    if writer is None:
+    if path.suffix.lower() not in ENDINGS:
         raise InputError(
             f"scores are not written as {path.suffix or 'a file without an ending'!r}",
             where=path,
-            remedy=f"Name a file that ends in {', '.join(_WRITERS)}",
+            remedy=f"Name a file that ends in {' or '.join(ENDINGS)}",
         )
-    return writer
 
 
-def _write_csv(metrics: StudyMetrics, path: Path) -> None:
+def write_scores(metrics: StudyMetrics, path: Path) -> None:
+    """Write all scores to `path` in one step, in the format of its ending.
+
+    Raises
+    ------
+    InputError
+        If the ending is none of `ENDINGS`.
+    """
+    check_ending(path)
+    table = score_table(metrics)
+    if path.suffix.lower() == ".csv":
+        write_frame(path, table)
+        return
     with replacing(path) as draft:
-        score_table(metrics).to_csv(draft, index=False, lineterminator="\n")
-
-
-def _write_parquet(metrics: StudyMetrics, path: Path) -> None:
-    schema = pa.schema([(name, kind) for name, (_, kind) in _TYPES.items()])
-    table = pa.Table.from_pandas(score_table(metrics), schema=schema, preserve_index=False)
-    with replacing(path) as draft:
-        parquet.write_table(table.replace_schema_metadata(_metadata(metrics)), draft)
-
-
-def _metadata(metrics: StudyMetrics) -> dict[str, str]:
-    """Return the metadata of a Parquet file: frame rate, and each metric's unit and direction."""
-    units = {score.name: score.unit for score in metrics.conditions}
-    better = {score.name: score.better for score in metrics.conditions}
-    return {
-        "frame_rate": f"{metrics.frame_rate:g}",
-        "units": json.dumps(units, ensure_ascii=False),
-        "better": json.dumps(better, ensure_ascii=False),
-    }
-
-
-def _write_json(metrics: StudyMetrics, path: Path) -> None:
-    document = metrics_document(metrics)
-    document["clips"] = [
-        {
-            name: _plain(value)
-            for name, value in _row(score).items()
-            if name == "value" or _plain(value) not in ("", None)
-        }
-        for score in metrics.clips
-    ]
-    write_text(path, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-
-
-_WRITERS: Final[Mapping[str, Callable[[StudyMetrics, Path], None]]] = MappingProxyType(
-    {".csv": _write_csv, ".json": _write_json, ".parquet": _write_parquet}
-)
+        table.to_parquet(draft, index=False)
 
 
 def _row(score: ConditionScore | ClipScore) -> dict[str, object]:

@@ -56,7 +56,7 @@ from studyapp.study.folder import StudyFolder
 @click.option(
     "--out",
     type=FILE,
-    help="The file for the scores of conditions and clips: .csv, .json or .parquet. By default "
+    help="The file for the scores of conditions and clips: .csv or .parquet. By default "
     "metrics.parquet in the study folder.",
 )
 @click.option(
