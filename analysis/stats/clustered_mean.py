@@ -62,53 +62,60 @@ def clustered_variance(
         Each answer's contribution to the variance if answers were independent and identically
         distributed, up to a factor; equal by default.
     """
-    one_segment = not segments.any()
-    cells = np.unique(participants * (int(segments.max()) + 1) + segments, return_inverse=True)[1]
-    ways = []
-    for groups in [participants] if one_segment else [participants, segments, cells]:
-        sizes = np.bincount(groups, weights=weights)
-        shares = (sizes / sizes.sum()).reshape(-1, *[1] * (influences.ndim - 1))
-        members = sparse.csr_array((np.ones(len(groups)), (groups, np.arange(len(groups)))))
-        ways.append(one_way(np.asarray(members @ influences, np.float64), shares))
-    independent, answers = (influences**2).sum(axis=0), len(influences)
-    if one_segment:
-        [(variance, df)] = ways
-        variance, method = or_independent(variance, np.array(ONE_SEGMENT), independent, answers)
-        return ClusteredVariance(variance=variance, df=df, method=method)
-    variance, method = larger_variance([variance for variance, _ in ways], independent, answers)
-    df = np.minimum(ways[0][1], ways[1][1])
-    return ClusteredVariance(variance=variance, df=df, method=method)
+    each = np.ones(len(influences))
+    counts = [
+        sparse.csr_array((each, (np.unique(groups, return_inverse=True)[1], np.arange(len(each)))))
+        for groups in clusterings(participants, segments)
+    ]
+    weights = (each if weights is None else weights).reshape(-1, *[1] * (influences.ndim - 1))
+    return variances(influences, weights, counts, each, one_segment=not np.ptp(segments))
 
 
-def larger_variance(
-    one_way_variances: Sequence[Floats], independent: Floats, answers: int
-) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the two-way variances, or larger one-way ones, and the kind of each.
+def clusterings(participants: Indices, segments: Indices) -> list[Indices]:
+    """Return groups by participant, by segment and by both; with one segment, by participant."""
+    if not np.ptp(segments):
+        return [participants] * 3
+    return [participants, segments, participants * (int(segments.max()) + 1) + segments]
+
+
+def variances(
+    influences: Floats,
+    weights: Floats,
+    counts: Sequence[sparse.csr_array],
+    answers: Floats | Indices,
+    *,
+    one_segment: bool,
+) -> ClusteredVariance:
+    """Return the variances of several estimates; without influences, 0 with NaN degrees.
 
     Parameters
     ----------
-    one_way_variances : sequence of ndarray, shape (...)
-        Variances clustered by participant, by segment, and by both together.
-    independent : ndarray, shape (...)
-        Sums of the squared influences.
-    answers : int
-        Number of influences, at least two.
+    influences, weights : ndarray, shape (kinds, ...)
+        Influence and weight of an answer of each kind; see `clustered_variance`.
+    counts : sequence of sparse array, shape (groups, kinds)
+        Number of answers of each kind by the groups of `clusterings`.
+    answers : ndarray, shape (kinds,)
+        Number of answers of each kind.
+    one_segment : bool
+        Whether all answers are about one segment.
     """
-    by_participant, by_segment, by_cell = one_way_variances
+    independent, total, number = answers @ influences**2, answers @ weights, answers.sum()
+    total = np.where(total > 0, total, math.nan)
+    (by_participant, df), (by_segment, df_of_segments), (by_cell, _) = (
+        one_way(np.asarray(each @ influences, np.float64), (each @ weights) / total)
+        for each in counts
+    )
     candidates = np.stack([by_participant + by_segment - by_cell, by_participant, by_segment])
     variance = candidates.max(axis=0)
-    method = np.array([TWO_WAY, ONE_WAY_PARTICIPANTS, ONE_WAY_SEGMENTS])[candidates.argmax(axis=0)]
-    return or_independent(variance, method, independent, answers)
-
-
-def or_independent(
-    variance: Floats, method: NDArray[np.str_], independent: Floats, answers: int
-) -> tuple[Floats, NDArray[np.str_]]:
-    """Return variances and their methods; those of independent answers replace rounding errors."""
-    is_rounding = variance <= 1e-12 * answers * independent
-    return (
-        np.where(is_rounding, independent * answers / (answers - 1), variance),
-        np.where(is_rounding, INDEPENDENT, np.where(np.isnan(variance), "", method)),
+    two_way = ONE_SEGMENT if one_segment else TWO_WAY
+    method = np.array([two_way, ONE_WAY_PARTICIPANTS, ONE_WAY_SEGMENTS])[candidates.argmax(axis=0)]
+    is_rounding = variance <= 1e-12 * number * independent
+    method = np.where(is_rounding, INDEPENDENT, np.where(np.isnan(variance), "", method))
+    variance = np.where(is_rounding, independent * number / (number - 1), variance)
+    return ClusteredVariance(
+        variance=np.where(independent > 0, variance, 0.0),
+        df=np.minimum(df, df_of_segments),
+        method=np.where(independent > 0, method, ""),
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,9 +14,9 @@ from analysis.stats.clustered_mean import (
     ONE_SEGMENT,
     TWO_WAY,
     ClusteredVariance,
-    larger_variance,
-    one_way,
+    clusterings,
     t_p_value,
+    variances,
 )
 from analysis.stats.f_tests import FTest
 from motion.arrays import Floats, Indices
@@ -74,23 +73,22 @@ class TwoWayErrors:
         kind, participants, segments : ndarray of int, shape (N,)
             The kind, the participant and the segment of each answer, from 0.
         """
-        clusterings = [participants, participants * (int(segments.max()) + 1) + segments]
         if not np.ptp(participants):
             return None
-        one_segment = not np.ptp(segments)
-        clusterings.insert(1, participants if one_segment else segments)
-        kinds = len(influences)
-        counts = [count_kinds(kind, groups, kinds) for groups in clusterings]
+        kinds, one_segment = len(influences), not np.ptp(segments)
+        counts = [
+            count_kinds(kind, groups, kinds) for groups in clusterings(participants, segments)
+        ]
         answers = np.bincount(kind, minlength=kinds)
         situations = sparse.csr_array((answers, (situation, np.arange(kinds))))
         mean = sparse.diags_array(1 / np.maximum(situations.sum(axis=1), 1)) @ situations
 
-        def variances(values: Floats) -> ClusteredVariance:
+        def clustered(values: Floats) -> ClusteredVariance:
             squares = np.asarray(mean @ values**2, np.float64)[situation]
-            return _variances(values, squares, counts, answers)
+            return variances(values, squares, counts, answers, one_segment=one_segment)
 
-        strengths = variances(influences)
-        rows = [variances(influences[:, [a]] - influences) for a in range(influences.shape[1])]
+        strengths = clustered(influences)
+        rows = [clustered(influences[:, [a]] - influences) for a in range(influences.shape[1])]
         methods = {method for row in rows for method in row.method if method}
         by_participant, by_segment, by_cell = (_matrix(influences, each) for each in counts)
         return cls(
@@ -108,33 +106,6 @@ class TwoWayErrors:
     def freedom(self) -> float:
         """The fewest degrees of freedom of any difference."""
         return float(np.nanmin(self.difference_freedoms, initial=math.inf))
-
-
-def _variances(
-    influences: Floats, squares: Floats, counts: Sequence[sparse.csr_array], answers: Indices
-) -> ClusteredVariance:
-    """Return the variances of several estimates; without influences, 0 with NaN degrees.
-
-    Parameters
-    ----------
-    influences, squares : ndarray, shape (kinds, estimates)
-        Influence of an answer of each kind, and its mean square in its situation.
-    counts : sequence of sparse array, shape (groups, kinds)
-        Number of answers of each kind by participant, by segment and by cell.
-    answers : ndarray of int, shape (kinds,)
-        Number of answers of each kind.
-    """
-    independent = answers @ squares
-    total = np.where(independent > 0, independent, math.nan)
-    ways = [one_way(each @ influences, (each @ squares) / total) for each in counts]
-    variance, method = larger_variance(
-        [variance for variance, _ in ways], independent, int(answers.sum())
-    )
-    return ClusteredVariance(
-        variance=np.where(independent > 0, variance, 0.0),
-        df=np.minimum(ways[0][1], ways[1][1]),
-        method=np.where(independent > 0, method, ""),
-    )
 
 
 def count_kinds(kind: Indices, groups: Indices, kinds: int) -> sparse.csr_array:
