@@ -21,7 +21,6 @@ from analysis.measurement.segment_scores import (
     pose_settings,
 )
 from analysis.metrics.diversity import mean_pair_distance, motion_features
-from analysis.metrics.kinematics import speed_distance
 from analysis.metrics.scores import (
     ClipScore,
     ConditionScore,
@@ -30,7 +29,7 @@ from analysis.metrics.scores import (
     clip_means,
     whole_condition,
 )
-from motion.arrays import Floats32, Ints
+from motion.arrays import Floats32
 
 _EXPRESSIONS: Final = "mean distance between clips (expressions)"
 
@@ -92,54 +91,29 @@ def condition_scores(
 ) -> Iterator[ConditionScore]:
     """Yield all scores of each condition: means over clips, distances, scores of networks."""
     available = {network.name.partition(", ")[0] for network in setup.networks}
-    recorded_speeds = [
-        segment.recorded.speeds
-        for segment in measured
-        if segment.recorded is not None and segment.recorded.speeds is not None
-    ]
     for condition in conditions:
         clips = [segment.clips[condition] for segment in measured if condition in segment.clips]
-        is_recorded = condition in recordings
         yield from clip_means(condition, [s for s in scores if s.condition == condition])
-        yield from distances(condition, clips, [] if is_recorded else recorded_speeds, setup)
+        yield from distances(condition, clips, setup)
         for network in by_network:
             yield from (score for score in network.conditions if score.condition == condition)
         for name in setup.preset.networks:
             if name not in available:
                 yield from scores_without_network(
-                    name, COMMANDS[name], condition, len(clips), recorded=is_recorded
+                    name, COMMANDS[name], condition, len(clips), recorded=condition in recordings
                 )
 
 
 def distances(
-    condition: str,
-    clips: Sequence[ClipMeasurements],
-    recorded_speeds: Sequence[Ints],
-    setup: Setup,
+    condition: str, clips: Sequence[ClipMeasurements], setup: Setup
 ) -> Iterator[ConditionScore]:
-    """Yield the distances of a condition that the preset asks for.
-
-    Parameters
-    ----------
-    condition, clips : str, sequence of ClipMeasurements
-        The condition and all its clips.
-    recorded_speeds : sequence of ndarray
-        Speeds of the recordings; empty for the recordings themselves.
-    setup : Setup
-        How the clips were measured.
-    """
+    """Yield the distances between the clips of a condition that the preset asks for."""
     bodies = [clip.upper_body for clip in clips if clip.upper_body is not None]
     if bodies:
         yield whole_condition(condition, _pair_distance(bodies, setup), len(bodies))
     if setup.preset.expression_distance and clips:
         faces = [clip.face for clip in clips if clip.face is not None]
         yield whole_condition(condition, _expression_distance(faces, setup), len(clips))
-    speeds = [clip.speeds for clip in clips if clip.speeds is not None]
-    if speeds and recorded_speeds:
-        result = speed_distance(
-            np.stack(speeds), np.stack(recorded_speeds), frame_rate=setup.frame_rate
-        )
-        yield whole_condition(condition, result, len(speeds))
 
 
 def _pair_distance(clips: Sequence[Floats32], setup: Setup) -> MetricResult:

@@ -54,8 +54,6 @@ class Preset:
         Errors of joints, and of face landmarks, in a box of one metre.
     velocity_errors : tuple of {'L1', 'L2'}
         Velocity errors.
-    speed_histogram : bool
-        Distance of speed histograms.
     networks : tuple of str
         Feature networks (`analysis.evaluators.feature_networks`) whose scores the paper reports.
     """
@@ -70,7 +68,6 @@ class Preset:
     joint_errors: tuple[PointSettings, ...] = ()
     landmark_errors: tuple[PointSettings, ...] = ()
     velocity_errors: tuple[Norm, ...] = ()
-    speed_histogram: bool = False
     networks: tuple[str, ...] = ()
 
     @property
@@ -89,14 +86,7 @@ class Preset:
 
     def without_recordings(self) -> Preset:
         """Return the part that can be measured without recorded motion."""
-        return replace(
-            self,
-            correct=(),
-            joint_errors=(),
-            landmark_errors=(),
-            velocity_errors=(),
-            speed_histogram=False,
-        )
+        return replace(self, correct=(), joint_errors=(), landmark_errors=(), velocity_errors=())
 
 
 REPORT: Final = "report"
@@ -133,9 +123,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             ),
         ),
         "genea": Preset(
-            derivatives=(GENEA, GENEA_ACCELERATION),
-            speed_histogram=True,
-            networks=(feature_networks.GESTURE,),
+            derivatives=(GENEA, GENEA_ACCELERATION), networks=(feature_networks.GESTURE,)
         ),
         "s2ue": Preset(
             joint_errors=(MAJE, MACE_POSES),

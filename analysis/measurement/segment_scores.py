@@ -32,12 +32,11 @@ from analysis.metrics.kinematics import (
     foot_sliding,
     mean_derivative,
     select,
-    speed_counts,
 )
 from analysis.metrics.point_errors import S2UE_FRAME_RATE, point_error, velocity_error
 from analysis.metrics.scores import MetricResult
 from analysis.metrics.self_penetration import self_penetration
-from motion.arrays import Floats, Floats32, Ints
+from motion.arrays import Floats, Floats32
 from motion.audio_analysis import DETECTOR
 from motion.errors import InputError
 from motion.formats.beat_tracks import SemanticSpan, read_semantic_scores, semantic_weights
@@ -87,8 +86,6 @@ class ClipMeasurements:
         Positions for distances between clips, if a preset requests them.
     face : ndarray, shape (T, 52) or (T, 100), float32, or None
         The face for distances between clips, if a preset requests them and the clip has one.
-    speeds : ndarray, shape (8, 80), int, or None
-        How often each speed occurs (`analysis.metrics.kinematics`), if requested.
     features : mapping of str to ClipFeatures
         The features of each network, by its name.
     """
@@ -96,7 +93,6 @@ class ClipMeasurements:
     scores: tuple[MetricResult, ...] = ()
     upper_body: Floats32 | None = None
     face: Floats32 | None = None
-    speeds: Ints | None = None
     features: Mapping[str, ClipFeatures] = field(default_factory=dict)
 
 
@@ -163,12 +159,10 @@ def _measurements(
     clip: MeasuredClip, setup: Setup, scores: tuple[MetricResult, ...] = ()
 ) -> ClipMeasurements:
     upper = select(clip.joints.relative, UPPER_BODY_JOINTS)
-    preset = setup.preset
     return ClipMeasurements(
         scores=scores,
-        upper_body=upper.astype(np.float32) if preset.pair_distance else None,
+        upper_body=upper.astype(np.float32) if setup.preset.pair_distance else None,
         face=clip.face,
-        speeds=speed_counts(upper, setup.frame_rate) if preset.speed_histogram else None,
         features=clip.features,
     )
 

@@ -1,8 +1,6 @@
-"""Kinematics: joints on the default body, their jerk, acceleration, speed and foot sliding.
+"""Kinematics: joints on the default body, their jerk, acceleration and foot sliding.
 
-Jerk and acceleration are large where motion trembles or jumps. GENEA's evaluation (Kucherenko et
-al. 2021) compares histograms of speeds by the Hellinger distance, which is 0 for equal histograms
-and 1 for histograms without a common bin.
+Jerk and acceleration are large where motion trembles or jumps.
 """
 
 from __future__ import annotations
@@ -14,9 +12,8 @@ from typing import Final
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from analysis.metrics.embeddings import FEWEST_CLIPS, SEED
 from analysis.metrics.scores import Metric, MetricResult
-from motion.arrays import Floats, Floats32, Ints
+from motion.arrays import Floats, Floats32
 from motion.clip import MotionClip
 from motion.placement import stand_on_ground
 from motion.resample import resample
@@ -253,86 +250,3 @@ def foot_sliding(positions: Floats, *, frame_rate: float) -> MetricResult:
         return metric.missing(reason, description)
     weight = 2 - 2 ** (height[standing] / CONTACT_HEIGHT)
     return metric.score(float((speed[standing] * weight).mean()), int(standing.sum()), description)
-
-
-BIN: Final = 0.05
-"""Metres per second."""
-
-_BINS: Final = 80
-_RESAMPLES: Final = 200
-
-
-def speed_counts(positions: Floats, frame_rate: float) -> Ints:
-    """Return the number of a clip's frames at each speed.
-
-    Parameters
-    ----------
-    positions : ndarray, shape (T, J, 3)
-        Metres.
-    frame_rate : float
-        Frames per second.
-
-    Returns
-    -------
-    ndarray, shape (J, 80), int
-        Frames by joint and speed, in bins of `BIN`; the last bin holds all faster ones.
-    """
-    speed = np.linalg.norm(np.diff(positions, axis=0), axis=2) * frame_rate
-    bins = np.minimum((speed / BIN).astype(np.int64), _BINS - 1)
-    joints = positions.shape[1]
-    flat = (bins + _BINS * np.arange(joints)).reshape(-1)
-    return np.bincount(flat, minlength=joints * _BINS).reshape(joints, _BINS)
-
-
-def speed_distance(generated: Ints, recorded: Ints, *, frame_rate: float) -> MetricResult:
-    """Return the Hellinger distance of the speed histograms of two sets of clips.
-
-    Parameters
-    ----------
-    generated, recorded : ndarray, shape (C, J, 80), (D, J, 80), int
-        `speed_counts` of each clip.
-    frame_rate : float
-        Frames per second of the clips.
-
-    Returns
-    -------
-    MetricResult
-        In [0, 1], mean over joints. The interval is the score ± 1.96 bootstrap standard errors over
-        clips. NaN if either side has no clip of two frames.
-    """
-    description = {
-        "joints": ", ".join(UPPER_BODY_JOINTS),
-        "frame rate": f"{frame_rate:g} fps",
-        "distance": "Hellinger, mean over joints",
-        "bins": f"{BIN:g} m/s, {_BINS} of them, the last open",
-        "clips": f"{len(generated)} generated, {len(recorded)} recorded",
-    }
-    metric = Metric("distance of speed histograms (genea)", better="lower")
-    if not (generated.any() and recorded.any()):
-        reason = "a speed needs two frames of generated and of recorded motion"
-        return metric.missing(reason, description)
-    value = float(_hellinger(generated.sum(axis=0), recorded.sum(axis=0)))
-    interval = None
-    if min(len(generated), len(recorded)) >= FEWEST_CLIPS:
-        description["interval"] = f"± 1.96 SD over {_RESAMPLES} bootstrap samples of clips"
-        margin_of_error = 1.96 * _spread(generated, recorded)
-        interval = (max(0.0, value - margin_of_error), min(1.0, value + margin_of_error))
-    return metric.score(value, int(generated[:, 0].sum()), description, interval=interval)
-
-
-def _hellinger(x: Floats | Ints, y: Floats | Ints) -> Floats:
-    """Return the distances of histograms of shape (..., J, bins), mean over joints."""
-    shares = [counts / counts.sum(axis=-1, keepdims=True) for counts in (x, y)]
-    common = np.sqrt(shares[0] * shares[1]).sum(axis=-1)
-    return np.asarray(np.sqrt(np.maximum(0, 1 - common)).mean(axis=-1))
-
-
-def _spread(generated: Ints, recorded: Ints) -> float:
-    """Return the standard deviation of the distance over bootstrap samples of clips."""
-    chance = np.random.default_rng(SEED)
-    drawn = []
-    for counts in (generated, recorded):
-        clips = len(counts)
-        weights = chance.multinomial(clips, np.full(clips, 1 / clips), size=_RESAMPLES)
-        drawn.append(np.tensordot(weights, counts, axes=1))
-    return float(np.std(_hellinger(*drawn), ddof=1))

@@ -16,8 +16,6 @@ from analysis.metrics.kinematics import (
     foot_sliding,
     joint_motion,
     mean_derivative,
-    speed_counts,
-    speed_distance,
 )
 from motion.arrays import Floats
 from motion.clip import MotionClip
@@ -102,41 +100,11 @@ def test_position_and_heading_do_not_matter() -> None:
     )
 
 
-def at_speed(
-    speed: float, *, frames: int = 31, joints: int = 2, frame_rate: float = 30.0
-) -> Floats:
-    """Return joints that all move along x at one speed."""
-    x = np.arange(frames)[:, None] * speed / frame_rate
-    return np.stack([np.broadcast_to(x, (frames, joints))] + [np.zeros((frames, joints))] * 2, 2)
-
-
-def test_frames_are_binned_by_speed_with_an_open_last_bin() -> None:
-    counts = speed_counts(np.concatenate([at_speed(0.12), at_speed(99.0)], axis=1), 30.0)
-    assert counts.shape == (4, 80)
-    assert counts[0, 2] == counts[2, 79] == 30
-    assert counts.sum() == 4 * 30
-    slower = speed_counts(at_speed(0.12, frame_rate=15.0), 15.0)
-    np.testing.assert_array_equal(slower, counts[:2])
-
-
-def test_histograms_are_compared_by_hellinger_distance() -> None:
-    slow, fast = (np.stack([speed_counts(at_speed(v), 30.0)] * 6) for v in (0.12, 0.52))
-    same = speed_distance(slow, slow, frame_rate=30.0)
-    assert (same.value, same.interval) == (0, (0, 0))
-    assert speed_distance(slow, fast, frame_rate=30.0).value == 1
-    one, other = np.zeros((2, 1, 1, 80), int)
-    one[0, 0, :2], other[0, 0, :2] = (1, 3), (3, 1)
-    between = speed_distance(one, other, frame_rate=30.0)
-    assert between.value == pytest.approx(math.sqrt(1 - math.sqrt(3) / 2))
-    assert between.interval is None
-
-
 def test_clips_too_short_too_slow_or_without_a_standing_foot_have_a_reason_instead_of_a_score() -> (
     None
 ):
     clip, flying = np.zeros((40, 2, 3)), feet()
     flying[::2, :, 1] = 1.0
-    no_speed = speed_counts(at_speed(1.0, frames=1), 30.0)[None]
     for result, reason in (
         (mean_derivative(clip[:15], frame_rate=30.0, settings=HANDS), "fewer than 16 frames"),
         (mean_derivative(clip, frame_rate=10.0, settings=HANDS), "10 fps is too slow"),
@@ -146,7 +114,6 @@ def test_clips_too_short_too_slow_or_without_a_standing_foot_have_a_reason_inste
         ),
         (foot_sliding(flying, frame_rate=30), "no foot stays"),
         (foot_sliding(feet(1), frame_rate=30), "a speed needs two frames"),
-        (speed_distance(no_speed, no_speed, frame_rate=30.0), "two frames"),
     ):
         assert math.isnan(result.value)
         assert reason in result.reason
