@@ -46,7 +46,7 @@ def test_a_note_is_printed_once_with_the_number_of_files(tmp_path: Path) -> None
     given = ("--generated", tmp_path / "ours", "--processes", 1)
     shown = run("metrics", *given, "--preset", "genea")
     assert shown.count("note: ") == 1
-    assert "the body moves at" in shown
+    assert "no finger is in the file" in shown
     assert "(and 2 other files)" in shown
 
 
