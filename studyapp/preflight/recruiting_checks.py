@@ -15,7 +15,7 @@ from studyapp.recruitment.record import FILE, count_places, read_record
 from studyapp.study.settings.presentation import Language, reaches_somebody
 from studyapp.study.settings.recruitment import format_amount, hourly_rate
 from studyapp.study.settings.study import Study
-from studyapp.study.study_file import read_template
+from studyapp.study.study_file import read_texts
 
 
 def recruiting_findings(study: Study) -> Iterator[Finding]:
@@ -158,7 +158,7 @@ def page_findings(study: Study) -> Iterator[Finding]:
 
 
 def _text_findings(study: Study) -> Iterator[Finding]:
-    own = [read_template(study.protocol, language) for language in get_args(Language)]
+    own = [read_texts(study.protocol, language) for language in get_args(Language)]
     consent, title = _normalise_space(study.page.consent), _normalise_space(study.title)
     if not consent:
         yield make_finding("consent-blank")

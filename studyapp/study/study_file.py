@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from decimal import Decimal
+from itertools import chain
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
 import tomlkit
@@ -17,6 +19,7 @@ from motion.errors import InputError
 from motion.files import write_text
 from motion.segment import check_name
 from studyapp.study.settings.conditions import Condition
+from studyapp.study.settings.presentation import Language
 from studyapp.study.settings.questions import is_about_face
 from studyapp.study.settings.reading import ALIASES, parse_study, parse_text, read_text
 from studyapp.study.settings.recruitment import Pay, Prolific, draw_code, format_amount
@@ -25,9 +28,6 @@ from studyapp.study.study_options import StudyOptions, condition_variables, cond
 
 TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch", *ALIASES, "three-systems")
 """The protocols, the papers whose studies they follow, and all three papers' systems together."""
-
-TEMPLATE_LANGUAGE: Final = "en"
-"""The language of the templates themselves."""
 
 _FILES: Final = Environment(
     loader=PackageLoader("studyapp.study"),
@@ -53,21 +53,39 @@ _FILES.globals["key"] = _key
 _FILES.filters["toml"] = _toml
 
 
-def render_template(template: str, language: str = TEMPLATE_LANGUAGE, **variables: object) -> str:
-    """Return one of `TEMPLATES` filled with `variables`, or its texts in another language."""
-    file = f"{ALIASES.get(template, template)}.toml"
-    folder = "" if language == TEMPLATE_LANGUAGE else f"{language}/"
-    return _FILES.get_template(f"{folder}{file}").render(variables)
+def read_texts(template: str, language: Language = "en") -> dict[str, Any]:
+    """Return the texts for participants of one of `TEMPLATES`."""
+    return tomllib.loads(_FILES.get_template(f"{language}/{_file_of(template)}").render())
 
 
-def read_template(template: str, language: str = TEMPLATE_LANGUAGE) -> dict[str, Any]:
-    """Return the keys of one of `TEMPLATES`, or its texts in another language."""
-    return tomllib.loads(render_template(template, language))
+def render_template(
+    template: str,
+    language: Language = "en",
+    wording: Mapping[str, str] = MappingProxyType({}),
+    **variables: object,
+) -> str:
+    """Return one of `TEMPLATES` filled with `variables`; `wording` replaces questions' texts."""
+    texts = read_texts(template, language)
+    questions = chain(texts["questions"], *texts.get("form", {}).values())
+    words = {
+        each["name"]: each | {"text": wording.get(each["name"], each["text"])} for each in questions
+    }
+    filled = variables | {"language": language, "texts": texts, "words": words}
+    return _FILES.get_template(_file_of(template)).render(filled)
+
+
+def read_template(template: str) -> dict[str, Any]:
+    """Return the keys of one of `TEMPLATES`."""
+    return tomllib.loads(render_template(template))
+
+
+def _file_of(template: str) -> str:
+    return f"{ALIASES.get(template, template)}.toml"
 
 
 _AS_STATED: Final = (
     *("title", "participants", "channel", "minutes"),
-    *("organisation", "contact", "ethics"),
+    *("organisation", "contact", "ethics", "avatar", "framing"),
 )
 """Options that are template variables of the same name."""
 
@@ -141,12 +159,14 @@ def render_study_file(options: StudyOptions, *, where: object) -> str:
     if options.trials is not None:
         variables["trials"] = options.trials
         variables["practice"] = min(int(defaults["practice"]), max(options.trials // 2, 0))
-    text = render_template(template, **variables)
-    if options.language != TEMPLATE_LANGUAGE:
-        text = _translated(text, read_template(template, options.language), options)
+    if "framing" not in variables and "face" not in variables.get("freeze", defaults["freeze"]):
+        questions = read_texts(template, options.language)["questions"]
+        texts = (options.wording.get(each["name"], each["text"]) for each in questions)
+        if all(map(is_about_face, texts)):
+            variables["framing"] = "face"
+    text = render_template(template, options.language, options.wording, **variables)
     remedy = "Nothing was written: give other values"
     try:
-        text = _with_wording(text, options)
         # Lines of a file that nobody sees say nothing.
         parse_study(tomllib.loads(text), where=where)
     except tomllib.TOMLDecodeError:
@@ -156,66 +176,6 @@ def render_study_file(options: StudyOptions, *, where: object) -> str:
     except InputError as error:
         raise InputError(error.what, where=where, remedy=remedy) from None
     return text
-
-
-def _translated(text: str, texts: Mapping[str, Any], options: StudyOptions) -> str:
-    """Return a study file with `texts` and pages for participants in the language of `options`."""
-    document: Any = tomlkit.parse(text)
-    document["title"] = options.title or texts["title"]
-    document["page"]["language"] = options.language
-    document["page"]["consent"] = tomlkit.string(texts["page"]["consent"], multiline=True)
-    _replace_texts(document["questions"], texts["questions"])
-    for stage, questions in texts.get("form", {}).items():
-        _replace_texts(document["form"][stage], questions)
-    return tomlkit.dumps(document)
-
-
-def _replace_texts(questions: Any, texts: Sequence[Mapping[str, Any]]) -> None:
-    """Replace the texts of `questions` by the translated `texts` of the same names."""
-    by_name = {text["name"]: text for text in texts}
-    for question in questions:
-        for key, translation in by_name[question["name"]].items():
-            if key != "name":
-                question[key] = (
-                    _multiline_array(translation) if isinstance(translation, list) else translation
-                )
-
-
-def _multiline_array(items: list[Any]) -> tomlkit.items.Array:
-    """Return an array with one item a line."""
-    array = tomlkit.array()
-    for item in items:
-        if isinstance(item, dict):
-            table = tomlkit.inline_table()
-            table.update(item)
-            array.append(table)
-        else:
-            array.append(item)
-    return array.multiline(multiline=True)
-
-
-def _with_wording(text: str, options: StudyOptions) -> str:
-    """Return a study file with the question texts, the avatar and the framing of `options`."""
-    study = tomllib.loads(text)
-    texts = {
-        question["name"]: options.wording.get(question["name"], question["text"])
-        for question in study["questions"]
-    }
-    framing = options.framing
-    if framing is None and "face" not in study.get("freeze", ()):
-        framing = "face" if all(map(is_about_face, texts.values())) else None
-    if not options.wording and options.avatar is None and framing is None:
-        # Preserving comments takes ten times as long as all the rest.
-        return text
-    document: Any = tomlkit.parse(text)
-    for question in document["questions"]:
-        if question["name"] in options.wording:
-            question["text"] = options.wording[question["name"]]
-    if options.avatar is not None:
-        document["video"]["avatar"] = options.avatar
-    if framing is not None:
-        document["video"]["framing"] = framing
-    return tomlkit.dumps(document)
 
 
 def _template_variables(options: StudyOptions) -> dict[str, Any]:
