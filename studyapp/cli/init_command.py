@@ -98,7 +98,7 @@ def command(
         name=folder.resolve().name,
         conditions=read_conditions(conditions, folder),
         channel=channel,
-        pay=None if pay is None else read_pay(pay, channel),
+        pay=None if pay is None else read_pay(pay),
         **options,
     )
     require_stated_pay(study)

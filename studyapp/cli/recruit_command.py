@@ -11,7 +11,7 @@ from typing import Final
 import click
 
 from motion.errors import InputError, counted, listed
-from studyapp.cli.arguments import EXISTING_FILE, FILE, StudyGroup, public_address, study_folder
+from studyapp.cli.arguments import EXISTING_FILE, StudyGroup, public_address, study_folder
 from studyapp.cli.output import echo_table
 from studyapp.preflight.recruiting_checks import pay_findings
 from studyapp.recruitment import mturk, prolific
@@ -122,18 +122,6 @@ def stop(folder: StudyFolder, live: bool) -> None:
         click.echo(f"HIT {hit} is no longer offered.")
 
 
-@command.subcommand("places")
-@click.argument("count", type=click.IntRange(1, 10_000))
-def places(folder: StudyFolder, count: int) -> None:
-    """Raise the number of places on Prolific to COUNT in total."""
-    _channel(folder, "prolific")
-    identity = prolific.study_id(folder)
-    with _client() as client:
-        study = client.change_places(identity, count)
-    click.echo(f"The study has {study.total_available_places} places on Prolific.")
-    click.echo("The number of places here is set in study.toml.")
-
-
 @command.subcommand("status")
 @live
 def status(folder: StudyFolder, live: bool) -> None:
@@ -150,20 +138,14 @@ def status(folder: StudyFolder, live: bool) -> None:
 
 @command.subcommand("approve")
 @live
-@click.option(
-    "--also",
-    multiple=True,
-    metavar="SUBMISSION",
-    help="Also pay this submission on Prolific; can be repeated.",
-)
 @yes
-def approve(folder: StudyFolder, live: bool, also: tuple[str, ...], yes: bool) -> None:
+def approve(folder: StudyFolder, live: bool, yes: bool) -> None:
     """Show whom to pay and why, and with --yes pay them.
 
     The rule is recruitment.unpaid_failed_checks in study.toml. This command never rejects anybody.
     """
     if _channel(folder, "prolific", "mturk") == "prolific":
-        _approve_on_prolific(folder, also=also, yes=yes)
+        _approve_on_prolific(folder, yes=yes)
     else:
         _approve_on_mturk(folder, live=live, yes=yes)
     if not yes:
@@ -198,20 +180,15 @@ def return_(folder: StudyFolder, submissions: tuple[str, ...], reason: str) -> N
     type=EXISTING_FILE,
     help="A CSV file with a header, and one person per row in its first column.",
 )
-@click.option(
-    "--out", type=FILE, help="The table of links, by default invitations.csv in the study folder."
-)
-def invite_(
-    folder: StudyFolder, address: str, count: int | None, people: Path | None, out: Path | None
-) -> None:
-    """Make personal links and add them to a table.
+def invite_(folder: StudyFolder, address: str, count: int | None, people: Path | None) -> None:
+    """Make personal links and add them to invitations.csv in the study folder.
 
     Keep the table confidential: it alone says whose link is whose. Links cannot be shown again.
     """
     _channel(folder, "invitations")
     if (count is None) == (people is None):
         raise click.UsageError("Give either --count or --list.")
-    table = out or folder.root / "invitations.csv"
+    table = folder.root / "invitations.csv"
     names = numbered(count, table) if count is not None else listed_people(people or Path())
     count = invite(folder, names, address, table)
     click.echo(f"Added {counted(count, 'link')} to {table}")
@@ -289,14 +266,14 @@ def _show_prolific(folder: StudyFolder) -> None:
         )
 
 
-def _approve_on_prolific(folder: StudyFolder, *, also: tuple[str, ...], yes: bool) -> None:
+def _approve_on_prolific(folder: StudyFolder, *, yes: bool) -> None:
     with _client() as client:
         status = prolific.status(folder, client)
         _echo_verdicts(
             "submission", [(each.submission.id, each.decision) for each in status.submissions]
         )
         if yes:
-            click.echo(f"Approved {counted(prolific.approve(client, status, also), 'submission')}.")
+            click.echo(f"Approved {counted(prolific.approve(client, status), 'submission')}.")
 
 
 def _client() -> ProlificClient:

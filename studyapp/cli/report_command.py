@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import click
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
 from analysis.answers.participants import MAX_CATCH_FAILURES
 from analysis.answers.table import LAYOUTS
@@ -23,7 +23,7 @@ from studyapp.cli.arguments import (
 from studyapp.cli.output import sign_of_life
 from studyapp.researchers.audit import read_reason
 from studyapp.study.folder import StudyFolder, format_size
-from studyapp.study.settings.exclusions import EXCLUSION_SECTIONS, Exclusion, ExclusionSection
+from studyapp.study.settings.exclusions import EXCLUSION_SECTIONS, ExclusionSection
 from studyapp.study.settings.sections import explain_errors
 
 _NEEDED: Final = ("--responses", "--protocol", "--out")
@@ -179,11 +179,9 @@ def _parse_scale(text: str, protocol: str) -> tuple[int, int]:
     return int(ends[1]), int(ends[2])
 
 
-_ADAPTER: Final[TypeAdapter[ExclusionSection]] = TypeAdapter(Exclusion)
-
-_RULE: Final = re.compile(r"\s*(?P<name>[A-Za-z_-]+)\s*(?:(?P<sign>[<>]=?)\s*(?P<number>\S+))?\s*")
-
-_SETTING: Final = re.compile(r"\s*(?P<key>[a-z_]+)\s*=\s*(?P<number>\S+)\s*")
+_RULE: Final = re.compile(
+    r"(?P<rule>[a-z_]+)((?P<sign>[<>]=?)(?P<number>[^,]+))?(?P<settings>(,[a-z_]+=[^,]+)*)"
+)
 
 
 def parse_exclusion(text: str, *, where: object) -> ExclusionSection:
@@ -202,54 +200,23 @@ def parse_exclusion(text: str, *, where: object) -> ExclusionSection:
     InputError
         If there is no such rule, or it is written in another way.
     """
-    condition, *settings = text.split(",")
-    head = _RULE.fullmatch(condition)
-    name = "" if head is None else head["name"].replace("-", "_")
-    section = next((rule for rule in EXCLUSION_SECTIONS if _name(rule) == name), None)
-    if head is None or section is None:
+    parts = _RULE.fullmatch("".join(text.split()))
+    section = None if parts is None else EXCLUSION_SECTIONS.get(parts["rule"])
+    sign, key = (None, "") if section is None else section.limit or (None, "")
+    if parts is None or section is None or parts["sign"] != sign:
+        forms = (
+            name + (f"{rule.limit[0]}NUMBER" if rule.limit else "")
+            for name, rule in EXCLUSION_SECTIONS.items()
+        )
         raise InputError(
             f"{text!r} is not an exclusion rule",
             where=where,
-            remedy=f"Write one of {', '.join(map(_example, EXCLUSION_SECTIONS))}",
+            remedy=f"Write one of {', '.join(forms)}; settings follow, such as time<3,share=0.25",
         )
-    if head["sign"] != (section.limit[0] if section.limit else None):
-        raise InputError(
-            f"{text!r} is not the form of the rule {name!r}",
-            where=where,
-            remedy=f"Write {_example(section)}",
-        )
-    values: dict[str, object] = {"rule": name}
-    if section.limit:
-        values[section.limit[1]] = _number(head["number"])
-    for setting in settings:
-        parts = _SETTING.fullmatch(setting)
-        if parts is None:
-            raise InputError(
-                f"{setting.strip()!r} in {text!r} is not KEY=NUMBER",
-                where=where,
-                remedy="Append settings after commas, such as time<3,share=0.25",
-            )
-        values[parts["key"]] = _number(parts["number"])
+    settings = dict(each.split("=") for each in parts["settings"].split(",")[1:])
+    limit = {key: parts["number"]} if key else {}
     try:
-        return _ADAPTER.validate_python(values)
+        return section.model_validate_strings(limit | settings, strict=False)
     except ValidationError as error:
-        problem = explain_errors(error).replace(f"{name}.", "")
+        problem = explain_errors(error)
         raise InputError(f"{text!r}: {problem}", where=where, remedy="Correct the rule") from None
-
-
-def _name(section: type[ExclusionSection]) -> str:
-    return str(section.model_fields["rule"].default)
-
-
-def _example(section: type[ExclusionSection]) -> str:
-    return _name(section) + (f"{section.limit[0]}NUMBER" if section.limit else "")
-
-
-def _number(text: str) -> object:
-    """Return a number as in TOML; else the text, which the rule then refuses."""
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text

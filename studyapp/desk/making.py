@@ -110,7 +110,7 @@ def _requested_study(name: str, root: Path) -> StudyOptions:
         trials=_count(form, "trials", MOST_TRIALS),
         participants=_count(form, "participants", interview.MAX_PARTICIPANTS),
         channel=cast(Channel, channel),
-        pay=interview.read_pay(form.get("pay", ""), channel),
+        pay=interview.read_pay(form.get("pay", "")),
         minutes=_count(form, "minutes", interview.MAX_MINUTES),
         title=form.get("title") or None,
         organisation=form.get("organisation", ""),

@@ -115,7 +115,7 @@ class Material:
     def __init__(self, folder: StudyFolder) -> None:
         self.folder = folder
         self.study = folder.study()
-        segments = folder.segments_of(self.study, allow_damaged=True)
+        segments = folder.segments_of(self.study)
         self.segments = {each.name: each for each in segments}
         catch = (self.study.catch.condition,) if self.study.catch.trials else ()
         self.conditions = (*self.study.conditions, *catch)

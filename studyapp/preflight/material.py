@@ -45,7 +45,7 @@ class Material:
         return cls(
             folder=folder,
             study=study,
-            segments=folder.segments_of(study, allow_damaged=True),
+            segments=folder.segments_of(study),
             media=Media.of(folder, study) if folder.stimuli.exists() else None,
         )
 

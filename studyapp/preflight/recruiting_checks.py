@@ -11,7 +11,7 @@ from typing import Final, get_args
 from motion.errors import InputError, listed
 from studyapp.preflight.finding import Finding, make_finding
 from studyapp.recruitment.prolific import CODE_TYPES
-from studyapp.recruitment.record import FILE, count_places, read_record
+from studyapp.recruitment.record import FILE, read_record
 from studyapp.study.settings.presentation import Language, reaches_somebody
 from studyapp.study.settings.recruitment import format_amount, hourly_rate
 from studyapp.study.settings.study import Study
@@ -23,7 +23,6 @@ def recruiting_findings(study: Study) -> Iterator[Finding]:
     recruitment = study.recruitment
     if recruitment.missing_codes:
         yield make_finding("codes-missing", missing=listed(recruitment.missing_codes))
-    yield from _place_findings(study)
 
 
 def prolific_code_findings(study: Study, root: Path) -> Iterator[Finding]:
@@ -34,27 +33,9 @@ def prolific_code_findings(study: Study, root: Path) -> Iterator[Finding]:
         yield make_finding("made-there-unreadable", error.what, where=FILE)
         return
     codes = study.recruitment.prolific.model_dump()
-    unknown = [key for key, types in CODE_TYPES.items() if known.get(codes[key]) not in types]
+    unknown = [key for key, type_ in CODE_TYPES.items() if known.get(codes[key]) != type_]
     if known and unknown and study.recruitment.channel == "prolific":
         yield make_finding("codes-differ", unknown=listed(unknown))
-
-
-def _place_findings(study: Study) -> Iterator[Finding]:
-    recruitment, places = study.recruitment, count_places(study)
-    stated = {
-        "prolific": ("recruitment.prolific.places", recruitment.prolific.places),
-        "mturk": ("recruitment.mturk.assignments", recruitment.mturk.assignments),
-    }
-    key, recruited = stated.get(recruitment.channel, ("", None))
-    if recruited is not None and recruited != places:
-        full = recruited > places
-        yield make_finding(
-            "places-differ",
-            where=key,
-            recruited=recruited,
-            places=places,
-            consequence="some find the study full" if full else "places remain empty",
-        )
 
 
 PROLIFIC: Final[Mapping[str, Mapping[str, int]]] = {

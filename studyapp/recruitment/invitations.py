@@ -120,7 +120,7 @@ def _read_links(out: Path) -> list[tuple[str, str]]:
         raise InputError(
             "this is not a table of invitations",
             where=out,
-            remedy=f"Name another file with --out; its columns are {', '.join(COLUMNS)}",
+            remedy=f"Move it away; the table's columns are {', '.join(COLUMNS)}",
         )
     return [(name, link) for name, link in rows]
 

@@ -180,7 +180,7 @@ def hit_request(study: Study, address: str, *, made_before: int, live: bool) -> 
         "Description": recruited.description or study.title,
         "Keywords": recruited.keywords,
         "Reward": recruited.reward,
-        "MaxAssignments": recruited.assignments or count_places(study),
+        "MaxAssignments": count_places(study),
         "LifetimeInSeconds": recruited.hours_to_accept * 3600,
         "AssignmentDurationInSeconds": minutes * 60 * TIMES_AS_LONG,
         "AutoApprovalDelayInSeconds": recruited.days_to_review * 86_400,

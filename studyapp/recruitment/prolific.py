@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from motion.errors import InputError, listed
+from motion.errors import InputError
 from motion.segment import Segment
 from studyapp.recruitment.payment import (
     PaymentDecision,
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from studyapp.recruitment.prolific_client import ProlificClient, ProlificStudy, Submission
 
 CODE_TYPES: Final = {
-    "completed": ("COMPLETED",),
-    "screened_out": ("FIXED_SCREENOUT", "OTHER"),
-    "failed_attention": ("FAILED_ATTENTION_CHECK",),
+    "completed": "COMPLETED",
+    "screened_out": "OTHER",
+    "failed_attention": "FAILED_ATTENTION_CHECK",
 }
-"""Prolific's types of the study's codes; of screened out participants, paid and unpaid."""
+"""Prolific's types of the study's codes."""
 
 DEVICES: Final[Mapping[Device, str]] = MappingProxyType(
     {"computer": "desktop", "tablet": "tablet", "phone": "mobile"}
@@ -75,13 +75,6 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
     require_public(address)
     recruited = study.recruitment.prolific
     screened_out: dict[str, Any] = {"action": "REQUEST_RETURN", "return_reason": RETURN_REASON}
-    if recruited.screened_out_reward:
-        screened_out = {
-            "action": "FIXED_SCREEN_OUT_PAYMENT",
-            "fixed_screen_out_reward": recruited.screened_out_reward,
-            "slots": recruited.screened_out_places,
-        }
-    paid, unpaid = CODE_TYPES["screened_out"]
     review = {"action": "MANUALLY_REVIEW"}
     finished = {"action": "AUTOMATICALLY_APPROVE"} if recruited.automatic else review
     heard = any(
@@ -94,15 +87,11 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
         "external_study_url": study.recruitment.link(address),
         "prolific_id_option": "url_parameters",
         "completion_codes": [
-            _code(CODE_TYPES["completed"][0], recruited.completed, finished),
-            _code(
-                paid if recruited.screened_out_reward else unpaid,
-                recruited.screened_out,
-                screened_out,
-            ),
-            _code(CODE_TYPES["failed_attention"][0], recruited.failed_attention, review),
+            _code(CODE_TYPES["completed"], recruited.completed, finished),
+            _code(CODE_TYPES["screened_out"], recruited.screened_out, screened_out),
+            _code(CODE_TYPES["failed_attention"], recruited.failed_attention, review),
         ],
-        "total_available_places": recruited.places or count_places(study),
+        "total_available_places": count_places(study),
         "estimated_completion_time": study.page.minutes,
         "reward": recruited.reward,
         "device_compatibility": [DEVICES[device] for device in study.page.devices],
@@ -111,7 +100,7 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
     }
     if recruited.signed_for:
         draft["is_external_study_url_secure"] = True
-    return draft | ({"project": recruited.project} if recruited.project else {})
+    return draft
 
 
 def _code(kind: str, code: str, action: dict[str, Any]) -> dict[str, Any]:
@@ -222,27 +211,8 @@ def status(folder: StudyFolder, client: ProlificClient) -> ProlificStatus:
     )
 
 
-def approve(client: ProlificClient, status: ProlificStatus, also: Sequence[str] = ()) -> int:
-    """Pay everybody whom the payment rule pays, and those of `also`; return how many.
-
-    Parameters
-    ----------
-    also : sequence of str
-        Submissions that the researcher decided to pay.
-
-    Raises
-    ------
-    InputError
-        If one of `also` is none of the study's submissions; nobody is paid then.
-    """
-    ids = {each.submission.id for each in status.submissions}
-    if unknown := sorted(set(also) - ids):
-        raise InputError(
-            f"the study has no submission {listed(unknown)}",
-            where="--also",
-            remedy="Take their names from the table that this command shows",
-        )
+def approve(client: ProlificClient, status: ProlificStatus) -> int:
+    """Pay everybody whom the payment rule pays; return how many."""
     paid = [each.submission.id for each in status.submissions if each.decision.verdict == "pay"]
-    paid = list(dict.fromkeys([*paid, *also]))
     client.approve(paid)
     return len(paid)

@@ -170,11 +170,6 @@ class ProlificClient:
         """Make a draft, which costs nothing and is not visible until it is published."""
         return _read(ProlificStudy, self._ask("POST", "studies/", draft, repeatable=False))
 
-    def change_places(self, study: str, places: int) -> ProlificStudy:
-        """Set the number of places."""
-        change = {"total_available_places": places}
-        return _read(ProlificStudy, self._ask("PATCH", f"studies/{study}/", change))
-
     def move(self, study: str, action: Action) -> ProlificStudy:
         """Publish, start, pause or stop a study, unless it already is.
 

@@ -155,24 +155,16 @@ class StudyFolder:
             )
         return read_segments(self.speech)
 
-    def segments_of(self, study: Study, *, allow_damaged: bool = False) -> tuple[Segment, ...]:
+    def segments_of(self, study: Study) -> tuple[Segment, ...]:
         """Read the segments of `study`.
 
         A study with nothing but finished videos needs no speech files: the videos' names are its
         segments. A study that allows gaps has only segments with a finished video of every
         condition that brings them.
-
-        Parameters
-        ----------
-        allow_damaged : bool
-            Whether a segment may get its length from another condition's video where one cannot
-            be opened; for what names the damaged ones. Lengths are part of the design.
         """
         finished = [name for name, condition in study.conditions.items() if condition.videos]
         if len(finished) == len(study.conditions) and not (self.speech / "segments.csv").exists():
-            return _finished_segments(
-                self.videos, finished, allow_gaps=study.allow_gaps, allow_damaged=allow_damaged
-            )
+            return _finished_segments(self.videos, finished, allow_gaps=study.allow_gaps)
         segments = self.segments()
         if not study.allow_gaps:
             return segments
@@ -184,7 +176,7 @@ class StudyFolder:
 
 
 def _finished_segments(
-    videos: Path, conditions: Sequence[str], *, allow_gaps: bool, allow_damaged: bool
+    videos: Path, conditions: Sequence[str], *, allow_gaps: bool
 ) -> tuple[Segment, ...]:
     """Return the segments named by the finished videos of `conditions`.
 
@@ -195,8 +187,6 @@ def _finished_segments(
     allow_gaps : bool
         Whether to leave out segments that a condition lacks. Otherwise they stay in the study,
         and `motionjury check` names the missing videos.
-    allow_damaged : bool
-        See `StudyFolder.segments_of`.
 
     Raises
     ------
@@ -235,10 +225,7 @@ def _finished_segments(
             name=name,
             wav="",
             start=0.0,
-            end=_duration(
-                [videos_of[condition][name] for condition in owners[name]],
-                allow_damaged=allow_damaged,
-            ),
+            end=_duration([videos_of[condition][name] for condition in owners[name]]),
             speaker="",
             emotion=EMOTIONS[0],
         )
@@ -246,12 +233,13 @@ def _finished_segments(
     )
 
 
-def _duration(videos: Sequence[Path], *, allow_damaged: bool) -> float:
-    """Return the duration of the first video, or of the first that can be opened."""
-    for video in videos if allow_damaged else ():
+def _duration(videos: Sequence[Path]) -> float:
+    """Return the duration of the first video that can be opened."""
+    *others, last = videos
+    for video in others:
         with suppress(InputError):
             return video_duration(video)
-    return video_duration(videos[0])
+    return video_duration(last)
 
 
 def _misspelt_names(owners: Mapping[str, Sequence[str]], first: str) -> set[str]:

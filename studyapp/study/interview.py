@@ -5,15 +5,13 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
-from decimal import Decimal
 from importlib.resources import files
 from typing import Final
 
 from generators.registry import GENERATORS, needs_model
 from motion.errors import InputError, listed
 from studyapp.study.settings.presentation import reaches_somebody
-from studyapp.study.settings.recruitment import MTURK_CURRENCY, Pay
-from studyapp.study.settings.sections import MONEY
+from studyapp.study.settings.recruitment import Pay
 from studyapp.study.study_options import StudyOptions, source_notation
 
 MAX_MINUTES: Final = 240
@@ -76,34 +74,23 @@ def require_stated_pay(options: StudyOptions) -> None:
         )
 
 
-def read_pay(text: str, channel: str | None) -> Pay | None:
-    """Return the pay of each participant from ``AMOUNT CURRENCY``; None for no pay.
+def read_pay(text: str) -> Pay | None:
+    """Return the pay of each participant from ``AMOUNT CURRENCY``; None for an empty text.
 
     Raises
     ------
     InputError
-        If it is not an amount with a currency, or not in the currency of the recruiting site.
+        If it is not an amount with a currency.
     """
-    amount, _, currency = text.strip().replace(",", ".").partition(" ")
-    if re.fullmatch(r"\d+(\.\d)?", amount):
-        amount = f"{Decimal(amount):.2f}"
-    if not re.fullmatch(MONEY, amount):
-        raise InputError(f"{amount!r} is not an amount", remedy="Give one such as 2.50 EUR")
-    if not amount or not Decimal(amount):
+    if not text.strip():
         return None
-    currency = currency.strip() or (MTURK_CURRENCY if channel == "mturk" else "")
-    if not re.fullmatch(r"[A-Za-z]{3}", currency):
+    stated = re.fullmatch(r"(\d{1,6})(?:[.,](\d{1,2}))?\s+([A-Za-z]{3})", text.strip())
+    if stated is None:
         raise InputError(
-            f"{currency!r} is not a currency" if currency else "an amount needs a currency",
-            remedy="Give its three letters after the amount, such as 2.50 EUR",
+            f"{text!r} is not an amount with a currency", remedy="Give one such as 2.50 EUR"
         )
-    currency = currency.upper()
-    if channel == "mturk" and currency != MTURK_CURRENCY:
-        raise InputError(
-            f"Mechanical Turk pays in {MTURK_CURRENCY}, not in {currency}",
-            remedy=f"Give the amount in {MTURK_CURRENCY}",
-        )
-    return Pay(amount=amount, currency=currency)
+    whole, part, currency = stated.groups(default="")
+    return Pay(amount=f"{whole}.{part:0<2}", currency=currency.upper())
 
 
 def read_count(text: str, maximum: int, *, unit: str) -> int:

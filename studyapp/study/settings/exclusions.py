@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, ClassVar, Final, Literal
 
 from pydantic import Field
@@ -148,9 +148,11 @@ class StraightLining(ExclusionSection):
     trials: int = Field(10, ge=2, le=1000)
 
 
-EXCLUSION_SECTIONS: Final[tuple[type[ExclusionSection], ...]] = (
-    *(Incomplete, FailedCatch, FailedAttention, Coverage, Time, StraightLining),
-)
+EXCLUSION_SECTIONS: Final[Mapping[str, type[ExclusionSection]]] = {
+    str(section.model_fields["rule"].default): section
+    for section in (Incomplete, FailedCatch, FailedAttention, Coverage, Time, StraightLining)
+}
+"""All of them by rule."""
 
 Exclusion = Annotated[
     Incomplete | FailedCatch | FailedAttention | Coverage | Time | StraightLining,
@@ -163,38 +165,21 @@ def exclusion_problems(
     exclusions: Sequence[ExclusionSection] | None, catch: Catch, attention: Attention
 ) -> list[str]:
     """Return contradictions among the rules, and with catch trials and attention checks."""
-    if exclusions is None:
-        return []
-    names = [rule.rule for rule in exclusions]
+    rules = exclusions or ()
+    names = [rule.rule for rule in rules]
     repeated = sorted({name for name in names if names.count(name) > 1})
+    checks: dict[str, Catch | Attention] = {"catch": catch, "attention": attention}
     return [
         *([f"exclusions: the rule {listed(repeated)} is stated twice"] if repeated else []),
-        *_limit_problems(exclusions, "catch", catch),
-        *_limit_problems(exclusions, "attention", attention),
-    ]
-
-
-def _limit_problems(
-    exclusions: Sequence[ExclusionSection], name: str, checks: Catch | Attention
-) -> list[str]:
-    """Return contradictions between the rule `name` and the section of the same name."""
-    rules = [rule for rule in exclusions if rule.rule == name]
-    if rules and not checks.trials:
-        return [f"exclusions: the rule {name!r} has no effect because {name}.trials is 0"]
-    if not checks.trials or "max_failed" not in checks.model_fields_set:
-        return []
-    if not rules:
-        return [
-            f"{name}.max_failed has no effect because exclusions lack the rule {name!r}: "
-            "add the rule, or leave max_failed out"
-        ]
-    return [
-        f"exclusions: the rule {name!r} has more_than = {rule.more_than}, but {name}.max_failed "
-        f"is {checks.max_failed}: remove one of them"
-        for rule in rules
-        if isinstance(rule, FailedCatch | FailedAttention)
-        and "more_than" in rule.model_fields_set
-        and rule.more_than != checks.max_failed
+        *(
+            f"exclusions: the rule {rule.rule!r} has more_than = {rule.more_than}, but "
+            f"{rule.rule}.max_failed is {checks[rule.rule].max_failed}: remove one of them"
+            for rule in rules
+            if isinstance(rule, FailedCatch | FailedAttention)
+            and "more_than" in rule.model_fields_set
+            and checks[rule.rule].model_fields_set >= {"max_failed"}
+            and rule.more_than != checks[rule.rule].max_failed
+        ),
     ]
 
 

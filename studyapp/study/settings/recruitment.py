@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import secrets
 from decimal import Decimal
 from typing import Final, Literal
@@ -21,51 +20,26 @@ CODE_LETTERS: Final = "ABCDEFGHJKMNPQRTUVWXYZ2346789"
 
 CODE_LENGTH: Final = 12
 
-MIN_CODE_LENGTH: Final = 8
-MIN_DISTINCT_CHARACTERS: Final = 5
-MAX_RUN: Final = 3
-CHARACTER_SEQUENCES: Final = (
-    "abcdefghijklmnopqrstuvwxyz",
-    "01234567890",
-    "qwertyuiop",
-    "asdfghjkl",
-    "zxcvbnm",
-)
 GUESSABLE_WORDS: Final = (
-    *("attention", "check", "code", "complete", "done", "finish", "motion", "pass", "prolific"),
-    *("screen", "secret", "study", "success", "survey", "test", "thank", "fail"),
+    *("attention", "check", "code", "complete", "completed", "done", "finish", "motion", "pass"),
+    *("prolific", "screen", "secret", "study", "success", "survey", "test", "thank", "fail"),
 )
+
+MIN_GUESSES: Final = 3 * 10**7
+"""Prolific's own codes take 10 to the power of 8 guesses."""
 
 
 def draw_code() -> str:
     """Return a random code of 58 bits."""
-    while True:
-        code = "".join(secrets.choice(CODE_LETTERS) for _ in range(CODE_LENGTH))
-        if code_weakness(code) is None:
-            return code
+    return "".join(secrets.choice(CODE_LETTERS) for _ in range(CODE_LENGTH))
 
 
-def code_weakness(code: str) -> str | None:
-    """Say why `code` could be guessed; None if it could not."""
-    folded = code.casefold()
-    if len(code) < MIN_CODE_LENGTH:
-        return f"has fewer than {MIN_CODE_LENGTH} characters"
-    if len(set(folded)) < MIN_DISTINCT_CHARACTERS:
-        return f"has fewer than {MIN_DISTINCT_CHARACTERS} different characters"
-    if word := next((word for word in GUESSABLE_WORDS if word in folded), None):
-        return f"contains the word {word!r}"
-    if _has_run(folded):
-        return f"contains a sequence of more than {MAX_RUN} characters, such as 1234"
-    if re.fullmatch(r"(.+?)\1+", folded):
-        return "repeats itself"
-    return None
+def is_guessable(code: str) -> bool:
+    """Tell whether `code` takes too few guesses, as zxcvbn estimates them."""
+    # Imported here: its words take long to load, and few studies have codes of their own.
+    from zxcvbn import zxcvbn  # type: ignore[import-untyped]
 
-
-def _has_run(code: str) -> bool:
-    """Tell whether characters repeat, or follow each other in the alphabet or on a keyboard."""
-    windows = (code[start : start + MAX_RUN + 1] for start in range(len(code) - MAX_RUN))
-    sequences = (*CHARACTER_SEQUENCES, *(row[::-1] for row in CHARACTER_SEQUENCES))
-    return any(len(set(part)) == 1 or any(part in row for row in sequences) for part in windows)
+    return bool(zxcvbn(code, GUESSABLE_WORDS)["guesses"] < MIN_GUESSES)
 
 
 class Pay(Section):
@@ -130,17 +104,10 @@ class Prolific(Section):
         The three completion codes; ``motionjury recruit STUDY codes`` draws them.
     reward : int
         Pay of each participant, in the smallest unit of the account's currency.
-    places : int or None
-        Number of participants; None for all places of the study.
     description : str
         Description on Prolific; by default, the study's title.
     automatic : bool
         Whether finished participants are paid at once, without approval.
-    screened_out_reward, screened_out_places : int
-        Pay of screened-out participants, and how many get it at most; 0 if they are asked to
-        return the study.
-    project : str
-        The Prolific project; by default, the account's.
     signed_for : str
         The study's host, if Prolific signs the links of participants; otherwise empty.
     """
@@ -149,12 +116,8 @@ class Prolific(Section):
     screened_out: str = Code
     failed_attention: str = Code
     reward: int = Field(0, ge=0)
-    places: int | None = Field(None, ge=1)
     description: str = Field("", max_length=4000)
     automatic: bool = False
-    screened_out_reward: int = Field(0, ge=0)
-    screened_out_places: int = Field(0, ge=0)
-    project: str = Field("", max_length=100)
     signed_for: str = Field("", max_length=253, pattern=HOST)
 
     def code(self, outcome: Outcome) -> str:
@@ -174,8 +137,6 @@ class MTurk(Section):
     ----------
     reward : str
         Pay of each worker in US dollars, such as ``"3.50"``.
-    assignments : int or None
-        Number of workers; None for all places of the study.
     description, keywords : str
         Help workers to find the HIT.
     hours_to_accept, days_to_review : int
@@ -183,7 +144,6 @@ class MTurk(Section):
     """
 
     reward: str = Field("", pattern=DOLLARS)
-    assignments: int | None = Field(None, ge=1)
     description: str = Field("", max_length=2000)
     keywords: str = Field("video, animation, opinion", max_length=1000)
     hours_to_accept: int = Field(72, ge=1, le=8760)
@@ -261,13 +221,12 @@ class Recruitment(Section):
             The stated duration of the study.
         """
         is_short = minutes is not None and minutes < LONG_STUDY_MINUTES
-        prolific = self.prolific
-        codes = {key: code for key, code in prolific.codes.items() if code}
+        codes = {key: code for key, code in self.prolific.codes.items() if code}
         problems = [
-            f"recruitment.prolific.{key}: the code {weakness} (draw one with 'motionjury "
+            f"recruitment.prolific.{key}: the code could be guessed (draw one with 'motionjury "
             "recruit STUDY codes')"
             for key, code in codes.items()
-            if (weakness := code_weakness(code)) is not None
+            if is_guessable(code)
         ]
         if len(set(map(str.casefold, codes.values()))) < len(codes):
             problems.append("recruitment.prolific: two outcomes have the same code")
@@ -284,13 +243,6 @@ class Recruitment(Section):
                 f"unless page.minutes is less than {LONG_STUDY_MINUTES} (use {MIN_FAILED_CHECKS} "
                 "or more, or 0)"
             )
-        if bool(prolific.screened_out_reward) != bool(prolific.screened_out_places):
-            problems.append(
-                "recruitment.prolific: set both screened_out_reward and screened_out_places, or "
-                "neither"
-            )
-        if prolific.screened_out_reward and prolific.screened_out_reward >= prolific.reward:
-            problems.append("recruitment.prolific: screened_out_reward must be less than reward")
         return problems
 
     @property

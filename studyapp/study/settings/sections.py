@@ -46,6 +46,7 @@ MESSAGES: Final = {
     "missing": "is missing",
     "string_type": "must be text in quotes",
     "int_type": "must be a whole number",
+    "int_parsing": "must be a whole number",
     "bool_type": "must be true or false",
     "float_type": "must be a number",
     "tuple_type": "must be a list in square brackets",

@@ -145,7 +145,6 @@ OWN_MINIMUM = {"currency": "EUR", "hourly_minimum": "12.82"}
         (on_prolific(99, "EUR"), {"currency-unknown": ""}),
         # The longer of the stated and the needed duration decides.
         ({"needed": 16, **on_prolific(150, "GBP")}, {"pay-below-prolific-minimum": "5.62 GBP"}),
-        (on_prolific(150, "GBP", places=60), {"places-differ": "so some find the study full"}),
         ({"channel": "mturk", "mturk": {"reward": "2.50"}}, {"hourly-pay": "15.00 USD"}),
         (
             {"pay": EURO, "needed": 20},

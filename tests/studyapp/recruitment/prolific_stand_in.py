@@ -82,7 +82,6 @@ class StandIn:
             ("/studies/", ["GET"], self._list_studies),
             ("/studies/", ["POST"], self._create),
             ("/studies/<study>/", ["GET"], self._study),
-            ("/studies/<study>/", ["PATCH"], self._change),
             ("/studies/<study>/transition/", ["POST"], self._move),
             ("/submissions/", ["GET"], self._list_submissions),
             ("/submissions/bulk-approve/", ["POST"], self._approve),
@@ -132,13 +131,6 @@ class StandIn:
 
     def _study(self, study: str) -> ResponseReturnValue:
         return jsonify(self.studies[study]) if study in self.studies else abort(404)
-
-    def _change(self, study: str) -> ResponseReturnValue:
-        places = request.get_json()["total_available_places"]
-        known = self.studies[study]
-        _require(places >= known["total_available_places"], "places can only be added")
-        known["total_available_places"] = places
-        return jsonify(known)
 
     def _move(self, study: str) -> ResponseReturnValue:
         action, known = request.get_json()["action"], self.studies[study]

@@ -187,11 +187,6 @@ def test_each_outcome_has_its_code_and_only_finishing_may_be_paid_unseen() -> No
     at_once = draft(automatic=True)
     assert actions(at_once, "completed")[1] == [{"action": "AUTOMATICALLY_APPROVE"}]
     assert actions(at_once, "failed_attention")[1] == review
-    fixed_sum = draft(screened_out_reward=15, screened_out_places=40)
-    assert actions(fixed_sum, "screened_out") == (
-        "FIXED_SCREENOUT",
-        [{"action": "FIXED_SCREEN_OUT_PAYMENT", "fixed_screen_out_reward": 15, "slots": 40}],
-    )
 
 
 def test_prolifics_address_has_a_placeholder_for_the_participant() -> None:
@@ -202,7 +197,6 @@ def test_prolifics_address_has_a_placeholder_for_the_participant() -> None:
         "&SESSION_ID={{%SESSION_ID%}}"
     )
     assert sent["total_available_places"] == 50  # two comparisons of 25
-    assert draft(places=7)["total_available_places"] == 7
     assert sent["peripheral_requirements"] == ["audio"]
     assert sent["device_compatibility"] == ["desktop", "tablet"]
     assert "is_external_study_url_secure" not in sent

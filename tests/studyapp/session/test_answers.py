@@ -21,7 +21,7 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.session.trials import ShownTrial
 from studyapp.session.watch_evidence import Playback
 from studyapp.study.settings.questions import Reason
-from studyapp.study.settings.recruitment import code_weakness
+from studyapp.study.settings.recruitment import is_guessable
 from tests.support.read_once import read_once
 from tests.support.studies.exported import responses_table
 from tests.support.studies.taking_part_steps import Participant, SetClock
@@ -167,7 +167,7 @@ def test_the_code_appears_with_the_last_answer_and_does_not_change(
     situation = participant.look()
     assert situation.state == "completed"
     code = situation.completion_code
-    assert code_weakness(code or "") is None
+    assert not is_guessable(code or "")
     participant.answer(last)
     assert participant.look().completion_code == code
     assert participant.another().enrol("another").begin().take_all() != code
