@@ -17,7 +17,7 @@ from motion.errors import InputError
 from studyapp.side_process import collect_garbage_seldom
 
 _COMMANDS: Final = {
-    "backup": ("backup", "Back up a study into one file."),
+    "backup": ("backup", "Back up a study into one file, or check a backup."),
     "check": ("check", "Check a study before its launch."),
     "corpus": (
         "generate:corpus",

@@ -7,7 +7,7 @@ from tests.support.command_line import run
 from tests.support.studies.answered_study import answer_study
 
 
-def test_a_backup_is_described_and_restored_with_what_it_lacks(
+def test_a_backup_is_described_checked_and_restored_with_what_it_lacks(
     own_study: OwnStudy, tmp_path: Path
 ) -> None:
     study = own_study("pairwise").root
@@ -24,5 +24,11 @@ def test_a_backup_is_described_and_restored_with_what_it_lacks(
     assert "media files are missing" in output
     assert "Participants who were erased or withdrew after" in output
 
+    assert "is intact: 1 participant" in run("backup", "--check", archive)
+    assert "media files outside the backup are in" in run("backup", study, "--check", archive)
+    next((study / "videos").rglob("*.mp4")).unlink()
+    assert "1 are missing" in run("backup", study, "--check", archive, status=1)
+    both = run("backup", study, tmp_path / "x.tar", "--check", archive, status=1)
+    assert "--check makes no backup" in both
     archive.write_bytes(archive.read_bytes()[:-20_000])
-    assert "Use another backup" in run("restore", archive, tmp_path / "torn", status=1)
+    assert "Use another backup" in run("backup", "--check", archive, status=1)
