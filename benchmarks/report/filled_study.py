@@ -12,15 +12,8 @@ from sqlalchemy import Connection, Table, create_engine, insert
 
 from benchmarks.report.made_answers import CONDITIONS, QUESTIONS, THRESHOLDS
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import (
-    Response,
-    StudySession,
-    StudyVersion,
-    Trial,
-    TrialStimulus,
-    Video,
-    WatchRecord,
-)
+from studyapp.database.tables.study_session import StudySession, StudyVersion
+from studyapp.database.tables.trial import Response, Trial, TrialStimulus, Video, WatchRecord
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.versioning import operation_part

@@ -25,7 +25,8 @@ from benchmarks.server.log_secrets import secrets_in
 from benchmarks.server.visitor import Ledger, StrandedError, Visitor
 from benchmarks.server.wire import Wire
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession, Trial
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Trial
 from studyapp.rehearsal.bookkeeping import answer_checks
 from tests.support.servers.study_server import HOST, StudyServer, study_server
 

@@ -6,7 +6,7 @@ from contextlib import closing
 
 import click
 
-from motion.errors import InputError, listed
+from motion.errors import InputError
 from studyapp.cli.arguments import StudyCommand, study_folder
 from studyapp.clock import Clock
 from studyapp.custody.forgetting import StoredData, find_data, forget, has_forgotten
@@ -109,7 +109,11 @@ def forget_command(folder: StudyFolder, participant: str, yes: bool) -> None:
         return
     _erase(folder, participant)
     click.echo("Erased; nothing is left in the database's files.")
-    click.echo(_describe_manual_steps(folder))
+    click.echo(
+        "Left to do by hand: tables, the report and files of jobs in the study folder may still "
+        "hold their data: export and report again, or remove them. Shared folders and tables, "
+        "backups, and the recruiter's own records cannot be reached from here."
+    )
 
 
 def _describe_erasure(entry: StoredData) -> str:
@@ -121,24 +125,4 @@ def _describe_erasure(entry: StoredData) -> str:
         f"{entry.watch_records} records of watching, {entry.form_answers} answers to the form, "
         f"{entry.refusals} refused requests, the recruiter's ids, the completion code, and "
         "whether and why researchers excluded the participant."
-    )
-
-
-def _describe_manual_steps(folder: StudyFolder) -> str:
-    """Say which files and folders of the study may still hold a participant's data."""
-    copies = sorted(
-        path.name
-        for path in folder.root.glob("*")
-        if path.suffix in (".csv", ".parquet") and path.is_file() and path.name != "metrics.parquet"
-    )
-    copies += [f"{path.name}/" for path in (folder.report, folder.jobs) if path.exists()]
-    local = (
-        f"in the study folder, {listed(copies)} may still hold their data: export and report "
-        "again, or remove their data there. "
-        if copies
-        else ""
-    )
-    return (
-        f"Left to do by hand: {local}Shared folders and tables, backups of the database and of its "
-        "server, and the recruiter's own records cannot be reached from here."
     )

@@ -18,12 +18,10 @@ from generators.registry import (
     TrainingChoice,
     TrainingRequest,
 )
-from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.cli.arguments import FILE, FOLDER, Decorator, Number, device_option, together
 from studyapp.cli.main import LazyGroup
 from studyapp.cli.output import echo_note, echo_skipped, progress
-from studyapp.study.settings.study import GROUND_TRUTH
 from training.data.take import KINDS
 from training.run.launching import is_leader
 from training.run.records import run_folder
@@ -69,11 +67,8 @@ def _training_options(*, smallest_batch: int) -> Decorator:
     "--data",
     required=True,
     type=click.Path(path_type=Path),
-    help="A study folder, or a folder of motion files; for the kind emotion, with a segments.csv "
-    "that has the columns name and emotion.",
-)
-@click.option(
-    "--condition", default=GROUND_TRUTH, help="With a study: the condition with recorded motion."
+    help="A study folder, whose condition ground_truth is read, or a folder of motion files; for "
+    "the kind emotion, with a segments.csv that has the columns name and emotion.",
 )
 @click.option(
     "--channels",
@@ -95,26 +90,13 @@ def _training_options(*, smallest_batch: int) -> Decorator:
     "'motionjury metrics' finds it, or in the working directory.",
 )
 @_training_options(smallest_batch=2)
-@click.option(
-    "--fps",
-    type=Number(MIN_FRAME_RATE, MAX_FRAME_RATE),
-    help="With a folder: frame rate of all motion files, overriding their own.",
-)
-@click.option(
-    "--body",
-    type=FILE,
-    help="With a folder: the SMPL-X body (.npz) whose expression coefficients the clips have.",
-)
 def evaluator(
     kind: Kind,
     data: Path,
-    condition: str,
     channels: Channels | None,
     size: str,
     out: Path | None,
     device: str,
-    fps: float | None,
-    body: Path | None,
     **training: Any,
 ) -> None:
     """Train a feature network for automatic metrics on recorded motion.
@@ -138,9 +120,7 @@ def evaluator(
             f"--channels is for the kind motion, not {kind}",
             remedy=f"Omit it: the input of a network of kind {kind} is that of its paper",
         )
-    recordings = recordings_of(
-        data, condition=condition, file_rate=fps, body=body, show_note=echo_note
-    )
+    recordings = recordings_of(data, show_note=echo_note)
     request = EvaluatorRequest(
         channels=channels or CHANNELS_OF_KIND[kind],
         preset=PRESETS[kind][size],

@@ -13,24 +13,23 @@ from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import (
+from studyapp.database.tables.base import Base
+from studyapp.database.tables.researchers import (
     AuditLine,
-    Base,
     Event,
     ExclusionDecision,
-    FormAnswer,
-    IntakeChange,
     InterimFigures,
     Look,
-    RefusalLine,
     ResearcherLogin,
-    Response,
+)
+from studyapp.database.tables.study_session import (
+    FormAnswer,
+    IntakeChange,
+    RefusalLine,
     ScreenOut,
     StudySession,
-    Trial,
-    Video,
-    WatchRecord,
 )
+from studyapp.database.tables.trial import Response, Trial, Video, WatchRecord
 from studyapp.researchers.audit import ERASED, log_change
 from studyapp.researchers.credentials import token_hash
 from studyapp.researchers.exclusion_decisions import erase_decisions

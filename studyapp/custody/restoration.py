@@ -22,7 +22,7 @@ from studyapp.database.engine import (
     sqlite_file,
     sqlite_url,
 )
-from studyapp.database.tables import Event
+from studyapp.database.tables.researchers import Event
 from studyapp.researchers.audit import log_change
 from studyapp.study.folder import StudyFolder, lock_folder, require_space
 from studyapp.study.media import read_stimuli

@@ -12,7 +12,7 @@ from sqlalchemy.exc import DBAPIError
 from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.database.sqlite import hold_writer_lock
-from studyapp.database.tables import Base
+from studyapp.database.tables.base import Base
 
 LOCK_SECONDS: Final = 30
 """How long to wait for a table; others who need it wait behind this."""

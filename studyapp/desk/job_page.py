@@ -9,7 +9,7 @@ from flask import Response, abort, make_response, redirect, request, send_from_d
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.database.tables import Event
+from studyapp.database.tables.researchers import Event
 from studyapp.desk.job_kinds import (
     FIGURES,
     KINDS,

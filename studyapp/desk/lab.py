@@ -23,7 +23,8 @@ from sqlalchemy.orm import Session
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, refuse_second_database, sqlite_url
-from studyapp.database.tables import Event, StudySession
+from studyapp.database.tables.researchers import Event
+from studyapp.database.tables.study_session import StudySession
 from studyapp.monitoring.overview import places_so_far
 from studyapp.researchers.account import Account, find_account_by_identity
 from studyapp.researchers.audit import log_change

@@ -19,7 +19,8 @@ from sqlalchemy.orm import Session
 from motion.endings import VIDEO_ENDING
 from motion.errors import InputError
 from motion.segment import Segment
-from studyapp.database.tables import Event, TrialStimulus
+from studyapp.database.tables.researchers import Event
+from studyapp.database.tables.trial import TrialStimulus
 from studyapp.desk.inbox import Inbox
 from studyapp.desk.job_kinds import RECORD
 from studyapp.desk.jobs import no_other_job

@@ -14,7 +14,7 @@ from flask import abort, make_response, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.database.tables import Event
+from studyapp.database.tables.researchers import Event
 from studyapp.desk.lab import LabStudy, OpenedStudy, current_lab, study_token
 from studyapp.desk.page import page
 from studyapp.researchers import links, logins

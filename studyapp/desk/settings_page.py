@@ -12,7 +12,7 @@ from flask import redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError, listed
-from studyapp.database.tables import Event
+from studyapp.database.tables.researchers import Event
 from studyapp.desk.lab import OpenedStudy
 from studyapp.desk.page import page, writing_files
 from studyapp.researchers.account import Right

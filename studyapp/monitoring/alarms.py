@@ -28,7 +28,8 @@ from sqlalchemy.orm import Session
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import Alarm, IntakeChange, StudySession, StudyVersion
+from studyapp.database.tables.researchers import Alarm
+from studyapp.database.tables.study_session import IntakeChange, StudySession, StudyVersion
 from studyapp.session.enrolment import max_newcomers_from_one_address
 from studyapp.session.intake import current_intake, wanted_places
 from studyapp.session.places import require_open_intake, require_open_place
@@ -182,7 +183,7 @@ Kind = Literal["full", "stalled", "one address"]
 
 @dataclass(frozen=True, kw_only=True)
 class Event:
-    """An alarm that is due; see `studyapp.database.tables.Alarm`."""
+    """An alarm that is due; see `studyapp.database.tables.researchers.Alarm`."""
 
     kind: Kind
     about: str

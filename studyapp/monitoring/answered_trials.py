@@ -12,7 +12,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from analysis.answers.table import ANALYSED_KINDS
-from studyapp.database.tables import StudySession, Trial
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Trial
 
 MIN_COUNT: Final = 4
 """For fewer values there are no quartiles."""

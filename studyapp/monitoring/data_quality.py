@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 from sqlalchemy import ColumnElement, and_, case, exists, func, or_, select
 from sqlalchemy.orm import Session, aliased
 
-from studyapp.database.tables import Response, Trial, TrialStimulus, Video, WatchRecord
+from studyapp.database.tables.trial import Response, Trial, TrialStimulus, Video, WatchRecord
 from studyapp.session.ending import JUDGED, JudgedTrial
 from studyapp.study.settings.study import Study
 

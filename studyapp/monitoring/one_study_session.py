@@ -11,16 +11,9 @@ from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import (
-    ExclusionDecision,
-    FormAnswer,
-    RefusalLine,
-    StudySession,
-    Trial,
-    TrialStimulus,
-    Video,
-    WatchRecord,
-)
+from studyapp.database.tables.researchers import ExclusionDecision
+from studyapp.database.tables.study_session import FormAnswer, RefusalLine, StudySession
+from studyapp.database.tables.trial import Trial, TrialStimulus, Video, WatchRecord
 from studyapp.monitoring.study_sessions import SessionProgress, progress_of_sessions
 from studyapp.researchers.exclusion_decisions import exclusion_decisions
 from studyapp.session.ending import JUDGED, has_failed

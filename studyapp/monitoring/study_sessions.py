@@ -12,7 +12,8 @@ from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Place, StudySession, Trial, Video
+from studyapp.database.tables.study_session import Place, StudySession
+from studyapp.database.tables.trial import Trial, Video
 from studyapp.monitoring.data_quality import checks, failed_by_session
 from studyapp.researchers.exclusion_decisions import current_exclusions
 from studyapp.session.places import stale_before

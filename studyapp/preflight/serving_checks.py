@@ -13,7 +13,7 @@ from sqlalchemy import func, select
 
 from motion.errors import InputError
 from studyapp.database.engine import Database, database_url_of, sqlite_url
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.preflight.finding import Finding, finding_of_error, make_finding
 from studyapp.preflight.material import Material
 from studyapp.recruitment.record import count_places

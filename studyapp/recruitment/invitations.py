@@ -21,7 +21,8 @@ from motion.files import write_text
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of, sqlite_url
 from studyapp.database.scrubbing import scrub
-from studyapp.database.tables import Base, Invitation, StudySession
+from studyapp.database.tables.base import Base
+from studyapp.database.tables.study_session import Invitation, StudySession
 from studyapp.researchers.credentials import token_hash
 from studyapp.session.intake import add_places, current_intake
 from studyapp.session.places import has_open_place

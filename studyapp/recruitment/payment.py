@@ -17,7 +17,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 
 from studyapp.database.engine import Database, database_url_of
-from studyapp.database.tables import ScreenOut, StudySession
+from studyapp.database.tables.study_session import ScreenOut, StudySession
 from studyapp.researchers.pseudonyms import fold_name
 from studyapp.session.state import state_of
 from studyapp.study.folder import StudyFolder

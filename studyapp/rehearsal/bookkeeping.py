@@ -13,7 +13,8 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session, selectinload
 
-from studyapp.database.tables import Place, Response, StudySession, Trial
+from studyapp.database.tables.study_session import Place, StudySession
+from studyapp.database.tables.trial import Response, Trial
 from studyapp.monitoring.study_sessions import SessionProgress
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.simulation.raters import Rater

@@ -8,7 +8,8 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session, joinedload, selectinload
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession, Trial, Video
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Trial, Video
 from studyapp.rehearsal.pages import BrokenPageError, Page, token_candidates
 from studyapp.study.design.trial import Stimulus
 

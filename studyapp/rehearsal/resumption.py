@@ -15,7 +15,7 @@ from motion.errors import InputError
 from motion.segment import Segment
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.rehearsal.bookkeeping import people
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.rehearsal.simulation.truth import Truth, expectations, read_truth, write_truth

@@ -17,7 +17,7 @@ from sqlalchemy.orm import Session
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import Event, Researcher, ResearcherLogin
+from studyapp.database.tables.researchers import Event, Researcher, ResearcherLogin
 from studyapp.researchers.audit import log_change
 
 MIN_NAME_LENGTH: Final = 2
@@ -78,7 +78,7 @@ RIGHTS: Final[Mapping[Role, frozenset[Right]]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Account:
-    """Who a researcher is; see `studyapp.database.tables.Researcher`."""
+    """Who a researcher is; see `studyapp.database.tables.researchers.Researcher`."""
 
     id: int
     name: str

@@ -17,14 +17,9 @@ from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.database.tables import (
-    AuditLine,
-    Event,
-    Look,
-    Response,
-    StudySession,
-    Trial,
-)
+from studyapp.database.tables.researchers import AuditLine, Event, Look
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Response, Trial
 
 MAX_LINES: Final = 200
 """Lines shown at once."""

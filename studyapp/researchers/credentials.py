@@ -32,7 +32,7 @@ from motion.errors import InputError
 from studyapp.clock import APART, Clock
 from studyapp.database.engine import Database
 from studyapp.database.postgresql import Turn, take_turn
-from studyapp.database.tables import Event, LoginAttempt, Researcher
+from studyapp.database.tables.researchers import Event, LoginAttempt, Researcher
 from studyapp.researchers.account import find_researcher, name_hash, name_key
 from studyapp.researchers.audit import log_change
 

@@ -16,7 +16,8 @@ from sqlalchemy.orm import Session
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import AuditLine, Event, ExclusionDecision, StudySession
+from studyapp.database.tables.researchers import AuditLine, Event, ExclusionDecision
+from studyapp.database.tables.study_session import StudySession
 from studyapp.researchers.audit import ERASED, log_change, read_reason
 
 EVENTS: Final = {True: Event.EXCLUDED, False: Event.REINSTATED}

@@ -23,15 +23,8 @@ from sqlalchemy.orm import Session
 from studyapp.clock import Clock, has_passed
 from studyapp.database.engine import Database
 from studyapp.database.postgresql import Turn, take_turn
-from studyapp.database.tables import (
-    AuditLine,
-    Event,
-    ExclusionDecision,
-    IntakeChange,
-    InterimFigures,
-    StudySession,
-    StudyVersion,
-)
+from studyapp.database.tables.researchers import AuditLine, Event, ExclusionDecision, InterimFigures
+from studyapp.database.tables.study_session import IntakeChange, StudySession, StudyVersion
 from studyapp.researchers.audit import StudyState, count_answers
 from studyapp.side_process import SideProcessError, output_of
 

@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import Event, Researcher, ResearcherLink
+from studyapp.database.tables.researchers import Event, Researcher, ResearcherLink
 from studyapp.researchers.account import (
     OWNERS,
     Role,
@@ -154,7 +154,7 @@ def join(
     ----------
     identity : str, optional
         The person's identity, if they have an account elsewhere; see
-        `studyapp.database.tables.Researcher`.
+        `studyapp.database.tables.researchers.Researcher`.
 
     Raises
     ------

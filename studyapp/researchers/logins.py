@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from motion.errors import InputError
 from studyapp.clock import Clock, has_passed
 from studyapp.database.engine import Database
-from studyapp.database.tables import Event, Researcher, ResearcherLogin
+from studyapp.database.tables.researchers import Event, Researcher, ResearcherLogin
 from studyapp.researchers.account import Account, account_of, end_logins, name_hash, name_key
 from studyapp.researchers.audit import log_change, read_reason
 from studyapp.researchers.credentials import (

@@ -19,7 +19,7 @@ from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 
 KEY_BYTES: Final = 32
 PSEUDONYM_BYTES: Final = 10

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from analysis.answers.exclusion_rules import ExclusionRule, excluded_by_hand
 from motion.errors import InputError, listed
-from studyapp.database.tables import StudyVersion
+from studyapp.database.tables.study_session import StudyVersion
 from studyapp.results.stored_answers import Answers
 from studyapp.study.settings.exclusions import ExclusionSection
 from studyapp.study.settings.reading import parse_text

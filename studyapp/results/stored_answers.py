@@ -15,17 +15,9 @@ from sqlalchemy import ColumnElement, Select, case, exists, func, select
 from sqlalchemy.orm import Session
 
 from motion.arrays import Bools
-from studyapp.database.tables import (
-    Look,
-    Place,
-    Response,
-    StudySession,
-    StudyVersion,
-    Trial,
-    TrialStimulus,
-    Video,
-    WatchRecord,
-)
+from studyapp.database.tables.researchers import Look
+from studyapp.database.tables.study_session import Place, StudySession, StudyVersion
+from studyapp.database.tables.trial import Response, Trial, TrialStimulus, Video, WatchRecord
 from studyapp.researchers.audit import COMMAND_LINE
 from studyapp.researchers.exclusion_decisions import current_exclusions
 from studyapp.session.ending import JUDGED
@@ -78,7 +70,7 @@ class StoredAnswers:
     looks : DataFrame
         One row for each time that results were seen, the first one first: `day` (UTC), `by`
         (``researcher 1``, ``researcher 2`` … or ``command line``), `way`, `reason`, `finished`,
-        `planned` and `answers` (see `studyapp.database.tables.Look`).
+        `planned` and `answers` (see `studyapp.database.tables.researchers.Look`).
     more_places : int
         Places of each arm that researchers wanted beyond those of the study file.
     screened_out : mapping of str to int

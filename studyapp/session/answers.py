@@ -10,7 +10,7 @@ from sqlalchemy import Table, insert
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import Response, Trial, Video
+from studyapp.database.tables.trial import Response, Trial, Video
 from studyapp.session.ending import advance, end_as_unwatched, max_skipped_trials
 from studyapp.session.places import regain_place
 from studyapp.session.refusal import ConflictError, UnacceptableError

@@ -19,7 +19,8 @@ from sqlalchemy.orm import Session
 from analysis.answers.exclusion_rules import ParticipantFacts
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import FormAnswer, RefusalLine, StudySession, Trial
+from studyapp.database.tables.study_session import FormAnswer, RefusalLine, StudySession
+from studyapp.database.tables.trial import Trial
 from studyapp.researchers.exclusion_decisions import erase_decisions
 from studyapp.session.refusal import ConflictError
 from studyapp.session.state import current_trial, find_study_session, form_due, state_of, update_row

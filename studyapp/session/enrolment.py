@@ -20,15 +20,8 @@ from sqlalchemy.orm import Session, aliased
 from analysis.answers.table import ANALYSED_KINDS
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import (
-    Newcomer,
-    Place,
-    Response,
-    StudySession,
-    StudyVersion,
-    Trial,
-    TrialStimulus,
-)
+from studyapp.database.tables.study_session import Newcomer, Place, StudySession, StudyVersion
+from studyapp.database.tables.trial import Response, Trial, TrialStimulus
 from studyapp.researchers.exclusion_decisions import current_exclusions
 from studyapp.session.form_answers import read_entrance_answers
 from studyapp.session.intake import (

@@ -22,7 +22,7 @@ from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import FormAnswer, ScreenOut, StudySession, StudyVersion
+from studyapp.database.tables.study_session import FormAnswer, ScreenOut, StudySession, StudyVersion
 from studyapp.session.ending import advance
 from studyapp.session.participation import sound_check_due
 from studyapp.session.places import regain_place

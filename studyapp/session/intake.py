@@ -17,7 +17,8 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.postgresql import Turn, share_turn, take_turn
-from studyapp.database.tables import Event, IntakeChange, Place
+from studyapp.database.tables.researchers import Event
+from studyapp.database.tables.study_session import IntakeChange, Place
 from studyapp.researchers.audit import EVENT_LABELS, log_change, read_reason
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.settings.study import Study
@@ -28,7 +29,7 @@ STATES: Final[tuple[IntakeState, ...]] = get_args(IntakeState)
 
 @dataclass(frozen=True, kw_only=True)
 class Intake:
-    """The researchers' decision; see `studyapp.database.tables.IntakeChange`."""
+    """The researchers' decision; see `studyapp.database.tables.study_session.IntakeChange`."""
 
     state: IntakeState = "open"
     more_places: int = 0

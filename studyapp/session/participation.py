@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.session.ending import Exit, exit_of
 from studyapp.session.places import regain_place
 from studyapp.session.refusal import ConflictError, UnacceptableError

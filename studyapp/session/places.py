@@ -22,7 +22,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import Session
 
-from studyapp.database.tables import Place, StudySession
+from studyapp.database.tables.study_session import Place, StudySession
 from studyapp.session.intake import (
     Intake,
     current_intake,

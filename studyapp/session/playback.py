@@ -18,7 +18,8 @@ from sqlalchemy.orm import Session, aliased
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import Place, StudySession, Trial, TrialStimulus, Video, WatchRecord
+from studyapp.database.tables.study_session import Place, StudySession
+from studyapp.database.tables.trial import Trial, TrialStimulus, Video, WatchRecord
 from studyapp.session.places import regain_place
 from studyapp.session.refusal import LateReportError, TooMuchWatchedError, UnacceptableError
 from studyapp.session.served_study import ServedStudy

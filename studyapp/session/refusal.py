@@ -11,7 +11,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import RefusalLine, StudySession
+from studyapp.database.tables.study_session import RefusalLine, StudySession
 from studyapp.study.settings.presentation import Message, Value
 from studyapp.study.settings.questions import Stage
 

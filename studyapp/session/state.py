@@ -16,7 +16,8 @@ from sqlalchemy import Row, Table, Update, bindparam, select, update
 from sqlalchemy.orm import Session, joinedload
 from sqlalchemy.orm.attributes import set_committed_value
 
-from studyapp.database.tables import Place, StudySession, Trial, Video
+from studyapp.database.tables.study_session import Place, StudySession
+from studyapp.database.tables.trial import Trial, Video
 from studyapp.session.refusal import ConflictError, NotTheirsError, UnknownAddressError
 from studyapp.study.settings.presentation import Message
 from studyapp.study.settings.questions import Stage

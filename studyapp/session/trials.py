@@ -13,7 +13,7 @@ from typing import Any, Final
 from sqlalchemy import insert
 from sqlalchemy.orm import Session
 
-from studyapp.database.tables import Trial, TrialStimulus, Video
+from studyapp.database.tables.trial import Trial, TrialStimulus, Video
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.watch_evidence import Watched, measure_watched
 from studyapp.study.design.trial import Ask, Content, PlannedTrial, Stimulus

@@ -10,7 +10,8 @@ from sqlalchemy.orm import Session
 from motion.errors import InputError, listed
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import Event, Place, StudySession, StudyVersion
+from studyapp.database.tables.researchers import Event
+from studyapp.database.tables.study_session import Place, StudySession, StudyVersion
 from studyapp.researchers.audit import log_change
 from studyapp.session.intake import open_places, take_allocation_turn
 from studyapp.session.places import STALE, regain_place, stale_before

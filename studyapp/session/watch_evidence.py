@@ -16,7 +16,7 @@ from typing import Annotated, ClassVar, Final
 
 from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
 
-from studyapp.database.tables import Trial, Video
+from studyapp.database.tables.trial import Trial, Video
 
 Interval = tuple[float, float]
 
@@ -115,7 +115,7 @@ def read_report(sent: bytes) -> Report:
 
 @dataclass(frozen=True, kw_only=True)
 class Record(Playback):
-    """The sum of all reports about one video; see `studyapp.database.tables.WatchRecord`."""
+    """The sum of all reports about one video; see `studyapp.database.tables.trial.WatchRecord`."""
 
     intervals: Sequence[Sequence[float]] = ()
     played_seconds: float = 0.0

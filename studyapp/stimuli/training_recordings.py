@@ -9,8 +9,6 @@ from functools import partial
 from pathlib import Path
 
 from analysis.evaluators.training import ClipSource
-from motion.arrays import Floats32
-from motion.body.archive import read_mean_hands
 from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.endings import MOTION_ENDINGS
@@ -21,6 +19,7 @@ from motion.segment import SEGMENTS_FILE
 from renderer.look import default_body
 from studyapp.stimuli.shown_motion import shown_body
 from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import GROUND_TRUTH
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,28 +44,15 @@ class Recordings:
     networks: Path
 
 
-def recordings_of(
-    data: Path,
-    *,
-    condition: str,
-    file_rate: float | None = None,
-    body: Path | None = None,
-    show_note: Callable[[str], None] | None = None,
-) -> Recordings:
-    """Return the recordings of a study folder, or of a folder of motion files.
+def recordings_of(data: Path, *, show_note: Callable[[str], None] | None = None) -> Recordings:
+    """Return the ground truth of a study folder, or the recordings of a folder of motion files.
 
     Parameters
     ----------
     data : Path
         The folder.
-    condition : str
-        With a study: the recorded condition.
-    file_rate : float, optional
-        With a folder: frame rate of all files, overriding their own.
-    body : Path, optional
-        With a folder: an SMPL-X body, for landmarks of clips with expression coefficients.
     show_note : callable, optional
-        With a folder: called with each note on a clip, when the clip is read.
+        With a folder of motion files: called with each note on a clip, when the clip is read.
 
     Raises
     ------
@@ -77,19 +63,14 @@ def recordings_of(
         raise InputError("there is no such folder", where=data, remedy="Check the path")
     study = StudyFolder(data)
     if study.definition.exists():
-        if file_rate is not None or body is not None:
-            raise InputError(
-                "--fps and --body are for folders of motion files without a study",
-                remedy="Omit them: the study states both",
-            )
-        return _study_recordings(study, condition)
-    return _folder_recordings(data, file_rate, body, show_note)
+        return _study_recordings(study)
+    return _folder_recordings(data, show_note)
 
 
-def _study_recordings(folder: StudyFolder, condition: str) -> Recordings:
+def _study_recordings(folder: StudyFolder) -> Recordings:
     study = folder.study()
     segments = folder.segments()
-    files = {segment: folder.clip(condition, segment.name) for segment in segments}
+    files = {segment: folder.clip(GROUND_TRUTH, segment.name) for segment in segments}
     sources = tuple(
         ClipSource(
             name=segment.name,
@@ -103,9 +84,9 @@ def _study_recordings(folder: StudyFolder, condition: str) -> Recordings:
     )
     if not sources:
         raise InputError(
-            f"condition {condition!r} has no motion",
-            where=folder.root / "motion" / condition,
-            remedy="Import recordings with 'motionjury import', or choose another --condition",
+            f"condition {GROUND_TRUTH!r} has no motion",
+            where=folder.root / "motion" / GROUND_TRUTH,
+            remedy="Import recordings with 'motionjury import'",
         )
     return Recordings(
         sources=sources,
@@ -115,12 +96,7 @@ def _study_recordings(folder: StudyFolder, condition: str) -> Recordings:
     )
 
 
-def _folder_recordings(
-    folder: Path,
-    file_rate: float | None,
-    body: Path | None,
-    show_note: Callable[[str], None] | None,
-) -> Recordings:
+def _folder_recordings(folder: Path, show_note: Callable[[str], None] | None) -> Recordings:
     paths = sorted(
         path
         for path in folder.rglob("*")
@@ -135,7 +111,6 @@ def _folder_recordings(
             remedy=f"Give a folder of {', '.join(MOTION_ENDINGS)} files, or a study folder",
         )
     labels = _labels(folder / SEGMENTS_FILE)
-    mean_hands = read_mean_hands(body) if body is not None else None
     sources = []
     for path in paths:
         recording, emotion = labels.get(path.stem, (path.stem, ""))
@@ -145,24 +120,19 @@ def _folder_recordings(
                 recording=recording,
                 emotion=emotion,
                 sha256=sha256_of(path),
-                read=partial(_read, path, file_rate, mean_hands, show_note),
+                read=partial(_read, path, show_note),
             )
         )
     return Recordings(
         sources=tuple(sources),
         frozen=(),
-        read_body=lambda: read_body(body or default_body()),
+        read_body=lambda: read_body(default_body()),
         networks=Path(),
     )
 
 
-def _read(
-    path: Path,
-    frame_rate: float | None,
-    mean_hands: Floats32 | None,
-    show_note: Callable[[str], None] | None,
-) -> MotionClip:
-    clip, notes = read_recorded(path, frame_rate=frame_rate, mean_hands=mean_hands)
+def _read(path: Path, show_note: Callable[[str], None] | None) -> MotionClip:
+    clip, notes = read_recorded(path)
     if show_note is not None:
         for note in notes:
             show_note(note)

@@ -14,7 +14,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession, Trial
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Trial
 from studyapp.session.enrolment import Arrival, enrol
 from studyapp.session.form_answers import start_trials
 from studyapp.web.app import create_app

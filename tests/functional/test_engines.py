@@ -13,7 +13,8 @@ import pytest
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Response, StudySession, WatchRecord
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Response, WatchRecord
 from tests.functional.engines import PROGRAMS, Window, missing, window
 from tests.functional.joining import NAME, link_for_owner
 from tests.functional.test_way_in_browser import WAY

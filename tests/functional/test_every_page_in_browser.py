@@ -19,7 +19,7 @@ from flask import Flask
 from playwright.sync_api import Browser, Page, Response, expect
 from sqlalchemy import update
 
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.session.ending import advance
 from studyapp.session.state import current_trial, find_study_session, update_row
 from studyapp.web.language import language_of, speak

@@ -12,7 +12,8 @@ from playwright.sync_api import Browser, Locator, Page, Request, Response, Route
 from sqlalchemy import func, select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession, Video, WatchRecord
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Video, WatchRecord
 from tests.functional.browsing import IMPATIENT, IN_A_BROWSER, PATIENCE_MS, follow, wait_until
 from tests.functional.taking_part import (
     WATCHED,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from alembic import context
 
-from studyapp.database.tables import Base
+from studyapp.database.tables.base import Base
 
 context.configure(
     connection=context.config.attributes["connection"],

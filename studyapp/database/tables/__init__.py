@@ -1,55 +1,5 @@
-"""The database tables."""
+"""The database tables; importing one of them imports all, for the metadata."""
 
-from studyapp.database.tables.base import Base
-from studyapp.database.tables.researchers import (
-    Alarm,
-    AuditLine,
-    Event,
-    ExclusionDecision,
-    InterimFigures,
-    LoginAttempt,
-    Look,
-    Researcher,
-    ResearcherLink,
-    ResearcherLogin,
-)
-from studyapp.database.tables.study_session import (
-    FormAnswer,
-    IntakeChange,
-    Invitation,
-    Newcomer,
-    Place,
-    RefusalLine,
-    ScreenOut,
-    StudySession,
-    StudyVersion,
-)
-from studyapp.database.tables.trial import Response, Trial, TrialStimulus, Video, WatchRecord
+from studyapp.database.tables import researchers, study_session, trial
 
-__all__ = [
-    "Alarm",
-    "AuditLine",
-    "Base",
-    "Event",
-    "ExclusionDecision",
-    "FormAnswer",
-    "IntakeChange",
-    "InterimFigures",
-    "Invitation",
-    "LoginAttempt",
-    "Look",
-    "Newcomer",
-    "Place",
-    "RefusalLine",
-    "Researcher",
-    "ResearcherLink",
-    "ResearcherLogin",
-    "Response",
-    "ScreenOut",
-    "StudySession",
-    "StudyVersion",
-    "Trial",
-    "TrialStimulus",
-    "Video",
-    "WatchRecord",
-]
+__all__ = ["researchers", "study_session", "trial"]

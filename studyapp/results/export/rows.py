@@ -12,7 +12,8 @@ import pandas as pd
 from sqlalchemy import or_, select
 from sqlalchemy.orm import Session, selectinload
 
-from studyapp.database.tables import FormAnswer, RefusalLine, StudySession, Trial, Video
+from studyapp.database.tables.study_session import FormAnswer, RefusalLine, StudySession
+from studyapp.database.tables.trial import Trial, Video
 from studyapp.results.analysed_tasks import sides
 from studyapp.results.export.columns import REFUSALS, WATCHING
 from studyapp.results.stored_answers import StoredAnswers, select_sessions

@@ -14,7 +14,7 @@ from sqlalchemy import select
 
 from motion.errors import InputError, counted
 from motion.files import write_text
-from studyapp.database.tables import StudyVersion
+from studyapp.database.tables.study_session import StudyVersion
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.answers import (
     answers_in,

@@ -15,7 +15,8 @@ from analysis.answers.exclusion_rules import BY_HAND, RuleOutcome
 from analysis.answers.table import ANALYSED_KINDS
 from motion.errors import InputError
 from motion.files import write_text
-from studyapp.database.tables import AuditLine, StudySession
+from studyapp.database.tables.researchers import AuditLine
+from studyapp.database.tables.study_session import StudySession
 from studyapp.researchers.audit import detail_label
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.analysed_tasks import PARTS_OF, AnalysedTask, analysed_tasks

@@ -45,25 +45,11 @@ MESSAGES: Final = {
     "extra_forbidden": "unknown key",
     "missing": "is missing",
     "string_type": "must be text in quotes",
-    "int_type": "must be a whole number",
-    "int_parsing": "must be a whole number",
-    "bool_type": "must be true or false",
-    "float_type": "must be a number",
     "tuple_type": "must be a list in square brackets",
     "too_short": "needs at least {min_length}, not {actual_length}",
+    "too_long": "may have at most {max_length}, not {actual_length}",
     "union_tag_not_found": "'rule' is missing",
     "union_tag_invalid": "unknown rule {tag!r} (use one of {expected_tags})",
-    "literal_error": "must be {expected}",
-    "greater_than": "must be above {gt}",
-    "greater_than_equal": "must be at least {ge}",
-    "less_than": "must be below {lt}",
-    "less_than_equal": "must be at most {le}",
-    "multiple_of": "must be a multiple of {multiple_of}",
-    "finite_number": "must be a finite number",
-    "float_parsing": "must be a number",
-    "too_long": "may have at most {max_length}, not {actual_length}",
-    "string_too_short": "must not be empty",
-    "string_too_long": "may have at most {max_length} characters",
     "dict_type": "must be a table of keys and values",
     "model_type": "must be a table of keys and values",
     "model_attributes_type": "must be a table of keys and values",
@@ -76,8 +62,7 @@ def explain_errors(
 ) -> str:
     """Return all errors as ``key: what is wrong``, joined by semicolons.
 
-    Each names its line in `text`. Of an unknown key, it names the closest known key of `section`,
-    or says that the key belongs to the study as a whole.
+    Each names its line in `text`. Of an unknown key, it names the closest known key of `section`.
     """
     lines = lines_of(text)
     errors = error.errors(include_url=False)
@@ -93,7 +78,7 @@ def explain_errors(
         if kind in MESSAGES:
             message = MESSAGES[kind].format(**context)
         else:
-            own_words = each["msg"].removeprefix("Value error, ")
+            own_words = each["msg"].removeprefix("Value error, ").replace("Input should", "must")
             message = PATTERNS.get(context.get("pattern", ""), own_words)
         line = _line_of(location, lines)
         if kind == "extra_forbidden":
@@ -101,10 +86,6 @@ def explain_errors(
             *path, last = location
             if matches := get_close_matches(str(last), _known_keys(section, path), n=1):
                 message += f" (did you mean {matches[0]!r}?)"
-            elif last in _known_keys(section, ()):
-                is_section = bool(_known_keys(section, (last,)))
-                place = f"below [{last}]" if is_section else "above the first heading in [brackets]"
-                message += f" (it belongs {place})"
         elif line:
             message += f" (line {line})"
         elif kind == "value_error":

@@ -10,7 +10,7 @@ from flask.typing import ResponseReturnValue
 
 from analysis.stats.multiple_testing import LEVEL, equally_spaced, false_positive_rate
 from motion.errors import InputError
-from studyapp.database.tables import Look
+from studyapp.database.tables.researchers import Look
 from studyapp.monitoring.counts import PlaceCounts
 from studyapp.monitoring.overview import over_because, places_so_far
 from studyapp.researchers.audit import latest_looks, log_look

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Event
+from studyapp.database.tables.researchers import Event
 from studyapp.researchers.audit import latest_changes
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.tables import export, pseudonyms

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Event
+from studyapp.database.tables.researchers import Event
 from studyapp.researchers.audit import MAX_LINES, log_change
 from studyapp.session.enrolment import Arrival
 from tests.studyapp.conftest import OwnStudy
@@ -45,7 +45,6 @@ def test_tables_follow_their_extension_and_a_shared_folder_is_explained(
 
 
 def test_a_participant_is_erased_after_a_question_and_what_remains_is_printed(study: Path) -> None:
-    run("export", study)
     assert "Nothing was erased" in run("forget", study, PERSON, typed="n\n")
     assert is_in_the_file(study)
 
@@ -53,7 +52,7 @@ def test_a_participant_is_erased_after_a_question_and_what_remains_is_printed(st
 
     assert "found by its recruiter id" in erased
     assert "What remains: one row" in erased
-    assert "Left to do by hand: in the study folder, responses.csv" in erased
+    assert "Left to do by hand" in erased
     assert not is_in_the_file(study)
 
 

@@ -21,7 +21,9 @@ from studyapp.custody.backup import Backup, back_up
 from studyapp.custody.restoration import restore
 from studyapp.database.copies import require_empty, write_copy
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import AuditLine, StudySession, Trial
+from studyapp.database.tables.researchers import AuditLine
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Trial
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study

@@ -13,8 +13,9 @@ from studyapp.custody.forgetting import FREE_TEXTS, find_data, forget
 from studyapp.database import scrubbing
 from studyapp.database.engine import Database
 from studyapp.database.scrubbing import scrub
-from studyapp.database.tables import AuditLine, Event, InterimFigures, Look, Place, StudySession
 from studyapp.database.tables.base import Base
+from studyapp.database.tables.researchers import AuditLine, Event, InterimFigures, Look
+from studyapp.database.tables.study_session import Place, StudySession
 from studyapp.recruitment.invitations import make_invitations
 from studyapp.researchers.audit import (
     StudyState,

@@ -18,7 +18,8 @@ from studyapp.database.copies import (
     write_copy,
 )
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import Base, StudySession
+from studyapp.database.tables.base import Base
+from studyapp.database.tables.study_session import StudySession
 from studyapp.session.enrolment import Arrival
 from studyapp.session.served_study import ServedStudy
 from tests.support.studies.taking_part_steps import Participant

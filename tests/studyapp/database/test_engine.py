@@ -25,7 +25,7 @@ from studyapp.database.engine import (
 )
 from studyapp.database.postgresql import Turn, take_turn, without_timeout
 from studyapp.database.sqlite import lock_waiter, sqlite_engine
-from studyapp.database.tables import Place
+from studyapp.database.tables.study_session import Place
 from tests.support.servers.throwaway_postgresql import ThrowawayPostgresql
 
 POSTGRESQL = pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)

@@ -15,19 +15,9 @@ from sqlalchemy import create_engine, inspect, literal, select
 from sqlalchemy.exc import IntegrityError, StatementError
 
 from studyapp.database.engine import Database, migration_config
-from studyapp.database.tables import (
-    Base,
-    FormAnswer,
-    Place,
-    Response,
-    StudySession,
-    StudyVersion,
-    Trial,
-    TrialStimulus,
-    Video,
-    WatchRecord,
-)
-from studyapp.database.tables.base import UtcMoment
+from studyapp.database.tables.base import Base, UtcMoment
+from studyapp.database.tables.study_session import FormAnswer, Place, StudySession, StudyVersion
+from studyapp.database.tables.trial import Response, Trial, TrialStimulus, Video, WatchRecord
 from tests.support.studies.stored import filled
 
 NOW = datetime(2026, 5, 4, tzinfo=UTC)

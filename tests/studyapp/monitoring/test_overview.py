@@ -10,7 +10,8 @@ import pytest
 from sqlalchemy import select, update
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession, Trial, WatchRecord
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Trial, WatchRecord
 from studyapp.monitoring.answered_trials import Durations
 from studyapp.monitoring.counts import Dropout, PlaceCounts
 from studyapp.monitoring.data_quality import CheckedItem, VideoShowings

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import httpx
 import pytest
 
-from studyapp.database.tables import IntakeChange
+from studyapp.database.tables.study_session import IntakeChange
 from studyapp.preflight.material import Material
 from studyapp.preflight.serving_checks import address_findings, server_findings, serving_findings
 from studyapp.study.folder import StudyFolder

@@ -3,7 +3,7 @@ from __future__ import annotations
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Invitation
+from studyapp.database.tables.study_session import Invitation
 from studyapp.recruitment.invitations import (
     invitation_counts,
     invited,

@@ -33,7 +33,7 @@ from tests.support.studies.taking_part_steps import taking_part
 ADDRESS = "https://study.example.org/a&b/"
 STUDY = make_study(
     page={"consent": "You agree.", "minutes": 10},
-    recruitment={"channel": "mturk", "mturk": {"reward": "3.50", "assignments": 20}},
+    recruitment={"channel": "mturk", "mturk": {"reward": "3.50"}},
 )
 
 

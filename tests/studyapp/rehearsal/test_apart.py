@@ -13,7 +13,8 @@ from flask import Flask
 from sqlalchemy import func, select
 
 from studyapp.database.engine import sqlite_url
-from studyapp.database.tables import Response, StudySession
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Response
 from studyapp.recruitment import prolific
 from studyapp.recruitment.payment import known_participants
 from studyapp.recruitment.prolific_client import ProlificClient

@@ -15,7 +15,7 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.rehearsal.eyes import Eyes, read_sight
 from studyapp.rehearsal.pages import BrokenPageError
 from studyapp.rehearsal.participant import Participant, study_client

@@ -13,7 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sqlalchemy import select
 
-from studyapp.database.tables import StudySession, Trial
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Trial
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Departure, Participant
 from studyapp.rehearsal.simulation.population import Kind, Population, default_population, ranks

@@ -10,7 +10,8 @@ from flask import Flask
 from sqlalchemy import delete, select, update
 
 from motion.errors import InputError
-from studyapp.database.tables import Response, StudySession
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Response
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Departure, Participant

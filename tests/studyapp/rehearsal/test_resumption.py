@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 import pytest
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import Place, StudySession, StudyVersion
+from studyapp.database.tables.study_session import Place, StudySession, StudyVersion
 from studyapp.rehearsal.bookkeeping import Ledger
 from studyapp.rehearsal.resumption import Roster, prepare, read_roster
 from studyapp.rehearsal.simulation.population import default_population

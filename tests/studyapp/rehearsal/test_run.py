@@ -17,7 +17,8 @@ from sqlalchemy import func, select
 
 from motion.errors import InputError
 from studyapp.database.engine import sqlite_url
-from studyapp.database.tables import Response, StudySession
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Response
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.run import rehearse
 from studyapp.rehearsal.server import rehearsal_server

@@ -8,7 +8,7 @@ from sqlalchemy import select, update
 from motion.errors import InputError
 from studyapp.custody.forgetting import erase
 from studyapp.database.engine import Database
-from studyapp.database.tables import AuditLine, ExclusionDecision
+from studyapp.database.tables.researchers import AuditLine, ExclusionDecision
 from studyapp.researchers.audit import (
     ERASED,
     StudyState,

@@ -10,7 +10,7 @@ import pytest
 from sqlalchemy import delete
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import InterimFigures
+from studyapp.database.tables.researchers import InterimFigures
 from studyapp.researchers.audit import StudyState
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.researchers.interim_figures import (

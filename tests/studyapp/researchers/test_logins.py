@@ -10,7 +10,12 @@ from argon2 import PasswordHasher
 from sqlalchemy import func, select
 
 from motion.errors import InputError
-from studyapp.database.tables import LoginAttempt, Researcher, ResearcherLink, ResearcherLogin
+from studyapp.database.tables.researchers import (
+    LoginAttempt,
+    Researcher,
+    ResearcherLink,
+    ResearcherLogin,
+)
 from studyapp.researchers import credentials
 from studyapp.researchers.account import remove_access
 from studyapp.researchers.credentials import (

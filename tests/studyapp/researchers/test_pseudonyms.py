@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.researchers.pseudonyms import PseudonymKey
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from motion.segment import write_segments
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.session.ending import withdraw
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.answered_study import answer_study

@@ -17,7 +17,7 @@ from analysis.stats.multiple_testing import (
     equally_spaced,
     false_positive_rate,
 )
-from studyapp.database.tables import IntakeChange, StudySession
+from studyapp.database.tables.study_session import IntakeChange, StudySession
 from studyapp.researchers.audit import StudyState, latest_looks, log_look
 from studyapp.results.answers import read_answers
 from studyapp.results.export.sharing import share

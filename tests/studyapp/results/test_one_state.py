@@ -12,7 +12,7 @@ import pytest
 from sqlalchemy import Engine, event
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.results.answers import answers_to_report
 from studyapp.results.export.sharing import share
 from studyapp.results.export.tables import export

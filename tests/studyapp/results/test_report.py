@@ -12,7 +12,7 @@ from sqlalchemy import update
 from analysis.report.figures.style import FORMATS
 from analysis.results.report import analyse_table, as_json
 from studyapp.database.engine import sqlite_url
-from studyapp.database.tables import StudyVersion
+from studyapp.database.tables.study_session import StudyVersion
 from studyapp.desk.jobs import RESEARCHER
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.truth import Truth, write_truth

@@ -9,7 +9,7 @@ import pytest
 from sqlalchemy import func, select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Place
+from studyapp.database.tables.study_session import Place
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.support.studies.redefining import redefine

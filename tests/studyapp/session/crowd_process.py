@@ -15,7 +15,7 @@ from typing import Literal
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.session.refusal import ConflictError, RefusalError, StudyFullError
 from tests.studyapp.session.ledger import answer_well
 from tests.support.studies.taking_part_steps import Participant, SetClock

@@ -9,7 +9,8 @@ from datetime import datetime, timedelta
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession, Trial
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Trial
 from tests.support.studies.taking_part_steps import Participant
 from tests.support.studies.three_arms import LEASE_MINUTES, PRESENTATIONS
 

@@ -11,7 +11,8 @@ import pytest
 from sqlalchemy import select, update
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Response, StudySession, Video
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Response, Video
 from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.session.answers import skip_unplayable
 from studyapp.session.ending import MIN_SKIPPED_TRIALS

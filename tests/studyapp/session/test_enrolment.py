@@ -11,7 +11,7 @@ from sqlalchemy import func, select
 from sqlalchemy.pool import QueuePool
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Newcomer, Place, StudySession
+from studyapp.database.tables.study_session import Newcomer, Place, StudySession
 from studyapp.monitoring.overview import overview
 from studyapp.session.enrolment import Arrival, enrol, require_admission
 from studyapp.session.intake import add_places, change_intake, take_allocation_turn

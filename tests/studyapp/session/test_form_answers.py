@@ -3,7 +3,8 @@ from __future__ import annotations
 import pytest
 from sqlalchemy import func, select
 
-from studyapp.database.tables import FormAnswer, Place, ScreenOut, StudySession, Trial
+from studyapp.database.tables.study_session import FormAnswer, Place, ScreenOut, StudySession
+from studyapp.database.tables.trial import Trial
 from studyapp.results.export.rows import form_answers_table
 from studyapp.session.enrolment import Arrival
 from studyapp.session.form_answers import count_screened_out, store_form_answers

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sqlalchemy import select
 
-from studyapp.database.tables import Trial, WatchRecord
+from studyapp.database.tables.trial import Trial, WatchRecord
 from studyapp.session.refusal import (
     ConflictError,
     RefusalError,

@@ -6,7 +6,7 @@ import pytest
 from sqlalchemy import create_engine, select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import RefusalLine
+from studyapp.database.tables.study_session import RefusalLine
 from studyapp.session import refusal
 from studyapp.session.refusal import (
     ConflictError,

@@ -11,7 +11,8 @@ from sqlalchemy import select, update
 
 from motion.errors import InputError
 from studyapp.database.engine import Database
-from studyapp.database.tables import AuditLine, Place, StudySession, StudyVersion
+from studyapp.database.tables.researchers import AuditLine
+from studyapp.database.tables.study_session import Place, StudySession, StudyVersion
 from studyapp.results.export.rows import watching_table
 from studyapp.results.stated_beforehand import stated_study
 from studyapp.session.refusal import ConflictError

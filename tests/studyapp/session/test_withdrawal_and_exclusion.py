@@ -8,16 +8,8 @@ import pytest
 from sqlalchemy import func, select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import (
-    FormAnswer,
-    RefusalLine,
-    Response,
-    StudySession,
-    Trial,
-    TrialStimulus,
-    Video,
-    WatchRecord,
-)
+from studyapp.database.tables.study_session import FormAnswer, RefusalLine, StudySession
+from studyapp.database.tables.trial import Response, Trial, TrialStimulus, Video, WatchRecord
 from studyapp.session.ending import withdrawal_promise
 from studyapp.session.enrolment import Arrival
 from studyapp.session.refusal import ConflictError, log_refusal

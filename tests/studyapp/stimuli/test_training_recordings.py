@@ -31,7 +31,7 @@ def test_recordings_of_a_study_have_take_emotion_and_frozen_channels(
 ) -> None:
     import_take(folder, take())
     set_keys(folder.definition, {"freeze": ["hands"]})
-    recordings = recordings_of(folder.root, condition="ground_truth")
+    recordings = recordings_of(folder.root)
     assert [source.name for source in recordings.sources] == ["take_01", "take_02", "take_03"]
     assert {(s.recording, s.emotion) for s in recordings.sources} == {("take.wav", "neutral")}
     assert recordings.frozen == ("hands",)
@@ -45,17 +45,18 @@ def test_recordings_of_a_study_have_take_emotion_and_frozen_channels(
 def test_nested_motion_files_are_separate_recordings_unless_a_table_says_otherwise(
     folder_of_motion: Path,
 ) -> None:
-    nested = recordings_of(folder_of_motion, condition="", file_rate=15)
+    nested = recordings_of(
+        folder_of_motion,
+    )
     table = folder_of_motion / "segments.csv"
     table.write_text("name,emotion,wav\na,anger,take.wav\nb,calm,take.wav\n")
-    stated = recordings_of(folder_of_motion, condition="")
+    stated = recordings_of(folder_of_motion)
     write_arkit_json(folder_of_motion / "a.json", np.full((60, 51), 0.5), 30)
 
     assert [(s.name, s.recording, s.emotion) for s in nested.sources] == [
         ("a.npz", "a", ""),
         ("deep/b.npz", "b", ""),
     ]
-    assert nested.sources[1].read().frame_rate == 15
     assert nested.frozen == ()
     assert stated.sources[0].read().arkit is not None
     assert [(s.recording, s.emotion) for s in stated.sources] == [
@@ -70,14 +71,13 @@ def test_a_folder_without_motion_or_with_another_table_is_refused(
     for content, error in ((b"", "no column 'emotion'"), (b"name,emotion\na,\xff\n", "UTF-8")):
         (folder_of_motion / "segments.csv").write_bytes(content)
         with pytest.raises(InputError, match=rf"segments\.csv: .*{error}"):
-            recordings_of(folder_of_motion, condition="")
+            recordings_of(folder_of_motion)
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="no such folder"):
-        recordings_of(tmp_path / "none", condition="")
+        recordings_of(tmp_path / "none")
     with pytest.raises(InputError, match="no motion file"):
-        recordings_of(tmp_path / "empty", condition="")
+        recordings_of(tmp_path / "empty")
     import_take(folder, take())
-    with pytest.raises(InputError, match=r"'ours' has no motion.*motionjury import"):
-        recordings_of(folder.root, condition="ours")
-    with pytest.raises(InputError, match="--fps and --body are for folders"):
-        recordings_of(folder.root, condition="ground_truth", file_rate=30)
+    shutil.rmtree(folder.root / "motion" / "ground_truth")
+    with pytest.raises(InputError, match=r"'ground_truth' has no motion.*motionjury import"):
+        recordings_of(folder.root)

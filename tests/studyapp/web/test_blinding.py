@@ -18,7 +18,8 @@ from sqlalchemy import select, update
 from sqlalchemy.orm import selectinload
 from werkzeug.test import TestResponse
 
-from studyapp.database.tables import Place, Trial
+from studyapp.database.tables.study_session import Place
+from studyapp.database.tables.trial import Trial
 from studyapp.web.site import attach, site_of
 from tests.studyapp.web.conftest import Serve
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, stored_in

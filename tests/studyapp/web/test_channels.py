@@ -11,7 +11,8 @@ from flask import Flask
 from sqlalchemy import select
 
 from motion.errors import InputError
-from studyapp.database.tables import ScreenOut, StudySession, StudyVersion, Trial
+from studyapp.database.tables.study_session import ScreenOut, StudySession, StudyVersion
+from studyapp.database.tables.trial import Trial
 from studyapp.recruitment.invitations import make_invitations
 from studyapp.web.participants.recruiter_names import COOKIE
 from studyapp.web.site import site_of

@@ -10,7 +10,7 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.database.tables import FormAnswer, StudySession
+from studyapp.database.tables.study_session import FormAnswer, StudySession
 from studyapp.session.enrolment import Arrival, enrol
 from studyapp.session.intake import IntakeState, change_intake
 from studyapp.session.refusal import StudyFullError

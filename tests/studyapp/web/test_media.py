@@ -16,7 +16,8 @@ from sqlalchemy import select
 from werkzeug.test import TestResponse
 
 from motion.errors import InputError
-from studyapp.database.tables import StudySession, Video
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Video
 from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, publish
 from studyapp.study.folder import StudyFolder

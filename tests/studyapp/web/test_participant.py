@@ -11,7 +11,8 @@ from flask import Flask
 from sqlalchemy import select
 
 from motion.segment import EMOTIONS
-from studyapp.database.tables import FormAnswer, Trial
+from studyapp.database.tables.study_session import FormAnswer
+from studyapp.database.tables.trial import Trial
 from studyapp.web.participants.trial_page import EMOTION_WORDS
 from studyapp.web.protection import AT_ONCE
 from tests.studyapp.conftest import OwnStudy

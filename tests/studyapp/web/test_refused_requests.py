@@ -11,7 +11,8 @@ from flask import Flask
 from sqlalchemy import select
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import RefusalLine, Response, Trial
+from studyapp.database.tables.study_session import RefusalLine
+from studyapp.database.tables.trial import Response, Trial
 from studyapp.web.site import attach, site_of
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor, filled, stored_in
 from tests.support.servers.both_databases import BOTH

@@ -14,7 +14,7 @@ from flask import Flask
 from numpy.typing import NDArray
 from sqlalchemy import select
 
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.study.settings.presentation import Language
 from studyapp.web.participants.sound_check import spoken_digits
 from studyapp.web.site import site_of

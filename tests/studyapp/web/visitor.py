@@ -11,7 +11,7 @@ from flask.testing import FlaskClient
 from sqlalchemy import Select, select
 from werkzeug.test import TestResponse
 
-from studyapp.database.tables import Place, StudySession
+from studyapp.database.tables.study_session import Place, StudySession
 from studyapp.web.site import site_of
 from tests.studyapp.web.page_reader import PageReader
 from tests.support.studies.taking_part_steps import SetClock

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import Base
+from studyapp.database.tables.base import Base
 
 
 def empty(database: Database) -> None:

@@ -13,7 +13,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import Base, RefusalLine
+from studyapp.database.tables.base import Base
+from studyapp.database.tables.study_session import RefusalLine
 from studyapp.session.form_answers import COUNTS
 
 MAY_CHANGE: Final = frozenset(

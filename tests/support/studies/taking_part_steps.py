@@ -13,7 +13,7 @@ from sqlalchemy import select
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.session.answers import skip_unplayable, store_answers
 from studyapp.session.ending import withdraw
 from studyapp.session.enrolment import Arrival, enrol

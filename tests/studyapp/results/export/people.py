@@ -7,7 +7,8 @@ from typing import Any
 
 from sqlalchemy import select
 
-from studyapp.database.tables import StudySession, Trial, Video
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.trial import Trial, Video
 from studyapp.study.folder import StudyFolder
 from tests.support.studies.stored import reading
 

@@ -9,7 +9,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from studyapp.database.tables import Event
+from studyapp.database.tables.researchers import Event
 from studyapp.researchers.audit import log_change
 from studyapp.results.export.columns import (
     ANSWERS,

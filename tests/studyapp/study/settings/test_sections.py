@@ -132,7 +132,7 @@ GUESSABLE = "KX7QM2P AAAAAAAAAA ABABABABAB COMPLETED7X prolific-42 K1234567X9 KX
 
 
 def test_a_guessable_code_is_reported_and_recruiters_codes_are_not() -> None:
-    for code in ("", *GUESSABLE.split()):
+    for code in GUESSABLE.split():
         assert is_guessable(code), code
     for code in ("KX7QM2PWTR", "C1G9PC0D", "8E8AC860"):
         assert not is_guessable(code), code

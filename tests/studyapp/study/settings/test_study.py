@@ -36,9 +36,7 @@ def study_file(tmp_path: Path) -> Path:
         ({"reference": "amuse"}, "reference 'amuse' is not a condition"),
         ({"margin": float("inf")}, "margin: must be a finite number"),
         # No win share is further from one half: any two conditions would be equivalent.
-        ({"margin": 0.5}, "margin: must be below 0.5"),
-        ({"page.margin": 0.05}, "it belongs above the first heading"),
-        ({"page.alarms": {"mail": []}}, "it belongs below [alarms]"),
+        ({"margin": 0.5}, "margin: must be less than 0.5"),
         ({"practice": 20, "trials": 10}, "practice (20) is more than trials (10)"),
         ({"freeze": ["nose"]}, "freeze: unknown nose"),
         ({"conditions.rule_based.generator": "magic"}, "unknown generator 'magic'"),

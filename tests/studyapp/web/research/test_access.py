@@ -8,7 +8,7 @@ from itertools import product
 import pytest
 from flask import Flask
 
-from studyapp.database.tables import FormAnswer, RefusalLine, StudySession
+from studyapp.database.tables.study_session import FormAnswer, RefusalLine, StudySession
 from studyapp.researchers.account import list_accounts
 from studyapp.researchers.links import invite, join, list_usable_links
 from studyapp.web.research.page import form_code

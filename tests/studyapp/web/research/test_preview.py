@@ -11,7 +11,7 @@ from flask import Flask
 from sqlalchemy import func, select
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.database.tables import Base
+from studyapp.database.tables.base import Base
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.study.folder import StudyFolder
 from studyapp.web.site import site_of

@@ -6,7 +6,7 @@ from contextlib import closing
 from pathlib import Path
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import StudySession
+from studyapp.database.tables.study_session import StudySession
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.tables import pseudonyms
 from studyapp.results.stored_answers import stored_answers
