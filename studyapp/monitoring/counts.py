@@ -1,10 +1,12 @@
-"""Counts of places, and who left where."""
+"""Counts of places, a forecast of the end, and who left where."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Final
 
 from studyapp.monitoring.study_sessions import SessionProgress
 from studyapp.study.design.trial import Arm
@@ -105,4 +107,98 @@ def dropouts(study_sessions: Sequence[SessionProgress]) -> tuple[Dropout, ...]:
             came=sum(each.stands_at >= position for each in others),
         )
         for position in sorted(stopped)
+    )
+
+
+MIN_COUNT: Final = 3
+"""If fewer have finished, their pace is chance."""
+
+WINDOWS: Final = (timedelta(hours=1), timedelta(hours=6), timedelta(days=1), timedelta(days=7))
+"""The shortest in which enough have finished gives the present pace."""
+
+LONGEST_FORECAST: Final = timedelta(days=365)
+
+
+def forecast(
+    finished: Sequence[datetime], remaining: int, began: datetime | None, now: datetime
+) -> datetime | str:
+    """Return when `remaining` more will have finished, or why nobody can tell.
+
+    Parameters
+    ----------
+    finished : sequence of datetime
+        When participants finished, in any order.
+    began : datetime or None
+        When the first participant came.
+    """
+    if remaining == 0:
+        return "All places are done"
+    if began is None:
+        return "Nobody has begun yet"
+    for span in WINDOWS:
+        since = max(now - span, began)
+        recent = sum(moment > since for moment in finished)
+        if recent >= MIN_COUNT and now > since:
+            left = (now - since) * (remaining / recent)
+            return now + left if left <= LONGEST_FORECAST else "At this rate over a year is left"
+    return "Too few have finished recently for a forecast"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Completions:
+    """Places done over time, as points of a curve.
+
+    Attributes
+    ----------
+    since, until : datetime
+        Ends of the time axis: the first participant, and now or when all will be done.
+    done : tuple of (float, float)
+        Time and places, each as a share of its axis in [0, 1]; a staircase.
+    expected : tuple of (float, float)
+        The straight line from now to the projected end; empty where there is none.
+    """
+
+    since: datetime
+    until: datetime
+    done: tuple[tuple[float, float], ...]
+    expected: tuple[tuple[float, float], ...]
+
+
+def completions(
+    finished: Sequence[datetime],
+    wanted: int,
+    began: datetime | None,
+    end: datetime | str,
+    now: datetime,
+) -> Completions | None:
+    """Return the places done over time; None if none is done.
+
+    Parameters
+    ----------
+    finished : sequence of datetime
+        When each place that is done was, in any order.
+    wanted : int
+        Places.
+    began, end
+        As for and from `forecast`.
+    """
+    if began is None or not finished:
+        return None
+    # The curve ends when all places are done.
+    until = max(finished) if len(finished) >= wanted else now
+    until = until if isinstance(end, str) else end
+    most = max(wanted, len(finished))
+
+    def place(moment: datetime) -> float:
+        return min(1.0, (moment - began) / max(until - began, timedelta(seconds=1)))
+
+    stairs = [(0.0, 0.0)]
+    for done, moment in enumerate(sorted(finished), start=1):
+        stairs += [(place(moment), stairs[-1][1]), (place(moment), done / most)]
+    today = (place(now), stairs[-1][1])
+    return Completions(
+        since=began,
+        until=until,
+        done=(*stairs, today),
+        expected=() if isinstance(end, str) else (today, (1.0, 1.0)),
     )

@@ -74,6 +74,10 @@ class Overview:
     announced_minutes : int or None
         The duration that participants are told.
     arms : tuple of PlaceCounts
+    forecast : datetime or str
+        When the last place will be done, or why there is no forecast.
+    completions : Completions or None
+        Places done over time; None if none is.
     standings : mapping of Standing to int
         How many study sessions there are of each; those of earlier versions are not counted.
     earlier : int
@@ -97,6 +101,8 @@ class Overview:
     is_open: bool
     announced_minutes: int | None
     arms: tuple[counts.PlaceCounts, ...]
+    forecast: datetime | str
+    completions: counts.Completions | None
     standings: Mapping[Standing, int]
     earlier: int
     screened_out: Mapping[str, int]
@@ -144,13 +150,21 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         videos = data_quality.played_videos(session, study.display_names)
         intake = current_intake(session)
         screened_out = count_screened_out(session)
+    arms = counts.count_places(study.arms, present, intake.more_places)
     finished = [each for each in present if each.completed_at]
+    ends = [(each.completed_at, each.standing) for each in finished if each.completed_at]
+    done = [end for end, standing in ends if standing == "done"]
+    places = counts.total_places(arms)
+    began = min((each.consented_at for each in present), default=None)
+    expected = counts.forecast([end for end, _ in ends], places.remaining, began, now)
     return Overview(
         at=now,
         intake=intake,
         is_open=study.open and intake.state == "open",
         announced_minutes=study.page.minutes,
-        arms=counts.count_places(study.arms, present, intake.more_places),
+        arms=arms,
+        forecast=expected,
+        completions=counts.completions(done, places.wanted, began, expected, now),
         standings=Counter(each.standing for each in present),
         earlier=len(everybody) - len(present),
         screened_out=screened_out,

@@ -144,6 +144,12 @@ def clock_time(at: datetime) -> str:
     return f"{at.astimezone(UTC):%H:%M:%S}"
 
 
+def day_or_time(at: datetime, now: datetime) -> str:
+    """Return the time of day, with the date if it is not today's."""
+    at, now = at.astimezone(UTC), now.astimezone(UTC)
+    return f"{at:%H:%M} UTC" if at.date() == now.date() else moment(at)
+
+
 def span(seconds: float) -> str:
     """Return a duration in words."""
     if seconds < 60:
@@ -197,6 +203,7 @@ WORDING: Final = {
     "question_name": question_name,
     "moment": moment,
     "clock_time": clock_time,
+    "day_or_time": day_or_time,
     "span": span,
     "share": share,
     "figure": figure,

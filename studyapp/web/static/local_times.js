@@ -9,7 +9,8 @@ const FORMS = {
 export function writeLocalTimes(part) {
   for (const time of part.querySelectorAll("time[data-form]")) {
     const at = new Date(time.dateTime);
-    const form = FORMS[time.dataset.form];
+    const today = at.toDateString() === new Date().toDateString();
+    const form = FORMS[time.dataset.form] ?? (today ? { timeStyle: "short" } : FORMS.moment);
     time.title = time.textContent;
     time.textContent = at.toLocaleString("en-GB", form);
   }

@@ -5,10 +5,14 @@ from __future__ import annotations
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
+import pytest
+
 from studyapp.monitoring.counts import (
     Dropout,
+    completions,
     count_places,
     dropouts,
+    forecast,
     total_places,
 )
 from studyapp.monitoring.data_quality import Check, checked_items, failed_by_session
@@ -63,6 +67,32 @@ def test_open_places_are_those_required_and_not_held() -> None:
     assert (total_places(counts).wanted, total_places(counts).remaining) == (7, 5)
 
 
+@pytest.mark.parametrize(
+    ("minutes_ago", "remaining", "began", "expected"),
+    [
+        ((5, 20, 40, 50, 200, 300), 8, 600, 120),
+        ((1, 2, 3), 3, 10, 10),
+        ((), 5, None, "nobody has begun yet"),
+        ((60, 120), 5, 180, "too few have finished recently"),
+        ((12_000, 12_060, 12_120), 5, 18_000, "too few have finished recently"),
+        ((60, 60, 60), 0, 180, "all places are done"),
+        ((6000, 6060, 6120), 10_000, 18_000, "over a year"),
+    ],
+)
+def test_the_end_is_projected_from_the_current_pace_or_a_reason_is_given(
+    minutes_ago: tuple[int, ...], remaining: int, began: int | None, expected: int | str
+) -> None:
+    finished = [NOON - timedelta(minutes=minutes) for minutes in minutes_ago]
+    since = None if began is None else NOON - timedelta(minutes=began)
+
+    projected = forecast(finished, remaining, since, NOON)
+
+    if isinstance(expected, str):
+        assert isinstance(projected, str) and expected in projected.lower()
+    else:
+        assert projected == NOON + timedelta(minutes=expected)
+
+
 def test_dropouts_are_counted_at_their_last_trial() -> None:
     there = [
         session_progress("done", 10),
@@ -107,3 +137,17 @@ def test_a_long_list_is_cut_into_pages_without_loss() -> None:
     assert [each for number in pages for each in rows_on_page(long, number)] == long
     assert list(page_numbers([])) == [1]
     assert rows_on_page(long, 4) == []
+
+
+def test_completed_places_are_plotted_with_the_projected_end() -> None:
+    began = NOON - timedelta(hours=4)
+    finished = [NOON - timedelta(hours=hours) for hours in (2, 3)]
+
+    found = completions(finished, 4, began, NOON + timedelta(hours=4), NOON)
+
+    assert found is not None
+    assert (found.since, found.until) == (began, NOON + timedelta(hours=4))
+    assert found.done == (
+        (0, 0), (0.125, 0), (0.125, 0.25), (0.25, 0.25), (0.25, 0.5), (0.5, 0.5),
+    )  # fmt: skip
+    assert found.expected == ((0.5, 0.5), (1, 1))

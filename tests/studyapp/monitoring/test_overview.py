@@ -103,6 +103,7 @@ def test_a_study_without_participants_has_an_overview(
     found = overview(opened, served, clock.now())
 
     assert found.places.open == found.places.wanted == 4
+    assert found.forecast == "Nobody has begun yet"
     assert (found.videos, found.trials, found.items) == ((), (), ())
     assert found.decisions == ()
 

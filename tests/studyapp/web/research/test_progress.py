@@ -34,7 +34,9 @@ def test_counts_link_to_their_sessions_without_names(
 
     page = viewer.get("/research/")
 
-    assert page.words(".truth") == "1 of 4 places done 1 active 0 stale 2 open"
+    assert page.words(".truth") == (
+        "1 of 4 places done 1 active 0 stale 2 open Too few have finished recently for a forecast"
+    )
     links = [str(link["href"]) for link in page.soup.select("#live a")]
     assert len(links) > 6
     for link in links:
@@ -42,6 +44,9 @@ def test_counts_link_to_their_sessions_without_names(
         assert viewer.get(link).words("p[role=status]").startswith(f"{number} study session"), link
     assert "2 people were screened out before the trials: 2 by the questions about" in page.text
     assert "p1" not in page.text
+    curve = page.one(".completions svg")
+    assert curve["aria-label"] == "1 of 4 places are done."
+    assert len(str(curve.select("polyline")[1]["points"]).split()) > 2
 
 
 def test_study_sessions_are_sorted_by_column_heading(
