@@ -1,12 +1,13 @@
 """The answers so far, of participants or a rehearsal, and the state of each arm.
 
-They are read from a database, or from the plain files that replace it in a study from another lab.
+They are read from a database, or from the file that replaces it in a study from another lab.
 """
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterator, Mapping
+import gzip
+import zlib
+from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from importlib import metadata
 from pathlib import Path
@@ -20,7 +21,7 @@ from sqlalchemy.orm import Session
 from analysis.answers.participants import EVERYBODY, ArmState
 from motion.arrays import Bools
 from motion.errors import InputError
-from motion.files import cell_as_given, harmless_frame, sha256_of, write_text
+from motion.files import replacing
 from studyapp.database.engine import Database, database_url_of, missing_database
 from studyapp.results.stated_beforehand import parse_version, stated_study
 from studyapp.results.stored_answers import (
@@ -31,7 +32,6 @@ from studyapp.results.stored_answers import (
     stored_answers,
 )
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.sections import explain_errors
 from studyapp.study.settings.study import Study
 
 
@@ -74,9 +74,9 @@ def missing_answers(folder: StudyFolder, origin: Source) -> InputError:
 def read_answers(folder: StudyFolder, origin: Source) -> Answers:
     """Return the answers of participants or of a rehearsal, without changing the database.
 
-    A study from another lab has files instead of a database.
+    A study from another lab has a file instead of a database.
     """
-    if folder.shared_answers.is_dir():
+    if folder.shared_answers.exists():
         return _shared(folder, origin)
     with snapshot(folder, origin) as session:
         return answers_in(session, origin)
@@ -111,11 +111,11 @@ def snapshot(folder: StudyFolder, origin: Source) -> Iterator[Session | None]:
     Raises
     ------
     InputError
-        If the study comes from another lab, with tables instead of a database.
+        If the study comes from another lab, with a file instead of a database.
     """
-    if folder.shared_answers.is_dir():
+    if folder.shared_answers.exists():
         raise InputError(
-            "this study comes from another lab, with tables instead of a database",
+            "this study comes from another lab, with a file instead of a database",
             where=folder.shared_answers,
             remedy="Use the tables in the shared folder, or report the study",
         )
@@ -193,155 +193,98 @@ def arm_by_session(study: Study, study_sessions: pd.DataFrame) -> dict[str, str]
     }
 
 
-MANIFEST: Final = "answers.json"
-STATED: Final = "stated.toml"
 TABLES: Final = ("study_sessions", "trials", "answers", "stimuli", "looks")
-MISSING: Final = "n/a"
-TEXT: Final = "str"
-
-Kind = Literal["int64", "float64", "bool", "str"]
 
 
-class Manifest(BaseModel):
-    """The contents of ``answers.json``.
+class SharedTable(BaseModel):
+    """A data frame, by column: the type and the cells, None where a number is missing."""
+
+    types: dict[str, str]
+    cells: dict[str, list[Any]]
+
+
+class SharedAnswers(BaseModel):
+    """Stored answers for another lab, without tokens, codes and recruiters' ids.
 
     Attributes
     ----------
     origin : {'participants', 'rehearsal'}
         Who answered.
     motionjury : str
-        The version that wrote the files.
+        The version that wrote them.
+    stated : str or None
+        Text of the study file that the first reported participant saw, if known.
     stated_version : int or None
-        The version of ``stated.toml``, which is the study file that the first reported participant
-        saw, if known.
-    more_places : int
-        Places of each arm beyond those of the study file.
-    screened_out : dict
-        Number of participants screened out, by stage.
-    columns : dict
-        The type of each column, by table.
-    sha256 : dict
-        The digest of each file.
+        Its version.
+    more_places, screened_out, tables
+        See `StoredAnswers`.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    format: Literal[2] = 2
+    format: Literal[3] = 3
     origin: Source
     motionjury: str
+    stated: str | None
     stated_version: int | None
     more_places: int
     screened_out: dict[str, int]
-    columns: dict[str, dict[str, Kind]]
-    sha256: dict[str, str]
+    tables: dict[str, SharedTable]
 
 
 def write_shared_answers(
-    folder: Path,
+    path: Path,
     stored: StoredAnswers,
     *,
     origin: Source,
     stated: str | None,
     stated_version: int | None,
 ) -> None:
-    """Write stored answers into `folder`, without tokens, codes and recruiters' ids.
-
-    Parameters
-    ----------
-    stated : str or None
-        Text of the study file that the first reported participant saw.
-    """
-    columns: dict[str, dict[str, Kind]] = {}
-    for name in TABLES:
-        frame: pd.DataFrame = getattr(stored, name)
-        columns[name] = {str(column): _kind(frame[column]) for column in frame.columns}
-        text = harmless_frame(frame).to_csv(
-            index=False, na_rep=MISSING, lineterminator="\n", quoting=csv.QUOTE_MINIMAL
-        )
-        write_text(folder / f"{name}.csv", text)
-    if stated is not None:
-        write_text(folder / STATED, stated)
-    manifest = Manifest(
+    """Write stored answers into a compressed file, which has a check sum; see `SharedAnswers`."""
+    frames: dict[str, pd.DataFrame] = {name: getattr(stored, name) for name in TABLES}
+    shared = SharedAnswers(
         origin=origin,
         motionjury=metadata.version("motionjury"),
+        stated=stated,
         stated_version=stated_version,
         more_places=stored.more_places,
         screened_out=dict(stored.screened_out),
-        columns=columns,
-        sha256={
-            path.name: sha256_of(path) for path in sorted(folder.iterdir()) if path.name != MANIFEST
+        tables={
+            name: SharedTable(types=frame.dtypes.astype(str).to_dict(), cells=frame.to_dict("list"))
+            for name, frame in frames.items()
         },
     )
-    write_text(folder / MANIFEST, manifest.model_dump_json(indent=1) + "\n")
+    with replacing(path) as draft:
+        draft.write_bytes(gzip.compress(shared.model_dump_json().encode(), mtime=0))
 
 
-def read_shared_answers(folder: Path, origin: Source) -> Answers:
-    """Read the files of `write_shared_answers`; no answers if they are not of `origin`.
+def read_shared_answers(path: Path, origin: Source) -> Answers:
+    """Read the file of `write_shared_answers`; no answers if they are not of `origin`.
 
     Raises
     ------
     InputError
-        If a file is missing, damaged or changed.
+        If the file is damaged.
     """
-    manifest = _read_manifest(folder / MANIFEST)
-    for name, sha256 in manifest.sha256.items():
-        if not (folder / name).is_file() or sha256_of(folder / name) != sha256:
-            raise _changed_file(folder / name)
-    tables = {name: _read_table(folder / f"{name}.csv", manifest.columns[name]) for name in TABLES}
-    stated: Study | None = None
-    if manifest.stated_version is not None and STATED in manifest.sha256:
-        text = (folder / STATED).read_text("utf-8")
-        stated = parse_version(text, manifest.stated_version)
-    if manifest.origin != origin:
+    try:
+        shared = SharedAnswers.model_validate_json(gzip.decompress(path.read_bytes()))
+    except (OSError, EOFError, zlib.error, ValidationError):
+        raise InputError(
+            "the file is damaged, or of another version",
+            where=path,
+            remedy="Get the folder again from its source",
+        ) from None
+    if shared.origin != origin:
         return NO_ANSWERS
     stored = StoredAnswers(
-        **tables, more_places=manifest.more_places, screened_out=manifest.screened_out
+        **{
+            name: pd.DataFrame(table.cells).astype(table.types)
+            for name, table in shared.tables.items()
+        },
+        more_places=shared.more_places,
+        screened_out=shared.screened_out,
     )
+    stated: Study | None = None
+    if shared.stated is not None and shared.stated_version is not None:
+        stated = parse_version(shared.stated, shared.stated_version)
     return Answers(origin="none" if stored.answers.empty else origin, stored=stored, stated=stated)
-
-
-def _read_manifest(path: Path) -> Manifest:
-    try:
-        manifest = Manifest.model_validate_json(path.read_bytes())
-    except FileNotFoundError:
-        raise _changed_file(path) from None
-    except ValidationError as error:
-        raise InputError(
-            explain_errors(error), where=path, remedy="Get the folder again from its source"
-        ) from None
-    for name in TABLES:
-        if name not in manifest.columns or f"{name}.csv" not in manifest.sha256:
-            raise _changed_file(path.with_name(f"{name}.csv"))
-    return manifest
-
-
-def _changed_file(path: Path) -> InputError:
-    return InputError(
-        "the file is missing or was changed",
-        where=path,
-        remedy="Get the folder again from its source",
-    )
-
-
-def _kind(column: pd.Series[Any]) -> Kind:
-    if pd.api.types.is_bool_dtype(column.dtype):
-        return "bool"
-    if pd.api.types.is_integer_dtype(column.dtype):
-        return "int64"
-    return "float64" if pd.api.types.is_float_dtype(column.dtype) else TEXT
-
-
-def _read_table(path: Path, columns: Mapping[str, Kind]) -> pd.DataFrame:
-    cells = pd.read_csv(path, dtype=str, keep_default_na=False, na_filter=False)
-    return pd.DataFrame({name: _column(cells[name], kind) for name, kind in columns.items()})
-
-
-def _column(cells: pd.Series[Any], kind: Kind) -> pd.Series[Any]:
-    if kind == TEXT:
-        return cells.map(cell_as_given)
-    if kind == "bool":
-        return cells == "True"
-    if kind == "float64":
-        numbers = [float("nan") if cell == MISSING else float(cell) for cell in cells]
-        return pd.Series(numbers, dtype="float64")
-    return cells.astype("int64")

@@ -75,7 +75,7 @@ def record_look(
     str
         A warning about interim looks; empty once no more participants are expected.
     """
-    shared = folder.shared_answers.is_dir()
+    shared = folder.shared_answers.exists()
     if shared or answers.origin != "participants" or answers.stored is None:
         return ""
     state = study_state(study, answers.stored)

@@ -118,7 +118,7 @@ def report(
     if known is not None:
         subject = replace(subject, truth=match_values(reports, known.expected))
     remark = record_look(folder, study, answers, way="report", reason=reason)
-    if answers.origin != "participants" and not rehearsal and not folder.shared_answers.is_dir():
+    if answers.origin != "participants" and not rehearsal and not folder.shared_answers.exists():
         remark = _without_participants(answers)
     if remark and warn is not None:
         warn(remark)

@@ -87,8 +87,8 @@ class StudyFolder:
     pseudonym_key = _PathInFolder("pseudonyms.key")
     """Key of the participants' pseudonyms; it is never exported."""
 
-    shared_answers = _PathInFolder("shared_answers")
-    """Folder of answers that another lab has shared, in place of a database."""
+    shared_answers = _PathInFolder("shared_answers.json.gz")
+    """Answers that another lab has shared, in place of a database."""
 
     report = _PathInFolder("report")
     """Folder of the report."""

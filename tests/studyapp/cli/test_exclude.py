@@ -120,6 +120,6 @@ def test_report_and_export_apply_exclusions_by_hand_after_the_rules_and_mark_the
     log = pd.read_csv(tmp_path / "answers_log.csv")
     by_hand = log[log["event"] == "participant_excluded"]
     assert by_hand["reason"].tolist() == [f"'{REASON}"] * 2
-    folder.shared_answers.mkdir(parents=True)
+    folder.shared_answers.touch()
     passed_on = run("exclude", folder.root, "1", "--reason", "asleep", status=1)
     assert "comes from another lab" in passed_on
