@@ -202,22 +202,21 @@ def _looks(session: Session) -> pd.DataFrame:
     rows = list(session.scalars(select(Look).order_by(Look.id)))
     names = dict.fromkeys(row.researcher for row in rows if row.researcher)
     labels = {name: f"researcher {number}" for number, name in enumerate(names, start=1)}
-    looks = pd.DataFrame(
-        [
-            (
-                row.at.date().isoformat(),
-                labels.get(row.researcher, COMMAND_LINE),
-                row.way,
-                row.reason,
-                row.finished,
-                row.planned,
-                row.answers,
-            )
-            for row in rows
-        ],
-        columns=["day", "by", "way", "reason", "finished", "planned", "answers"],
-    )
-    return looks.astype(dict.fromkeys(("finished", "planned", "answers"), "int64"))
+    lines = [
+        (
+            row.at.date().isoformat(),
+            labels.get(row.researcher, COMMAND_LINE),
+            row.way,
+            row.reason,
+            row.finished,
+            row.planned,
+            row.answers,
+        )
+        for row in rows
+    ]
+    texts, numbers = ("day", "by", "way", "reason"), ("finished", "planned", "answers")
+    types = dict.fromkeys(texts, "str") | dict.fromkeys(numbers, "int64")
+    return pd.DataFrame(lines, columns=list(types)).astype(types)
 
 
 def _study_sessions(session: Session, in_full: bool) -> pd.DataFrame:
