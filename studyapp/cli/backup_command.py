@@ -6,55 +6,32 @@ from pathlib import Path
 
 import click
 
-from motion.errors import InputError, counted, listed
-from studyapp.cli.arguments import EXISTING_FILE, FOLDER, StudyCommand, optional_study_folder
+from motion.errors import counted, listed
+from studyapp.cli.arguments import EXISTING_FILE, FOLDER, StudyCommand, study_folder
 from studyapp.cli.output import progress
 from studyapp.clock import Clock
-from studyapp.custody.backup import back_up, check_archive
-from studyapp.custody.manifest import Manifest, compare_media
+from studyapp.custody.backup import back_up
+from studyapp.custody.manifest import Manifest
 from studyapp.custody.restoration import restore
 from studyapp.study.folder import StudyFolder, format_size
 
 
 @click.command("backup", cls=StudyCommand)
-@optional_study_folder
-@click.argument("out", required=False, type=click.Path(path_type=Path))
+@study_folder
+@click.argument("out", type=click.Path(path_type=Path))
 @click.option("--with-media", is_flag=True, help="Include speech, motion, networks and videos.")
 @click.option(
     "--keep",
     type=click.IntRange(1),
     help="If OUT is a folder: keep only this many of the study's backups, the newest ones.",
 )
-@click.option(
-    "--check",
-    "archive",
-    type=EXISTING_FILE,
-    help="Check this backup instead of making one; with FOLDER, also check that the media "
-    "outside the backup are there.",
-)
-def command(
-    folder: StudyFolder | None,
-    out: Path | None,
-    with_media: bool,
-    keep: int | None,
-    archive: Path | None,
-) -> None:
-    """Back up the study FOLDER into OUT, a .tar or .tar.gz file; the study may be running.
+def command(folder: StudyFolder, out: Path, with_media: bool, keep: int | None) -> None:
+    """Back up the study FOLDER into OUT, a .zip file; the study may be running.
 
     A backup holds the answers (SQLite, or the database of DATABASE_URL), the study file, the
     pseudonym key and everything else that cannot be recreated; see 'motionjury restore'. If OUT is
     a folder, each backup gets its own name there. Nothing is ever overwritten.
     """
-    if archive is not None:
-        if out is not None or with_media or keep is not None:
-            raise InputError(
-                "--check makes no backup",
-                remedy="Omit OUT, --with-media and --keep, or omit --check",
-            )
-        _check(archive, folder)
-        return
-    if folder is None or out is None:
-        raise click.UsageError("Give the study and the target of its backup: FOLDER OUT.")
     with progress("Backing up", "file") as on_file:
         backup = back_up(folder, out, Clock(), media=with_media, keep=keep, on_file=on_file)
     click.echo(f"Backed up {_contents(backup.manifest)}, from {backup.database}")
@@ -69,23 +46,6 @@ def command(
         )
     for path in backup.removed:
         click.echo(f"Removed the older {path}")
-
-
-def _check(archive: Path, folder: StudyFolder | None) -> None:
-    with progress("Checking", "file") as on_file:
-        manifest = check_archive(archive, on_file)
-    click.echo(f"{archive} is intact: {_contents(manifest)}.")
-    if folder is None or not manifest.media:
-        return
-    missing, changed = compare_media(folder.root, manifest.media)
-    if missing or changed:
-        raise InputError(
-            f"of {len(manifest.media)} media files outside the backup, {len(missing)} are missing "
-            f"and {len(changed)} have changed, including {(missing + changed)[0]}",
-            where=folder.root,
-            remedy="Copy them there, or back up again with --with-media",
-        )
-    click.echo(f"The {len(manifest.media)} media files outside the backup are in {folder.root}.")
 
 
 def _contents(manifest: Manifest) -> str:

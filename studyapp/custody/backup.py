@@ -6,7 +6,7 @@ import hashlib
 import os
 import re
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Final
@@ -14,9 +14,8 @@ from typing import Final
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.custody.archive import (
-    ENDINGS,
+    ENDING,
     REMEDY,
-    is_compressed,
     read_archive,
     read_manifest,
     write_archive,
@@ -69,8 +68,8 @@ def back_up(
 ) -> Backup:
     """Back up the study in `folder` and its database into one file.
 
-    The file appears under its name only once it is complete and on disk, and only its owner can
-    read it. It contains every answer that was acknowledged before the call.
+    The file appears under its name only once it is complete, checked and on disk, and only its
+    owner can read it. It contains every answer that was acknowledged before the call.
 
     Parameters
     ----------
@@ -80,7 +79,7 @@ def back_up(
     media : bool
         Include speech, motion and videos; else only list them, so that a restore can check them.
     keep : int, optional
-        With a folder: the number of this study's backups to keep. The new one is checked first.
+        With a folder: the number of this study's backups to keep.
 
     Raises
     ------
@@ -118,32 +117,23 @@ def back_up(
             media=() if media else tuple(entry for _, entry in all_media),
         )
         study = folder.root.resolve().name
-        path = out / f"{study}-{made_at:{_TIMESTAMP}}.tar.gz" if into_folder else out
+        path = out / f"{study}-{made_at:{_TIMESTAMP}}{ENDING}" if into_folder else out
         draft = work / "archive"
         handle = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
         with os.fdopen(handle, "wb") as stream:
-            write_archive(
-                stream,
-                manifest,
-                [source for source, _ in included],
-                compressed=is_compressed(path.name),
-                on_file=on_file,
-            )
+            write_archive(stream, manifest, [source for source, _ in included], on_file)
             stream.flush()
             os.fsync(stream.fileno())
+        check_archive(draft, on_file)
         _publish(draft, path)
-    backup = Backup(path=path, manifest=manifest, database=display_address(url))
-    if keep is None:
-        return backup
-    # No backup is removed before the new one is known to be good.
-    check_archive(path, on_file)
-    return replace(backup, removed=_remove_older(path, study, manifest, keep))
+    removed = () if keep is None else _remove_older(path, study, manifest, keep)
+    return Backup(path=path, manifest=manifest, database=display_address(url), removed=removed)
 
 
 def _require_new_file(out: Path) -> None:
-    if not out.name.endswith(ENDINGS):
+    if out.suffix != ENDING:
         raise InputError(
-            "a backup is a .tar or .tar.gz",
+            f"a backup is a {ENDING}",
             where=out,
             remedy="Give such a name, or an existing folder",
         )
@@ -194,7 +184,7 @@ def _remove_older(newest: Path, study: str, manifest: Manifest, keep: int) -> tu
 
     Other files, other studies' backups, and backups with names of another form are kept.
     """
-    pattern = re.compile(rf"{re.escape(study)}-{_TIMESTAMP_PATTERN}\.tar\.gz")
+    pattern = re.compile(rf"{re.escape(study)}-{_TIMESTAMP_PATTERN}\{ENDING}")
     backups = sorted(
         (
             path
@@ -220,7 +210,7 @@ def _origin_of_archive(path: Path) -> str | None:
         return None
 
 
-def check_archive(archive: Path, on_file: OnFile) -> Manifest:
+def check_archive(archive: Path, on_file: OnFile) -> None:
     """Check the files of a backup and its database.
 
     Raises
@@ -230,11 +220,8 @@ def check_archive(archive: Path, on_file: OnFile) -> Manifest:
     """
     with tempfile.TemporaryDirectory(prefix="motionjury-") as name:
         copy = Path(name) / DATABASE
-        manifest = read_archive(
-            archive, lambda entry: copy if entry.path == DATABASE else None, on_file
-        )
+        read_archive(archive, lambda entry: copy if entry.path == DATABASE else None, on_file)
         require_intact(copy, archive)
-    return manifest
 
 
 def require_intact(copy: Path, archive: Path) -> None:

@@ -1,6 +1,6 @@
 """The manifest of a backup: the files of a study that the backup holds or only knows.
 
-The manifest is the first part of a backup, and all other parts are checked against it.
+All other files of a backup are checked against it.
 """
 
 from __future__ import annotations

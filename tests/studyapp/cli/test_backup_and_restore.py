@@ -7,12 +7,12 @@ from tests.support.command_line import run
 from tests.support.studies.answered_study import answer_study
 
 
-def test_a_backup_is_described_checked_and_restored_with_what_it_lacks(
+def test_a_backup_is_described_and_restored_with_what_it_lacks(
     own_study: OwnStudy, tmp_path: Path
 ) -> None:
     study = own_study("pairwise").root
     answer_study(study, people=1, stop_after=2)
-    archive = tmp_path / "out.tar"
+    archive = tmp_path / "out.zip"
 
     output = run("backup", study, archive)
     assert "Backed up 1 participant with 2 answers" in output
@@ -23,12 +23,3 @@ def test_a_backup_is_described_checked_and_restored_with_what_it_lacks(
     assert "Restored 1 participant with 2 answers" in output
     assert "media files are missing" in output
     assert "Participants who were erased or withdrew after" in output
-
-    assert "is intact: 1 participant" in run("backup", "--check", archive)
-    assert "media files outside the backup are in" in run("backup", study, "--check", archive)
-    next((study / "videos").rglob("*.mp4")).unlink()
-    assert "1 are missing" in run("backup", study, "--check", archive, status=1)
-    both = run("backup", study, tmp_path / "x.tar", "--check", archive, status=1)
-    assert "--check makes no backup" in both
-    archive.write_bytes(archive.read_bytes()[:-20_000])
-    assert "Use another backup" in run("backup", "--check", archive, status=1)

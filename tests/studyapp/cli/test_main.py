@@ -55,7 +55,7 @@ def test_the_nearest_command_is_suggested_for_a_misspelt_one(refused: Refused) -
         ("researchers reset Eve", "no researcher 'Eve'"),
         ("exclude 1 --reason asleep", "no database of answers yet"),
         ("forget 1", "no database of answers"),
-        ("backup out.tar", "no database of answers"),
+        ("backup out.zip", "no database of answers"),
     ],
 )
 def test_a_command_without_a_folder_uses_the_working_directory(

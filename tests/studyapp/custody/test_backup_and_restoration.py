@@ -46,7 +46,7 @@ class Study:
     clock: SetClock
     backups: Path
 
-    def back_up(self, name: str = "out.tar.gz", *, media: bool = False) -> Backup:
+    def back_up(self, name: str = "out.zip", *, media: bool = False) -> Backup:
         self.clock.advance(minutes=1)
         return back_up(self.folder, self.backups / name, self.clock, media=media)
 
@@ -131,7 +131,7 @@ def test_nothing_is_overwritten_or_written_elsewhere(
 ) -> None:
     made = study.back_up()
     before = made.path.read_bytes()
-    for name in ("out.zip", "out", "nowhere/out.tar", "out.tar.gz"):
+    for name in ("out.tar", "out", "nowhere/out.zip", "out.zip"):
         with pytest.raises(InputError, match=r"does not exist|a backup is a|never overwrite"):
             study.back_up(name)
     assert list(study.backups.iterdir()) == [made.path]
@@ -186,8 +186,8 @@ def test_a_full_disk_leaves_no_half_backup(study: Study, monkeypatch: pytest.Mon
 def test_a_folder_keeps_only_the_newest_backups_of_a_study(study: Study, tmp_path: Path) -> None:
     another = shutil.copytree(study.folder.root, tmp_path / "elsewhere" / "study")
     other = back_up(StudyFolder(another), study.backups, study.clock)
-    (study.backups / "study-20200101T000000Z.tar.gz").write_bytes(b"not made by this command")
-    by_hand = study.back_up("by-hand.tar.gz")
+    (study.backups / "study-20200101T000000Z.zip").write_bytes(b"not made by this command")
+    by_hand = study.back_up("by-hand.zip")
     made = []
     for _ in range(4):
         study.clock.advance(minutes=1)
@@ -195,7 +195,7 @@ def test_a_folder_keeps_only_the_newest_backups_of_a_study(study: Study, tmp_pat
 
     assert made[-1].removed == (made[1].path,)
     assert {path.name for path in study.backups.iterdir()} == {
-        "study-20200101T000000Z.tar.gz",
+        "study-20200101T000000Z.zip",
         *(each.path.name for each in (other, by_hand, *made[2:])),
     }
 
@@ -204,7 +204,7 @@ def test_a_folder_keeps_only_the_newest_backups_of_a_study(study: Study, tmp_pat
 
     assert after_a_wrong_clock.removed == (made[2].path,)
     with pytest.raises(InputError, match="only be removed from a folder"):
-        back_up(study.folder, study.backups / "x.tar", study.clock, keep=2)
+        back_up(study.folder, study.backups / "x.zip", study.clock, keep=2)
 
 
 def people(folder: StudyFolder) -> dict[str | None, int]:
@@ -231,7 +231,7 @@ def test_a_study_moves_from_sqlite_to_postgresql_and_back(
     password = url.split(":")[2].split("@")[0]
 
     address = restore(made.path, new, study.clock).database
-    again = back_up(new, study.backups / "again.tar", study.clock, media=True)
+    again = back_up(new, study.backups / "again.zip", study.clock, media=True)
     with pytest.raises(InputError, match="the database is not empty"):
         restore(made.path, StudyFolder(tmp_path / "third"), study.clock)
     monkeypatch.delenv("DATABASE_URL")
@@ -312,7 +312,7 @@ def test_a_backup_while_people_answer_has_every_acknowledged_answer_and_interrup
         while len(acknowledged) < 4 and not any(each.done() for each in people):
             sleep(0.001)
         before = set(acknowledged)
-        made = back_up(StudyFolder(tiny_study), tmp_path / "out.tar", SetClock(), media=True)
+        made = back_up(StudyFolder(tiny_study), tmp_path / "out.zip", SetClock(), media=True)
         is_backed_up.set()
         for each in people:
             each.result()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-import tarfile
+import zipfile
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -83,10 +83,10 @@ def rehearsed(rehearsed_once: Path, tmp_path: Path) -> StudyFolder:
 def test_backups_reports_and_exports_know_only_real_people(
     rehearsed: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    archive = rehearsed.root.parent / "backup.tar"
+    archive = rehearsed.root.parent / "backup.zip"
     assert f"Backed up {REAL} participants" in run("backup", rehearsed.root, archive)
-    with tarfile.open(archive) as tar:
-        assert not [name for name in tar.getnames() if "rehears" in name]
+    with zipfile.ZipFile(archive) as members:
+        assert not [name for name in members.namelist() if "rehears" in name]
     monkeypatch.setenv("DATABASE_URL", sqlite_url(rehearsed.responses))
     for stored, people in (
         (read_answers(rehearsed, "participants").stored, REAL),
