@@ -222,7 +222,7 @@ class Participant:
             If the rehearsal was stopped.
         """
         if is_back:
-            self.ledger.returned(self.name)
+            self.ledger.note(self.name, returned=True)
         visit = Visit(client=client, stop=self.stop, speed=self.speed)
         page = visit.open(self._entrance)
         before: tuple[str, str] | None = None
@@ -243,7 +243,7 @@ class Participant:
             rater = Rater(population=self.population, seed=self.seed, name=sight.rater)
             if rater.leaves_at(sight.trials) == position and not is_back:
                 if rater.returns:
-                    self.ledger.left(self.name)
+                    self.ledger.note(self.name, left=True)
                 raise Departure(returns=rater.returns)
             if rater.clicks_twice and not reopened:
                 page, reopened = visit.open(self._entrance), True
@@ -258,7 +258,7 @@ class Participant:
             visit.watch(page)
             page = visit.send(page, page.answer_form, judgement.fields())
             self.ledger.answered(self.name, trial, judgement.values)
-        self.ledger.completed(self.name, code)
+        self.ledger.note(self.name, code=code)
         return code
 
     def _form_answers(self, visit: Visit, page: Page) -> FormFields:

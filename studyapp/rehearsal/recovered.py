@@ -146,11 +146,6 @@ class Recovery:
         """The number of intervals that miss the true value."""
         return self.intervals - sum(estimate.covers(known.value) for known, estimate in self.values)
 
-    @property
-    def miscounted(self) -> tuple[Check, ...]:
-        """The counts that the study got wrong."""
-        return tuple(check for check in self.checks if not check.agrees)
-
 
 def recover(folder: StudyFolder) -> Recovery:
     """Analyse the rehearsal of `folder` as a report does.

@@ -7,17 +7,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-import pandas as pd
 from scipy.stats import binom
 
 from analysis.report import wording
-from analysis.report.content import MARKS, Cell, Section, Table
+from analysis.report.content import MARKS, Section
 from analysis.report.page import Page, render_page
 from analysis.report.texts import table
 from analysis.results.known_values import NO_RANK_INTERVAL, KnownDifference, Sign
 from analysis.stats.clustered_mean import LEVEL
 from motion.errors import listed
 from motion.files import write_text
+from studyapp.rehearsal.bookkeeping import ANSWERED, BACK, LEFT
 from studyapp.rehearsal.recovered import KindRecovered, Recovery
 from studyapp.rehearsal.simulation.population import DESCRIPTIONS
 from studyapp.study.folder import StudyFolder
@@ -36,17 +36,13 @@ MOST_LISTED: Final = 4
 
 def intervals_in_words(recovery: Recovery) -> str:
     """Say how many intervals contain the true value, and how likely so many misses are."""
-    if not recovery.values:
-        return (
-            "No true value could be estimated: too few participants answered, or ranks may be tied."
-        )
     without = len(recovery.values) - recovery.intervals
-    has = "has" if without == 1 else "have"
-    none = f" {wording.count(without, 'number')} {has} no interval." if without else ""
-    intervals = wording.count(recovery.intervals, "interval")
+    none = f" {wording.count(without, 'number')} without an interval." if without else ""
+    if not recovery.intervals:
+        return f"No interval could be computed: too few answered, or ranks may be tied.{none}"
+    inside = recovery.intervals - recovery.missed
     return (
-        f"{recovery.intervals - recovery.missed} of {intervals} "
-        f"{'contains' if recovery.intervals == 1 else 'contain'} the true value. "
+        f"The true value is inside {inside} of {wording.count(recovery.intervals, 'interval')}. "
         f"{chance_in_words(recovery.missed, recovery.intervals)}{none}"
     )
 
@@ -129,19 +125,16 @@ def exclusions_in_words(kinds: tuple[KindRecovered, ...]) -> Iterator[str]:
 
 def counts_in_words(recovery: Recovery) -> str:
     """Say whether people and answers were counted correctly."""
-    wrong = recovery.miscounted
-    if wrong:
+    if wrong := [check for check in recovery.checks if not check.agrees]:
         counts = "; ".join(
             f"{each.what}: {each.happened}, counted {each.counted}" for each in wrong
         )
         return f"MISCOUNTED: {counts}."
-    by_words = {check.what: check.happened for check in recovery.checks}
-    answers = next((n for what, n in by_words.items() if what.startswith("acknowledged")), 0)
+    counted = {check.what: check.happened for check in recovery.checks}
     return (
         "Everything was counted correctly: "
-        f"{wording.count(answers, 'acknowledged answer')} stored, each once; "
-        f"{by_words.get('left for good', 0)} left for good, "
-        f"{by_words.get('came back after leaving and finished', 0)} came back."
+        f"{wording.count(counted.get(ANSWERED, 0), 'acknowledged answer')} stored, each once; "
+        f"{counted.get(LEFT, 0)} left for good, {counted.get(BACK, 0)} came back."
     )
 
 
@@ -178,23 +171,18 @@ def chance_in_words(missed: int, intervals: int) -> str:
     Each interval then misses with probability 1 minus its level (Binomial). Answers of the same
     people to several questions are correlated, which makes many misses at once more common.
     """
-    if not intervals:
-        return "There is no interval to compare with a true value."
-    probability = float(binom.sf(missed - 1, intervals, 1 - LEVEL))
     if not missed:
-        all_do = "it does" if intervals == 1 else f"all {intervals} do"
-        often = f"{100 * LEVEL**intervals:.0f} of 100 rehearsals"
-        return f"With a sound design, {all_do} in {often}."
-    misses = "the interval misses it" if intervals == 1 else f"{missed} or more intervals miss it"
-    if probability < HARDLY_CHANCE:
-        return (
-            f"With a sound design, {misses} in fewer than 1 of 100 rehearsals: see who was not "
-            "excluded, and whether there are enough people and segments."
-        )
+        return f"With a sound design, none misses it in {_of_100(LEVEL**intervals)}."
+    often = _of_100(float(binom.sf(missed - 1, intervals, 1 - LEVEL)))
     return (
-        f"With a sound design, {misses} in {100 * probability:.0f} of 100 rehearsals, and "
-        "somewhat more often if the same people answer several questions."
+        f"With a sound design, at least {wording.count(missed, 'interval')} would miss it in "
+        f"{often}, and somewhat more often if the same people answer several questions."
     )
+
+
+def _of_100(probability: float) -> str:
+    times = "fewer than 1" if probability < HARDLY_CHANCE else f"{100 * probability:.0f}"
+    return f"{times} of 100 rehearsals"
 
 
 PAGE: Final = "recovery.html"
@@ -223,6 +211,7 @@ def recovery_page(recovery: Recovery) -> Page:
 
 
 def _sections(recovery: Recovery) -> tuple[Section, ...]:
+    rules = sorted({rule for kind in recovery.kinds for rule in kind.excluded_by})
     return (
         Section(
             anchor="values",
@@ -247,76 +236,13 @@ def _sections(recovery: Recovery) -> tuple[Section, ...]:
             paragraphs=tuple(line.strip() for line in exclusions_in_words(recovery.kinds)),
             bullets=tuple(f"Rule: {rule}" for rule in recovery.rules),
             tables=(
-                _table(
-                    "Participants by kind. Missed: analysed although they should be excluded.",
-                    _raters(recovery),
-                    text_columns=2,
-                    notes=(
-                        "The clock of a rehearsal runs faster, and so counts the server's delays "
-                        "several times: rules about time catch fewer here than in a study.",
-                    ),
-                ),
+                table("rehearsed_kinds", recovery.kinds, rules=rules, descriptions=DESCRIPTIONS),
             ),
         ),
         Section(
             anchor="bookkeeping",
             heading="Whether everything was counted correctly",
             paragraphs=(counts_in_words(recovery),),
-            tables=(
-                _table(
-                    "What happened, according to the simulated participants, and what the study "
-                    "counted.",
-                    pd.DataFrame(
-                        [vars(check) | {"agrees": check.agrees} for check in recovery.checks],
-                        columns=["what", "happened", "counted", "agrees", "remark"],
-                    ),
-                    text_columns=1,
-                ),
-            ),
+            tables=(table("bookkeeping", recovery.checks),),
         ),
-    )
-
-
-def _table(
-    caption: str, frame: pd.DataFrame, *, text_columns: int, notes: tuple[str, ...] = ()
-) -> Table:
-    """Return a table of counts; a column that says nothing is left out."""
-    shown = frame.loc[:, [frame[column].astype(str).ne("").any() for column in frame]]
-    return Table(
-        caption=caption,
-        header=tuple(str(column).replace("_", " ") for column in shown),
-        rows=tuple(tuple(map(_cell, row)) for row in shown.itertuples(index=False, name=None)),
-        text_columns=text_columns,
-        notes=notes,
-    )
-
-
-def _cell(value: object) -> Cell:
-    match value:
-        case bool():
-            return Cell(text="yes" if value else "NO")
-        case int():
-            return Cell(text=str(value), value=value)
-        case _:
-            return Cell(text=str(value).replace("_", " "))
-
-
-def _raters(recovery: Recovery) -> pd.DataFrame:
-    rules = sorted({rule for kind in recovery.kinds for rule in kind.excluded_by})
-    return pd.DataFrame(
-        [
-            {
-                "kind": kind.kind,
-                "description": DESCRIPTIONS[kind.kind],
-                "came": kind.came,
-                "completed": kind.completed,
-                "no_answer": kind.silent,
-                "analysed": kind.analysed,
-                "excluded": kind.excluded,
-                **{f"excluded_by_{rule}": kind.excluded_by.get(rule, 0) for rule in rules},
-                "missed": kind.missed,
-                "wrongly_excluded": kind.wrongly_excluded,
-            }
-            for kind in recovery.kinds
-        ]
     )

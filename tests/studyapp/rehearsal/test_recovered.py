@@ -25,7 +25,7 @@ from tests.support.studies.stored import writing
 
 
 def wrong(recovery: Recovery) -> list[str]:
-    return [check.what for check in recovery.miscounted]
+    return [check.what for check in recovery.checks if not check.agrees]
 
 
 def test_lost_or_changed_answers_are_detected(
@@ -74,7 +74,7 @@ def test_an_unfinished_line_among_acknowledgements_is_left_out(folder: StudyFold
     ledger.answered("p", "token", {("fit", None): -2, ("realism", 3): 1})
     with ledger.path.open("a") as file:
         file.write('{"participant": "q", "co')
-    ledger.completed("p", "CODE")
+    ledger.note("p", code="CODE")
 
     acknowledged = ledger.read()
 

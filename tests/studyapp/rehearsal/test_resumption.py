@@ -39,7 +39,7 @@ def test_a_rehearsal_resumes_only_with_the_same_settings(
     folder.responses.write_bytes(b"real answers")
     prepare(folder, seed=1)
     Database.open(sqlite_url(folder.rehearsal)).close()
-    Ledger(folder.acknowledged).completed("rehearsal-00000", "CODE")
+    Ledger(folder.acknowledged).note("rehearsal-00000", code="CODE")
     people = default_population(folder.study())
     spoil(folder, changed)
 
