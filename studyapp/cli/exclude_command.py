@@ -121,8 +121,7 @@ def _describe_erasure(entry: StoredData) -> str:
         return "Screened out. To be erased: that this happened."
     return (
         f"Study session {entry.study_session} ({entry.state}, arm {entry.arm}), found by its "
-        f"{entry.found_by}. To be erased: {entry.answers} answers with their trials, "
-        f"{entry.watch_records} records of watching, {entry.form_answers} answers to the form, "
-        f"{entry.refusals} refused requests, the recruiter's ids, the completion code, and "
-        "whether and why researchers excluded the participant."
+        f"{entry.found_by}. To be erased: {entry.answers} answers with their trials, all records "
+        "of watching, answers to the form, refused requests, the recruiter's ids, the completion "
+        "code, and whether and why researchers excluded the participant."
     )

@@ -23,9 +23,7 @@ from studyapp.database.tables.researchers import (
     ResearcherLogin,
 )
 from studyapp.database.tables.study_session import (
-    FormAnswer,
     IntakeChange,
-    RefusalLine,
     ScreenOut,
     StudySession,
 )
@@ -73,8 +71,8 @@ class StoredData:
         See `studyapp.session.state.state_of`, or ``screened out``.
     arm : str
         Empty for a participant who was screened out.
-    answers, form_answers, watch_records, refusals : int
-        The number of rows of each.
+    answers : int
+        The number of stored answers to trials.
     found_by : str
         ``recruiter id``, ``pseudonym``, ``completion code`` or ``invitation``; empty for a
         participant who was screened out.
@@ -85,9 +83,6 @@ class StoredData:
     arm: str = ""
     found_by: str = ""
     answers: int = 0
-    form_answers: int = 0
-    watch_records: int = 0
-    refusals: int = 0
 
 
 def find_data(database: Database, name: str, key: PseudonymKey | None) -> tuple[StoredData, ...]:
@@ -108,7 +103,7 @@ def find_data(database: Database, name: str, key: PseudonymKey | None) -> tuple[
                 arm=study_session.arm,
                 state=state_of(study_session),
                 found_by=found_by,
-                **_count_rows(session, study_session.id),
+                answers=sum(len(trial.responses) for trial in study_session.trials),
             )
             for study_session, found_by in _find_sessions(session, name, key)
         ]
@@ -200,28 +195,6 @@ def _visit(link: str) -> str:
 
 def _token(link: str) -> str:
     return link.strip().rpartition("invitation=")[2]
-
-
-def _count_rows(session: Session, number: int) -> dict[str, int]:
-    def count(query: Any) -> int:
-        return session.scalar(query) or 0
-
-    trials = Trial.study_session_id == number
-    return {
-        "answers": count(select(func.count(Response.id)).join(Response.trial).where(trials)),
-        "watch_records": count(
-            select(func.count(WatchRecord.id))
-            .join(WatchRecord.video)
-            .join(Video.trial)
-            .where(trials)
-        ),
-        "form_answers": count(
-            select(func.count(FormAnswer.id)).where(FormAnswer.study_session_id == number)
-        ),
-        "refusals": count(
-            select(func.count(RefusalLine.id)).where(RefusalLine.study_session_id == number)
-        ),
-    }
 
 
 def erase(

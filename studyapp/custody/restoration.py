@@ -138,17 +138,12 @@ def _require_empty_folder(root: Path) -> None:
     if not root.is_dir():
         raise InputError("this is not a folder", where=root, remedy="Give a new or empty folder")
     existing = sorted(path.name for path in root.iterdir() if path.name not in MEDIA)
-    if any(name.startswith(_UNFINISHED) for name in existing):
-        raise InputError(
-            f"an interrupted restore left {listed(existing)}",
-            where=root,
-            remedy="Remove these, and restore again",
-        )
     if existing:
         raise InputError(
             f"the folder is not empty: it contains {existing[0]}",
             where=root,
-            remedy=f"Restore to a new folder; only the folders {listed(MEDIA)} may exist already",
+            remedy="Restore to a new folder, or remove what an interrupted restore has left; only "
+            f"the folders {listed(MEDIA)} may exist already",
         )
 
 

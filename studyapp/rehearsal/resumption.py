@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from datetime import datetime, timedelta
 from typing import Final
@@ -82,10 +83,10 @@ def prepare(
     )
     note = ""
     if folder.rehearsal.exists():
-        difference = _difference(folder, truth)
-        if not difference:
-            return truth, "An earlier rehearsal of this study is continued."
-        note = f"The answers of an earlier rehearsal were removed: {difference}."
+        with suppress(InputError):
+            if read_truth(folder.rehearsal_truth) == truth:
+                return truth, "An earlier rehearsal of this study is continued."
+        note = "The answers of an earlier rehearsal (other study, seed or people) were removed."
     for ending in ("", "-wal", "-shm"):
         folder.rehearsal.with_name(folder.rehearsal.name + ending).unlink(missing_ok=True)
     folder.acknowledged.unlink(missing_ok=True)
@@ -100,19 +101,6 @@ def _digest(study: Study, segments: Sequence[Segment], stimuli: Stimuli) -> str:
     settings = study.model_dump(exclude={"rehearsal"})
     state = json.dumps([settings, [asdict(segment) for segment in segments], videos])
     return hashlib.sha256(state.encode()).hexdigest()
-
-
-def _difference(folder: StudyFolder, truth: Truth) -> str:
-    """Return why the rehearsal in `folder` cannot be continued; empty if it can."""
-    try:
-        earlier = read_truth(folder.rehearsal_truth)
-    except InputError:
-        return f"{folder.rehearsal_truth.name} is missing or damaged"
-    if earlier.study != truth.study:
-        return "the study has changed"
-    if earlier.seed != truth.seed:
-        return f"its seed was {earlier.seed}, not {truth.seed}"
-    return "" if earlier == truth else "its participants were drawn from another population"
 
 
 def read_roster(database: Database, count: int, truth: Truth) -> Roster:

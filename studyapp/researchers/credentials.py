@@ -307,17 +307,25 @@ def reset_second_factor(database: Database, clock: Clock, *, name: str) -> None:
         log_change(session, clock.now(), Event.SECOND_FACTOR_RESET, by="", detail=detail)
 
 
+def prove_password(
+    database: Database, researcher_id: int, password: str, address: str, now: datetime
+) -> Researcher:
+    """Count an attempt, and return the account; `InputError` if the password is wrong."""
+    with database.reading() as session:
+        account = session.get_one(Researcher, researcher_id)
+    count_attempt(database, name_hash(account.name), address, now)
+    if not verify_password(account.password_hash, password):
+        raise InputError("the password is wrong", remedy="Type it again")
+    return account
+
+
 @contextmanager
 def _changed_account(
     database: Database, clock: Clock, researcher_id: int, password: str, address: str, event: Event
 ) -> Iterator[Researcher]:
     """Give the account to be changed once the password has proved right, and log the change."""
     now = clock.now()
-    with database.reading() as session:
-        account = session.get_one(Researcher, researcher_id)
-    count_attempt(database, name_hash(account.name), address, now)
-    if not verify_password(account.password_hash, password):
-        raise InputError("the password is wrong", remedy="Type it again")
+    prove_password(database, researcher_id, password, address, now)
     with database.writing() as session:
         researcher = session.get_one(Researcher, researcher_id, with_for_update=True)
         yield researcher

@@ -23,6 +23,7 @@ from studyapp.researchers.credentials import (
     hash_password,
     needs_rehash,
     new_token,
+    prove_password,
     token_hash,
     verify_password,
 )
@@ -170,11 +171,7 @@ def change_password(
         If `old` is not the password, or `new` is not acceptable.
     """
     now = clock.now()
-    with database.reading() as session:
-        account = session.get_one(Researcher, researcher_id)
-    count_attempt(database, name_hash(account.name), address, now)
-    if not verify_password(account.password_hash, old):
-        raise InputError("the old password is wrong", remedy="Type it again")
+    account = prove_password(database, researcher_id, old, address, now)
     check_password(new, name=account.name)
     password_hash = hash_password(new)
     with database.writing() as session:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib import metadata
@@ -26,7 +25,6 @@ from analysis.stats.multiple_testing import NOT_LOGGED, LooksBefore
 from motion.files import harmless_frame, replacing, write_frame
 from motion.segment import Segment
 from renderer.viewer.page import MotionFigures, scripts, style
-from studyapp.desk.jobs import RESEARCHER
 from studyapp.rehearsal.simulation.truth import read_truth
 from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks
 from studyapp.results.answers import (
@@ -119,7 +117,11 @@ def report(
         subject = replace(subject, truth=match_values(reports, known.expected))
     remark = record_look(folder, study, answers, way="report", reason=reason)
     if answers.origin != "participants" and not rehearsal and not folder.shared_answers.exists():
-        remark = _without_participants(answers)
+        shown = ", so the report shows the rehearsal" if answers.origin == "rehearsal" else ""
+        remark = (
+            f"No answers of participants were found{shown}. If the study is served with "
+            "DATABASE_URL, set it here as well."
+        )
     if remark and warn is not None:
         warn(remark)
     metrics: dict[str, object] = {}
@@ -142,17 +144,6 @@ def report(
         scores = score_table(replace(subject.metrics, clips=()))
         write_frame(folder.report / "tables" / SCORES, scores)
     return page
-
-
-def _without_participants(answers: Answers) -> str:
-    """Return the remark on a report for which no answers of participants were found."""
-    remark = "No answers of participants were found"
-    if answers.origin == "rehearsal":
-        remark += ", so the report shows the rehearsal"
-    # A desk has each study's answers in its folder.
-    if os.environ.get("DATABASE_URL") or RESEARCHER in os.environ:
-        return f"{remark}."
-    return f"{remark}. If the study is served with DATABASE_URL, set it here as well."
 
 
 def _playable_pairs(

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import pandas as pd
 
+from motion.errors import listed
 from motion.files import harmless_frame, sha256_of, write_text
 from motion.segment import Segment
 from studyapp.researchers.pseudonyms import FOLDER
@@ -150,11 +151,16 @@ def copy_study(folder: StudyFolder, study: Study, to: StudyFolder, *, videos: bo
     if videos:
         for path in sorted(folder.videos.rglob("*.mp4")):
             _copy(folder, to, path)
-    remarks = [*_outside(folder, study)]
+    remarks = []
+    if outside := [Path(name).name for name in _outside(folder, study)]:
+        remarks.append(
+            f"Not copied, as not part of the study: {listed(outside)}. To reproduce the metrics, "
+            "one needs them at their paths in study.toml."
+        )
     if not videos and any(to.root.glob("motion/*/*.npz")) and not to.speech.exists():
         remarks.append(
-            "Segments are known by the finished videos alone, which were not copied: whoever "
-            "repeats the metrics needs them too (--with-videos)."
+            "Whoever repeats the metrics also needs the finished videos (--with-videos), by which "
+            "alone segments are known."
         )
     return remarks
 
@@ -181,24 +187,13 @@ def _material(folder: StudyFolder, study: Study) -> Iterator[Path]:
 
 
 def _outside(folder: StudyFolder, study: Study) -> Iterator[str]:
-    """Yield sentences about files that a report needs but that cannot be shared."""
+    """Yield the files that a report needs but that belong to others, or lie outside the study."""
     if study.video.body:
-        yield (
-            f"The body {Path(study.video.body).name} is licensed and was not copied: to "
-            "reproduce the metrics, one needs a copy of one's own at its path in study.toml."
-        )
-    for evaluator in study.evaluator:
-        yield (
-            f"The published evaluator {Path(evaluator.file).name} belongs to its authors and was "
-            "not copied: to reproduce the metrics, one needs it at its path in study.toml, or "
-            "removes 'evaluator' there."
-        )
+        yield study.video.body
+    yield from (evaluator.file for evaluator in study.evaluator)
     matrix = study.video.expression_matrix
     if matrix and not _is_within(folder, matrix):
-        yield (
-            f"The expression matrix {Path(matrix).name} is outside the study and was not "
-            "copied: to reproduce the metrics, one needs it at its path in study.toml."
-        )
+        yield matrix
 
 
 def _is_within(folder: StudyFolder, name: str) -> bool:

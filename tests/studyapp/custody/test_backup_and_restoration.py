@@ -143,13 +143,6 @@ def test_nothing_is_overwritten_or_written_elsewhere(
     assert not new.root.exists()
     with pytest.raises(InputError, match=r"it contains pseudonyms\.key"):
         restore(made.path, study.folder, study.clock)
-    killed = StudyFolder(tmp_path / "killed")
-    (killed.root / ".unfinished-restore-1234").mkdir(parents=True)
-    killed.stimuli.write_text("{}")
-    with pytest.raises(
-        InputError, match=r"left \.unfinished-restore-1234 and stimuli\.json\. Remove these"
-    ):
-        restore(made.path, killed, study.clock)
     restore(made.path, new, study.clock)
     with pytest.raises(InputError, match="the folder is not empty"):
         restore(made.path, new, study.clock)

@@ -24,17 +24,10 @@ def spoil(folder: StudyFolder, what: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("seed", "changed", "message"),
-    [
-        (1, "", "is continued"),
-        (2, "", "seed was 1, not 2"),
-        (1, "study", "the study has changed"),
-        (1, "record", "rehearsal.json"),
-        (1, "population", "another population"),
-    ],
+    ("seed", "changed"), [(1, ""), (2, ""), (1, "study"), (1, "record"), (1, "population")]
 )
 def test_a_rehearsal_resumes_only_with_the_same_settings(
-    folder: StudyFolder, seed: int, changed: str, message: str
+    folder: StudyFolder, seed: int, changed: str
 ) -> None:
     folder.responses.write_bytes(b"real answers")
     prepare(folder, seed=1)
@@ -46,8 +39,8 @@ def test_a_rehearsal_resumes_only_with_the_same_settings(
     others = replace(people, kinds={"careless": 0.5}) if changed == "population" else None
     truth, note = prepare(folder, seed=seed, population=others)
 
-    assert message in note
-    is_continued = message == "is continued"
+    is_continued = seed == 1 and not changed
+    assert ("is continued" if is_continued else "were removed") in note
     assert bool(list(folder.root.glob("rehearsal.db*"))) == is_continued
     assert bool(Ledger(folder.acknowledged).read().codes) == is_continued
     assert read_truth(folder.rehearsal_truth) == truth

@@ -11,9 +11,7 @@ from sqlalchemy import update
 
 from analysis.report.figures.style import FORMATS
 from analysis.results.report import analyse_table, as_json
-from studyapp.database.engine import sqlite_url
 from studyapp.database.tables.study_session import StudyVersion
-from studyapp.desk.jobs import RESEARCHER
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.truth import Truth, write_truth
 from studyapp.results.answers import read_answers
@@ -116,7 +114,7 @@ def test_a_study_without_answers_is_reported_as_such(
 
 
 def test_a_report_says_where_it_shows_the_rehearsal_instead_of_answers(
-    answered: Answered, empty_sqlite: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    answered: Answered, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("studyapp.results.report.write_report", lambda *_, **__: tmp_path)
     folder = answered("rating", people=3, stop_after=1)
@@ -130,16 +128,11 @@ def test_a_report_says_where_it_shows_the_rehearsal_instead_of_answers(
         report(folder, rehearsal=rehearsal, warn=texts.append)
         return texts
 
-    fallback = "No answers of participants were found, so the report shows the rehearsal."
     assert remarks(folder) == [
-        f"{fallback} If the study is served with DATABASE_URL, set it here as well."
+        "No answers of participants were found, so the report shows the rehearsal. "
+        "If the study is served with DATABASE_URL, set it here as well."
     ]
     assert remarks(folder, rehearsal=True) == remarks(shared) == []
-    # The second is set for a desk's jobs; a desk has no other database than the study's own.
-    for variable, value in (("DATABASE_URL", sqlite_url(empty_sqlite)), (RESEARCHER, "Ada")):
-        with monkeypatch.context() as patch:
-            patch.setenv(variable, value)
-            assert remarks(folder) == [fallback]
 
 
 def test_reports_are_reproducible_and_replace_older_files(
