@@ -107,8 +107,8 @@ def command(
         )
     click.echo(f"Wrote {counted(exported.answers, 'answer')} to {exported.files[0]}")
     click.echo(f"Written beside it: {', '.join(file.name for file in exported.files[1:])}")
-    for remark in filter(None, (exported.remark, exported.look)):
-        click.echo(remark)
+    if exported.look:
+        click.echo(exported.look)
     if not (exported.answers or rehearsal or withdrawn) and folder.rehearsal.exists():
         click.echo("Nobody has answered yet; --rehearsal exports the simulated participants.")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -157,32 +157,26 @@ def _column(frame: pd.DataFrame, column: Column) -> pd.Series[Any]:
     return made
 
 
+WRITTEN: Final[Mapping[ColumnType, Callable[[Any], str]]] = {
+    "moment": pd.Timestamp.isoformat,
+    "boolean": lambda truth: "true" if truth else "false",
+}
+
+
 def as_text(frame: pd.DataFrame, table: TableColumns, *, missing: str = "") -> pd.DataFrame:
     """Return the cells of a typed table as they stand in a text file.
 
     Moments are ISO 8601 in UTC, truth is ``true`` and ``false``, numbers have the shortest form
     that is read as the same number.
     """
-    return pd.DataFrame(
-        {column.name: _words(frame[column.name], column, missing) for column in table.columns},
-        index=frame.index,
-        dtype=object,
-    )
-
-
-def _words(cells: pd.Series[Any], column: Column, missing: str) -> pd.Series[Any]:
-    there = cells.notna()
-    found: list[Any] = cells[there].tolist()
-    if column.type == "moment":
-        found = [moment.isoformat() for moment in found]
-    elif column.type == "boolean":
-        found = ["true" if truth else "false" for truth in found]
-    elif column.type != "text":
-        found = [str(number) for number in found]
-    words: Any = pd.Series(missing, index=cells.index, dtype=object)
-    words[there] = found
-    made: pd.Series[Any] = words
-    return made
+    words = {
+        column.name: frame[column.name]
+        .astype(object)
+        .map(WRITTEN.get(column.type, str), na_action="ignore")
+        .fillna(missing)
+        for column in table.columns
+    }
+    return pd.DataFrame(words, index=frame.index, dtype=object)
 
 
 def csv_text(frame: pd.DataFrame, table: TableColumns) -> str:

@@ -42,7 +42,7 @@ from studyapp.results.export.shared_folder import (
     write_stimuli_list,
     write_tsv,
 )
-from studyapp.results.export.tables import ExportedTable, Judged, exported_tables, judge
+from studyapp.results.export.tables import ExportedTable, exclusions, exported_tables
 from studyapp.results.looks import drop_current_looks, record_look
 from studyapp.results.stored_answers import Answers, Source, stored_answers
 from studyapp.study.folder import StudyFolder
@@ -137,7 +137,6 @@ class _Source:
     """One state of the database."""
 
     answers: Answers
-    judged: Judged
     tables: Mapping[str, ExportedTable]
     versions: Sequence[StudyVersion]
 
@@ -147,15 +146,14 @@ def _read_source(folder: StudyFolder, origin: Source) -> _Source:
         if session is None:
             raise missing_answers(folder, origin)
         answers = answers_in(session, origin)
-        judged = judge(folder.study(), answers)
+        excluded = exclusions(folder.study(), answers)
         key = PseudonymKey.read_or_make(folder.pseudonym_key)
         return _Source(
             answers=answers,
-            judged=judged,
             tables={
                 table.about.name: table
                 for table in exported_tables(
-                    session, stored_answers(session, in_full=True), key, judged
+                    session, stored_answers(session, in_full=True), key, excluded
                 )
             },
             versions=session.scalars(select(StudyVersion).order_by(StudyVersion.number)).all(),
@@ -191,8 +189,6 @@ def _write_folder(
     if folder.report.joinpath("results.json").exists():
         results = root / "sourcedata" / "results.json"
         shutil.copyfile(folder.report / "results.json", results)
-    if source.judged.remark:
-        remarks.append(source.judged.remark)
     return Shared(study=root / STUDY, participants=len(staying), remarks=tuple(remarks))
 
 

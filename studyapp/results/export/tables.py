@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -54,38 +54,6 @@ class ExportedTable:
     frame: pd.DataFrame
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Judged:
-    """What the rules of a study say of each participant.
-
-    Attributes
-    ----------
-    rows : DataFrame
-        The columns about exclusion by `study_session`, and by `part` where each part of the study
-        is judged by itself. Study sessions that the rules were not applied to are not there.
-    remark : str
-        Why the rules were applied to nobody, as a sentence; empty where they were.
-    """
-
-    rows: pd.DataFrame = field(
-        default_factory=lambda: pd.DataFrame(columns=["study_session", *EXCLUSION], dtype=object)
-    )
-    remark: str = ""
-
-    def mark_answers(self, answers: pd.DataFrame) -> pd.DataFrame:
-        """Return `answers` with the columns about exclusion; of a task, by its own rules."""
-        keys = [key for key in ("study_session", "part") if key in self.rows]
-        return answers.merge(self.rows, on=keys, how="left")
-
-    def mark_participants(self, participants: pd.DataFrame) -> pd.DataFrame:
-        """Return `participants` with the same columns: of a task that leaves them out, if any."""
-        worst_first = self.rows.sort_values("excluded", ascending=False, kind="stable")
-        once = worst_first.drop_duplicates("study_session")
-        return participants.merge(
-            once[["study_session", *EXCLUSION]], on="study_session", how="left"
-        )
-
-
 @dataclass(frozen=True, kw_only=True)
 class Exported:
     """The result of an export.
@@ -96,15 +64,12 @@ class Exported:
         Rows of the main table.
     files : tuple of Path
         All written files, the main table first.
-    remark : str
-        What could not be done, as a sentence; may be empty.
     look : str
         A warning about interim looks; empty once all have finished.
     """
 
     answers: int
     files: tuple[Path, ...]
-    remark: str = ""
     look: str = ""
 
 
@@ -139,8 +104,8 @@ def export(
     Raises
     ------
     InputError
-        If the study or its database cannot be read, there are no such answers, the key is
-        damaged, or the ending is unknown.
+        If the study or its database cannot be read, there are no such answers, they contradict
+        the study, the key is damaged, or the ending is unknown.
     """
     if path.suffix not in columns.ENDINGS:
         raise InputError(
@@ -151,18 +116,16 @@ def export(
     study = folder.study()
     origin: Source = "rehearsal" if rehearsal else "participants"
     answers = NO_ANSWERS
-    judged = Judged()
     with snapshot(folder, origin) as session:
         if session is None:
             raise missing_answers(folder, origin)
         if not withdrawn:
             answers = answers_in(session, origin, in_full=True)
-            judged = judge(study, answers)
         key = PseudonymKey.read_or_make(folder.pseudonym_key)
         tables = (
             _withdrawn_tables(session, key)
             if answers.stored is None
-            else exported_tables(session, answers.stored, key, judged)
+            else exported_tables(session, answers.stored, key, exclusions(study, answers))
         )
         names = _recruiter_ids(session, key) if with_recruiter_ids else None
     look = record_look(folder, study, answers, way="export", reason=reason)
@@ -185,26 +148,35 @@ def export(
     return Exported(
         answers=len(tables[0].frame),
         files=(*written, page, page.with_suffix(".json")),
-        remark=judged.remark,
         look=look,
     )
 
 
 def exported_tables(
-    session: Session, stored: StoredAnswers, key: PseudonymKey, judged: Judged
+    session: Session, stored: StoredAnswers, key: PseudonymKey, excluded: pd.DataFrame
 ) -> tuple[ExportedTable, ...]:
     """Return all tables but that of the recruiter's names, the answers first.
 
-    `stored` is in full, of the same state of the database.
+    Parameters
+    ----------
+    stored : StoredAnswers
+        In full, of the same state of the database.
+    excluded : DataFrame
+        See `exclusions`.
     """
     watching = watching_table(session)
-    answers = judged.mark_answers(_with_watching(answers_table(stored), watching))
+    answers = _with_watching(answers_table(stored), watching)
+    own = [key for key in ("study_session", "part") if key in excluded]
+    answers = answers.merge(excluded, on=own, how="left")
     analysed: list[Any] = [
-        None if pd.isna(excluded) else (not excluded and kind in ANALYSED_KINDS)
-        for excluded, kind in zip(answers["excluded"], answers["kind"], strict=True)
+        None if pd.isna(left_out) else (not left_out and kind in ANALYSED_KINDS)
+        for left_out, kind in zip(answers["excluded"], answers["kind"], strict=True)
     ]
     answers = answers.assign(analysed=pd.Series(analysed, index=answers.index, dtype=object))
-    people = judged.mark_participants(participants_table(stored))
+    # Of several tasks, one that leaves the participant out.
+    worst_first = excluded.sort_values("excluded", ascending=False, kind="stable")
+    once = worst_first.drop_duplicates("study_session")[["study_session", *EXCLUSION]]
+    people = participants_table(stored).merge(once, on="study_session", how="left")
     form, refusals = form_answers_table(session), refusals_table(session)
     names = pseudonyms(session, key)
     return (
@@ -294,17 +266,15 @@ def _log(session: Session) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(columns.LOG.names))
 
 
-def judge(study: Study, answers: Answers) -> Judged:
-    """Apply the rules of `study`; what cannot be judged is exported all the same."""
-    try:
-        tasks = analysed_tasks(study, answers)
-    except InputError as error:
-        return Judged(remark=f"The exclusion rules could not be applied: {error}")
+def exclusions(study: Study, answers: Answers) -> pd.DataFrame:
+    """Return the columns about exclusion by `study_session`, where the rules were applied.
+
+    Where each part of the study is judged by itself, also by `part`.
+    """
+    tasks = analysed_tasks(study, answers)
     if len(tasks) == 1:
-        return Judged(rows=_of_task(tasks[0]))
-    return Judged(
-        rows=pd.concat([_of_task(task).assign(part=PARTS_OF[task.protocol]) for task in tasks])
-    )
+        return _of_task(tasks[0])
+    return pd.concat([_of_task(task).assign(part=PARTS_OF[task.protocol]) for task in tasks])
 
 
 def _of_task(task: AnalysedTask) -> pd.DataFrame:

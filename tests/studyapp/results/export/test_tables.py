@@ -151,19 +151,6 @@ def test_each_answer_states_whether_and_by_which_rule_it_is_excluded(made: Made)
     assert left_out["exclusion_reason"].tolist() == ["1 of 6 trials answered"]
 
 
-def test_answers_that_contradict_the_study_are_exported_anyway(
-    answered: Answered, tmp_path: Path
-) -> None:
-    folder = answered("pairwise")
-    text = folder.definition.read_text("utf-8")
-    folder.definition.write_text(text.replace('name = "fit"', 'name = "other"'), "utf-8")
-
-    done = export(folder, tmp_path / "answers.csv")
-
-    assert done.answers > 0
-    assert read(tmp_path)["excluded"].isna().all() == bool(done.remark)
-
-
 def test_spreadsheet_formulas_are_exported_as_text(answered: Answered, tmp_path: Path) -> None:
     folder = answered("pairwise")
     with writing(folder.responses) as session:
