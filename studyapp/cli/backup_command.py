@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from motion.errors import counted, listed
+from motion.errors import counted
 from studyapp.cli.arguments import EXISTING_FILE, FOLDER, StudyCommand, study_folder
 from studyapp.cli.output import progress
 from studyapp.clock import Clock
@@ -39,11 +39,8 @@ def command(folder: StudyFolder, out: Path, with_media: bool, keep: int | None) 
         f"Wrote {backup.path} ({format_size(backup.path.stat().st_size)}). Keep it as safe as the "
         "answers: it identifies people."
     )
-    if backup.manifest.media:
-        click.echo(
-            f"It holds only the SHA-256 of {len(backup.manifest.media)} media files; --with-media "
-            "includes them."
-        )
+    if not with_media:
+        click.echo("It holds no speech, motion and videos; --with-media includes them.")
     for path in backup.removed:
         click.echo(f"Removed the older {path}")
 
@@ -53,9 +50,6 @@ def _contents(manifest: Manifest) -> str:
         f"{counted(manifest.participants, 'participant')} with {manifest.answers} answers, as of "
         f"{manifest.made_at:%Y-%m-%d %H:%M:%S} UTC"
     )
-
-
-_MOST_NAMED = 3
 
 
 @click.command("restore")
@@ -72,11 +66,7 @@ def restore_command(archive: Path, folder: Path) -> None:
         restored = restore(archive, StudyFolder(folder), Clock(), on_file=on_file)
     manifest = restored.manifest
     click.echo(f"Restored {_contents(manifest)}, to {folder} and {restored.database}")
-    for paths, state in ((restored.missing, "are missing"), (restored.changed, "have changed")):
-        if paths:
-            more = ["others"] if len(paths) > _MOST_NAMED else []
-            names = listed([*paths[:_MOST_NAMED], *more])
-            click.echo(f"{len(paths)} media files {state} in {folder}: {names}. Copy them there.")
+    click.echo("'motionjury check' names speech and videos that the backup did not hold.")
     click.echo(
         f"Participants who were erased or withdrew after {manifest.made_at:%Y-%m-%d %H:%M:%S} UTC "
         "are back with all their data. Erase them again with 'motionjury forget'."

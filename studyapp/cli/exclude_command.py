@@ -120,8 +120,8 @@ def _describe_erasure(entry: StoredData) -> str:
     if entry.study_session is None:
         return "Screened out. To be erased: that this happened."
     return (
-        f"Study session {entry.study_session} ({entry.state}, arm {entry.arm}), found by its "
-        f"{entry.found_by}. To be erased: {entry.answers} answers with their trials, all records "
-        "of watching, answers to the form, refused requests, the recruiter's ids, the completion "
-        "code, and whether and why researchers excluded the participant."
+        f"Study session {entry.study_session} ({entry.state}, arm {entry.arm}). To be erased: "
+        f"{entry.answers} answers with their trials, all records of watching, answers to the form, "
+        "refused requests, the recruiter's ids, the completion code, and whether and why "
+        "researchers excluded the participant."
     )

@@ -28,7 +28,7 @@ from studyapp.custody.manifest import (
     small_files,
     stored_file,
 )
-from studyapp.database.copies import count_rows, find_flaws, schema_of_copy, write_copy
+from studyapp.database.copies import count_rows, find_flaws, write_copy
 from studyapp.database.engine import database_url_of, display_address
 from studyapp.study.folder import StudyFolder
 
@@ -77,7 +77,7 @@ def back_up(
         The file, which must not exist; or a folder, where the file is named after the study and
         the time.
     media : bool
-        Include speech, motion and videos; else only list them, so that a restore can check them.
+        Include speech, motion and videos.
     keep : int, optional
         With a folder: the number of this study's backups to keep.
 
@@ -104,17 +104,14 @@ def back_up(
         copy = work / DATABASE
         write_copy(url, copy)
         included = [*small_files(folder), (copy, stored_file(copy, DATABASE))]
-        all_media = media_files(folder, on_file)
         if media:
-            included += all_media
+            included += media_files(folder, on_file)
         manifest = Manifest(
             motionjury=metadata.version("motionjury"),
             made_at=made_at,
             origin=_origin(folder, url),
-            schema_name=schema_of_copy(copy) or "",
             rows=count_rows(copy),
             files=tuple(entry for _, entry in included),
-            media=() if media else tuple(entry for _, entry in all_media),
         )
         study = folder.root.resolve().name
         path = out / f"{study}-{made_at:{_TIMESTAMP}}{ENDING}" if into_folder else out

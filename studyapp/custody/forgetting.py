@@ -73,15 +73,11 @@ class StoredData:
         Empty for a participant who was screened out.
     answers : int
         The number of stored answers to trials.
-    found_by : str
-        ``recruiter id``, ``pseudonym``, ``completion code`` or ``invitation``; empty for a
-        participant who was screened out.
     """
 
     study_session: int | None
     state: str
     arm: str = ""
-    found_by: str = ""
     answers: int = 0
 
 
@@ -102,10 +98,9 @@ def find_data(database: Database, name: str, key: PseudonymKey | None) -> tuple[
                 study_session=study_session.id,
                 arm=study_session.arm,
                 state=state_of(study_session),
-                found_by=found_by,
                 answers=sum(len(trial.responses) for trial in study_session.trials),
             )
-            for study_session, found_by in _find_sessions(session, name, key)
+            for study_session in _find_sessions(session, name, key)
         ]
         screened_out = session.scalars(select(ScreenOut.id).where(_is_screen_out_of([name])))
         return (
@@ -142,7 +137,7 @@ def forget(database: Database, name: str, key: PseudonymKey | None, clock: Clock
         if study_sessions or screened_out:
             # Of an invitation only a hash is stored, so its link and token are known only here.
             _erase_names(session, [name.strip(), _token(name)])
-        for study_session, _ in study_sessions:
+        for study_session in study_sessions:
             erase(session, study_session, key, now)
         if screened_out and not study_sessions:
             log_change(session, now, Event.FORGOTTEN, by="", detail="was screened out")
@@ -158,34 +153,27 @@ def has_forgotten(database: Database) -> bool:
 
 def _find_sessions(
     session: Session, name: str, key: PseudonymKey | None, *, for_update: bool = False
-) -> list[tuple[StudySession, str]]:
-    """Return the study sessions of the person called `name`, and how each was found."""
+) -> list[StudySession]:
+    """Return the study sessions of the person called `name`."""
     query = select(StudySession).order_by(StudySession.id)
-    matching = [entry.id for entry in session.scalars(query) if _match(entry, name, key)]
+    matching = [each.id for each in session.scalars(query) if _is_called(each, name, key)]
     query = query.where(StudySession.id.in_(matching))
     if for_update:
         query = query.with_for_update().execution_options(populate_existing=True)
-    return [
-        (study_session, found_by)
-        for study_session in session.scalars(query)
-        # Another request may have erased them in the meantime.
-        if (found_by := _match(study_session, name, key))
-    ]
+    # Another request may have erased them in the meantime.
+    return [each for each in session.scalars(query) if _is_called(each, name, key)]
 
 
-def _match(study_session: StudySession, name: str, key: PseudonymKey | None) -> str:
-    if study_session.visit == _visit(name):
-        return "invitation"
-    name = fold_name(name)
-    if not name:
-        return ""
-    if fold_name(study_session.recruiter_participant or "") == name:
-        return "recruiter id"
-    if fold_name(study_session.completion_code or "") == name:
-        return "completion code"
-    if key is not None and key.is_called(study_session, name):
-        return "pseudonym"
-    return ""
+def _is_called(study_session: StudySession, name: str, key: PseudonymKey | None) -> bool:
+    names = (study_session.recruiter_participant, study_session.completion_code)
+    folded = fold_name(name)
+    return study_session.visit == _visit(name) or (
+        bool(folded)
+        and (
+            folded in (fold_name(each) for each in names if each)
+            or (key is not None and key.is_called(study_session, folded))
+        )
+    )
 
 
 def _visit(link: str) -> str:

@@ -1,4 +1,4 @@
-"""The manifest of a backup: the files of a study that the backup holds or only knows.
+"""The manifest of a backup: the files of a study that the backup holds.
 
 All other files of a backup are checked against it.
 """
@@ -82,14 +82,10 @@ class Manifest(_Model):
         Everything stored before is in the backup.
     origin : str
         Digest of the study's location, which distinguishes backups of different studies.
-    schema_name : str
-        Schema of the database, for people: restoring asks the database itself.
     rows : mapping of str to int
         Number of rows of each table.
     files : tuple of StoredFile
         The contents of the backup, in order.
-    media : tuple of StoredFile
-        Media of the study that are not in the backup.
     """
 
     kind: Literal["motionjury backup"] = "motionjury backup"
@@ -97,14 +93,12 @@ class Manifest(_Model):
     motionjury: str
     made_at: AwareDatetime
     origin: str
-    schema_name: str
     rows: dict[str, int]
     files: tuple[StoredFile, ...]
-    media: tuple[StoredFile, ...] = ()
 
     @model_validator(mode="after")
     def _check_files(self) -> Manifest:
-        paths = Counter(file.path for file in (*self.files, *self.media))
+        paths = Counter(file.path for file in self.files)
         if any(count > 1 for count in paths.values()):
             raise ValueError("a file is listed twice")
         if not {"study.toml", DATABASE} <= {file.path for file in self.files}:
@@ -157,18 +151,6 @@ def stored_file(source: Path, path: str) -> StoredFile:
     with source.open("rb") as stream:
         digest = hashlib.file_digest(stream, "sha256").hexdigest()
         return StoredFile(path=path, size=stream.tell(), sha256=digest)
-
-
-def compare_media(root: Path, media: tuple[StoredFile, ...]) -> tuple[list[str], list[str]]:
-    """Return the paths of `media` that are missing from the study at `root`, and that changed."""
-    missing, changed = [], []
-    for entry in media:
-        file = root / entry.path
-        if not file.is_file():
-            missing.append(entry.path)
-        elif file.stat().st_size != entry.size or stored_file(file, entry.path) != entry:
-            changed.append(entry.path)
-    return missing, changed
 
 
 def _below(folder: Path) -> Iterator[Path]:

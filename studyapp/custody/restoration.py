@@ -13,7 +13,7 @@ from motion.errors import InputError, found_at, listed
 from studyapp.clock import Clock
 from studyapp.custody.archive import read_archive
 from studyapp.custody.backup import require_intact
-from studyapp.custody.manifest import DATABASE, MEDIA, Manifest, OnFile, compare_media
+from studyapp.custody.manifest import DATABASE, MEDIA, Manifest, OnFile
 from studyapp.database.copies import compact, fill_from_copy, require_empty
 from studyapp.database.engine import (
     Database,
@@ -41,14 +41,10 @@ class Restored:
         The manifest of the backup.
     database : str
         The address of its database, without a password.
-    missing, changed : tuple of str
-        Media outside the backup that are missing, or differ from those of the study.
     """
 
     manifest: Manifest
     database: str
-    missing: tuple[str, ...]
-    changed: tuple[str, ...]
 
 
 def restore(
@@ -116,13 +112,7 @@ def _restore(
         _note_restored(database, manifest, clock)
     compact(copy)
     _move_into_place(folder, unpacked, manifest, url)
-    missing, changed = compare_media(folder.root, manifest.media)
-    return Restored(
-        manifest=manifest,
-        database=display_address(url),
-        missing=tuple(missing),
-        changed=tuple(changed),
-    )
+    return Restored(manifest=manifest, database=display_address(url))
 
 
 def _note_restored(database: Database, manifest: Manifest, clock: Clock) -> None:

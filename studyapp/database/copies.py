@@ -76,13 +76,6 @@ def compact(file: Path) -> None:
         connection.execute("VACUUM")
 
 
-def schema_of_copy(file: Path) -> str | None:
-    """Return the name of the schema of the copy `file`."""
-    with closing(sqlite3.connect(file)) as connection:
-        row = connection.execute(f"SELECT version_num FROM {SCHEMA}").fetchone()  # noqa: S608
-    return None if row is None else str(row[0])
-
-
 def count_rows(file: Path) -> dict[str, int]:
     """Count the rows of each table of the copy `file`."""
     engine = create_engine(sqlite_url(file))

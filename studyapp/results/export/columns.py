@@ -173,6 +173,7 @@ def as_text(frame: pd.DataFrame, table: TableColumns, *, missing: str = "") -> p
         column.name: frame[column.name]
         .astype(object)
         .map(WRITTEN.get(column.type, str), na_action="ignore")
+        .astype(object)
         .fillna(missing)
         for column in table.columns
     }

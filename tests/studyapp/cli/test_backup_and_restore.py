@@ -17,9 +17,9 @@ def test_a_backup_is_described_and_restored_with_what_it_lacks(
     output = run("backup", study, archive)
     assert "Backed up 1 participant with 2 answers" in output
     assert f"from sqlite:///{study / 'responses.db'}" in output
-    assert "media files; --with-media includes them" in output
+    assert "--with-media includes them" in output
     assert "Keep it as safe as the answers" in output
     output = run("restore", archive, tmp_path / "new")
     assert "Restored 1 participant with 2 answers" in output
-    assert "media files are missing" in output
+    assert "'motionjury check' names" in output
     assert "Participants who were erased or withdrew after" in output

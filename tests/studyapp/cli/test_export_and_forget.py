@@ -50,7 +50,7 @@ def test_a_participant_is_erased_after_a_question_and_what_remains_is_printed(st
 
     erased = run("forget", study, PERSON, typed="y\n")
 
-    assert "found by its recruiter id" in erased
+    assert "Study session 1 (started, arm all). To be erased" in erased
     assert "What remains: one row" in erased
     assert "Left to do by hand" in erased
     assert not is_in_the_file(study)
@@ -77,7 +77,7 @@ def test_a_participant_is_found_by_a_pseudonym_from_an_earlier_export(
     run("export", study, "--with-recruiter-ids")
     pseudonym = (study / "recruiter_ids.csv").read_text().splitlines()[1].split(",")[0]
 
-    assert "found by its pseudonym" in run("forget", study, pseudonym, "--yes")
+    run("forget", study, pseudonym, "--yes")
 
     assert not is_in_the_file(study)
     run("export", study, "--with-recruiter-ids")

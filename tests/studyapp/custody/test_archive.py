@@ -38,7 +38,6 @@ def manifest_of(files: dict[str, bytes]) -> Manifest:
         motionjury="0.1.0",
         made_at=datetime(2026, 5, 4, 12, tzinfo=UTC),
         origin="somewhere",
-        schema_name="0001",
         rows={"responses": 2},
         files=tuple(entry(path, content) for path, content in files.items()),
     )

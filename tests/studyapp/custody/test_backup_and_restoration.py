@@ -94,13 +94,12 @@ def test_everything_is_restored_and_participants_can_continue(
 ) -> None:
     made = study.back_up(media=True)
 
-    restored = restore(made.path, new, study.clock)
+    restore(made.path, new, study.clock)
 
     for_the_owner = (made.path, new.pseudonym_key, new.responses)
     assert {stat.S_IMODE(path.stat().st_mode) for path in for_the_owner} == {0o600}
     assert list(study.backups.iterdir()) == [made.path]
     assert contents(new.root) == contents(study.folder.root)
-    assert (restored.missing, restored.changed) == ((), ())
     with opened(new.responses) as database, database.reading() as session:
         one = Participant(database, ServedStudy.read(new.root), study.clock, study.people[0].token)
         assert one.trial().position == 3
@@ -108,22 +107,6 @@ def test_everything_is_restored_and_participants_can_continue(
         (line,) = session.scalars(select(AuditLine))
         moment = f"{made.manifest.made_at:%Y-%m-%d %H:%M:%S} UTC"
         assert (line.event, line.detail) == ("restored", f"as it was on {moment}")
-
-
-def test_media_outside_the_backup_are_verified(study: Study, new: StudyFolder) -> None:
-    made = study.back_up()
-    assert len(made.manifest.media) == 17
-
-    missing = restore(made.path, new, study.clock).missing
-    shutil.rmtree(new.root)
-    shutil.copytree(study.folder.videos, new.videos)
-    (new.videos / "pairs" / "003.mp4").write_bytes(b"another one")
-    restored = restore(made.path, new, study.clock)
-
-    assert "videos/pairs/003.mp4" in missing
-    assert len(missing) == 17
-    assert restored.missing == ("speech/take.wav",)
-    assert restored.changed == ("videos/pairs/003.mp4",)
 
 
 def test_nothing_is_overwritten_or_written_elsewhere(
@@ -153,7 +136,7 @@ def fail(*_: object, **__: object) -> None:
     raise OSError(28, "No space left on device")
 
 
-@pytest.mark.parametrize("step", ["compare_media", "compact", "require_intact", "_note_restored"])
+@pytest.mark.parametrize("step", ["display_address", "compact", "require_intact", "_note_restored"])
 def test_a_failed_restore_leaves_nothing_or_everything(
     study: Study, new: StudyFolder, step: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -163,8 +146,8 @@ def test_a_failed_restore_leaves_nothing_or_everything(
     with pytest.raises(OSError, match="No space"):
         restore(made.path, new, study.clock)
 
-    assert new.definition.exists() == new.responses.exists() == (step == "compare_media")
-    assert new.root.exists() == (step == "compare_media")
+    assert new.definition.exists() == new.responses.exists() == (step == "display_address")
+    assert new.root.exists() == (step == "display_address")
 
 
 def test_a_full_disk_leaves_no_half_backup(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -314,7 +297,7 @@ def test_a_backup_while_people_answer_has_every_acknowledged_answer_and_interrup
     monkeypatch.delenv("DATABASE_URL")
     copy, later = StudyFolder(tmp_path / "copy"), SetClock()
     later.advance(hours=1)
-    assert restore(made.path, copy, later).missing == ()
+    restore(made.path, copy, later)
     with opened(copy.responses) as database:
         with database.reading() as session:
             answered = select(Trial).where(Trial.answered_at.is_not(None))

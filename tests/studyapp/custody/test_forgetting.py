@@ -201,7 +201,7 @@ def test_a_finished_participant_is_found_by_the_completion_code(person: Particip
 
     (entry,) = find_data(person.database, code, None)
 
-    assert (entry.found_by, entry.state, entry.answers) == ("completion code", "completed", 12)
+    assert (entry.state, entry.answers) == ("completed", 12)
     assert forget(person.database, code, None, person.clock) == 1
     assert code not in stored_text(person.database)
 
@@ -213,7 +213,7 @@ def test_an_invited_participant_is_found_by_the_link(person: Participant) -> Non
     link = f"https://study.example.org/?invitation={token}"
     pause(person, f"holder of {link}, {token}, and {screened_out}")
 
-    assert [entry.found_by for entry in find_data(person.database, link, None)] == ["invitation"]
+    assert [entry.study_session for entry in find_data(person.database, link, None)] == [2]
     for name in (link, screened_out):
         assert forget(person.database, name, None, person.clock) == 1
     text = stored_text(person.database)
