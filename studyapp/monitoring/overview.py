@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Final
+from functools import cache
+from importlib.resources import files
+from typing import Any, Final
 
 from studyapp.database.engine import Database
 from studyapp.monitoring import counts, data_quality
@@ -129,13 +132,39 @@ class Overview:
     @property
     def decisions(self) -> tuple[Decision, ...]:
         """What needs a decision, the most urgent first."""
-        return (
-            *_of_places(self.places, self.is_open),
-            *(decision for video in self.videos for decision in _of_video(video)),
-            *(decision for item in self.items for decision in _of_item(item)),
-            *(decision for dropout in self.dropouts for decision in _of_dropout(dropout)),
-            *_of_duration(self.whole, self.announced_minutes),
+        return tuple(
+            Decision(**{part: text.format(**numbers) for part, text in _texts()[kind].items()})
+            for kind, numbers in self._due()
         )
+
+    def _due(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
+        """Yield the key in `decisions.toml` and the numbers of whatever needs a decision."""
+        if self.places.remaining and not self.is_open:
+            yield "not_admitted", vars(self.places)
+        for video in self.videos:
+            if video.unplayable >= MOST_UNPLAYABLE:
+                yield "unplayable", vars(video)
+            if video.shown < FEWEST_SHOWINGS:
+                continue
+            if video.stalled / video.shown >= MOST_STALLED:
+                yield "stalled", vars(video)
+            if video.dropped_share is not None and video.dropped_share >= MOST_DROPPED:
+                yield "dropped", vars(video)
+        for item in self.items:
+            enough = item.careful >= FEWEST_CAREFUL
+            if enough and item.careful_failed / item.careful >= MOST_CAREFUL_FAILED:
+                yield "failed", vars(item)
+        for dropout in self.dropouts:
+            if dropout.left >= FEWEST_LEFT and dropout.left / dropout.came >= MOST_LEFT:
+                yield "left" if dropout.position else "left_before", vars(dropout)
+        minutes, announced = (self.whole.middle or 0) / 60, self.announced_minutes
+        if announced is not None and minutes > LONGER_THAN_SAID * announced:
+            yield "longer", {"minutes": minutes, "announced": announced}
+
+
+@cache
+def _texts() -> Mapping[str, Mapping[str, str]]:
+    return tomllib.loads(files(__package__).joinpath("decisions.toml").read_text("utf-8"))
 
 
 def overview(database: Database, served: ServedStudy, now: datetime) -> Overview:
@@ -209,65 +238,3 @@ def over_because(database: Database, study: Study, places: counts.PlaceCounts) -
 def _leaving_out(present: Sequence[SessionProgress]) -> tuple[SessionProgress, ...]:
     some = [each for each in present if each.left_out]
     return tuple(sorted(some, key=lambda each: -each.left_out)[:MOST_LISTED])
-
-
-def _of_places(places: counts.PlaceCounts, is_open: bool) -> Iterator[Decision]:
-    if places.remaining and not is_open:
-        yield Decision(
-            what=f"{places.done} of {places.wanted} places are done, and nobody new is admitted.",
-            remedy="Admit participants again, here or by 'open = true' in study.toml, or leave it.",
-        )
-
-
-def _of_video(video: data_quality.VideoShowings) -> Iterator[Decision]:
-    if video.unplayable >= MOST_UNPLAYABLE:
-        yield Decision(
-            what=f"{video.unplayable} of {video.shown} said that {video.what} does not play.",
-            remedy="Play it yourself in several browsers; 'motionjury check' looks at its file.",
-        )
-    if video.shown < FEWEST_SHOWINGS:
-        return
-    if video.stalled / video.shown >= MOST_STALLED:
-        yield Decision(
-            what=f"{video.what} waited for data in {video.stalled} of {video.shown} showings, for "
-            f"{video.stalled_seconds:.0f} s in all.",
-            remedy="If it is this video alone, render it smaller; if it is all of them, let a "
-            "web server in front send the videos.",
-        )
-    if video.dropped_share is not None and video.dropped_share >= MOST_DROPPED:
-        yield Decision(
-            what=f"Browsers left out {video.dropped_share:.0%} of the pictures of {video.what}.",
-            remedy="A lower resolution or frame rate is easier to play.",
-        )
-
-
-def _of_item(item: data_quality.CheckedItem) -> Iterator[Decision]:
-    enough = item.careful >= FEWEST_CAREFUL
-    if enough and item.careful_failed / item.careful >= MOST_CAREFUL_FAILED:
-        yield Decision(
-            what=f"The {item.kind} trial {item.item} was failed by {item.careful_failed} of "
-            f"{item.careful} participants who failed no other one.",
-            remedy="Watch it yourself: perhaps its right answer is not plain to see. To leave it "
-            "out, say so in the report; the rules themselves were settled beforehand.",
-        )
-
-
-def _of_dropout(dropout: counts.Dropout) -> Iterator[Decision]:
-    if dropout.left >= FEWEST_LEFT and dropout.left / dropout.came >= MOST_LEFT:
-        where = f"at trial {dropout.position}" if dropout.position else "before the first trial"
-        yield Decision(
-            what=f"{dropout.left} of {dropout.came} who came so far left {where}.",
-            remedy="Take part yourself up to there, and look at what was refused to them.",
-        )
-
-
-def _of_duration(whole: Durations, announced_minutes: int | None) -> Iterator[Decision]:
-    if announced_minutes is None or whole.middle is None:
-        return
-    minutes = whole.middle / 60
-    if minutes > LONGER_THAN_SAID * announced_minutes:
-        yield Decision(
-            what=f"Half of them take longer than {minutes:.0f} min; {announced_minutes} are "
-            "announced.",
-            remedy="Announce and pay the time it takes ('minutes' in study.toml).",
-        )

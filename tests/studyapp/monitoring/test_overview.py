@@ -207,9 +207,8 @@ def test_findings_come_with_their_numbers_and_a_remedy(
     assert decision.remedy
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
+def test_chance_and_single_events_need_no_decision(quiet: Overview) -> None:
+    for change in (
         {},
         {"videos": (video(unplayable=1),)},
         {"videos": (video(stalled=3),)},
@@ -225,10 +224,8 @@ def test_findings_come_with_their_numbers_and_a_remedy(
             "arms": (PlaceCounts(arm="", wanted=10, done=10, active=0, stale=0),),
             "is_open": False,
         },
-    ],
-)
-def test_chance_and_single_events_need_no_decision(quiet: Overview, change: dict[str, Any]) -> None:
-    assert replace(quiet, **change).decisions == ()
+    ):
+        assert replace(quiet, **change).decisions == (), change
 
 
 def test_the_page_of_a_study_session_lists_its_events_in_order(
