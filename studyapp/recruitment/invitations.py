@@ -83,7 +83,7 @@ def counts(folder: StudyFolder) -> InvitationCounts:
     """Return how many of the study's invitations were used; none before the first was made."""
     database = Database.open_for_reading(database_url_of(folder.root))
     if database is None:
-        return InvitationCounts(made=0, begun=0, completed=0)
+        return InvitationCounts()
     with closing(database):
         return invitation_counts(database)
 
@@ -139,9 +139,9 @@ def _rows(path: Path) -> list[list[str]]:
 class InvitationCounts:
     """How many invitations were made, and with how many somebody has begun or finished."""
 
-    made: int
-    begun: int
-    completed: int
+    made: int = 0
+    begun: int = 0
+    completed: int = 0
 
 
 def make_invitations(database: Database, count: int, clock: Clock) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -33,12 +33,10 @@ class Form:
         Hidden fields.
     required_ticks : list of (name, value)
         Required tick boxes.
-    choices : dict of name to tuple of str
-        Values of each radio group or menu.
-    lines : dict of name to (low, high)
-        Fields for a line of text, or a number in this range.
-    boxes : dict of name to tuple of str
-        Values of optional tick boxes.
+    questions : set of str
+        Names of the fields that need an answer: radio groups, menus, and lines of text or numbers.
+    offered : dict of name to list of str
+        Values of each radio group, menu, and group of optional tick boxes.
     buttons : list of (name, value)
         Submit buttons; the name is empty if a button sends no value.
     """
@@ -46,9 +44,8 @@ class Form:
     action: str
     hidden: Fields = field(default_factory=list)
     required_ticks: Fields = field(default_factory=list)
-    choices: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    lines: dict[str, tuple[float, float]] = field(default_factory=dict)
-    boxes: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    questions: set[str] = field(default_factory=set)
+    offered: defaultdict[str, list[str]] = field(default_factory=lambda: defaultdict(list))
     buttons: Fields = field(default_factory=list)
 
     @property
@@ -56,34 +53,20 @@ class Form:
         """Token of its presentation; empty outside a trial."""
         return dict(self.hidden).get("trial", "")
 
-    @property
-    def questions(self) -> frozenset[str]:
-        """Names of the fields that need an answer."""
-        return frozenset((*self.choices, *self.lines))
-
     def problem(self, answers: FormFields) -> str:
         """Return what the form lacks for a participant with `answers`; empty if nothing."""
         if not self.buttons:
             return "has no submit button"
         for name, values in answers.items():
-            for value in values:
-                if problem := self._problem_of(name, value):
-                    return problem
+            if name not in self.offered:
+                if name not in self.questions:
+                    return f"does not ask the question {name!r}"
+                continue
+            for value in set(values).difference(self.offered[name]):
+                only = ", ".join(self.offered[name])
+                return f"does not offer {value!r} for {name!r} (only {only})"
         unknown = sorted(self.questions - set(answers))
         return f"asks {', '.join(unknown)}, which the study does not define" if unknown else ""
-
-    def _problem_of(self, name: str, value: str) -> str:
-        if name in self.lines:
-            low, high = self.lines[name]
-            if math.isfinite(low + high) and value and not low <= float(value) <= high:
-                return f"does not accept {value!r} for {name!r} (only {low:g} to {high:g})"
-            return ""
-        offered = self.choices.get(name) or self.boxes.get(name)
-        if offered is None:
-            return f"does not ask the question {name!r}"
-        if value not in offered:
-            return f"does not offer {value!r} for {name!r} (only {', '.join(offered)})"
-        return ""
 
 
 def read_form(soup: BeautifulSoup, tag: Tag) -> Form:
@@ -91,24 +74,18 @@ def read_form(soup: BeautifulSoup, tag: Tag) -> Form:
     form = Form(action=str(tag.get("action") or ""))
     for control in _controls(soup, tag):
         name, value = str(control.get("name", "")), str(control.get("value", ""))
-        match _kind(control):
+        kind = _kind(control)
+        if kind in ("radio", "select", "text", "textarea", "number"):
+            form.questions.add(name)
+        match kind:
             case "hidden":
                 form.hidden.append((name, value))
             case "checkbox" if control.has_attr("required"):
                 form.required_ticks.append((name, value or "on"))
-            case "checkbox":
-                form.boxes[name] = (*form.boxes.get(name, ()), value or "on")
-            case "radio":
-                form.choices[name] = (*form.choices.get(name, ()), value)
+            case "checkbox" | "radio":
+                form.offered[name].append(value or "on")
             case "select":
-                form.choices[name] = _options(control)
-            case "text" | "textarea":
-                form.lines[name] = (-math.inf, math.inf)
-            case "number":
-                form.lines[name] = (
-                    float(str(control.get("min", "-inf"))),
-                    float(str(control.get("max", "inf"))),
-                )
+                form.offered[name].extend(_options(control))
             case "submit":
                 form.buttons.append((name, value))
     return form

@@ -62,7 +62,6 @@ def test_a_form_is_submitted_as_by_a_browser() -> None:
         ({"realism:1": "3"}, "does not offer '3' for 'realism:1'"),
         ({"realism:1": ""}, "does not offer ''"),
         ({"rhythm": "2"}, "does not offer '2' for 'rhythm'"),
-        ({"age": "17"}, "does not accept '17' for 'age'"),
         ({"fit:reasons": "voice"}, "does not offer 'voice'"),
         ({"fit": "1"}, "does not ask the question 'fit'"),
         ({}, "asks age, comment, rhythm, which"),
