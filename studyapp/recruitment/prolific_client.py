@@ -281,14 +281,10 @@ def _read(model: type[Read], answer: object) -> Read:
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         key = ".".join(str(part) for part in first["loc"])
-        raise _unreadable(f"{model.__name__}: {key} {first['msg']}") from None
-
-
-def _unreadable(what: str) -> InputError:
-    return InputError(
-        f"Prolific's answer is not understood ({what})",
-        remedy="Its API may have changed: look on Prolific's own pages meanwhile",
-    )
+        raise InputError(
+            f"Prolific's answer is not understood ({model.__name__}: {key} {first['msg']})",
+            remedy="Its API may have changed: look on Prolific's own pages meanwhile",
+        ) from None
 
 
 def _reason_in(answer: httpx.Response) -> str:

@@ -23,7 +23,7 @@ from studyapp.monitoring.overview import over_because, places_so_far
 from studyapp.researchers.audit import StudyState, log_look
 from studyapp.researchers.interim_figures import Document
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks
-from studyapp.results.answers import has_current_design, read_answers
+from studyapp.results.answers import has_current_design, missing_answers, read_answers
 from studyapp.results.stored_answers import Answers, StoredAnswers
 from studyapp.session.served_study import ServedStudy
 from studyapp.side_process import give_way
@@ -142,10 +142,8 @@ def figures_so_far(folder: StudyFolder, what: str) -> Document:
     """
     study = folder.study()
     answers = read_answers(folder, "participants")
-    if answers.stored is None or answers.origin == "none":
-        planned = sum(arm.places for arm in study.arms)
-        state = StudyState(finished=0, planned=planned, answers=0)
-        return Document(state=state, answered=0, analysed=0, rows=())
+    if answers.stored is None:
+        raise missing_answers(folder, "participants")
     tasks = analysed_tasks(study, answers)
     return Document(
         state=study_state(study, answers.stored),

@@ -43,6 +43,8 @@ from studyapp.study.settings.study import Study
 
 TRIAL: Final = ["study_session", "position"]
 
+SUMMED: Final = ("hidden_seconds", "silent_seconds", "stalls", "stalled_seconds")
+
 EXCLUSION: Final = ("excluded", "exclusion_rule", "exclusion_kind", "exclusion_reason")
 
 
@@ -234,26 +236,14 @@ def _with_watching(answers: pd.DataFrame, watching: pd.DataFrame) -> pd.DataFram
         watched_each=watching["watched"].map(str),
         played=watching["times_played"] * watching["duration"],
     )
+    sums = {name: (name, "sum") for name in ("played", "duration", *SUMMED)}
     trials = (
         shown.groupby(TRIAL, sort=False)
-        .agg(
-            watched_each=("watched_each", " ".join),
-            played=("played", "sum"),
-            duration=("duration", "sum"),
-            rate=("rate", "max"),
-            hidden_seconds=("hidden_seconds", "sum"),
-            silent_seconds=("silent_seconds", "sum"),
-            stalls=("stalls", "sum"),
-            stalled_seconds=("stalled_seconds", "sum"),
-        )
+        .agg(watched_each=("watched_each", " ".join), rate=("rate", "max"), **sums)
         .reset_index()
-        if len(shown)
-        else pd.DataFrame(columns=[*TRIAL, "played", "duration"])
     )
-    trials["times_played"] = (trials["played"] / trials["duration"]).astype(float).round(2)
-    for name in ("hidden_seconds", "silent_seconds", "stalled_seconds"):
-        if name in trials:
-            trials[name] = trials[name].round(2)
+    trials = trials.assign(times_played=(trials["played"] / trials["duration"]).astype(float))
+    trials = trials.round(dict.fromkeys(("times_played", *SUMMED), 2))
     return answers.merge(trials.drop(columns=["played", "duration"]), on=TRIAL, how="left")
 
 

@@ -55,8 +55,8 @@ each_study = pytest.mark.parametrize("folder", STUDIES, indirect=True)
     ("pattern", "spoilt", "problem"),
     [
         (r"/begin", "/begun", r"/begun.*status 405"),
-        (r"<video(?!.*<video).*?</video>", "", "shows 1 video"),
-        (r'src="/media/', 'src="/media/x', "a video that is not of this rehearsal"),
+        (r"<video(?!.*<video).*?</video>", "", "does not show the videos of one trial"),
+        (r'src="/media/', 'src="/media/x', "does not show the videos of one trial"),
     ],
 )
 def test_a_broken_page_stops_the_simulated_participant(
