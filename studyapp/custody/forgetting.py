@@ -27,7 +27,6 @@ from studyapp.database.tables.study_session import (
     ScreenOut,
     StudySession,
 )
-from studyapp.database.tables.trial import Response, Trial, Video, WatchRecord
 from studyapp.researchers.audit import ERASED, log_change
 from studyapp.researchers.credentials import token_hash
 from studyapp.researchers.exclusion_decisions import erase_decisions
