@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
@@ -13,9 +14,9 @@ from pydantic import TypeAdapter
 from training.run.batches import batches_per_epoch
 
 Optimizer = Literal["adam", "adamw"]
-Precision = Literal["float32", "bfloat16", "float16"]
+Precision = Literal["float32", "bfloat16"]
 
-CHANGEABLE_SETTINGS: Final = ("steps", "checkpoint_every")
+CHANGEABLE_SETTINGS: Final = ("training steps", "training checkpoint_every")
 """Settings that may change when a run is resumed; they do not affect steps already made."""
 
 
@@ -56,8 +57,6 @@ class Pass:
         network.
     learning_rate : float or None
         Its learning rate, which decays as the training's does; None for the training's.
-    every : int
-        Its interval in steps, counted from `first`.
     first : int
         The first step of its stage, counted from 0.
     end : int or None
@@ -67,17 +66,12 @@ class Pass:
     name: str
     parts: tuple[str, ...] = ()
     learning_rate: float | None = None
-    every: int = 1
     first: int = 0
     end: int | None = None
 
     def in_stage(self, step: int) -> bool:
-        """Return whether a step, counted from 0, belongs to the pass' stage."""
+        """Return whether a step, counted from 0, belongs to the pass' stage, and makes it."""
         return self.first <= step and (self.end is None or step < self.end)
-
-    def is_due(self, step: int) -> bool:
-        """Return whether the pass is made in a step, counted from 0."""
-        return self.in_stage(step) and (step - self.first) % self.every == 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,9 +103,9 @@ class TrainingConfig:
     ema_decay : float or None
         Decay per step of an exponential moving average of the weights, in (0, 1). Validation and
         the resulting network use the average. None for no average. See `training.run.learner`.
-    precision : {'float32', 'bfloat16', 'float16'}
+    precision : {'float32', 'bfloat16'}
         Precision of the layers that tolerate less than float32 (torch's autocast); weights stay
-        float32. With float16, losses are scaled so that small gradients do not vanish.
+        float32.
     validate_every : int
         Steps between validations; there is always one after the last step.
     checkpoint_every : int
@@ -140,9 +134,8 @@ class TrainingConfig:
 
     def facts(self) -> dict[str, Any]:
         """Return the settings as JSON values."""
-        facts = asdict(self) | {"betas": list(self.betas)}
-        passes = [settings | {"parts": list(settings["parts"])} for settings in facts.pop("passes")]
-        return facts | ({"passes": passes} if passes else {})
+        facts: dict[str, Any] = json.loads(json.dumps(asdict(self)))
+        return facts
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -160,7 +160,7 @@ class FeatureTask(WindowTask):
         """Return a fresh network."""
         return self.design.fresh_network(self.width).to(self.device)
 
-    def losses(self, network: Network, rows: Ints) -> Mapping[str, Tensor]:
+    def losses(self, network: Network, rows: Ints, name: str = "") -> Mapping[str, Tensor]:
         """Return the losses of a batch."""
         return network.losses(*self._batch(self.training, rows))
 

@@ -86,7 +86,7 @@ class MotionTask(WindowTask):
             first_weights.standardise_inputs(layer, latents.relu())
         return model.to(self.device)
 
-    def losses_of(self, name: str, network: MotionModel, rows: Ints) -> Mapping[str, Tensor]:
+    def losses(self, network: MotionModel, rows: Ints, name: str) -> Mapping[str, Tensor]:
         """Return `motion_losses` of a stage, in which one learns alone or both together."""
         return self._losses(network, self.training, rows, without(self.weights, name))
 

@@ -100,7 +100,7 @@ class SpeechTask(WindowTask):
                     initialise_from_speech(encoder.transformer, filterbanks)
         return network.to(self.device)
 
-    def losses(self, network: AnySpeechModel, rows: Ints) -> Mapping[str, Tensor]:
+    def losses(self, network: AnySpeechModel, rows: Ints, name: str = "") -> Mapping[str, Tensor]:
         """Return `speech_losses` of quadruples with random masks, shifts and noise.
 
         An auto-encoder reconstructs them unchanged.

@@ -88,7 +88,7 @@ class DiffShegTask(WindowTask):
             network.fit_skips(self._covariance_windows)
         return network.to(self.device)
 
-    def losses(self, network: Denoiser, rows: Ints) -> Mapping[str, Tensor]:
+    def losses(self, network: Denoiser, rows: Ints, name: str = "") -> Mapping[str, Tensor]:
         """Return `motion_losses` of a batch with random steps and noise."""
         batch = self._batch(self.training, rows)
         steps = torch.randint(0, LINEAR.steps, (len(rows),)).to(self.device)

@@ -81,7 +81,7 @@ class S2ueTask(WindowTask):
             network.get_buffer(name).copy_(torch.from_numpy(v.astype(np.float32)))
         return network.to(self.device)
 
-    def losses_of(self, name: str, network: Network, rows: Ints) -> Mapping[str, Tensor]:
+    def losses(self, network: Network, rows: Ints, name: str) -> Mapping[str, Tensor]:
         """Return the losses of discriminator, phoneme predictor or, by default, generator."""
         batch, weights = self._batch(self.training, rows), self.weights
         if name == "phonemes":

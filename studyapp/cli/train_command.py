@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -257,14 +256,8 @@ def generator_command(name: str) -> click.Command:
         ),
         click.option(
             "--precision",
-            type=click.Choice(["float32", "bfloat16", "float16"]),
+            type=click.Choice(["float32", "bfloat16"]),
             help="Precision of the layers that need less than float32.",
-        ),
-        click.option(
-            "--processes",
-            type=click.IntRange(1),
-            default=1,
-            help="Processes that train together on this machine, one per GPU.",
         ),
     )
     return click.command(
@@ -293,15 +286,11 @@ def _train_generator(
     cache: Path | None,
     seed: int,
     device: Device,
-    processes: int,
     **options: Any,
 ) -> None:
     # Imported here: torch takes seconds to load, which --help should not wait for.
     from training.data.folders import read_takes
-    from training.run.launching import group_size, run_in_processes
 
-    if processes > 1 and group_size() == 1:
-        sys.exit(run_in_processes(processes, [sys.executable, *sys.orig_argv[1:]]))
     given = {key: value for key, value in options.items() if value is not None}
     with training_run(out):
         takes = read_takes(data, kind=kind, split_list=split)

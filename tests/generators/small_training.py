@@ -73,12 +73,7 @@ def require_one_device(monkeypatch: pytest.MonkeyPatch, learn: Callable[[], obje
         network = elsewhere.network()
         rows = np.arange(config.batch_size)
         for name in [one.name for one in config.passes] or [""]:
-            losses = (
-                elsewhere.losses_of(name, network, rows)
-                if name
-                else elsewhere.losses(network, rows)
-            )
-            losses["loss"].backward()
+            elsewhere.losses(network, rows, name)["loss"].backward()
         raise _ComputedError
 
     monkeypatch.setattr("generators.learned.train", compute)

@@ -83,7 +83,7 @@ class Line:
     def network(self) -> LineNetwork:
         return LineNetwork(dropout=0.2 if self.chance else 0.0, normed=self.normed)
 
-    def losses(self, network: LineNetwork, rows: Ints) -> Mapping[str, Tensor]:
+    def losses(self, network: LineNetwork, rows: Ints, name: str = "") -> Mapping[str, Tensor]:
         chosen = torch.from_numpy(rows)
         entries = ENTRIES[chosen]
         if self.chance:

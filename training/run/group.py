@@ -1,7 +1,7 @@
 """The processes that train one network together, and their communication.
 
-A launcher (`training.run.launching`, torchrun, ``accelerate launch``) starts them with the same
-command. A single process is a group of one.
+torchrun or ``accelerate launch`` starts them with the same command; see `training.run.launching`. A
+single process is a group of one.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Group:
         if self.size != group_size():
             raise InputError(
                 f"{group_size()} processes were started, but only {self.size} found each other",
-                remedy="Start them with 'motionjury train --processes', torchrun, or accelerate",
+                remedy="Start them with torchrun or 'accelerate launch'",
             )
         if device == "cuda" and self._state.local_process_index >= torch.cuda.device_count():
             raise InputError(

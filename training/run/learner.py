@@ -8,15 +8,13 @@ first, and reaches a decay of 0.999 after about 9,000 steps.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import partial
-from typing import Any, Generic, cast
+from typing import Generic
 
 import torch
 from torch import Tensor, nn
 from torch.amp.autocast_mode import autocast
-from torch.amp.grad_scaler import GradScaler
 from torch.nn.modules.batchnorm import _BatchNorm
 from torch.optim import Adam, AdamW, Optimizer
 from torch.optim.swa_utils import AveragedModel
@@ -26,7 +24,7 @@ from motion.errors import InputError
 from training.config import Pass, TrainingConfig
 from training.run.batches import batches_per_epoch, part_seed, step_parts, step_rows
 from training.run.group import Group
-from training.run.task import Network, Task, TaskInPasses
+from training.run.task import Network, Task
 
 _Part = tuple[int, Ints, float]
 """Number, examples and share of a part of a step."""
@@ -47,7 +45,7 @@ class Learner(Generic[Network]):
     Raises
     ------
     InputError
-        If a step has fewer examples than processes, or a pass does not fit the network.
+        If a step has fewer examples than processes.
     """
 
     def __init__(self, task: Task[Network], config: TrainingConfig, group: Group) -> None:
@@ -63,9 +61,8 @@ class Learner(Generic[Network]):
         self._network = task.network()
         group.hand_out(self._network.state_dict().values())
         self._passes = config.passes or (Pass(name=""),)
-        self._pass_weights = _PassWeights(self._network, self._passes, config.steps)
+        self._pass_weights = _PassWeights(self._network, self._passes)
         self._optimizer = _optimizer(self._network, config)
-        self._scaler = GradScaler(task.device, enabled=config.precision == "float16")
         decay = config.ema_decay
         self._average = None if decay is None else AveragedWeights(self._network, decay)
 
@@ -78,7 +75,7 @@ class Learner(Generic[Network]):
         """Return the learning rates of a step, counted from 0, by their names in the log."""
         return {
             f"learning_rate_{p.name}" if p.name else "learning_rate": self._rate(step, p)
-            for _, p in self._due_passes(step)
+            for _, p in self._passes_of(step)
         }
 
     def learn(self, step: int) -> dict[str, float]:
@@ -88,7 +85,7 @@ class Learner(Generic[Network]):
         """
         self._pass_weights.prepare(self._network, step)
         losses: dict[str, float] = {}
-        for number, p in self._due_passes(step):
+        for number, p in self._passes_of(step):
             update_losses = self._update(step, number, p)
             if p.name:
                 loss = update_losses.pop("loss")
@@ -98,17 +95,17 @@ class Learner(Generic[Network]):
             self._average.follow(self._network)
             average = self._average.network
             self._pass_weights.prepare(average, step)
-            for number, p in self._due_passes(step) if _statistics(average) else ():
-                for compute in self._computed(self._own_parts(step), step, number, p, average):
+            for number, p in self._passes_of(step) if _statistics(average) else ():
+                for part, rows, _ in self._own_parts(step):
                     with torch.no_grad():
-                        compute()
+                        self._losses(average, rows, p, (step, part, number))
             self._group.hand_out(_statistics(average))
         self._group.hand_out(_statistics(self._network))
         return losses
 
-    def _due_passes(self, step: int) -> list[tuple[int, Pass]]:
+    def _passes_of(self, step: int) -> list[tuple[int, Pass]]:
         """Return the passes of a step, with their indices."""
-        return [(number, p) for number, p in enumerate(self._passes) if p.is_due(step)]
+        return [(number, p) for number, p in enumerate(self._passes) if p.in_stage(step)]
 
     def _rate(self, step: int, p: Pass) -> float:
         config = self._config
@@ -127,22 +124,18 @@ class Learner(Generic[Network]):
         self._optimizer.zero_grad(set_to_none=True)
         with self._pass_weights.learning_only(self._network, p.name):
             losses = self._gradients(step, number, p)
-        self._scaler.unscale_(self._optimizer)
         if config.gradient_clip is not None:
             nn.utils.clip_grad_norm_(self._network.parameters(), config.gradient_clip)
-        self._scaler.step(self._optimizer)
-        self._scaler.update()
+        self._optimizer.step()
         return losses
 
     def _gradients(self, step: int, number: int, p: Pass) -> dict[str, float]:
         """Compute the gradients of a pass, and return its losses."""
         group = self._group
-        parts = self._own_parts(step)
-        computed = self._computed(parts, step, number, p, self._network)
         sums: dict[str, float] = {}
-        for (_, _, share), compute in zip(parts, computed, strict=True):
-            losses = compute()
-            torch.autograd.backward(self._scaler.scale(losses["loss"] * share))
+        for part, rows, share in self._own_parts(step):
+            losses = self._losses(self._network, rows, p, (step, part, number))
+            torch.autograd.backward(losses["loss"] * share)
             for name, loss in losses.items():
                 sums[name] = sums.get(name, 0.0) + share * float(loss.detach())
         group.sum_gradients(self._network.parameters())
@@ -158,14 +151,6 @@ class Learner(Generic[Network]):
             for number in range(group.index, len(parts), group.size)
         ]
 
-    def _computed(
-        self, parts: Sequence[_Part], step: int, number: int, p: Pass, network: Network
-    ) -> Sequence[Callable[[], Mapping[str, Tensor]]]:
-        """Return a function for the losses of each part of a pass."""
-        return [
-            partial(self._losses, network, rows, p, (step, part, number)) for part, rows, _ in parts
-        ]
-
     def _losses(
         self, network: Network, rows: Ints, p: Pass, place: tuple[int, int, int]
     ) -> Mapping[str, Tensor]:
@@ -174,13 +159,10 @@ class Learner(Generic[Network]):
         dtype = getattr(torch, self._config.precision) if reduced else None
         torch.manual_seed(part_seed(self._config.seed, *place))
         with autocast(self._task.device, dtype=dtype, enabled=reduced):
-            if p.name:
-                task = cast("TaskInPasses[Network]", self._task)
-                return task.losses_of(p.name, network, rows)
-            return self._task.losses(network, rows)
+            return self._task.losses(network, rows, p.name)
 
     def tensors(self) -> dict[str, Tensor]:
-        """Return everything that later steps depend on, except `facts`."""
+        """Return everything that later steps depend on."""
         tensors = {f"network.{name}": value for name, value in self._network.state_dict().items()}
         for index, state in self._optimizer.state_dict()["state"].items():
             tensors |= {f"optimizer.{index}.{name}": value for name, value in state.items()}
@@ -190,14 +172,8 @@ class Learner(Generic[Network]):
             }
         return tensors
 
-    def facts(self) -> dict[str, Any]:
-        """Return the part of the state without tensors, as JSON values."""
-        return {"scaler": self._scaler.state_dict()}
-
-    def restore(
-        self, tensors: Mapping[str, Mapping[str, Tensor]], facts: Mapping[str, Any]
-    ) -> None:
-        """Restore the state from the results of `tensors`, grouped by prefix, and of `facts`."""
+    def restore(self, tensors: Mapping[str, Mapping[str, Tensor]]) -> None:
+        """Restore the state from the result of `tensors`, grouped by prefix."""
         self._network.load_state_dict(tensors["network"])
         states: dict[int, dict[str, Tensor]] = {}
         for name, tensor in tensors["optimizer"].items():
@@ -207,8 +183,6 @@ class Learner(Generic[Network]):
         self._optimizer.load_state_dict({"state": states, "param_groups": groups})
         if self._average is not None:
             self._average.load_state_dict(tensors["average"])
-        if self._scaler.is_enabled():
-            self._scaler.load_state_dict(dict(facts["scaler"]))
 
 
 class _PassWeights:
@@ -217,7 +191,7 @@ class _PassWeights:
     Weights that require no gradient from the beginning never learn.
     """
 
-    def __init__(self, network: nn.Module, passes: Sequence[Pass], steps: int) -> None:
+    def __init__(self, network: nn.Module, passes: Sequence[Pass]) -> None:
         self._passes = passes
         self._learning = {name for name, w in network.named_parameters() if w.requires_grad}
         self._by_pass = {p.name: self._learning & _weights(network, p) for p in passes}
@@ -225,14 +199,6 @@ class _PassWeights:
             prefix: {name for name, _ in module.named_parameters(prefix)}
             for prefix, module in network.named_modules()
         }
-        idle = next(
-            (step for step in range(steps) if not any(p.is_due(step) for p in passes)), None
-        )
-        if idle is not None:
-            raise InputError(
-                f"no pass is made in step {idle + 1} of {steps}",
-                remedy="Schedule a pass for every step",
-            )
 
     def prepare(self, network: nn.Module, step: int) -> None:
         """Put a network into training mode, except for parts frozen in the step's stage."""
@@ -264,20 +230,12 @@ def _statistics(network: nn.Module) -> list[Tensor]:
 
 def _weights(network: nn.Module, p: Pass) -> set[str]:
     """Return the names of the weights in the parts of a pass."""
-    names = {name for name, _ in network.named_parameters()}
-    if not p.parts:
-        return names
-    weights: set[str] = set()
-    for part in p.parts:
-        inside = {name for name in names if f"{name}.".startswith(f"{part}.")}
-        if not inside:
-            children = ", ".join(name for name, _ in network.named_children())
-            raise InputError(
-                f"the pass {p.name!r} trains {part!r}, which has no weights in the network",
-                remedy=f"Name one of its parts: {children}",
-            )
-        weights |= inside
-    return weights
+    starts = tuple(f"{part}." for part in p.parts)
+    return {
+        name
+        for name, _ in network.named_parameters()
+        if not starts or f"{name}.".startswith(starts)
+    }
 
 
 def _optimizer(network: nn.Module, config: TrainingConfig) -> Optimizer:

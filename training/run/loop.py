@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -20,7 +21,7 @@ from training.run.launching import stop_request
 from training.run.learner import Learner
 from training.run.records import RunFolder, RunLog, draw_curves
 from training.run.task import Network, Task
-from training.weights_file import WeightsFile, read_weights, write_weights
+from training.weights_file import read_weights, write_weights
 
 Show = Callable[[int, int, str], None]
 """Called with the number of steps done, the number of all steps, and the loss in words."""
@@ -151,9 +152,9 @@ class _Run(Generic[Network]):
         seed and the step.
         """
         saved = read_weights(path)
-        self._check_same(saved, path)
+        self._check_same(saved.facts, path)
         parts = {name: saved.with_prefix(name) for name in ("network", "optimizer", "average")}
-        self._learner.restore(parts, saved.facts["learner"])
+        self._learner.restore(parts)
         self._step = int(saved.facts["step"])
         best = saved.facts["best"]
         self._best = None if best is None else Best(**best)
@@ -191,7 +192,7 @@ class _Run(Generic[Network]):
         rates = self._learner.learning_rates(self._step)
         self._step += 1
         self._check_finite(losses)
-        self._log.add({"step": self._step, **rates, **losses})
+        self._log.lines.append({"step": self._step, **rates, **losses})
         if self._step % self._config.validate_every == 0 and self._step < self._config.steps:
             self._validate()
 
@@ -199,7 +200,7 @@ class _Run(Generic[Network]):
         """Validate, and keep the weights if they are the best so far."""
         measured = self._group.from_leader(self._measure() if self._group.leads else {})
         self._check_finite(measured)
-        self._log.add({"step": self._step, "held_out": measured})
+        self._log.lines.append({"step": self._step, "held_out": measured})
         chosen_by = next(iter(measured))
         last_stage = max((update_pass.first for update_pass in self._config.passes), default=0)
         if (
@@ -239,8 +240,7 @@ class _Run(Generic[Network]):
         state = {
             "step": self._step,
             "best": None if self._best is None else asdict(self._best),
-            "learner": self._learner.facts(),
-            **self._identity(),
+            "identity": self._identity(),
         }
         write_weights(self._folder.checkpoint, self._learner.tensors(), state)
 
@@ -255,45 +255,26 @@ class _Run(Generic[Network]):
 
     def _identity(self) -> dict[str, Any]:
         """Return the settings and data that a run must share with the one that it resumes."""
-        return {
-            "training": self._config.facts(),
-            "task": dict(self._task.settings),
-            "data_sha256": self._task.data_sha256,
-        }
+        training = {f"training {name}": v for name, v in self._config.facts().items()}
+        task = {f"task {name}": value for name, value in self._task.settings.items()}
+        facts: dict[str, Any] = json.loads(json.dumps(training | task))
+        return facts | {"data sha256": self._task.data_sha256}
 
-    def _check_same(self, saved: WeightsFile, path: Path) -> None:
+    def _check_same(self, saved: Mapping[str, Any], path: Path) -> None:
         """Raise `InputError` if the saved run is another one, or has made too many steps."""
-        current = self._identity()
-        if not saved.facts.keys() >= {"step", "best", "learner", *current}:
-            raise InputError(
-                "the file is not a saved state of a training run, or is of an older version",
-                where=path,
-                remedy="Remove it, or name another run folder",
-            )
-        pairs = {
-            f"{part} {name}": (saved.facts[part].get(name), current[part].get(name))
-            for part in ("training", "task")
-            for name in sorted(saved.facts[part].keys() | current[part].keys())
-            if name not in CHANGEABLE_SETTINGS
-        }
-        pairs["data sha256"] = (saved.facts["data_sha256"], current["data_sha256"])
+        before, now = saved.get("identity", {}), self._identity()
         differences = [
-            f"{name} was {before!r} and is {now!r}"
-            for name, (before, now) in pairs.items()
-            if before != now
+            f"{name} was {before.get(name)!r} and is {now.get(name)!r}"
+            for name in sorted(before.keys() | now.keys())
+            if name not in CHANGEABLE_SETTINGS and before.get(name) != now.get(name)
         ]
+        if not differences and saved["step"] > self._config.steps:
+            differences = [f"it made {saved['step']} steps, more than {self._config.steps}"]
         if differences:
             raise InputError(
                 f"the run that was started here is another one: {'; '.join(differences)}",
                 where=path.parent,
                 remedy="Resume with the same settings and data, or start again in another folder",
-            )
-        if saved.facts["step"] > self._config.steps:
-            raise InputError(
-                f"the run has made {saved.facts['step']} steps, more than the "
-                f"{self._config.steps} requested",
-                where=path.parent,
-                remedy="Ask for at least as many steps, or start again in another folder",
             )
 
     def _check_alike(self) -> None:

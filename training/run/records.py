@@ -1,14 +1,12 @@
 """Records of a run: its folder, log, curves, and facts for files.
 
-The log is only appended to, so that a long run saves as quickly as a short one. It is written
-before the state of the run. A crash may therefore leave steps in it that are lost, which are cut
-off on resuming.
+The log is written before the state of the run. A crash may therefore leave steps in it that are
+lost, which are cut off on resuming.
 """
 
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
@@ -18,7 +16,7 @@ import numpy as np
 
 from motion.arrays import Floats
 from motion.errors import InputError
-from motion.files import replacing
+from motion.files import replacing, write_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -80,12 +78,10 @@ class RunLog:
 
     def __init__(self, path: Path, *, steps: int) -> None:
         self._path = path
-        self._lines: list[LogLine] = []
-        self._saved_bytes = 0
-        self._unsaved: list[LogLine] = []
-        if path.exists():
-            self._read(steps)
-        logged = self.steps
+        texts = path.read_text("utf-8").splitlines() if path.exists() else []
+        lines: list[LogLine] = [json.loads(text) for text in texts]
+        self.lines = [line for line in lines if line["step"] <= steps]
+        logged = int(self.lines[-1]["step"]) if self.lines else 0
         if logged != steps:
             raise InputError(
                 f"the log holds {logged} of the {steps} steps that were made",
@@ -94,55 +90,18 @@ class RunLog:
             )
 
     @property
-    def lines(self) -> Sequence[LogLine]:
-        """All lines, in order of steps."""
-        return self._lines
-
-    @property
-    def steps(self) -> int:
-        """The number of steps in the log."""
-        return int(self._lines[-1]["step"]) if self._lines else 0
-
-    @property
     def ends_in_validation(self) -> bool:
         """Whether the last step was followed by a validation."""
-        return bool(self._lines) and "held_out" in self._lines[-1]
+        return bool(self.lines) and "held_out" in self.lines[-1]
 
     @property
     def last_loss(self) -> float:
         """Loss of the last step; there must be one."""
-        return next(float(line["loss"]) for line in reversed(self._lines) if "loss" in line)
-
-    def add(self, line: LogLine) -> None:
-        """Add a line."""
-        self._lines.append(line)
-        self._unsaved.append(line)
+        return next(float(line["loss"]) for line in reversed(self.lines) if "loss" in line)
 
     def save(self) -> None:
-        """Append new lines to the file, and sync it to disk."""
-        content = "".join(f"{json.dumps(line)}\n" for line in self._unsaved).encode()
-        with self._path.open("r+b" if self._path.exists() else "xb") as file:
-            # Cuts off what a crash left after the valid lines.
-            file.truncate(self._saved_bytes)
-            file.seek(self._saved_bytes)
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        self._saved_bytes += len(content)
-        self._unsaved.clear()
-
-    def _read(self, steps: int) -> None:
-        """Read the lines up to `steps`, or up to a line that a crash cut off."""
-        with self._path.open("rb") as file:
-            for content in file:
-                try:
-                    line = json.loads(content)
-                except ValueError:
-                    return
-                if not content.endswith(b"\n") or line["step"] > steps:
-                    return
-                self._lines.append(line)
-                self._saved_bytes += len(content)
+        """Write the file."""
+        write_text(self._path, "".join(f"{json.dumps(line)}\n" for line in self.lines))
 
 
 _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
@@ -185,60 +144,38 @@ def run_facts(
 
 
 _COLUMNS: Final = 3
-_LOSS, _SMALL = 4.0, 2.2
 _PALE, _DARK, _HELD_OUT = "#c9d6e4", "#31597f", "#b3541e"
 
 
 def draw_curves(lines: Sequence[LogLine], path: Path, *, kept_step: int | None = None) -> None:
-    """Draw the log of a run to the PNG file `path`.
+    """Draw the measures in the log of a run to the PNG file `path`, the loss first.
 
-    The loss is large, with the learning rate and all other measures small below it. A line marks
-    `kept_step`, whose weights are kept. Equal logs give equal bytes.
+    A line marks `kept_step`, whose weights are kept. Equal logs give equal bytes.
     """
     # matplotlib takes a second to load, and a run draws only when it saves.
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
-    from matplotlib.ticker import EngFormatter, MaxNLocator
+    from matplotlib.ticker import EngFormatter
 
     learned = _series([line for line in lines if "held_out" not in line])
     held_out = _series([{"step": n["step"], **n["held_out"]} for n in lines if "held_out" in n])
-    small = [name for name in {**learned, **held_out} if name != "loss"]
-    chosen_by = next(iter(held_out), "")
-    rows = -(-len(small) // _COLUMNS)
-    height = _LOSS + _SMALL * rows
-    figure = Figure(figsize=(9, height), dpi=100)
-    FigureCanvasAgg(figure)
-    grid = figure.add_gridspec(
-        rows + 1,
-        _COLUMNS,
-        height_ratios=[_LOSS, *([_SMALL] * rows)],
-        left=0.08,
-        right=0.98,
-        top=1 - 0.3 / height,
-        bottom=0.5 / height,
-        hspace=0.9 * (rows + 1) / height,
-        wspace=0.3,
-    )
-    cells = [grid[0, :], *(grid[1 + n // _COLUMNS, n % _COLUMNS] for n in range(len(small)))]
-    for name, cell in zip(["loss", *small], cells, strict=True):
-        axes = figure.add_subplot(cell)
-        _draw(
-            axes,
-            learned.get(name),
-            held_out.get(name),
-            kept_step,
-            linear=name.startswith("learning_rate"),
-        )
-        chooses = " (chooses the weights)" if name == chosen_by else ""
-        axes.set_title(f"{name.replace('_', ' ')}{chooses}", fontsize=10, loc="left")
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.tick_params(labelsize=8, which="both")
-        axes.margins(x=0.01)
-        axes.xaxis.set_major_locator(MaxNLocator(8 if name == "loss" else 4, integer=True))
+    names = list({"loss": None, **learned, **held_out})
+    rows = -(-len(names) // _COLUMNS)
+    figure = Figure(figsize=(12, 3 * rows), dpi=100, layout="constrained")
+    for number, name in enumerate(names, start=1):
+        axes = figure.add_subplot(rows, _COLUMNS, number)
+        if name in learned:
+            _draw_learned(axes, learned[name])
+        if name in held_out:
+            marker = "o" if held_out[name].shape[1] <= 60 else ""
+            axes.plot(*held_out[name], color=_HELD_OUT, marker=marker, label="held out")
+        if kept_step is not None:
+            axes.axvline(kept_step, color=_HELD_OUT, linestyle=":", label="kept")
+        chooses = " (chooses the weights)" if name == next(iter(held_out), "") else ""
+        axes.set_title(f"{name.replace('_', ' ')}{chooses}", fontsize=10)
         axes.xaxis.set_major_formatter(EngFormatter(sep=""))
-        if name == "loss":
-            axes.set_xlabel("step", fontsize=9)
-            axes.legend(frameon=False, fontsize=9)
+        if number == 1:
+            axes.set_xlabel("step")
+            axes.legend(frameon=False)
     with replacing(path) as draft:
         figure.savefig(draft, metadata={"Software": None})
 
@@ -252,33 +189,11 @@ def _series(lines: Sequence[LogLine]) -> dict[str, Floats]:
     }
 
 
-def _draw(
-    axes: Axes,
-    learned: Floats | None,
-    held_out: Floats | None,
-    kept_step: int | None,
-    *,
-    linear: bool,
-) -> None:
-    """Draw a measure of the training steps, of held-out examples, or of both."""
-    if learned is not None and linear:
-        axes.plot(*learned, color=_DARK, linewidth=1.2)
-    elif learned is not None:
-        if 0 < 20 * learned[1].min() < learned[1].max():
-            axes.set_yscale("log")
-        axes.plot(*learned, color=_PALE, linewidth=0.8, label="each step")
-        width = max(1, learned.shape[1] // 20)
-        weights = np.full(width, 1 / width)
-        means = (np.convolve(values, weights, mode="valid") for values in learned)
-        axes.plot(*means, color=_DARK, linewidth=1.2, label=f"mean of {width} steps")
-    if held_out is not None:
-        axes.plot(
-            *held_out,
-            color=_HELD_OUT,
-            linewidth=1.2,
-            marker="o" if held_out.shape[1] <= 60 else "",
-            markersize=3,
-            label="held out",
-        )
-    if kept_step is not None:
-        axes.axvline(kept_step, color=_HELD_OUT, linewidth=0.8, linestyle=":", label="kept")
+def _draw_learned(axes: Axes, values: Floats) -> None:
+    """Draw a measure of each step, and its running mean."""
+    if 0 < 20 * values[1].min() < values[1].max():
+        axes.set_yscale("log")
+    axes.plot(*values, color=_PALE, label="each step")
+    width = max(1, values.shape[1] // 20)
+    means = [np.convolve(each, np.full(width, 1 / width), mode="valid") for each in values]
+    axes.plot(*means, color=_DARK, label=f"mean of {width} steps")

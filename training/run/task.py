@@ -42,12 +42,13 @@ class Task(Protocol[Network]):
         """Return a new network on the device, initialised with torch's random generator."""
         ...
 
-    def losses(self, network: Network, rows: Ints) -> Mapping[str, Tensor]:
+    def losses(self, network: Network, rows: Ints, name: str) -> Mapping[str, Tensor]:
         """Return the losses of a batch of examples: ``loss``, which is minimised, and its parts.
 
-        Each is a mean over the examples, so that one or several processes can compute a batch in
-        parts. Randomness comes only from torch's generator, which is seeded for every part of every
-        step.
+        `name` is the pass (`training.config.Pass`), empty if a step has only one. Weights that do
+        not learn in it have ``requires_grad=False``. Each loss is a mean over the examples, so that
+        one or several processes can compute a batch in parts. Randomness comes only from torch's
+        generator, which is seeded for every part of every step.
         """
         ...
 
@@ -60,17 +61,6 @@ class Task(Protocol[Network]):
 
         The network is in evaluation mode, without gradients. torch's generator has the same seed
         each time, so that every step is measured with the same noise.
-        """
-        ...
-
-
-class TaskInPasses(Task[Network], Protocol[Network]):
-    """A task that is learned in several passes; see `training.config.Pass`."""
-
-    def losses_of(self, name: str, network: Network, rows: Ints) -> Mapping[str, Tensor]:
-        """Return the losses of a batch for the pass `name`, as `losses` does for a single pass.
-
-        Meanwhile, weights that do not learn in the pass have ``requires_grad=False``.
         """
         ...
 
@@ -117,30 +107,16 @@ class WindowTask:
     @property
     def settings(self) -> dict[str, Any]:
         """The identity of this training, as JSON values."""
-        return {
-            **{f"network {name}": _as_json(value) for name, value in asdict(self.config).items()},
-            **{f"loss {name}": _as_json(value) for name, value in self._weights().items()},
+        weights = self.weights if isinstance(self.weights, Mapping) else asdict(self.weights)
+        settings: dict[str, Any] = {
+            **{f"network {name}": value for name, value in asdict(self.config).items()},
+            **{f"loss {name}": value for name, value in weights.items()},
             **self.extra_settings,
             "device": self.device,
         }
-
-    def losses(self, network: Any, rows: Ints) -> Mapping[str, Tensor]:
-        """Return the losses of a batch for a single pass that trains everything."""
-        return self.losses_of("", network, rows)
-
-    def losses_of(self, name: str, network: Any, rows: Ints) -> Mapping[str, Tensor]:
-        """Return the losses of a batch for a pass."""
-        raise NotImplementedError
-
-    def _weights(self) -> Mapping[str, Any]:
-        return self.weights if isinstance(self.weights, Mapping) else asdict(self.weights)
+        return settings
 
     def tensors(self, windows: Windows, rows: Ints) -> dict[str, Tensor]:
         """Return the features of windows, each (len(rows), frames, channels), on the device."""
         features = windows.batch(rows)
         return {name: torch.from_numpy(values).to(self.device) for name, values in features.items()}
-
-
-def _as_json(value: object) -> object:
-    """Return a value with its tuples converted to lists, as JSON returns it."""
-    return [_as_json(item) for item in value] if isinstance(value, tuple) else value

@@ -124,7 +124,7 @@ def test_emotion_and_style_are_given_by_name_at_the_chosen_rate(
         held_out=Windows(takes, split="validation", frames=FRAMES, stride=FRAMES),
     )
     network = task.network()
-    task.losses(network, np.arange(len(windows)).repeat(20))
+    task.losses(network, np.arange(len(windows)).repeat(20), "")
     task.validation(network)
     learned, measured = (call.args[2] for call in losses.call_args_list)
     content, emotion, style = learned

@@ -93,7 +93,7 @@ def test_each_pass_trains_its_own_network(takes: PreparedTakes) -> None:
     rows = np.arange(6)
     for name in ("generator", "discriminator", "phonemes"):
         network.zero_grad()
-        torch.autograd.backward(expected.losses_of(name, network, rows)["loss"])
+        torch.autograd.backward(expected.losses(network, rows, name)["loss"])
         part = network.get_submodule(name)
         assert all(one.grad is not None for one in part.parameters()), name
         if name != "generator":

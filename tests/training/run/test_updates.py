@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 from torch import Tensor, nn
 
 from motion.arrays import Ints
-from motion.errors import InputError
 from tests.training.lines import ENTRIES, VALUES, Line, LineNetwork, files_of_run
 from training.config import Decay, Pass, TrainingConfig
 from training.run.batches import batches_per_epoch, part_seed, step_parts, step_rows
@@ -142,7 +141,7 @@ IN_PASSES = TrainingConfig(
 class Following(Line):
     """A layer learns the output of the others, which learn a line."""
 
-    def losses_of(self, name: str, network: LineNetwork, rows: Ints) -> Mapping[str, Tensor]:
+    def losses(self, network: LineNetwork, rows: Ints, name: str = "") -> Mapping[str, Tensor]:
         entries, values = ENTRIES[torch.from_numpy(rows)], VALUES[torch.from_numpy(rows)]
         if self.chance:
             entries = entries + 0.1 * torch.randn(len(rows), 3)
@@ -186,7 +185,7 @@ def test_two_passes_equal_two_optimizers() -> None:
             for weight in leading:
                 weight.requires_grad_(name == "leader")
             optimizer.zero_grad()
-            losses = task.losses_of(name, plain, rows)
+            losses = task.losses(plain, rows, name)
             torch.autograd.backward(losses["loss"])
             optimizer.step()
             assert told[name] == pytest.approx(float(losses["loss"].detach()), rel=1e-5)
@@ -196,18 +195,18 @@ def test_two_passes_equal_two_optimizers() -> None:
         torch.testing.assert_close(state(learner)[name], weight, rtol=1e-5, atol=1e-6)
 
 
-def test_a_pass_has_its_own_interval_and_learning_rate() -> None:
-    learner = learner_of(replace(IN_PASSES, passes=(LEADER, replace(FOLLOWER, every=3, first=1))))
+def test_a_pass_has_its_own_stage_and_learning_rate() -> None:
+    learner = learner_of(replace(IN_PASSES, passes=(LEADER, replace(FOLLOWER, first=1, end=3))))
     changed = []
-    for step in range(6):
+    for step in range(4):
         before = state(learner)
         told = learner.learn(step)
         changed.append("idle" in moved(before, state(learner)))
-        assert ("follower" in told, "loss" in told) == (step in (1, 4), True)
-    assert changed == [False, True, False, False, True, False]
+        assert ("follower" in told, "loss" in told) == (step in (1, 2), True)
+    assert changed == [False, True, True, False]
     rates = {"learning_rate_leader": 0.02, "learning_rate_follower": 0.005}
     assert learner.learning_rates(0) == {"learning_rate_leader": 0.02}
-    assert learner.learning_rates(4) == rates
+    assert learner.learning_rates(2) == rates
 
 
 def test_untrained_parts_are_frozen_including_statistics_and_dropout() -> None:
@@ -235,7 +234,7 @@ def test_a_resumed_run_with_passes_and_stages_ends_in_the_same_bytes(tmp_path: P
         gradient_clip=0.5,
         passes=(
             replace(LEADER, end=5),
-            replace(FOLLOWER, every=2),
+            FOLLOWER,
             replace(LEADER, name="late", first=5),
         ),
     )
@@ -261,16 +260,3 @@ def test_weights_are_selected_from_the_last_stage(tmp_path: Path) -> None:
     assert measured[5] < min(value for step, value in measured.items() if step > 5)
     assert trained.best.step > 5
     assert read_weights(tmp_path / "best.safetensors").facts["step"] == trained.best.step
-
-
-@pytest.mark.parametrize(
-    ("passes", "message"),
-    [
-        ((replace(LEADER, parts=("painter",)),), r"trains 'painter'.*parts: common, rare, idle"),
-        ((replace(LEADER, every=2),), "no pass is made in step 2 of 9"),
-        ((replace(LEADER, end=4), replace(FOLLOWER, first=5)), "no pass is made in step 5 of 9"),
-    ],
-)
-def test_invalid_passes_are_refused(passes: tuple[Pass, ...], message: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=message):
-        train(Following(), replace(IN_PASSES, passes=passes), RunFolder(tmp_path))
