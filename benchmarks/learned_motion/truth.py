@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,6 @@ from benchmarks.learned_motion.following import Speech
 from benchmarks.learned_motion.recordings import FRAME_RATE
 from motion.audio import read_audio
 from motion.audio_analysis import speech_onsets
-from training.corpus.truth import Truth, read_truth
 from training.data.take import Take
 
 FloatArray = NDArray[np.float64]
@@ -25,7 +24,7 @@ def speeches(corpus: Path, takes: Sequence[Take]) -> dict[str, Speech]:
 
 def spoken(corpus: Path, takes: Sequence[Take]) -> dict[str, str]:
     """Return speaker and text of each take, which takes of one text by one speaker share."""
-    return {take.name: f"{take.speaker}: {_truth(corpus, take).text}" for take in takes}
+    return {take.name: f"{take.speaker}: {_truth(corpus, take)['text']}" for take in takes}
 
 
 def _speech(corpus: Path, take: Take) -> Speech:
@@ -33,10 +32,10 @@ def _speech(corpus: Path, take: Take) -> Speech:
     truth = _truth(corpus, take)
     frames = round(audio.duration * FRAME_RATE)
     return Speech(
-        wrist_speed=_at_frames(truth.drive.wrist_speed, truth.frame_rate, frames),
-        jaw_open=_at_frames(truth.drive.jaw_open, truth.frame_rate, frames),
+        wrist_speed=_at_frames(truth["drive_wrist_speed"], float(truth["frame_rate"]), frames),
+        jaw_open=_at_frames(truth["drive_jaw_open"], float(truth["frame_rate"]), frames),
         onsets=speech_onsets(audio),
-        strokes=truth.strokes.times,
+        strokes=truth["stroke_times"],
     )
 
 
@@ -44,5 +43,5 @@ def _at_frames(curve: FloatArray, frame_rate: float, frames: int) -> FloatArray:
     return np.interp(np.arange(frames) / FRAME_RATE, np.arange(len(curve)) / frame_rate, curve)
 
 
-def _truth(corpus: Path, take: Take) -> Truth:
-    return read_truth(corpus / "truth" / f"{take.name}.npz")
+def _truth(corpus: Path, take: Take) -> Mapping[str, FloatArray]:
+    return np.load(corpus / "truth" / f"{take.name}.npz")  # type: ignore[no-any-return]

@@ -204,13 +204,13 @@ def corpus_command(folder: Path, fps: float, processes: int, **options: Any) -> 
 
     request = CorpusRequest(frame_rate=fps, **options)
     with progress("corpus", "take") as show:
-        corpus = make_corpus(folder, request, processes=processes, show=show)
-    kept = len(corpus.takes) - corpus.new_takes
+        takes, new_takes = make_corpus(folder, request, processes=processes, show=show)
+    kept = len(takes) - new_takes
     click.echo(
-        f"Made {counted(corpus.new_takes, 'take')} in {folder}" + (f"; kept {kept}" if kept else "")
+        f"Made {counted(new_takes, 'take')} in {folder}" + (f"; kept {kept}" if kept else "")
     )
     counts = {
-        split: sum(take.split == split for take in corpus.takes)
+        split: sum(take.split == split for take in takes)
         for split in ("train", "validation", "test")
     }
     click.echo(", ".join(f"{count} for {split}" for split, count in counts.items()))

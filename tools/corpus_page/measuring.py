@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from operator import attrgetter
@@ -12,16 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import read_audio
+from motion.errors import InputError
 from motion.formats.beat_tracks import read_arkit_json
 from motion.formats.bvh import read_bvh
-from training.corpus.making import RecordingFiles
-from training.corpus.plan import PlannedTake, planned_takes, read_request
+from training.corpus.making import files_of
+from training.corpus.plan import DESCRIPTION, CorpusRequest, PlannedTake, planned_takes
+from training.corpus.process import VERSION
 from training.corpus.speech_curves import SpeechCurves, analyse
 from training.corpus.truth import (
     MotionCurves,
     correlate_curves,
     curves_of,
-    read_truth,
     wrist_positions,
 )
 from training.data.take import Split
@@ -182,20 +184,42 @@ def read_measured(
     return tuple(takes)
 
 
+def read_request(folder: Path) -> CorpusRequest:
+    """Return the request of the corpus in a folder.
+
+    Raises
+    ------
+    InputError
+        If it holds no corpus, or one from another version of the process.
+    """
+    path = folder / DESCRIPTION
+    content = json.loads(path.read_text("utf-8")) if path.exists() else {}
+    if content.get("process_version") != VERSION:
+        raise InputError(
+            f"the folder holds no corpus of version {VERSION} of the process",
+            where=path,
+            remedy="Make the corpus again",
+        )
+    names = [field.name for field in fields(CorpusRequest)]
+    return CorpusRequest(**{name: content[name] for name in names})
+
+
 def _measured(folder: Path, plan: PlannedTake) -> MeasuredTake:
-    files = RecordingFiles.of(folder, plan)
-    truth = read_truth(files.truth)
-    motion = read_bvh(files.motion)
+    files = files_of(folder, plan)
+    truth = np.load(files["truth"])
+    motion = read_bvh(files["motion"])
     body = body_values(motion)
-    face = face_values(read_arkit_json(files.face, motion.frame_rate))
+    face = face_values(read_arkit_json(files["face"], motion.frame_rate))
     # The last frame of the face is repeated where rounding made it a frame shorter.
     face = face[np.minimum(np.arange(len(body)), len(face) - 1)]
-    speech = read_audio(files.speech)
+    speech = read_audio(files["speech"])
     return MeasuredTake(
         plan=plan,
         seconds=speech.duration,
         moved=curves_of(body, face, motion.frame_rate),
-        drive=truth.drive,
+        drive=MotionCurves(
+            **{name.name: truth[f"drive_{name.name}"] for name in fields(MotionCurves)}
+        ),
         pose=_summary(np.concatenate([body, face], axis=1)),
         sound=_summary(_columns(analyse(speech))),
         wrists=wrist_positions(_thinned(body, motion.frame_rate)),

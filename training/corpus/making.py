@@ -1,7 +1,6 @@
 """Making a corpus, in one or several processes, resuming where an earlier run stopped.
 
-A take is its speech, its motion, and the truth about both. Motion has all 75 joints of BEAT's
-files, in their order, including limb ends that never move.
+A take is its speech, its motion, and the truth about both.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ import io
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import as_completed
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -20,17 +19,16 @@ from typing import Final
 import numpy as np
 
 from motion.audio import SPEECH_RATE, Audio, read_audio, write_wav
-from motion.files import write_text
+from motion.files import replacing, write_text
 from motion.formats.beat_tracks import SemanticSpan, write_arkit_json, write_semantic_scores
-from motion.formats.bvh_motion import BvhJoint, write_bvh
+from motion.formats.bvh_motion import write_bvh
 from motion.processes import ProcessPool
 from motion.synthesis import speak_as
 from training.corpus.chance import Chance
 from training.corpus.plan import CorpusRequest, PlannedTake, claim_folder, planned_takes
 from training.corpus.process import Process
 from training.corpus.speakers import EMOTION_MOTION, spoken_prosody, voice_of
-from training.corpus.truth import Truth, write_truth
-from training.spaces.beat import BEAT_SKELETON, upper_body_motion
+from training.spaces.beat import upper_body_motion
 
 Show = Callable[[int, int], None]
 """Called with the number of finished takes and the number of all takes."""
@@ -39,25 +37,9 @@ SPLITS: Final = "splits.csv"
 TAKES: Final = "takes.csv"
 
 
-@dataclass(frozen=True, kw_only=True)
-class CorpusResult:
-    """The takes of a corpus.
-
-    Attributes
-    ----------
-    takes : tuple of PlannedTake
-        All takes of the corpus.
-    new_takes : int
-        Number of takes made by this call; the others existed already.
-    """
-
-    takes: tuple[PlannedTake, ...]
-    new_takes: int
-
-
 def make_corpus(
     folder: Path, request: CorpusRequest, *, processes: int = 1, show: Show | None = None
-) -> CorpusResult:
+) -> tuple[list[PlannedTake], int]:
     """Make a corpus in `folder`; existing takes are kept.
 
     Parameters
@@ -71,6 +53,11 @@ def make_corpus(
     show : callable, optional
         Called with the progress.
 
+    Returns
+    -------
+    (list of PlannedTake, int)
+        All takes of the corpus, and the number of them that were made by this call.
+
     Raises
     ------
     InputError
@@ -78,8 +65,12 @@ def make_corpus(
         fails.
     """
     claim_folder(folder, request)
-    takes = tuple(planned_takes(request))
-    missing = [take for take in takes if not RecordingFiles.of(folder, take).complete]
+    takes = list(planned_takes(request))
+    missing = [
+        take
+        for take in takes
+        if not all(path.is_file() for path in files_of(folder, take).values())
+    ]
     report = show or (lambda done, total: None)
     existing = len(takes) - len(missing)
     for done, _ in enumerate(_record_all(folder, request, missing, processes), start=existing + 1):
@@ -87,7 +78,7 @@ def make_corpus(
     write_text(folder / TAKES, _table(takes))
     splits = [("name", "split"), *((take.name, take.split) for take in takes)]
     write_text(folder / SPLITS, _csv(splits))
-    return CorpusResult(takes=takes, new_takes=len(missing))
+    return takes, len(missing)
 
 
 def _record_all(
@@ -125,64 +116,6 @@ def _csv(rows: Sequence[Sequence[object]]) -> str:
     return text.getvalue()
 
 
-Offset = tuple[float, float, float]
-
-_FINGER_TIPS: Final = MappingProxyType(
-    {
-        "HandMiddle": (2, 0, 0),
-        "HandRing": (2, 0, -0.2),
-        "HandPinky": (1.7, 0, -0.4),
-        "HandIndex": (1.7, 0, 0.2),
-        "HandThumb": (2.2, 0.3, 0.9),
-    }
-)
-"""Offsets from the last joint of a left finger to its tip, in centimetres."""
-
-_LIMB_ENDS: Final = MappingProxyType(
-    {
-        "Head": ("HeadEnd", (0.0, 10.0, 0.0)),
-        **{
-            f"{side}{finger}3": (f"{side}{finger}4", (sign * x, y, z))
-            for side, sign in (("Right", -1.0), ("Left", 1.0))
-            for finger, (x, y, z) in _FINGER_TIPS.items()
-        },
-        **{f"{side}ToeBase": (f"{side}ToeBaseEnd", (0.0, 0.0, 14.0)) for side in ("Right", "Left")},
-    }
-)
-"""The end of a limb and its offset, by the limb's last joint."""
-
-_LEG: Final = ("UpLeg", "Leg", "Foot", "ToeBase")
-
-
-def _full_skeleton() -> tuple[BvhJoint, ...]:
-    joints: list[BvhJoint] = []
-    places: dict[str, int] = {}
-
-    def add(joint: BvhJoint, parent: str, offset: Offset) -> None:
-        parent_index = places[parent] if parent else -1
-        places[joint.name] = len(joints)
-        joints.append(replace(joint, parent=parent_index, offset=offset))
-
-    # BEAT's files have the legs last.
-    for joint in sorted(BEAT_SKELETON, key=lambda joint: joint.name.endswith(_LEG)):
-        parent = BEAT_SKELETON[joint.parent].name if joint.parent >= 0 else ""
-        offset = joint.offset
-        if joint.name.endswith("ToeBase"):
-            # BEAT's foot has one more joint, at the height of the toes.
-            forefoot = joint.name.replace("ToeBase", "ForeFoot")
-            x, y, z = offset
-            add(replace(joint, name=forefoot), parent, (x, y, 0.0))
-            parent, offset = forefoot, (0.0, 0.0, z)
-        add(joint, parent, offset)
-        if joint.name in _LIMB_ENDS:
-            name, end_offset = _LIMB_ENDS[joint.name]
-            add(replace(joint, name=name), joint.name, end_offset)
-    return tuple(joints)
-
-
-FULL_SKELETON: Final = _full_skeleton()
-"""The joints of BEAT's files, root first, depth first; offsets in centimetres."""
-
 FACE_RATE: Final = 60.0
 """Frames per second of BEAT's facial weights."""
 
@@ -194,67 +127,53 @@ _FULL_SCORE_SIZE: Final = 2.0
 """Size of a stroke that scores 1."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class RecordingFiles:
-    """The paths of a take's files.
+_ENDINGS: Final = MappingProxyType(
+    {
+        "speech": ".wav",
+        "motion": ".bvh",
+        "face": ".json",
+        "semantic": ".txt",
+        "transcript": ".lab",
+    }
+)
 
-    Attributes
-    ----------
-    speech, motion, face, semantic, transcript, truth : Path
-        WAV, BVH, JSON, two text files and ``.npz``; the truth is written last.
-    """
 
-    speech: Path
-    motion: Path
-    face: Path
-    semantic: Path
-    transcript: Path
-    truth: Path
-
-    @classmethod
-    def of(cls, corpus: Path, take: PlannedTake) -> RecordingFiles:
-        """Return the paths of the files of `take` in the folder of a corpus."""
-        stem = corpus / take.folder / take.name
-        return cls(
-            speech=stem.with_suffix(".wav"),
-            motion=stem.with_suffix(".bvh"),
-            face=stem.with_suffix(".json"),
-            semantic=stem.with_suffix(".txt"),
-            transcript=stem.with_suffix(".lab"),
-            truth=corpus / "truth" / f"{take.name}.npz",
-        )
-
-    @property
-    def complete(self) -> bool:
-        """Whether all of them exist."""
-        return all(getattr(self, field.name).is_file() for field in fields(self))
+def files_of(corpus: Path, take: PlannedTake) -> dict[str, Path]:
+    """Return the paths of the files of `take` in a corpus, which has a folder for each speaker."""
+    stem = corpus / str(take.speaker.number) / take.name
+    files = {role: stem.with_suffix(ending) for role, ending in _ENDINGS.items()}
+    return files | {"truth": corpus / "truth" / f"{take.name}.npz"}
 
 
 def _record(corpus: Path, take: PlannedTake, frame_rate: float) -> None:
     """Write the files of a take, each in one step."""
-    files = RecordingFiles.of(corpus, take)
-    write_wav(files.speech, _speak(take))
+    files = files_of(corpus, take)
+    write_wav(files["speech"], _speak(take))
     # The process reads the file's samples, so that its results can be recomputed from the file.
-    process = Process.from_speech(read_audio(files.speech), take.emotion, take.speaker)
+    process = Process.from_speech(read_audio(files["speech"]), take.emotion, take.speaker)
     chance = Chance(seed=take.seed)
-    write_bvh(
-        files.motion, upper_body_motion(process.body(frame_rate, chance), frame_rate, FULL_SKELETON)
-    )
-    write_arkit_json(files.face, process.face(FACE_RATE, chance), FACE_RATE)
-    write_semantic_scores(files.semantic, _semantic_spans(process, chance))
-    write_text(files.transcript, f"{take.text}\n")
+    write_bvh(files["motion"], upper_body_motion(process.body(frame_rate, chance), frame_rate))
+    write_arkit_json(files["face"], process.face(FACE_RATE, chance), FACE_RATE)
+    write_semantic_scores(files["semantic"], _semantic_spans(process, chance))
+    write_text(files["transcript"], f"{take.text}\n")
+    drive = asdict(process.drive(frame_rate))
     strokes = process.strokes
-    truth = Truth(
-        frame_rate=frame_rate,
-        drive=process.drive(frame_rate),
-        strokes=strokes,
-        chance=chance.strokes(len(strokes.times)),
-        emotion=take.emotion,
-        text=take.text,
-        speaker=take.speaker.number,
-        seed=take.seed,
-    )
-    write_truth(files.truth, truth)
+    stroke_chance = chance.strokes(len(strokes.times))
+    with replacing(files["truth"]) as draft:
+        np.savez_compressed(
+            draft,
+            allow_pickle=False,
+            frame_rate=frame_rate,
+            stroke_times=strokes.times,
+            stroke_sizes=strokes.sizes,
+            stroke_gains=stroke_chance.gains,
+            stroke_delays=stroke_chance.delays,
+            emotion=take.emotion,
+            text=take.text,
+            speaker=take.speaker.number,
+            seed=take.seed,
+            **{f"drive_{name}": curve.astype(np.float32) for name, curve in drive.items()},
+        )
 
 
 def _speak(take: PlannedTake) -> Audio:

@@ -27,13 +27,10 @@ from __future__ import annotations
 import json
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
-from pydantic import TypeAdapter, ValidationError
-
-from motion.clip import check_frame_rate
 from motion.errors import InputError
 from motion.files import write_text
 from motion.segment import EMOTIONS
@@ -57,9 +54,6 @@ def _text_ranges(emotion: str) -> list[tuple[int, int]]:
 
 MOST_RECORDINGS: Final = min(len(_text_ranges(emotion)) for emotion in EMOTIONS)
 """Largest number of recordings of one speaker in one emotion."""
-
-MOST_SPEAKERS: Final = 9999
-"""Largest number of speakers that BEAT's names allow."""
 
 _LEAST_SHARED: Final = 4
 """Fewest shared passages of an emotion: one for testing, one for validation, and two to compare."""
@@ -89,7 +83,7 @@ class CorpusRequest:
     Raises
     ------
     InputError
-        If a number is out of range.
+        If BEAT's names or the passages do not suffice, or nothing is left to train on.
     """
 
     speakers: int = 8
@@ -101,16 +95,12 @@ class CorpusRequest:
     shared_passages: bool = False
 
     def __post_init__(self) -> None:
-        if not 1 <= self.speakers <= MOST_SPEAKERS:
-            raise InputError(
-                f"{self.speakers} speakers cannot be made", remedy=f"Give 1 to {MOST_SPEAKERS}"
-            )
-        if not 0 <= self.held_out_speakers < self.speakers:
+        if self.held_out_speakers >= self.speakers:
             raise InputError(
                 f"{self.held_out_speakers} of {self.speakers} speakers cannot be held out",
                 remedy="Leave at least one to train on",
             )
-        if self.sentences < 1 or self.sentences % len(EMOTIONS):
+        if self.sentences % len(EMOTIONS):
             raise InputError(
                 f"{self.sentences} sentences cannot be divided equally among eight emotions",
                 remedy="Give a multiple of eight",
@@ -120,16 +110,13 @@ class CorpusRequest:
                 f"{self.sentences} shared sentences leave too few for training",
                 remedy=f"Give at least {_LEAST_SHARED * len(EMOTIONS)}",
             )
-        if self.takes < 1 or self.passages * self.takes > MOST_RECORDINGS:
+        if self.passages * self.takes > MOST_RECORDINGS:
             raise InputError(
                 f"BEAT's names do not suffice for {self.passages} sentences per emotion in "
                 f"{self.takes} takes",
                 remedy=f"Ask for at most {MOST_RECORDINGS} recordings per emotion, and for more "
                 "speakers",
             )
-        if self.seed < 0:
-            raise InputError(f"seed {self.seed} is not usable", remedy="Give 0 or more")
-        check_frame_rate(self.frame_rate)
 
     @property
     def passages(self) -> int:
@@ -179,11 +166,6 @@ class PlannedTake:
     unheard: bool
     held_out_speaker: bool
     seed: tuple[int, ...]
-
-    @property
-    def folder(self) -> str:
-        """The take's folder in the corpus: one per speaker, as in BEAT."""
-        return str(self.speaker.number)
 
 
 def planned_takes(request: CorpusRequest) -> Iterator[PlannedTake]:
@@ -269,9 +251,6 @@ def passage(emotion: str, number: int, *, unheard: bool = False) -> str:
 
 DESCRIPTION: Final = "corpus.json"
 
-_SHARED: Final = "shared_passages"
-"""Recorded only if true."""
-
 
 def claim_folder(folder: Path, request: CorpusRequest) -> None:
     """Record the request of a corpus in its folder.
@@ -301,44 +280,10 @@ def claim_folder(folder: Path, request: CorpusRequest) -> None:
     write_text(path, description)
 
 
-def read_request(folder: Path) -> CorpusRequest:
-    """Return the request of the corpus in a folder.
-
-    Raises
-    ------
-    InputError
-        If it holds no corpus, or one from another version of the process, whose truth cannot be
-        computed.
-    """
-    path = folder / DESCRIPTION
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        version = content["process_version"]
-        settings = {
-            field.name: content[field.name]
-            for field in fields(CorpusRequest)
-            if field.name in content or field.name != _SHARED
-        }
-        request = TypeAdapter(CorpusRequest).validate_python(settings)
-    except (OSError, ValueError, KeyError, TypeError, ValidationError) as error:
-        raise InputError(
-            "the folder holds no synthetic corpus",
-            where=path,
-            remedy="Give a folder that 'motionjury corpus' made",
-        ) from error
-    if version != VERSION:
-        raise InputError(
-            f"the corpus was made by version {version} of the process, this is version {VERSION}",
-            where=path,
-            remedy="Make the corpus again",
-        )
-    return request
-
-
 def _description(request: CorpusRequest) -> dict[str, object]:
     return {
         "corpus": "synthetic speech and motion with known truth, in the files and folders of BEAT",
         "process_version": VERSION,
         "speech": synthesiser_version(),
-        **{key: value for key, value in asdict(request).items() if value or key != _SHARED},
+        **asdict(request),
     }

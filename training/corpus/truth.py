@@ -1,27 +1,20 @@
-"""The truth about each take of a corpus, and the correlation of two motions.
+"""The curves of a motion that the corpus' speech drives, and the correlation of two of them.
 
-The curves that the corpus' speech drives can be computed from any motion in BEAT's format, so that
+They can be computed from any motion in BEAT's format, so that
 a network's motion can be compared with the process.
 """
 
 from __future__ import annotations
 
 import math
-import zipfile
-from dataclasses import dataclass, fields
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from motion.arrays import Floats
-from motion.errors import InputError
-from motion.files import replacing
-from training.corpus.chance import StrokeChance
-from training.corpus.speech_curves import Strokes
-from training.spaces.beat import BEAT_SKELETON, FACIAL_WEIGHTS, UPPER_BODY_JOINTS, upper_body_motion
+from training.spaces.beat import FACIAL_WEIGHTS, UPPER_BODY_JOINTS, upper_body_motion
 
 _CENTIMETRES: Final = 100.0
 _BROWS: Final = ("InnerUp", "OuterUpLeft", "OuterUpRight")
@@ -81,18 +74,10 @@ def wrist_positions(body: Floats) -> Floats:
 
     The figure is the idealised one, with its hips fixed at the origin.
     """
-    motion = upper_body_motion(body, 1.0, BEAT_SKELETON)
+    motion = upper_body_motion(body, 1.0)
     positions, _ = motion.forward_kinematics()
     wrists = [motion.joint_names.index(f"{side}Hand") for side in ("Right", "Left")]
     return positions[:, wrists] / _CENTIMETRES
-
-
-def correlate_motions(motion: MotionCurves, reference: MotionCurves) -> dict[str, float]:
-    """Return the correlation of each curve of two motions; see `correlate_curves`."""
-    return {
-        field.name: correlate_curves(getattr(motion, field.name), getattr(reference, field.name))
-        for field in fields(MotionCurves)
-    }
 
 
 def correlate_curves(motion: Floats, reference: Floats) -> float:
@@ -110,87 +95,3 @@ def mean_speed(positions: Floats, frame_rate: float) -> Floats:
         return np.zeros(len(positions))
     velocity = np.gradient(positions, axis=0) * frame_rate
     return np.asarray(np.linalg.norm(velocity, axis=2).mean(axis=1))
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Truth:
-    """The truth about a take.
-
-    Attributes
-    ----------
-    frame_rate : float
-        Frames per second of `drive` and of the take's BVH file.
-    drive : MotionCurves
-        The part of the motion that speech determines: the process without chance.
-    strokes : Strokes
-        The strokes that the speech prompts.
-    chance : StrokeChance
-        Random variation of the strokes.
-    emotion, text : str
-        The take's emotion and text.
-    speaker : int
-        The speaker's number.
-    seed : tuple of int
-        Seed of all random numbers of the take, for `training.corpus.chance.Chance`.
-    """
-
-    frame_rate: float
-    drive: MotionCurves
-    strokes: Strokes
-    chance: StrokeChance
-    emotion: str
-    text: str
-    speaker: int
-    seed: tuple[int, ...]
-
-
-def write_truth(path: Path, truth: Truth) -> None:
-    """Write `truth` as ``.npz``, in one step; curves as ``drive_*``, in single precision."""
-    arrays: dict[str, NDArray[np.generic]] = {
-        "frame_rate": np.array(truth.frame_rate),
-        "stroke_times": truth.strokes.times,
-        "stroke_sizes": truth.strokes.sizes,
-        "stroke_gains": truth.chance.gains,
-        "stroke_delays": truth.chance.delays,
-        "emotion": np.array(truth.emotion),
-        "text": np.array(truth.text),
-        "speaker": np.array(truth.speaker),
-        "seed": np.array(truth.seed, np.int64),
-    }
-    for field in fields(MotionCurves):
-        arrays[f"drive_{field.name}"] = getattr(truth.drive, field.name).astype(np.float32)
-    with replacing(path) as draft, draft.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **arrays)
-
-
-def read_truth(path: Path) -> Truth:
-    """Read the known truth of a take.
-
-    Raises
-    ------
-    InputError
-        If the file is not such an archive.
-    """
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            return Truth(
-                frame_rate=float(archive["frame_rate"]),
-                drive=MotionCurves(
-                    **{
-                        field.name: archive[f"drive_{field.name}"].astype(np.float64)
-                        for field in fields(MotionCurves)
-                    }
-                ),
-                strokes=Strokes(times=archive["stroke_times"], sizes=archive["stroke_sizes"]),
-                chance=StrokeChance(gains=archive["stroke_gains"], delays=archive["stroke_delays"]),
-                emotion=str(archive["emotion"]),
-                text=str(archive["text"]),
-                speaker=int(archive["speaker"]),
-                seed=tuple(int(number) for number in archive["seed"]),
-            )
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        raise InputError(
-            "the file does not hold the truth about a take of a synthetic corpus",
-            where=path,
-            remedy="Give a file of the folder truth that 'motionjury corpus' wrote",
-        ) from error

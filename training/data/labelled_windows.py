@@ -6,6 +6,7 @@ texts, each spoken by two speakers, all in one emotion.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import combinations
@@ -16,7 +17,7 @@ from torch import Tensor
 
 from motion.arrays import Ints
 from motion.errors import InputError
-from training.corpus.plan import DESCRIPTION, read_request
+from training.corpus.plan import DESCRIPTION
 from training.data.beat import BeatName
 from training.data.take import TakeFolder
 from training.data.windows import Windows
@@ -145,7 +146,8 @@ def _by_emotion(windows: Windows) -> dict[str, dict[str, dict[str, list[int]]]]:
 def check_texts(takes: TakeFolder) -> None:
     """Raise `InputError` for a synthetic corpus whose speakers do not share their texts."""
     for folder in takes.takes[0].speech.resolve().parents:
-        if (folder / DESCRIPTION).exists() and not read_request(folder).shared_passages:
+        corpus = folder / DESCRIPTION
+        if corpus.exists() and not json.loads(corpus.read_text("utf-8"))["shared_passages"]:
             raise InputError(
                 "each speaker of this corpus has their own texts, but a speech model learns from "
                 "texts that several speakers share",

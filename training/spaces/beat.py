@@ -36,18 +36,23 @@ _MODELLED_TRUNK: Final = ("Spine", "Neck", "Neck1")
 
 UPPER_BODY_JOINTS: Final = (
     *_MODELLED_TRUNK,
-    *(f"{side}{name}" for side in ("Right", "Left") for name, *_ in _PARTS["arm"]),
+    *(
+        f"{side}{name}"
+        for side in ("Right", "Left")
+        for name, *_ in _PARTS["arm"]
+        if not name.endswith("4")
+    ),
 )
-"""The 47 joints of DiffSHEG's rotations, in its order. BEAT's prepared files lack the others: hips
-and legs stand still, and the whole spine bends in its lowest joint."""
+"""The 47 joints of DiffSHEG's rotations, in its order. BEAT's prepared files lack the others: limb
+ends, hips and legs stand still, and the whole spine bends in its lowest joint."""
 
 
 def _joints() -> Iterator[tuple[str, str, Offset]]:
     for name, parent, (x, y, z) in _PARTS["trunk"]:
         yield name, parent, (x, y, z)
-    for side, sign in (("Right", -1), ("Left", 1)):
-        for part in (_PARTS["arm"], _PARTS["leg"]):
-            names = {name for name, *_ in part}
+    for part in (_PARTS["arm"], _PARTS["leg"]):
+        names = {name for name, *_ in part}
+        for side, sign in (("Right", -1), ("Left", 1)):
             for name, parent, (x, y, z) in part:
                 parent_name = f"{side}{parent}" if parent in names else parent
                 yield f"{side}{name}", parent_name, (sign * x, y, z)
@@ -63,7 +68,7 @@ def _skeleton() -> tuple[BvhJoint, ...]:
 
 
 BEAT_SKELETON: Final = _skeleton()
-"""The idealised figure's joints, parents before children; the first is the root."""
+"""The 75 joints of BEAT's files on the idealised figure, root first; offsets in centimetres."""
 
 
 FACIAL_WEIGHTS: Final = ARKIT_NAMES[:51]
@@ -97,10 +102,8 @@ def face_values(arkit: Floats32) -> Floats:
     return arkit[:, : len(FACIAL_WEIGHTS)].astype(np.float64)
 
 
-def upper_body_motion(
-    body: Floats, frame_rate: float, skeleton: tuple[BvhJoint, ...] = BEAT_SKELETON
-) -> BvhMotion:
-    """Return rotations (T, 141) on a skeleton of BEAT; all other joints are at rest.
+def upper_body_motion(body: Floats, frame_rate: float) -> BvhMotion:
+    """Return rotations (T, 141) on the idealised figure; all other joints are at rest.
 
     Parameters
     ----------
@@ -108,12 +111,10 @@ def upper_body_motion(
         Axis-angle in radians, in the order of `UPPER_BODY_JOINTS`.
     frame_rate : float
         Frames per second.
-    skeleton : tuple of BvhJoint
-        A speaker's own skeleton, or the idealised one; joints turn about x, y and z in that order.
     """
     motion = BvhMotion(
-        joints=skeleton,
-        values=np.zeros((len(body), sum(len(joint.channels) for joint in skeleton))),
+        joints=BEAT_SKELETON,
+        values=np.zeros((len(body), sum(len(joint.channels) for joint in BEAT_SKELETON))),
         frame_rate=frame_rate,
     )
     turns = body.reshape(len(body), len(UPPER_BODY_JOINTS), 3)
