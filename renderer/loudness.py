@@ -24,7 +24,6 @@ PEAK_CEILING: Final = -1.0
 SHORTEST: Final = 0.4
 """Seconds of one measuring block (ITU-R BS.1770-5, annex 1); shorter sound has no loudness."""
 
-_TOLERANCE: Final = 0.1
 _SILENCE: Final = -70.0  # the absolute gate; FFmpeg reports it if no block is above
 _OVERSAMPLING: Final = 4
 
@@ -41,22 +40,13 @@ def at_common_loudness(audio: Audio) -> Audio:
     -------
     Audio
         At `TARGET`, or as near below it as `PEAK_CEILING` allows. Sound without a measurable
-        loudness keeps its level. A note says why if the target is missed.
+        loudness keeps its level.
     """
     loudness = integrated_loudness(audio)
     if loudness is None:
-        is_short = audio.duration < SHORTEST
-        short = f"it lasts less than {SHORTEST:g} s, too short to have a loudness"
-        return _with_note(audio, f"{short if is_short else 'it is silent'}; left unchanged")
-    headroom = PEAK_CEILING - true_peak(audio)
-    gain = min(TARGET - loudness, headroom)
-    amplified = replace(audio, samples=audio.samples * np.float32(10 ** (gain / 20)))
-    if gain < TARGET - loudness - _TOLERANCE:
-        return _with_note(
-            amplified,
-            f"its peaks allow {loudness + gain:.1f} LUFS, not the {TARGET:g} LUFS of the others",
-        )
-    return amplified
+        return audio
+    gain = min(TARGET - loudness, PEAK_CEILING - true_peak(audio))
+    return replace(audio, samples=audio.samples * np.float32(10 ** (gain / 20)))
 
 
 def read_excerpt(speech: Path, start: float, end: float) -> Audio:
@@ -107,7 +97,3 @@ def true_peak(audio: Audio) -> float:
     oversampled = resample_poly(audio.samples, _OVERSAMPLING, 1)
     peak = max(float(np.abs(oversampled).max()), float(np.abs(audio.samples).max()))
     return 20 * math.log10(peak) if peak > 0 else -math.inf
-
-
-def _with_note(audio: Audio, note: str) -> Audio:
-    return replace(audio, notes=(*audio.notes, note))

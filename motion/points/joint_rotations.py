@@ -111,8 +111,8 @@ def clip_from_joints(points: Mapping[str, Floats], rest: Floats, frame_rate: flo
     Parameters
     ----------
     points : mapping of str to ndarray, shape (T, 3)
-        Positions of SMPL-X joints in metres, y up; at least pelvis, neck and both shoulders. A
-        joint counts only if its parent is given too; on an incomplete spine, the next joint below.
+        Positions of SMPL-X joints in metres, y up; at least pelvis, neck and both shoulders. Those
+        of spine and collars are ignored. Any other joint counts only if its parent is given too.
     rest : ndarray, shape (55, 3)
         The joints of the body at rest, metres.
     frame_rate : float
@@ -180,29 +180,24 @@ def _about_y(angles: Floats) -> Rotation:
 
 
 def _turn_trunk(figure: _Figure, heading: Rotation) -> None:
-    """Turn pelvis and spine along the given bones and between the turns of hips and shoulders."""
-    knots = [joint for joint in _SPINE if figure.has(joint)]
+    """Turn pelvis and spine along the trunk, and between the turns of hips and shoulders."""
     if figure.has("left_hip", "right_hip"):
         hips = figure.vector("right_hip", "left_hip"), figure.rest_vector("right_hip", "left_hip")
     else:
         hips = heading.apply(_UNIT_AXES[0]), _UNIT_AXES[0]
-    wide = "collar" if figure.has("left_collar", "right_collar") else "shoulder"
-    right, left = f"right_{wide}", f"left_{wide}"
-    low, high = knots[:2], knots[-2:]
-    pelvis = frame_rotations((figure.rest_vector(*low), hips[1]), (figure.vector(*low), hips[0]))
+    shoulders = "right_shoulder", "left_shoulder"
+    rest_trunk, trunk = figure.rest_vector("pelvis", "neck"), figure.vector("pelvis", "neck")
+    pelvis = frame_rotations((rest_trunk, hips[1]), (trunk, hips[0]))
     chest = frame_rotations(
-        (figure.rest_vector(*high), figure.rest_vector(right, left)),
-        (figure.vector(*high), figure.vector(right, left)),
+        (rest_trunk, figure.rest_vector(*shoulders)), (trunk, figure.vector(*shoulders))
     )
     bend = (pelvis.inv() * chest).as_rotvec()
     for number, joint in enumerate(_SPINE[:-1]):
         figure.world[joint] = pelvis * Rotation.from_rotvec(bend * number / 3)
-    for start, end in pairwise(knots):
-        joints = _SPINE[_SPINE.index(start) : _SPINE.index(end) + 1]
-        spine_vector = sum(figure.posed_vector(*bone) for bone in pairwise(joints))
-        turn = smallest_rotations(np.asarray(spine_vector), figure.vector(start, end))
-        for joint in joints[:-1]:
-            figure.world[joint] = turn * figure.world[joint]
+    posed_trunk = sum(figure.posed_vector(*bone) for bone in pairwise(_SPINE))
+    turn = smallest_rotations(np.asarray(posed_trunk), trunk)
+    for joint in _SPINE[:-1]:
+        figure.world[joint] = turn * figure.world[joint]
 
 
 def _turn_head(figure: _Figure) -> None:
@@ -213,12 +208,11 @@ def _turn_head(figure: _Figure) -> None:
     figure.world["head"] = neck
     if not figure.has("head"):
         return
-    if figure.has("left_eye", "right_eye"):
+    if figure.has("left_eye", "right_eye", "jaw"):
         eyes = ("right_eye", "left_eye")
-        ahead = "jaw" if figure.has("jaw") else "left_eye"
         figure.world["head"] = frame_rotations(
-            (figure.rest_vector(*eyes), figure.rest_vector("head", ahead)),
-            (figure.vector(*eyes), figure.vector("head", ahead)),
+            (figure.rest_vector(*eyes), figure.rest_vector("head", "jaw")),
+            (figure.vector(*eyes), figure.vector("head", "jaw")),
         )
     else:
         # A head that leans sideways is more upright than its neck: halfway back to the chest.
@@ -234,10 +228,7 @@ def _turn_arm(figure: _Figure, side: str, sign: float) -> None:
     collar, shoulder, elbow, wrist = (
         f"{side}_{part}" for part in ("collar", "shoulder", "elbow", "wrist")
     )
-    if figure.has(collar):
-        figure.swing(collar, shoulder, figure.world["spine3"])
-    else:
-        _turn_collar(figure, collar, shoulder)
+    _turn_collar(figure, collar, shoulder)
     if figure.has(elbow):
         _turn_limb(figure, (shoulder, elbow, wrist), collar, _UNIT_AXES[2])
     else:
@@ -246,7 +237,7 @@ def _turn_arm(figure: _Figure, side: str, sign: float) -> None:
 
 
 def _turn_collar(figure: _Figure, collar: str, shoulder: str) -> None:
-    """Turn a missing collar so that the shoulder has its given direction from the neck.
+    """Turn a collar so that the shoulder has its given direction from the neck.
 
     The end of the collar is on a sphere around its start. It is placed where the line from the neck
     leaves that sphere or comes nearest to it.

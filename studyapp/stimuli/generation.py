@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import zlib
-from collections import Counter, defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
-from typing import Final
 
 from generators.interface import OnPart, SpeechSegment
 from generators.registry import load_generator, needs_model, needs_source
@@ -20,10 +20,6 @@ from motion.formats import read_clip, write_clip
 from motion.placement import place
 from motion.segment import Segment
 from studyapp.study.folder import StudyFolder
-
-_AS_A_WHOLE: Final = "as a whole"
-"""How a network processes speech that is not long."""
-
 
 OnClip = Callable[..., object]
 """Called with the numbers of finished clips and of all, and while one is made with a detail."""
@@ -119,13 +115,7 @@ def generate(
         for segment in segments:
             path, speech = folder.clip(name, segment.name), folder.speech / segment.wav
             inputs = digest(shared, segment, speech)
-            imported = InputError(
-                f"this motion was imported, but condition {name!r} has a generator",
-                where=path,
-                remedy="Remove the generator from study.toml to use the file, or move the file "
-                "away to generate the motion",
-            )
-            if _is_up_to_date(path, inputs, foreign=imported):
+            if _is_up_to_date(path, inputs, "remove the generator from study.toml to use it"):
                 kept += 1
             else:
                 clip = generator.generate(
@@ -138,27 +128,31 @@ def generate(
                 write_clip(path, place(clip)[0].with_provenance(inputs=inputs))
                 made += 1
             on_clip(made + kept, total)
-    of_networks = {
-        name: [folder.clip(name, segment.name) for segment in segments]
+    remarks = [
+        _remarks(name, [folder.clip(name, segment.name) for segment in segments])
         for name, condition in conditions.items()
         if needs_model(str(condition.generator))
-    }
-    return GenerationCount(made=made, kept=kept, remarks=_remarks(of_networks))
+    ]
+    return GenerationCount(made=made, kept=kept, remarks=tuple(chain.from_iterable(remarks)))
 
 
-def _is_up_to_date(path: Path, inputs: str, *, foreign: InputError) -> bool:
+def _is_up_to_date(path: Path, inputs: str, other_way: str) -> bool:
     """Return whether the clip at `path` exists and was made from `inputs`.
 
     Raises
     ------
     InputError
-        `foreign`, if the clip was not generated.
+        If the clip was not generated; the remedy names `other_way`.
     """
     if not path.exists():
         return False
     made_from = read_clip(path).provenance.get("inputs")
     if made_from is None:
-        raise foreign
+        raise InputError(
+            "this motion was not generated, and would be overwritten",
+            where=path,
+            remedy=f"Move it away, or {other_way}",
+        )
     return made_from == inputs
 
 
@@ -168,25 +162,11 @@ def _excerpt(speech: Path, segment: Segment) -> Audio:
         return recording.cut(segment.start, segment.end)
 
 
-def _remarks(clips: Mapping[str, Sequence[Path]]) -> tuple[str, ...]:
-    """Return a sentence for each remark on stand-ins and on long speech in a condition's clips."""
-    stood_in: list[str] = []
-    in_parts: list[str] = []
-    for condition, paths in clips.items():
-        stand_ins: dict[str, None] = {}
-        by_processing: defaultdict[str, list[str]] = defaultdict(list)
-        for path in paths:
-            provenance = read_clip(path).provenance
-            stand_ins |= dict.fromkeys(filter(None, provenance.get("stand_ins", "").split("; ")))
-            by_processing[provenance.get("heard", _AS_A_WHOLE)].append(path.stem)
-        by_processing.pop(_AS_A_WHOLE, None)
-        if stand_ins:
-            stood_in.append(f"Uses stand-ins: {condition}: {'; '.join(stand_ins)}")
-        for processed, names in by_processing.items():
-            in_parts.append(
-                f"Long speech was processed {processed}: {condition}: {', '.join(names)}"
-            )
-    return (*stood_in, *in_parts)
+def _remarks(name: str, paths: Sequence[Path]) -> tuple[str, ...]:
+    """Return a sentence on the stand-ins that the clips at `paths` were made with."""
+    used = [read_clip(path).provenance.get("stand_ins", "").split("; ") for path in paths]
+    stand_ins = dict.fromkeys(filter(None, chain.from_iterable(used)))
+    return (f"Uses stand-ins: {name}: {'; '.join(stand_ins)}",) if stand_ins else ()
 
 
 def generate_files(
@@ -250,12 +230,7 @@ def generate_files(
     for number, path in enumerate(speech, start=1):
         target = out / f"{path.stem}.npz"
         inputs = digest(shared, path)
-        foreign = InputError(
-            "this motion was not generated here and would be overwritten",
-            where=target,
-            remedy="Move it away, or choose another folder (--out)",
-        )
-        if not _is_up_to_date(target, inputs, foreign=foreign):
+        if not _is_up_to_date(target, inputs, "choose another folder (--out)"):
             audio = read_audio(path)
             segment = Segment(
                 name=path.stem,
@@ -275,5 +250,5 @@ def generate_files(
             made += 1
         on_clip(number, len(speech))
     clips = [out / f"{path.stem}.npz" for path in speech]
-    remarks = _remarks({generator: clips})
+    remarks = _remarks(generator, clips)
     return GenerationCount(made=made, kept=len(speech) - made, remarks=remarks)

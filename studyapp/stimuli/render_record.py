@@ -29,7 +29,7 @@ class RenderCount:
     left_out : int
         Videos that could not be made because a clip failed.
     notes : tuple of str
-        Motion that is not shown, and speech of another loudness.
+        Motion that is not shown.
     """
 
     made: int
@@ -94,14 +94,14 @@ class RenderRecord:
         more = f", {failed} failed" if failed else ""
         return self._frames, self._all_frames, f"{ended} of {len(self._pending)} videos{more}"
 
-    def count(self, notes: tuple[str, ...]) -> RenderCount:
+    def count(self) -> RenderCount:
         """Return the result of the run."""
         return RenderCount(
             made=len(self._finished) - self._kept,
             kept=self._kept,
             failures=tuple(self._failures),
             left_out=self._left_out,
-            notes=notes,
+            notes=self._plan.notes,
         )
 
     def _frame_count(self, video: ClipVideo | PairVideo) -> int:

@@ -9,12 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from motion.audio import read_audio
 from motion.errors import InputError
-from motion.segment import Segment
-from renderer.encoder import SOUND_RATE, pad_to_equal_size
+from renderer.encoder import pad_to_equal_size
 from renderer.jobs.making import run_jobs
-from renderer.loudness import at_common_loudness
 from renderer.pair import FrameCache
 from renderer.video_jobs import Job, Outcome, PairJob
 from studyapp.stimuli.render_plan import RenderPlan, sides_of
@@ -112,8 +109,6 @@ def _render(
         work="rendering",
         remedy="Free up space, or make smaller videos (video.size in study.toml)",
     )
-    speech = {clip.speech or clip.segment for clip in clips}
-    notes = loudness_notes(folder, [plan.segments[name] for name in sorted(speech)])
     jobs = _jobs_in_order(plan, clips, pairs)
     cache = _NeededFrames(FrameCache(plan.frames_folder, limit), jobs)
     try:
@@ -128,7 +123,7 @@ def _render(
             run_jobs(jobs, processes=processes, cluster=cluster, on_done=on_done)
     finally:
         _remove_drafts(folder.videos)
-    return record.count(notes=(*plan.notes, *notes))
+    return record.count()
 
 
 def _outdated_videos(plan: RenderPlan) -> tuple[list[ClipVideo], list[PairVideo]]:
@@ -228,21 +223,3 @@ def _remove_drafts(videos: Path) -> None:
     for draft in videos.rglob(".*"):
         if draft.suffix in {".mp4", ".mkv"}:
             draft.unlink(missing_ok=True)
-
-
-def loudness_notes(folder: StudyFolder, segments: Iterable[Segment]) -> tuple[str, ...]:
-    """Return a note for each segment whose speech cannot be brought to the common loudness."""
-    by_recording: defaultdict[str, list[Segment]] = defaultdict(list)
-    for segment in segments:
-        by_recording[segment.wav].append(segment)
-    notes: list[str] = []
-    for wav, recorded in by_recording.items():
-        try:
-            recording = read_audio(folder.speech / wav, sample_rate=SOUND_RATE)
-            excerpts = [recording.cut(segment.start, segment.end) for segment in recorded]
-        except InputError:
-            continue  # rendering its videos fails with this error
-        for segment, speech in zip(recorded, excerpts, strict=True):
-            new = at_common_loudness(speech).notes[len(speech.notes) :]
-            notes.extend(f"the speech of segment {segment.name}: {note}" for note in new)
-    return tuple(notes)

@@ -41,7 +41,6 @@ def test_speech_of_any_level_reaches_the_target_by_another_meter(
     result = at_common_loudness(level)
     assert loudness_by_another(result) == pytest.approx(TARGET, abs=0.1)
     assert true_peak(result) <= PEAK_CEILING
-    assert result.notes == ()
 
 
 @given(amplitude=st.floats(0.001, 1.0), hertz=st.floats(80, 8000))
@@ -55,31 +54,18 @@ def test_nothing_but_the_gain_changes(amplitude: float, hertz: float) -> None:
     assert true_peak(result) <= PEAK_CEILING + 0.01
 
 
-def test_peaks_stay_below_the_ceiling_and_a_missed_target_is_noted() -> None:
+def test_peaks_stay_below_the_ceiling() -> None:
     clicks = np.zeros(2 * SOUND_RATE, np.float32)
     clicks[:: SOUND_RATE // 10] = 0.9
     result = at_common_loudness(Audio(clicks, SOUND_RATE))
     assert true_peak(result) == pytest.approx(PEAK_CEILING, abs=0.01)
-    (note,) = result.notes
-    assert "its peaks allow -" in note
-    assert "not the -23 LUFS" in note
 
 
-@pytest.mark.parametrize(
-    ("audio", "message"),
-    [
-        (tone(SHORTEST - 0.05, 997, SOUND_RATE), "too short"),
-        (tone(2, 997, SOUND_RATE, 0), "it is silent"),
-        (tone(2, 997, SOUND_RATE, 1e-5), "it is silent"),
-    ],
-)
-def test_sound_without_measurable_loudness_is_unchanged_with_a_note(
-    audio: Audio, message: str
-) -> None:
+@pytest.mark.parametrize(("seconds", "amplitude"), [(SHORTEST - 0.05, 0.5), (2, 0), (2, 1e-5)])
+def test_sound_without_measurable_loudness_is_unchanged(seconds: float, amplitude: float) -> None:
+    audio = tone(seconds, 997, SOUND_RATE, amplitude)
     result = at_common_loudness(audio)
     assert result.samples.tobytes() == audio.samples.tobytes()
-    (note,) = result.notes
-    assert message in note
     assert integrated_loudness(audio) is None
 
 

@@ -21,7 +21,7 @@ REFUSED: dict[str, dict[str, str]] = {
         "--generator static --speech a.wav --speech more/a.wav --out new": "two files of speech",
         "--generator diffsheg --speech a.wav --out new": "'diffsheg' needs a checkpoint",
         "--generator broken --speech a.wav --out new": "changes another condition's motion",
-        "--generator static --speech a.wav --out motion": "was not generated here",
+        "--generator static --speech a.wav --out motion": "this motion was not generated",
     },
     "corpus": {
         "new --sentences 12": "sentences",
