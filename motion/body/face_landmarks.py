@@ -33,9 +33,6 @@ _MIN_DISTANCE: Final = 0.006
 _MIN_SHIFT: Final = 1e-3
 """Smallest movement of a landmark by its component, in metres."""
 
-_MAX_SHIFT: Final = 0.2
-"""Largest plausible shift of a landmark, in metres."""
-
 _SKIN: Final = ("skin", "lips")
 """Materials that may have landmarks, if the body names the materials of its vertices."""
 
@@ -95,22 +92,8 @@ class FaceLandmarks:
 
     @cached_property
     def actions(self) -> tuple[str, ...]:
-        """The facial action that each landmark belongs to.
-
-        Raises
-        ------
-        InputError
-            If the body's face moves by components, which have no names.
-        """
-        self._check_actions()
+        """The facial action that each landmark belongs to."""
         return tuple(ARKIT_NAMES[component] for component, _ in _choose_landmarks(self.body))
-
-    def _check_actions(self) -> None:
-        if not self.body.has_arkit_slots:
-            raise InputError(
-                "the body's face has no facial actions",
-                remedy="Name an avatar with ARKit's under [video] in study.toml",
-            )
 
     def facial_actions(self, shifts: Floats32, *, misfit: float = _EXACT) -> Floats32:
         """Return the weights of ARKit's facial actions that best explain the landmarks' shifts.
@@ -128,20 +111,7 @@ class FaceLandmarks:
         Returns
         -------
         ndarray, shape (T, 52), float32
-
-        Raises
-        ------
-        InputError
-            If the body's face moves by components, or a landmark shifts farther than any face
-            moves.
         """
-        self._check_actions()
-        farthest = float(np.linalg.norm(shifts, axis=2).max(initial=0))
-        if not farthest <= _MAX_SHIFT:
-            raise InputError(
-                f"a landmark shifts by {farthest:.3g} m, farther than any face moves",
-                remedy="Give metres, as shifts from the neutral face while the head is held still",
-            )
         directions = self.body.expression_directions[: self.count]
         slots = min(directions.shape[2], ARKIT_COUNT)
         effects = directions[:, :, :slots].reshape(-1, slots).astype(np.float64)

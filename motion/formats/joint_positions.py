@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 import zipfile
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -54,16 +53,10 @@ _OTHER_NAMES: Final = {
     "left_toe": "left_foot", "right_toe": "right_foot", "head_top": "crown", "top_head": "crown",
 }  # fmt: skip
 _RATES: Final = ("frame_rate", "fps", "mocap_frame_rate", "mocap_framerate")
-_NAMES: Final = ("names", "joint_names")
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Recording:
-    """Points (T, J, 3), the joints' names, and frames per second, or None if unknown."""
-
-    points: Floats
-    names: tuple[str, ...]
-    frame_rate: float | None
+_Recording = tuple[Floats, tuple[str, ...], float | None]
+"""Points (T, J, 3), the joints' names, and frames per second, or None if unknown."""
 
 
 def holds_joints(path: Path, start: bytes) -> bool:
@@ -100,35 +93,37 @@ def read_joints(
         If the file cannot be read, or lacks the trunk or a frame rate.
     """
     with found_at(path):
-        recording = _read(path)
-        rate = frame_rate if frame_rate is not None else recording.frame_rate
+        points, names, rate = _read(path)
+        rate = rate if frame_rate is None else frame_rate
         if rate is None:
             raise InputError("the file gives no frame rate", remedy="State the frame rate (--fps)")
         check_frame_rate(rate)
-        joints = body_joints(_named_points(recording, joint_map), rate)
+        joints = body_joints(_named_points(points, names, joint_map), rate)
         return clip_from_joints(joints, REST_JOINTS, rate)
 
 
-def _named_points(recording: _Recording, joint_map: JointMap | None) -> dict[str, Floats]:
+def _named_points(
+    points: Floats, names: tuple[str, ...], joint_map: JointMap | None
+) -> dict[str, Floats]:
     """Return the positions of joints, by SMPL-X name if the joint has one."""
-    finite = np.isfinite(recording.points).all(axis=2)
+    finite = np.isfinite(points).all(axis=2)
     if not finite.all():
         frame, joint = map(int, np.argwhere(~finite)[0])
         raise InputError(
-            f"{recording.names[joint]} is not a number in frame {frame}",
+            f"{names[joint]} is not a number in frame {frame}",
             remedy="Fill the gap or cut the frame",
         )
     if joint_map is not None:
-        unknown = [name for name in joint_map.values() if name not in recording.names]
+        unknown = [name for name in joint_map.values() if name not in names]
         if unknown:
             raise InputError(
-                f"the file has no joint {unknown[0]!r}; it has {', '.join(recording.names)}",
+                f"the file has no joint {unknown[0]!r}; it has {', '.join(names)}",
                 remedy="Correct the joint map",
             )
-        places = {own_name: recording.names.index(name) for own_name, name in joint_map.items()}
+        places = {own_name: names.index(name) for own_name, name in joint_map.items()}
     else:
-        places = {_normalised_name(name): place for place, name in enumerate(recording.names)}
-    return {name: recording.points[:, place] for name, place in places.items()}
+        places = {_normalised_name(name): place for place, name in enumerate(names)}
+    return {name: points[:, place] for name, place in places.items()}
 
 
 def _normalised_name(name: str) -> str:
@@ -140,52 +135,34 @@ def _normalised_name(name: str) -> str:
 
 def _read(path: Path) -> _Recording:
     if not zipfile.is_zipfile(path):
-        return _in_known_order(load_array(path), None)
-    arrays = load_arrays(path, (*TED_ARRAYS, *_NAMES, *_RATES))
-    names = next((arrays[key] for key in _NAMES if key in arrays), None)
+        return *_in_known_order(load_array(path)), None
+    arrays = load_arrays(path, (*TED_ARRAYS, "names", *_RATES))
+    joints, names = arrays.get("joints"), arrays.get("names")
+    if joints is None or (names is None and joints[:1].size == 3 * JOINTS):
+        motion = read_ted_npz(path)
+        points = chain_bones(np.array(_TED_LENGTHS)[:, None] * motion.directions)
+        return points * AXES, _TED, motion.frame_rate
     rate = next((float(arrays[key]) for key in _RATES if key in arrays), None)
-    joints = arrays.get("joints")
-    if names is None and (joints is None or joints[:1].size == 3 * JOINTS):
-        return _read_ted(path)
-    if joints is None:
-        raise InputError("the file holds no 'joints'", remedy="Give joints of shape (T, J, 3)")
     if names is None:
-        return _in_known_order(joints, rate)
-    return _Recording(
-        points=_points(joints, names.size),
-        names=tuple(str(name) for name in names.reshape(-1)),
-        frame_rate=rate,
-    )
+        return *_in_known_order(joints), rate
+    all_names = tuple(str(name) for name in names.reshape(-1))
+    return _points(joints, all_names), all_names, rate
 
 
-def _read_ted(path: Path) -> _Recording:
-    motion = read_ted_npz(path)
-    points = chain_bones(np.array(_TED_LENGTHS)[:, None] * motion.directions)
-    return _Recording(points=points * AXES, names=_TED, frame_rate=motion.frame_rate)
+def _in_known_order(joints: NDArray[Any]) -> tuple[Floats, tuple[str, ...]]:
+    names = _KNOWN_ORDERS.get(joints.shape[1] if joints.ndim == 3 else 0, ())
+    points = _points(joints, names)
+    return (points * AXES if names is _TED else points), names
 
 
-def _in_known_order(joints: NDArray[Any], frame_rate: float | None) -> _Recording:
-    count = joints.shape[1] if joints.ndim == 3 else 0
-    names = _KNOWN_ORDERS.get(count)
-    if names is None:
+def _points(joints: NDArray[Any], names: Sequence[str]) -> Floats:
+    fits = joints.ndim == 3 and len(joints) and joints.shape[1:] == (len(names), 3)
+    if not fits or joints.dtype.kind not in "fiu":
         raise InputError(
-            f"the joints have shape {joints.shape} and no names",
-            remedy="Save them as .npz with 'joints' (T, J, 3) and 'names'; without names "
+            f"the joints have shape {joints.shape} and type {joints.dtype}, with {len(names)} "
+            "known names",
+            remedy="Give 'joints' as numbers of shape (frames, J, 3), positions in space and not "
+            "in a picture, with J 'names'; without names "
             f"J is one of {', '.join(map(str, sorted(_KNOWN_ORDERS)))}",
         )
-    points = _points(joints, count)
-    if names is _TED:
-        points = points * AXES
-    return _Recording(points=points, names=names, frame_rate=frame_rate)
-
-
-def _points(joints: NDArray[Any], count: int) -> Floats:
-    if joints.ndim != 3 or joints.shape[1:] != (count, 3) or joints.dtype.kind not in "fiu":
-        raise InputError(
-            f"the joints have shape {joints.shape} and type {joints.dtype}, with {count} names",
-            remedy=f"Give numbers of shape (frames, {count}, 3): positions in space, not in "
-            "a picture",
-        )
-    if not len(joints):
-        raise InputError("the motion has no frame", remedy="Give at least one frame")
     return joints.astype(np.float64)

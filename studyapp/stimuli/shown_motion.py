@@ -16,7 +16,7 @@ from motion.errors import InputError
 from motion.formats import read_clip
 from motion.segment import Segment
 from renderer.encoder import SOUND_RATE
-from renderer.look import Colour, Look, default_body
+from renderer.look import Look, default_body
 from renderer.loudness import at_common_loudness
 from renderer.shown_clip import as_shown
 from renderer.viewer.packing import avatar_body
@@ -33,12 +33,6 @@ def body_file(folder: StudyFolder, study: Study) -> Path:
     if study.video.body:
         return folder.root / Path(study.video.body).expanduser()
     return default_body(study.video.avatar)
-
-
-def background_of(study: Study) -> Colour:
-    """Return the background of the study's videos in sRGB."""
-    red, green, blue = bytes.fromhex(study.video.background[1:])
-    return red, green, blue
 
 
 def expression_matrix_file(folder: StudyFolder, study: Study) -> Path | None:
@@ -153,12 +147,13 @@ def study_look(folder: StudyFolder, study: Study) -> Look:
     In a browser, motion is always shown on the avatar: the licence of a body forbids to distribute
     it in a page.
     """
+    red, green, blue = bytes.fromhex(study.video.background[1:])
     return Look(
         size=study.video.size,
         frame_rate=study.video.frame_rate,
         framing=study.video.framing,
         view=study.video.view,
-        background=background_of(study),
+        background=(red, green, blue),
         avatar=study.video.avatar,
         expression_matrix=expression_matrix_file(folder, study),
     )

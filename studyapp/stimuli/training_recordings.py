@@ -149,22 +149,14 @@ def _labels(table: Path) -> Mapping[str, tuple[str, str]]:
         return {}
     try:
         with table.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.DictReader(file)
-            missing = {"name", "emotion"}.difference(reader.fieldnames or ())
-            if missing:
-                raise InputError(
-                    f"the table has no column {sorted(missing)[0]!r}",
-                    where=table,
-                    remedy="Add the columns name (of the motion file, without ending) and emotion",
-                )
-            return {
-                (row["name"] or "").strip(): (
-                    (row.get("wav") or row["name"] or "").strip(),
-                    (row["emotion"] or "").strip(),
-                )
-                for row in reader
-            }
-    except (UnicodeDecodeError, csv.Error) as error:
+            rows = list(csv.DictReader(file))
+        return {
+            row["name"].strip(): (row.get("wav", row["name"]).strip(), row["emotion"].strip())
+            for row in rows
+        }
+    except (KeyError, AttributeError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(
-            "the table is not CSV in UTF-8", where=table, remedy="Save it as CSV in UTF-8"
+            "the table is not CSV in UTF-8 with the columns name and emotion in every row",
+            where=table,
+            remedy="Give the name of each motion file, without ending, and its emotion",
         ) from error

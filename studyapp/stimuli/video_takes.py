@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -13,16 +11,12 @@ from typing import Final
 from motion.audio import read_audio, write_wav
 from motion.body.model import read_body
 from motion.errors import InputError
-from motion.files import harmless_cell, write_text
 from motion.formats import write_clip
 from motion.points.detection import Detection, Stretch, detect, stretches
 from motion.points.found_motion import clip_from_detection
 from motion.segment import check_name
 from renderer.look import default_body
 from training.data.found_take import usable_name
-
-LEFT_OUT: Final = "left_out.csv"
-"""Lists, in the folder of takes, the parts of videos that are not used, and why."""
 
 _SOUND_TOLERANCE: Final = 0.1
 """Seconds by which a video may outlast its sound without a note."""
@@ -119,7 +113,6 @@ def import_video(
         write_wav(file.with_suffix(".wav"), replace(sound, notes=()))
         write_clip(file, clip)
     left_out = [part for part in parts if part.reason]
-    _append_left_out(folder / LEFT_OUT, video, left_out, rate)
     notes = [
         *audio.notes,
         *(
@@ -159,16 +152,3 @@ def _reasons(parts: Sequence[Stretch]) -> str:
         frames[part.reason] += part.end - part.start
     total = max(frames.total(), 1)
     return ", ".join(f"{why} in {100 * count / total:.0f}%" for why, count in frames.most_common())
-
-
-def _append_left_out(table: Path, video: Path, parts: Sequence[Stretch], rate: float) -> None:
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, lineterminator="\n")
-    if table.exists():
-        text.write(table.read_text("utf-8"))
-    else:
-        writer.writerow(("video", "start", "end", "reason"))
-    for part in parts:
-        times = (f"{frame / rate:.3f}" for frame in (part.start, part.end))
-        writer.writerow((harmless_cell(video.name), *times, part.reason))
-    write_text(table, text.getvalue())

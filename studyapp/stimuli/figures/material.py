@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Final, Self
 
@@ -144,6 +143,5 @@ def require_distinct(names: Sequence[str]) -> None:
 
 def _require_known(name: str, kind: str, known: Sequence[str]) -> str:
     if name not in known:
-        names = known if len(known) <= 10 else [*get_close_matches(name, known, 10, 0.0), "…"]
-        raise InputError(f"unknown {kind} {name!r}", remedy=f"Use one of {', '.join(names)}")
+        raise InputError(f"unknown {kind} {name!r}", remedy=f"Use one of {', '.join(known)}")
     return name

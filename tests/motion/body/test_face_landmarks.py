@@ -67,19 +67,6 @@ def test_unshowable_faces_and_bodies_without_a_face_are_refused(
     faceless = replace(body, expression_directions=body.expression_directions[:, :, :0])
     with pytest.raises(InputError, match="no face that moves"):
         FaceLandmarks.of(faceless)
-    by_components = FaceLandmarks.of(replace(body, has_arkit_slots=False))
-    with pytest.raises(InputError, match="no facial actions"):
-        by_components.facial_actions(by_components.neutral[None])
-
-
-@pytest.mark.parametrize("shift", [0.25, np.nan])
-def test_shifts_farther_than_any_face_moves_are_refused(
-    landmarks: FaceLandmarks, shift: float
-) -> None:
-    shifts = np.zeros((2, landmarks.count, 3), np.float32)
-    shifts[1, 3, 2] = shift
-    with pytest.raises(InputError, match="farther than any face moves"):
-        landmarks.facial_actions(shifts)
 
 
 def test_the_stored_landmarks_match_the_default_body(landmarks: FaceLandmarks) -> None:

@@ -109,12 +109,12 @@ NAMED: dict[str, Any] = {"joints": np.zeros((3, 22, 3)), "names": BODY_JOINTS, "
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
-        ({"joints": np.zeros((3, 7, 3)), "fps": 30}, "no names"),
+        ({"joints": np.zeros((3, 7, 3)), "fps": 30}, "0 known names"),
         (NAMED | {"joints": np.zeros((3, 22, 2))}, "not in a picture"),
         ({"joints": np.zeros((3, 22, 3)), "names": BODY_JOINTS}, "no frame rate"),
         (NAMED, "one point in frame 0"),
         (NAMED | {"joints": np.full((3, 22, 3), np.nan)}, "is not a number"),
-        (NAMED | {"joints": np.zeros((0, 22, 3))}, "no frame"),
+        (NAMED | {"joints": np.zeros((0, 22, 3))}, r"shape \(0, 22, 3\)"),
         (NAMED | {"joints": np.zeros((3, 1, 3)), "names": ["pelvis"]}, "lack left_shoulder"),
     ],
 )

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from motion.points.detection import Detection
 from motion.skeleton import REST_JOINTS, joint_index
 from renderer.encoder import SOUND_RATE
 from studyapp.stimuli import video_takes
-from studyapp.stimuli.video_takes import LEFT_OUT, import_video
+from studyapp.stimuli.video_takes import import_video
 from studyapp.study.folder import StudyFolder
 from tests.motion.random_clips import random_clip
 from tests.support.command_line import refused, run
@@ -80,11 +79,6 @@ def test_a_video_becomes_takes_for_training(video: Path, tmp_path: Path) -> None
     clip = read_motion(takes.takes[1].motion)
     assert clip.duration == pytest.approx(4) and clip.arkit is not None
     assert clip.provenance["source"] == "talk.mp4"
-    with (tmp_path / "takes" / LEFT_OUT).open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert rows == [
-        {"video": "talk.mp4", "start": "3.000", "end": "4.000", "reason": "nobody was found"}
-    ]
 
 
 @pytest.mark.usefixtures("detection")
@@ -93,7 +87,6 @@ def test_another_video_is_added_and_the_same_one_refused(video: Path, tmp_path: 
     other = tmp_path / "other.mp4"
     other.write_bytes(video.read_bytes())
     import_video(other, tmp_path / "takes", speaker=None, on_frame=quietly)
-    assert len((tmp_path / "takes" / LEFT_OUT).read_text().splitlines()) == 3
     before = sorted((tmp_path / "takes").rglob("*"))
     with pytest.raises(InputError, match="of this name exists"):
         import_video(other, tmp_path / "takes", speaker=None, on_frame=quietly)
