@@ -213,17 +213,7 @@ def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
         Any of `CHANNELS`. ``face``: jaw, eyes, expressions and ARKit weights are zero.
         ``hands``: fingers are relaxed. ``lower_body``: legs are straight. ``root``:
         the pelvis stays at the origin and faces +z.
-
-    Raises
-    ------
-    InputError
-        If a channel is unknown.
     """
-    unknown = sorted(set(channels) - set(CHANNELS))
-    if unknown:
-        raise InputError(
-            f"unknown channel {unknown[0]!r} to freeze", remedy=f"Use any of {', '.join(CHANNELS)}"
-        )
     poses = clip.poses.copy()
     for channel in channels:
         poses[:, [joint_index(name) for name in _JOINTS_OF_CHANNEL[channel]]] = 0

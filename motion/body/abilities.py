@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 _NAMES: Final = {"arkit": "ARKit weights", "expressions": "SMPL-X expression coefficients"}
 _FACE: Final = [joint_index(name) for name in FACE_JOINTS]
 
-_SHAPE: Final = (EXPRESSION_COUNT, ARKIT_COUNT)
-
 
 def unsupported(clip: MotionClip, body: BodyModel) -> tuple[str, ...]:
     """Return a sentence for each feature of `clip` that `body` cannot show."""
@@ -88,29 +86,17 @@ def read_expression_matrix(path: Path) -> Floats32:
     InputError
         If the file is missing, cannot be read, or is not such a matrix of finite numbers.
     """
-    if not path.is_file():
-        raise InputError(
-            "there is no such expression matrix", where=path, remedy="Check video.expression_matrix"
-        )
     try:
         with path.open("rb") as file:
             array = np.lib.format.read_array(file, allow_pickle=False)
+        if array.dtype.kind not in "fiu" or array.shape != (EXPRESSION_COUNT, ARKIT_COUNT):
+            raise ValueError(f"its shape is {array.shape}, its type {array.dtype}")
+        if not (np.abs(array) <= LARGEST_VALUE).all():
+            raise ValueError("it holds NaN, infinite or huge values")
     except (ValueError, OSError) as error:
         raise InputError(
-            "the file cannot be read as an expression matrix",
+            f"this is not an expression matrix: {error}",
             where=path,
-            remedy="Save it with numpy.save",
+            remedy="Save numbers for 100 SMPL-X coefficients by 52 ARKit actions with numpy.save",
         ) from error
-    if array.dtype.kind not in "fiu" or array.shape != _SHAPE:
-        raise InputError(
-            f"the expression matrix has shape {array.shape} and type {array.dtype}",
-            where=path,
-            remedy="Give numbers for 100 SMPL-X coefficients by 52 ARKit actions",
-        )
-    if not (np.abs(array) <= LARGEST_VALUE).all():
-        raise InputError(
-            "the expression matrix holds a value that is not a usable number",
-            where=path,
-            remedy="Replace NaN, infinite and huge values",
-        )
     return np.ascontiguousarray(array, np.float32)

@@ -142,11 +142,10 @@ class BodyModel:
             Metres.
         """
         excerpt = clip.frames(frames)
-        shaped = self.shaped(clip.betas)
         result = np.empty((len(excerpt), *self.template.shape), np.float32)
         for start in range(0, len(excerpt), _FRAMES_AT_ONCE):
             batch = slice(start, min(start + _FRAMES_AT_ONCE, len(excerpt)))
-            self._skin(excerpt.frames(batch), shaped, result[batch])
+            self._skin(excerpt.frames(batch), result[batch])
         return result
 
     def unposed(self, clip: MotionClip) -> Floats32:
@@ -154,28 +153,7 @@ class BodyModel:
 
         They are in T-pose, with the clip's shape and expression and the pose's corrections.
         """
-        return self._unposed(clip, self.shaped(clip.betas))
-
-    def skinning_matrices(self, clip: MotionClip) -> Floats32:
-        """Return each joint's transform of the unposed skin, shape (n, 55 + K, 3, 4).
-
-        The vertices of a frame are the unposed ones, each moved by the sum of these matrices
-        weighted with its row of `weights`.
-        """
-        joints = self._joints(clip, self.shaped(clip.betas))
-        return skinning_matrices(clip.poses, clip.trans, joints, self.twist_joints)
-
-    def shaped(self, betas: NDArray[np.floating]) -> Floats32:
-        """Return the template with shape `betas`, shape (V, 3), in metres."""
-        count = min(len(betas), self.shape_directions.shape[2])
-        if not count or not np.any(betas[:count]):
-            return self.template
-        offsets = self.shape_directions[:, :, :count] @ np.asarray(betas[:count], np.float32)
-        return np.asarray(self.template + offsets)
-
-    def _unposed(self, clip: MotionClip, shaped: Floats32) -> Floats32:
-        """Return the vertices before skinning, shape (n, V, 3), of the body of shape `shaped`."""
-        result = np.repeat(shaped[None], len(clip), axis=0)
+        result = np.repeat(self.shaped(clip.betas)[None], len(clip), axis=0)
         coefficients = self.expression_weights(clip)
         if coefficients.size:
             moved_vertices, directions, _ = self._expression_parts
@@ -186,20 +164,36 @@ class BodyModel:
             result += np.tensordot(change, self.pose_directions, axes=(1, 2))
         return result
 
-    def _joints(self, clip: MotionClip, shaped: Floats32) -> Floats32:
+    def skinning_matrices(self, clip: MotionClip) -> Floats32:
+        """Return each joint's transform of the unposed skin, shape (n, 55 + K, 3, 4).
+
+        The vertices of a frame are the unposed ones, each moved by the sum of these matrices
+        weighted with its row of `weights`.
+        """
+        return skinning_matrices(clip.poses, clip.trans, self._joints(clip), self.twist_joints)
+
+    def shaped(self, betas: NDArray[np.floating]) -> Floats32:
+        """Return the template with shape `betas`, shape (V, 3), in metres."""
+        count = min(len(betas), self.shape_directions.shape[2])
+        if not count or not np.any(betas[:count]):
+            return self.template
+        offsets = self.shape_directions[:, :, :count] @ np.asarray(betas[:count], np.float32)
+        return np.asarray(self.template + offsets)
+
+    def _joints(self, clip: MotionClip) -> Floats32:
         """Return the joints of the unposed body in each frame, shape (n, 55, 3)."""
-        joints = np.broadcast_to(self.joint_regressor @ shaped, (len(clip), JOINT_COUNT, 3))
+        shaped = self.joint_regressor @ self.shaped(clip.betas)
+        joints = np.broadcast_to(shaped, (len(clip), JOINT_COUNT, 3))
         coefficients = self.expression_weights(clip)
         if not coefficients.size:
             return joints
         joint_directions = self._expression_parts[2]
         return np.asarray(joints + np.tensordot(coefficients, joint_directions, axes=(1, 2)))
 
-    def _skin(self, clip: MotionClip, shaped: Floats32, out: Floats32) -> None:
+    def _skin(self, clip: MotionClip, out: Floats32) -> None:
         """Write the vertices of all frames of `clip` to `out`, shape (n, V, 3)."""
-        out[:] = self._unposed(clip, shaped)
-        joints = self._joints(clip, shaped)
-        matrices = skinning_matrices(clip.poses, clip.trans, joints, self.twist_joints)
+        out[:] = self.unposed(clip)
+        matrices = self.skinning_matrices(clip)
         flat = matrices.transpose(1, 0, 2, 3).reshape(matrices.shape[1], -1)
         blended = (self.weights @ flat).reshape(-1, len(clip), 3, 4)
         for frame in range(len(clip)):

@@ -148,18 +148,16 @@ def read_joint_map(path: Path) -> JointMap:
 
 def check_joint_map(joint_map: JointMap, joint_names: Collection[str]) -> JointMap:
     """Return a researcher's own `joint_map` if it fits the skeleton, else raise `InputError`."""
-    unknown = sorted(set(joint_map) - set(JOINT_NAMES))
-    if unknown:
-        raise InputError(
-            f"the joint map names {', '.join(unknown)}, which SMPL-X does not have",
-            remedy=f"Use SMPL-X's names: {', '.join(JOINT_NAMES)}",
-        )
-    absent = sorted(set(joint_map.values()) - set(joint_names))
-    if absent:
-        raise InputError(
-            f"the joint map names {', '.join(absent)}, which the file does not have",
-            remedy=f"Use the file's names: {', '.join(joint_names)}",
-        )
+    for given, known, owner in (
+        (joint_map.keys(), JOINT_NAMES, "SMPL-X"),
+        (joint_map.values(), joint_names, "the file"),
+    ):
+        unknown = sorted(set(given) - set(known))
+        if unknown:
+            raise InputError(
+                f"the joint map names {', '.join(unknown)}, which {owner} does not have",
+                remedy=f"Choose among {', '.join(known)}",
+            )
     missing = _missing(joint_map)
     if missing:
         raise InputError(

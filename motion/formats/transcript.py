@@ -196,16 +196,12 @@ def _read_table(text: str, path: Path) -> tuple[Word, ...]:
         raise InputError(
             "the table has no words", remedy=f"Give a header with {', '.join(_TABLE)}; seconds"
         )
-    intervals = []
-    for row in rows:
-        try:
-            intervals.append((row["word"] or "", float(row["start"]), float(row["end"])))
-        except (TypeError, ValueError) as error:
-            raise InputError(
-                "the row has no time",
-                where=f"{path}, line {rows.line_num}",
-                remedy="Give seconds",
-            ) from error
+    try:
+        intervals = [(row["word"] or "", float(row["start"]), float(row["end"])) for row in rows]
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            "the row has no time", where=f"{path}, line {rows.line_num}", remedy="Give seconds"
+        ) from error
     return _words(intervals)
 
 

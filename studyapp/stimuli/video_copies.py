@@ -21,7 +21,7 @@ from renderer.stream_copy import copy_video, end_of
 from studyapp.stimuli.media_probe import flaw_of
 from studyapp.stimuli.render_record import RenderCount
 from studyapp.study.design.trial import Stimulus
-from studyapp.study.folder import StudyFolder, similar_file
+from studyapp.study.folder import StudyFolder
 from studyapp.study.media import (
     Stimuli,
     VideoCopy,
@@ -61,7 +61,6 @@ def copy_videos(folder: StudyFolder) -> RenderCount:
     kept: list[VideoCopy] = []
     failures: list[str] = []
     by_segment = _originals(folder, study, tuple(segments.values()), before)
-    sources = {original.file for group in by_segment.values() for original in group.values()}
     for name, originals in by_segment.items():
         usable = {}
         for stimulus, original in originals.items():
@@ -70,10 +69,7 @@ def copy_videos(folder: StudyFolder) -> RenderCount:
             if flaw is None:
                 usable[stimulus] = original
                 continue
-            is_missing = flaw.kind == "video-missing"
-            similar = similar_file(original.file, sources) if is_missing else None
-            hint = "" if similar is None else f" (is it {similar.relative_to(folder.root)}?)"
-            failures.append(f"{original.file.relative_to(folder.root)} {flaw.what}{hint}")
+            failures.append(f"{original.file.relative_to(folder.root)} {flaw.what}")
         files = {original.file for original in usable.values()}
         length = max(map(end_of, files), default=Fraction(0))
         for stimulus, original in usable.items():

@@ -63,23 +63,22 @@ def test_a_matrix_is_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "message"),
+    ("content", "message"),
     [
-        ("m.npy", np.zeros((100, 51)), r"shape \(100, 51\)"),
-        ("m.npy", np.full((100, 52), np.nan), "not a usable number"),
-        ("m.npy", np.full((100, 52), "x"), "type <U1"),
-        ("m.npy", np.full((100, 52), None), "cannot be read"),
-        ("m.npy", MATRIX.T, r"shape \(52, 100\)"),
-        ("words.csv", b"hello,world", "cannot be read"),
-        ("torn.npz", b"PK\x03\x04", "cannot be read"),
-        ("empty.npy", b"", "cannot be read"),
-        ("gone.npy", None, "no such expression matrix"),
+        (np.zeros((100, 51)), r"shape is \(100, 51\)"),
+        (np.full((100, 52), np.nan), "NaN"),
+        (np.full((100, 52), "x"), "type <U1"),
+        (np.full((100, 52), None), "not an expression matrix"),
+        (MATRIX.T, r"shape is \(52, 100\)"),
+        (b"PK\x03\x04", "not an expression matrix"),
+        (b"", "not an expression matrix"),
+        (None, "No such file"),
     ],
 )
 def test_files_that_are_not_matrices_are_refused(
-    tmp_path: Path, name: str, content: np.ndarray | bytes | None, message: str
+    tmp_path: Path, content: np.ndarray | bytes | None, message: str
 ) -> None:
-    path = tmp_path / name
+    path = tmp_path / "m.npy"
     if isinstance(content, np.ndarray):
         np.save(path, content)
     elif content is not None:

@@ -35,7 +35,7 @@ def bones(names: tuple[str, ...]) -> list[tuple[str, str]]:
     tree = [
         (JOINT_NAMES[parent], joint)
         for parent, joint in zip(PARENTS, JOINT_NAMES, strict=True)
-        if parent >= 0 and joint in names
+        if parent >= 0 and joint in names and "hip" not in joint  # they turn with the trunk
     ]
     trunk = [("pelvis", "neck"), *(("neck", f"{side}_shoulder") for side in ("left", "right"))]
     return [bone for bone in [*tree, ("head", "jaw"), *trunk] if set(bone) <= set(names)]

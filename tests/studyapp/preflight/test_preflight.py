@@ -118,7 +118,7 @@ NUMBERED = (
             "frame the face, but the study's body has no face",
             {"video.framing": "face", "video.avatar": "mannequin"},
         ),
-        ("error", "no such expression matrix", {"video.expression_matrix": "face.npy"}),
+        ("error", "not an expression matrix", {"video.expression_matrix": "face.npy"}),
     ],
 )
 def test_settings_are_compared_with_each_other_and_with_the_material(
