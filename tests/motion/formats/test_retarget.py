@@ -153,26 +153,6 @@ def test_axes_of_the_source_only_turn_the_root(turn: Rotation) -> None:
     assert ((turn * roots[0]).inv() * roots[1]).magnitude().max() < 1e-5
 
 
-def test_long_spine_is_merged() -> None:
-    skeleton = [*smplx_skeleton()]
-    names = [name for name, _, _ in skeleton]
-    chain = ["spine1", "extra1", "spine2", "extra2", "spine3"]
-    parent_of = dict(zip(chain[1:], chain[:-1], strict=True))
-    skeleton = [(name, parent_of.get(name, parent), offset) for name, parent, offset in skeleton]
-    skeleton += [(name, parent_of[name], (0, 5, 0)) for name in ("extra1", "extra2")]
-    order = depth_first(skeleton)
-    vectors = np.zeros((1, len(order), 3))
-    for name in chain:
-        vectors[0, order.index(name), 0] = np.radians(10)
-    motion = bvh_motion(skeleton, Rotation.from_rotvec(vectors.reshape(-1, 3)))
-    clip = retarget(motion, OWN)
-    bends = {name: np.degrees(clip.poses[0, joint_index(name), 0]) for name in names}
-    assert bends["spine1"] == pytest.approx(10, abs=1e-3)
-    assert bends["spine2"] == pytest.approx(20, abs=1e-3)
-    assert bends["spine3"] == pytest.approx(20, abs=1e-3)
-    assert bends["neck"] == pytest.approx(0, abs=1e-3)
-
-
 def test_joints_without_a_source_follow_their_parent() -> None:
     skeleton = smplx_skeleton()
     joint_map = {name: name for name in JOINT_NAMES if "index" not in name and name != "spine2"}
