@@ -20,11 +20,7 @@ MOST_PROCESSES: Final = 256
 
 
 class SideProcessError(Exception):
-    """The process ended with this status; the message is the last line that it wrote, or empty."""
-
-    def __init__(self, message: str, status: int) -> None:
-        super().__init__(message)
-        self.status = status
+    """The process gave no output; the message says why."""
 
 
 def output_of(
@@ -42,18 +38,30 @@ def output_of(
     Raises
     ------
     SideProcessError
-        If it ends with another status than 0.
-    subprocess.TimeoutExpired
-        If it takes too long. It has ended then.
-    OSError
-        If it cannot be started.
+        If it cannot be started, ends with another status than 0, or takes too long. It has ended
+        then.
     """
-    done = subprocess.run(  # noqa: S603 - our own program
+    try:
+        done = _run(program, *arguments, seconds=seconds, environment=environment or {})
+    except subprocess.TimeoutExpired:
+        raise SideProcessError(f"It took longer than {seconds:g} seconds and was stopped") from None
+    except OSError as error:
+        raise SideProcessError(f"It could not be started ({error.strerror})") from error
+    if done.returncode:
+        lines = done.stderr.decode("utf-8", "replace").strip().splitlines()
+        raise SideProcessError(lines[-1] if lines else f"It ended with {done.returncode}")
+    return done.stdout
+
+
+def _run(
+    program: str, *arguments: str, seconds: float, environment: Mapping[str, str]
+) -> subprocess.CompletedProcess[bytes]:
+    return subprocess.run(  # noqa: S603 - our own program
         # Without -P, a folder that happens to be called like a package would be taken for it.
         [sys.executable, "-P", "-m", "studyapp.side_process", program, *arguments],
         env={
             **os.environ,
-            **(environment or {}),
+            **environment,
             "OPENBLAS_NUM_THREADS": "1",
             "OMP_NUM_THREADS": "1",
         },
@@ -61,10 +69,6 @@ def output_of(
         timeout=seconds,
         check=False,
     )
-    if done.returncode:
-        lines = done.stderr.decode("utf-8", "replace").strip().splitlines()
-        raise SideProcessError(lines[-1] if lines else "", done.returncode)
-    return done.stdout
 
 
 def available_processors() -> int:

@@ -7,7 +7,6 @@ database, as any server process on any host may ask for them, and may end meanwh
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -70,10 +69,6 @@ TIMEOUT_SECONDS: Final = 300
 """100,000 answers take about 15 seconds, and more on a busy machine."""
 
 
-class NoFiguresError(Exception):
-    """Nothing was computed; the message says why."""
-
-
 @dataclass(frozen=True)
 class FigureProcess:
     """Computes figures of one study.
@@ -94,31 +89,10 @@ class FigureProcess:
         Thread(target=job, name="figures", daemon=True).start()
 
     def compute(self, what: FigureKind, *, seconds: float = TIMEOUT_SECONDS) -> str:
-        """Return the computed document.
-
-        Raises
-        ------
-        NoFiguresError
-            If the process fails or takes too long.
-        """
-        try:
-            found = output_of(
-                PROGRAM,
-                str(self.folder),
-                what,
-                seconds=seconds,
-                environment={"DATABASE_URL": self.database_url},
-            )
-        except subprocess.TimeoutExpired:
-            raise NoFiguresError(
-                f"It took longer than {seconds:g} seconds and was stopped. 'motionjury report' "
-                "takes the time that it needs."
-            ) from None
-        except OSError as error:
-            raise NoFiguresError(f"The process could not be started ({error.strerror}).") from error
-        except SideProcessError as error:
-            raise NoFiguresError(str(error) or f"It ended with {error.status}.") from None
-        return found.decode()
+        """Return the computed document, or raise `SideProcessError`."""
+        environment = {"DATABASE_URL": self.database_url}
+        folder = str(self.folder)
+        return output_of(PROGRAM, folder, what, seconds=seconds, environment=environment).decode()
 
 
 MIN_INTERVALS: Final[dict[FigureKind, timedelta]] = {
@@ -243,7 +217,7 @@ def _compute(
         state = _state(session)
     try:
         values = {"document": figures.compute(what), "state": state, "problem": ""}
-    except NoFiguresError as error:
+    except SideProcessError as error:
         values = {"problem": str(error)}
     with database.writing() as session:
         session.execute(

@@ -10,9 +10,9 @@ from studyapp.researchers.interim_figures import (
     TIMEOUT_SECONDS,
     FigureKind,
     FigureProcess,
-    NoFiguresError,
 )
 from studyapp.results.looks import figures_so_far
+from studyapp.side_process import SideProcessError
 from studyapp.study.folder import StudyFolder
 
 
@@ -35,4 +35,4 @@ class InProcessFigures(FigureProcess):
         try:
             return figures_so_far(StudyFolder(self.folder), what).model_dump_json()
         except InputError as error:
-            raise NoFiguresError(str(error)) from error
+            raise SideProcessError(str(error)) from error

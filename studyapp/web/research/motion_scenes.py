@@ -7,7 +7,6 @@ is cached, so that nothing is ever out of date.
 from __future__ import annotations
 
 import json
-import subprocess
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -119,7 +118,7 @@ def send_scene(folder: Path, scenes: Sequence[Scene], number: int) -> Response:
     clips = (f"{label}={condition}" for label, condition in scene.clips)
     try:
         packed = _run_scene_process("scene", str(folder), scene.segment, scene.speech or "", *clips)
-    except _NothingMadeError as error:
+    except SideProcessError as error:
         packed = json.dumps({"problem": f"There is no motion to play. {error}."}).encode()
     return Response(packed, mimetype="application/json")
 
@@ -135,7 +134,7 @@ def viewer_avatar(avatar: str) -> Response:
         abort(404)
     try:
         body = _avatar(avatar)
-    except _NothingMadeError as error:
+    except SideProcessError as error:
         current_app.logger.error("An avatar cannot be shown: %s", error)
         abort(404)
     response = Response(body, mimetype="application/octet-stream")
@@ -148,16 +147,6 @@ def _avatar(name: str) -> bytes:
     return _run_scene_process("avatar", name)
 
 
-class _NothingMadeError(Exception):
-    """The message says why, without a full stop."""
-
-
 def _run_scene_process(*arguments: str) -> bytes:
     with _AT_ONCE:
-        try:
-            return output_of(PROGRAM, *arguments, seconds=SECONDS)
-        except subprocess.TimeoutExpired:
-            raise _NothingMadeError(f"Packing it took longer than {SECONDS} seconds") from None
-        except SideProcessError as error:
-            reason = str(error) or f"Packing it ended with {error.status}"
-            raise _NothingMadeError(reason) from None
+        return output_of(PROGRAM, *arguments, seconds=SECONDS)

@@ -20,12 +20,12 @@ from studyapp.researchers.interim_figures import (
     Document,
     FigureKind,
     FigureProcess,
-    NoFiguresError,
     StoredFigures,
     stored_figures,
 )
 from studyapp.results.looks import figures_so_far
 from studyapp.session.served_study import ServedStudy
+from studyapp.side_process import SideProcessError
 from studyapp.study.folder import StudyFolder
 from tests.support.in_process_figures import InProcessFigures
 from tests.support.servers.both_databases import BOTH
@@ -45,7 +45,7 @@ class CountedFigures(InProcessFigures):
 
     def compute(self, what: FigureKind, *, seconds: float = TIMEOUT_SECONDS) -> str:
         if self.problems:
-            raise NoFiguresError(self.problems.pop())
+            raise SideProcessError(self.problems.pop())
         self.computed.append(what)
         return f"{what} {len(self.computed)}"
 
@@ -156,9 +156,9 @@ def test_the_process_returns_documents_or_a_reason(
     assert {row["question"] for row in agreement.rows} == {"rhythm", "emotion"}
     assert {row["measure"] for row in results.rows} == {"win_share"}
     (tiny_study / "study.toml").write_text("title = 1", "utf-8")
-    with pytest.raises(NoFiguresError, match=r"study\.toml"):
+    with pytest.raises(SideProcessError, match=r"study\.toml"):
         process.compute("results")
-    with pytest.raises(NoFiguresError, match=r"longer than 0\.01 seconds"):
+    with pytest.raises(SideProcessError, match=r"longer than 0\.01 seconds"):
         process.compute("agreement", seconds=0.01)
 
 
