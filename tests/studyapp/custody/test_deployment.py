@@ -88,21 +88,6 @@ def test_values_that_a_file_cannot_hold_are_refused(field: str, value: str) -> N
         Deployment(**PLAIN | {field: given})
 
 
-def test_default_names_come_from_folder_and_host() -> None:
-    deployment = Deployment(
-        **PLAIN
-        | {
-            "folder": PurePosixPath("/srv/My_Study 2"),
-            "host": "Study.xn--exmple-cua.org",
-            "prefix": "/studies/one/",
-        }
-    )
-
-    assert (deployment.name, deployment.unit) == ("my-study-2", "motionjury-my-study-2")
-    assert deployment.database_name == "motionjury_my_study_2"
-    assert deployment.address == "https://study.xn--exmple-cua.org/studies/one/"
-
-
 def output_of(*command: str | Path, cwd: Path | None = None) -> str:
     done = subprocess.run(command, cwd=cwd, capture_output=True, text=True)
     return f"{done.stdout}{done.stderr}" + (

@@ -82,24 +82,6 @@ def test_a_hit_is_created_inspected_and_stopped(client: MTurkClient, stub: Stubb
         hit_request(make_study(), ADDRESS, made_before=0, live=False)
 
 
-def test_all_assignments_are_read_and_one_is_paid(client: MTurkClient, stub: Stubber) -> None:
-    first, second, third = (
-        {"AssignmentId": f"a{n}", "WorkerId": f"w{n}", "AssignmentStatus": "Submitted"}
-        for n in (1, 2, 3)
-    )
-    asked = {"HITId": "h1", "MaxResults": 100}
-    pages = {"Assignments": [first, second], "NextToken": "more", "NumResults": 2}
-    stub.add_response("list_assignments_for_hit", pages, asked)
-    last = {"Assignments": [third], "NumResults": 1}
-    stub.add_response("list_assignments_for_hit", last, asked | {"NextToken": "more"})
-    stub.add_response("approve_assignment", {}, {"AssignmentId": "a3"})
-
-    found = client.assignments("h1")
-    client.approve(found[-1].id)
-
-    assert [each.worker for each in found] == ["w1", "w2", "w3"]
-
-
 def test_the_sandbox_is_used_unless_the_live_site_is_requested(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

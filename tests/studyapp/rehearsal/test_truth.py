@@ -12,15 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.answers.participants import leave_out
-from benchmarks.rehearsal_recovery import Tally, add_share, simulated
-from motion.segment import EMOTIONS
 from studyapp.rehearsal.simulation import truth as true_values
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater, judge
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.design.trial import AnswerKey, PlannedTrial
-from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.settings.conditions import comparison_name
 from studyapp.study.settings.reading import parse_study
 from studyapp.study.settings.study import Study
@@ -135,22 +131,3 @@ def test_swapping_the_conditions_mirrors_the_share_whatever_the_side_bias(
     assert 0 <= share <= 1
     assert share + true_values.win_share(population, -gap, slope_sd) == pytest.approx(1)
     assert (share - 0.5) * gap >= -1e-12
-
-
-EIGHT = make_segments(EMOTIONS)
-
-
-@pytest.mark.slow
-def test_the_reports_intervals_have_their_stated_coverage(
-    study: PairwiseStudy, population: Population
-) -> None:
-    rules = [rule.to_rule() for rule in study.settled_exclusions]
-    shares = Tally()
-    for seed in range(30):
-        truth = expectations(study, EIGHT, population=population, seed=seed)
-        assert len(truth) == len(study.others) * len(study.questions)
-        made = simulated(study, EIGHT, population, seed)
-        kept = leave_out(made.table, rules, known=made.known).analysed
-        for entry in truth:
-            add_share(shares, study, kept, entry)
-    assert 0.92 <= shares.inside / len(shares.truth) <= 0.99

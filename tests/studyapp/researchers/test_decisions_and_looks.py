@@ -12,10 +12,7 @@ from studyapp.database.tables.researchers import AuditLine, ExclusionDecision
 from studyapp.researchers.audit import (
     ERASED,
     StudyState,
-    Way,
-    event_label,
     latest_changes,
-    latest_looks,
     log_look,
 )
 from studyapp.researchers.exclusion_decisions import (
@@ -123,25 +120,3 @@ def test_withdrawing_also_deletes_the_reason_for_an_exclusion(
     assert ERASED in reasons
     assert "plays at double speed" in reasons
     assert not any("ill" in reason for reason in reasons)
-
-
-@BOTH
-def test_a_look_is_in_both_logs_and_researchers_are_numbered(
-    opened: Database, clock: SetClock
-) -> None:
-    state = StudyState(finished=12, planned=25, answers=300)
-    for by, reason in (("Ada", "a video broke"), ("", ""), ("Grace", "curious"), ("Ada", "again")):
-        way: Way = "page" if by else "report"
-        with opened.writing() as session:
-            log_look(session, clock.now(), state, way=way, by=by, reason=reason)
-
-    looks = latest_looks(opened)
-    assert [look.researcher for look in looks] == ["Ada", "Grace", "", "Ada"]
-    assert {(look.finished, look.planned, look.answers) for look in looks} == {(12, 25, 300)}
-    newest = latest_changes(opened)[0]
-    assert (event_label(newest), newest.researcher) == ("results looked at", "Ada")
-    assert newest.detail == "12 of 25 participants had finished"
-    shared = read_once(opened, stored_answers).looks
-    numbered = ["researcher 1", "command line", "researcher 2", "researcher 1"]
-    assert shared["by"].tolist() == numbered
-    assert set(shared["day"]) == {"2026-05-04"}

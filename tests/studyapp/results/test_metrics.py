@@ -5,11 +5,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from motion.errors import InputError
-from motion.formats.beat_tracks import write_arkit_json
 from studyapp.results.metrics import measure_folders, measure_study
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.study.folder import StudyFolder
@@ -83,16 +81,6 @@ def test_a_folder_is_one_condition_and_its_subfolders_are_several(
     for folder, named in ((flat, ["flat"]), (deep, ["ours", "theirs"])):
         metrics = measure_folders(folder, None, None, **QUICK)
         assert list(dict.fromkeys(s.condition for s in metrics.conditions)) == named
-
-
-def test_a_face_in_a_companion_file_is_measured(folders: Callable[..., Path]) -> None:
-    folder = folders("ours", "a.npz", "b.npz")
-    for name, weight in (("a", 0.2), ("b", 0.7)):
-        write_arkit_json(folder / f"{name}.json", np.full((60, 51), weight), 30)
-    metrics = measure_folders(folder, None, None, presets=("diffsheg",), processes=1)
-    distance = "mean distance between clips (expressions)"
-    (score,) = (each for each in metrics.conditions if each.name == distance)
-    assert score.value > 0
 
 
 def test_the_reference_is_measured_and_matched_by_file_name(
