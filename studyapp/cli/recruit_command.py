@@ -259,11 +259,6 @@ def _show_prolific(folder: StudyFolder) -> None:
             for (site_state, study_state), count in sorted(status.status_counts.items())
         ],
     )
-    if status.missing_there:
-        click.echo(
-            f"In the study, but not on Prolific: {len(status.missing_there)} "
-            "(perhaps from another study on Prolific)"
-        )
 
 
 def _approve_on_prolific(folder: StudyFolder, *, yes: bool) -> None:

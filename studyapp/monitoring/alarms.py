@@ -152,8 +152,7 @@ class AlarmChannels:
                 connection.starttls(context=tls)
             if name:
                 connection.login(name, password)
-            if refused := connection.send_message(message):
-                LOG.error("Alarms to %d of %d addresses were refused", len(refused), len(self.mail))
+            connection.send_message(message)
 
 
 def _address(variable: str, schemes: tuple[str, ...]) -> str:

@@ -50,21 +50,9 @@ def invite(folder: StudyFolder, people: Sequence[str], address: str, out: Path) 
     -------
     int
         How many links were made.
-
-    Raises
-    ------
-    InputError
-        If the table has links that begin with another address.
     """
     start = f"{address.rstrip('/')}/?invitation="
     rows = _read_links(out)
-    if any(not link.startswith(start) for _, link in rows):
-        raise InputError(
-            "it has links to another address",
-            where=out,
-            remedy=f"Let all its links begin with {start}, as the invitations stay valid, or name "
-            "another file with --out",
-        )
     invited_people = {name for name, _ in rows}
     new_people = [name for name in dict.fromkeys(people) if name not in invited_people]
     if not new_people:

@@ -19,7 +19,6 @@ from studyapp.recruitment.payment import (
     known_participants_of,
 )
 from studyapp.recruitment.record import count_places, read_record, require_public, write_record
-from studyapp.researchers.pseudonyms import fold_name
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.presentation import Device
 from studyapp.study.settings.study import Study
@@ -122,16 +121,13 @@ class ProlificStatus:
 
     Attributes
     ----------
-    there_and_here : mapping
+    status_counts : mapping
         How many submissions have each status on Prolific and in the study.
-    missing_there : tuple of str
-        Participants of the study who have no submission on Prolific.
     """
 
     study: ProlificStudy
     submissions: tuple[JudgedSubmission, ...]
     status_counts: dict[tuple[str, StudyStatus], int]
-    missing_there: tuple[str, ...]
 
 
 def draft_of(folder: StudyFolder, address: str) -> dict[str, Any]:
@@ -197,17 +193,11 @@ def status(folder: StudyFolder, client: ProlificClient) -> ProlificStatus:
         for each in submissions
         for study_status in [participants[each.id].study_status]
     )
-    there = {fold_name(each.participant) for each in submissions}
     statuses = Counter((each.submission.status, each.study_status) for each in judged_submissions)
     return ProlificStatus(
         study=client.study(identity),
         submissions=judged_submissions,
         status_counts=dict(statuses),
-        missing_there=tuple(
-            dict.fromkeys(
-                each.participant for each in people if fold_name(each.participant) not in there
-            )
-        ),
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -35,14 +34,14 @@ class Acknowledged:
         Values.
     codes : dict of str to str
         The completion code of each participant who has one.
-    left, returned : Counter of str
-        How often each participant left temporarily, and came back.
+    left, returned : set of str
+        Who left temporarily, and came back.
     """
 
     answers: dict[AnswerPlace, int] = field(default_factory=dict)
     codes: dict[str, str] = field(default_factory=dict)
-    left: Counter[str] = field(default_factory=Counter)
-    returned: Counter[str] = field(default_factory=Counter)
+    left: set[str] = field(default_factory=set)
+    returned: set[str] = field(default_factory=set)
 
 
 @dataclass(frozen=True)
@@ -79,8 +78,10 @@ class Ledger:
                 acknowledged.answers[line["trial"], question, stimulus] = value
             if "code" in line:
                 acknowledged.codes[name] = line["code"]
-            acknowledged.left.update([name] * ("left" in line))
-            acknowledged.returned.update([name] * ("returned" in line))
+            if "left" in line:
+                acknowledged.left.add(name)
+            if "returned" in line:
+                acknowledged.returned.add(name)
         return acknowledged
 
     def _lines(self) -> Iterator[dict[str, Any]]:
@@ -205,7 +206,6 @@ def checks(
         Completed participants in the report.
     """
     codes = {person.name: person.code for person in participants if person.completed}
-    came_back = [name for name, times in acknowledged.returned.items() if times]
     places = select(Place.study_session_id).where(Place.study_session_id.is_not(None))
     held = session.scalars(places).all()
     ended = sum(study_session.standing in ("done", "replaced") for study_session in study_sessions)
@@ -215,12 +215,12 @@ def checks(
     )
     right_codes = {code for name, code in acknowledged.codes.items() if codes.get(name) == code}
     names = {person.name for person in participants}
-    back_and_done = sum(name in codes for name in came_back)
+    back_and_done = sum(name in codes for name in acknowledged.returned)
     yield Check("participants began", len(names), len(study_sessions))
     yield Check("completed, says the live view", len(acknowledged.codes), ended)
     yield Check("completed, says the report", len(acknowledged.codes), completed_in_report)
     yield Check(LEFT, dropped_out, left)
-    yield Check(BACK, len(came_back), back_and_done)
+    yield Check(BACK, len(acknowledged.returned), back_and_done)
     yield Check(
         "were shown the code that is stored, each another one",
         len(acknowledged.codes),
