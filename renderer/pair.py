@@ -1,8 +1,8 @@
-"""Two clips side by side, labelled A and B, as one video, and a cache of lossless frames."""
+"""Two clips side by side, labelled A and B, as one video."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -119,55 +119,3 @@ def _label(text: str, size: int, background: Colour) -> Planes:
     planes = video_frame(np.asarray(tile)).planes
     luma, blue, red = (plane_pixels(plane).copy() for plane in planes)
     return luma, blue, red
-
-
-class FrameCache:
-    """A folder of frames that removes the least recently used.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of the frames; it need not exist.
-    limit : int
-        Largest size in bytes, unless required frames are larger.
-    """
-
-    def __init__(self, folder: Path, limit: int) -> None:
-        self._folder = folder
-        self._limit = limit
-
-    def size(self) -> int:
-        """Return the size of all frames in bytes."""
-        return sum(path.stat().st_size for path in self._files())
-
-    def mark_used(self, frames: Path) -> None:
-        """Mark `frames` as used now, if they exist."""
-        if frames.exists():
-            frames.touch()
-
-    def keep_only(self, current: Collection[Path]) -> None:
-        """Remove frames of clips that are no longer in the study."""
-        for path in self._files():
-            if path not in current:
-                path.unlink()
-
-    def shrink(self, required: Collection[Path]) -> None:
-        """Remove the least recently used frames until the limit is kept.
-
-        Parameters
-        ----------
-        required : collection of Path
-            Frames that pairs still need; they are not removed.
-        """
-        files = [(path.stat(), path) for path in self._files()]
-        excess = sum(stat.st_size for stat, _ in files) - self._limit
-        for stat, path in sorted(files, key=lambda file: (file[0].st_mtime_ns, file[1])):
-            if excess <= 0:
-                return
-            if path not in required:
-                path.unlink()
-                excess -= stat.st_size
-
-    def _files(self) -> list[Path]:
-        """Return all finished frames; names of drafts start with a dot."""
-        return [path for path in self._folder.glob("*.mkv") if not path.name.startswith(".")]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
@@ -12,7 +11,6 @@ from typing import Final
 from motion.errors import InputError
 from renderer.encoder import pad_to_equal_size
 from renderer.jobs.making import run_jobs
-from renderer.pair import FrameCache
 from renderer.video_jobs import Job, Outcome, PairJob
 from studyapp.stimuli.render_plan import RenderPlan, sides_of
 from studyapp.stimuli.render_record import RenderCount, RenderRecord
@@ -20,11 +18,8 @@ from studyapp.stimuli.video_copies import copy_videos
 from studyapp.study.folder import StudyFolder, lock_folder, require_space
 from studyapp.study.media import ClipVideo, Media, PairVideo, recorded_stimuli
 
-MAX_FRAME_BYTES: Final = 20 * 10**9
-"""Bytes of cached frames, unless half of the free disk space is less."""
-
 # Bytes per frame and pixel of one clip: twice those of a gesturing upper body.
-_FRAME_CACHE: Final = 0.07
+_FRAMES: Final = 0.07
 _CLIP: Final = 0.02
 _PAIR: Final = 0.03
 _SOUND: Final = 20_000
@@ -44,8 +39,8 @@ def render(
     """Render all clips and pairs that are missing or out of date.
 
     Finished videos are recorded, so that an interrupted run can be continued. A video that cannot
-    be made is reported and the others are made. Each segment's pairs follow its clips, so that
-    frames are cached no longer than needed. Videos supplied by the researcher, and clips to be
+    be made is reported and the others are made. Each segment's pairs follow its clips, so that few
+    lossless frames are kept at once. Videos supplied by the researcher, and clips to be
     shown without sound, are copied for participants.
 
     Parameters
@@ -99,35 +94,32 @@ def _render(
     """Render the videos of `plan` that are missing; the study must be locked."""
     folder = plan.folder
     clips, pairs = _outdated_videos(plan)
-    frames = FrameCache(plan.frames_folder, 0)
-    frames.keep_only({plan.frames(*side) for side in plan.sides})
-    kept = frames.size()
-    limit = min(MAX_FRAME_BYTES, (shutil.disk_usage(folder.videos).free + kept) // 2)
+    jobs = _jobs_in_order(plan, clips, pairs)
+    frames = _NeededFrames(plan.frames_folder, jobs)
     require_space(
         folder.root,
-        _expected_bytes(plan, clips, pairs, room_for_frames=max(0, limit - kept)),
+        _expected_bytes(plan, clips, pairs, segments_at_once=processes + 1),
         work="rendering",
         remedy="Free up space, or make smaller videos (video.size in study.toml)",
     )
-    jobs = _jobs_in_order(plan, clips, pairs)
-    cache = _NeededFrames(FrameCache(plan.frames_folder, limit), jobs)
     try:
         with RenderRecord(plan, [*clips, *pairs]) as record:
 
             def on_done(outcome: Outcome) -> None:
-                cache.release(outcome)
+                frames.release(outcome)
                 record.add(outcome)
                 on_progress(*record.progress())
 
             on_progress(*record.progress())
             run_jobs(jobs, processes=processes, cluster=cluster, on_done=on_done)
     finally:
+        frames.remove_unneeded()
         _remove_drafts(folder.videos)
     return record.count()
 
 
 def _outdated_videos(plan: RenderPlan) -> tuple[list[ClipVideo], list[PairVideo]]:
-    """Return outdated clips and pairs, and clips whose cached frames these pairs need."""
+    """Return outdated clips and pairs, and clips of which these pairs need frames."""
     stimuli = recorded_stimuli(plan.folder.stimuli)
     keys = {
         record.file: record.key
@@ -154,7 +146,7 @@ def _expected_bytes(
     clips: Sequence[ClipVideo],
     pairs: Sequence[PairVideo],
     *,
-    room_for_frames: int,
+    segments_at_once: int,
 ) -> float:
     """Return the bytes that videos and frames may take more than the files they replace."""
     pixels = plan.look.size**2 * plan.look.frame_rate
@@ -165,10 +157,12 @@ def _expected_bytes(
     )
     replaced = (plan.folder.root / video.file for video in (*clips, *pairs))
     video_bytes -= sum(file.stat().st_size for file in replaced if file.is_file())
-    frame_bytes = sum(
-        clip.duration * pixels * _FRAME_CACHE for clip in clips if plan.needed_frames(clip)
-    )
-    return max(0.0, video_bytes) + min(frame_bytes, room_for_frames)
+    frame_bytes: Counter[str] = Counter()
+    for clip in clips:
+        if plan.needed_frames(clip):
+            frame_bytes[clip.segment] += round(clip.duration * pixels * _FRAMES)
+    largest = frame_bytes.most_common(segments_at_once)
+    return max(0.0, video_bytes) + sum(size for _, size in largest)
 
 
 def _jobs_in_order(
@@ -184,25 +178,29 @@ def _jobs_in_order(
 
 
 class _NeededFrames:
-    """Keeps frames that pairs of this run still need, and lets the cache drop others."""
+    """The lossless frames in a folder, which are removed when no pair of this run needs them."""
 
-    def __init__(self, cache: FrameCache, jobs: Sequence[Job]) -> None:
-        self._cache = cache
+    def __init__(self, folder: Path, jobs: Sequence[Job]) -> None:
+        self._folder = folder
         self._pairs = {job.name: job for job in jobs if isinstance(job, PairJob)}
         self._needed = Counter(
             side for pair in self._pairs.values() for side in (pair.left, pair.right)
         )
-        self._cache.shrink(required=self._needed.keys())
+        self.remove_unneeded()
 
     def release(self, outcome: Outcome) -> None:
-        """Release the frames of a finished job."""
+        """Remove the frames that only a finished job still needed."""
         pair = self._pairs.get(outcome.name)
         for side in (pair.left, pair.right) if pair is not None else ():
-            self._cache.mark_used(side)
             self._needed[side] -= 1
             if not self._needed[side]:
-                del self._needed[side]
-        self._cache.shrink(required=self._needed.keys())
+                side.unlink(missing_ok=True)
+
+    def remove_unneeded(self) -> None:
+        """Remove all other frames, as of an earlier run."""
+        for frames in self._folder.glob("*.mkv"):
+            if not self._needed[frames]:
+                frames.unlink()
 
 
 def equalise_sizes(folder: StudyFolder) -> None:
