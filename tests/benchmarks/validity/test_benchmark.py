@@ -1,14 +1,12 @@
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.validity.benchmark import main, measure
+from benchmarks.validity.benchmark import measure
 from benchmarks.validity.experiments import EXPERIMENTS, Experiment
 from benchmarks.validity.realised import Realised, Row, Tally, overall
 from benchmarks.validity.studies import (
@@ -75,35 +73,6 @@ def test_conditions_that_differ_by_the_margin_are_rarely_called_equivalent() -> 
 
     assert row.realised.false_positives.value < 0.12
     assert row.realised.power.value > 0.5
-
-
-def test_the_number_of_processes_does_not_change_the_result(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("benchmarks.validity.benchmark.BLOCK", 2)
-    small_experiment = replace(VOTES, designs=(SMALL,))
-
-    with ThreadPoolExecutor(2) as pool:
-        shared = measure(small_experiment, studies=5, seed=1, pool=pool)
-
-    assert repr(shared) == repr(measure(small_experiment, studies=5, seed=1))
-
-
-def test_the_command_prints_values_and_writes_each_kind_of_study_once(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "validity.md"
-    for name in ("ratings", "mismatch", "ratings"):
-        main(["--studies", "1", "--only", name, "--processes", "1", "--write", str(path)])
-
-    *_, studies, seconds = capsys.readouterr().out.splitlines()
-    assert studies == "studies: 1"
-    assert seconds.startswith("seconds: ")
-    text = path.read_text("utf-8")
-    assert text.index("## Mismatch") < text.index("## Ratings\n")
-    assert text.count("## Ratings\n") == 1
-    assert "seed 1" in text
-    assert "Not here yet: pairs; " in text
 
 
 def realised(significant: int, covered: int) -> Realised:

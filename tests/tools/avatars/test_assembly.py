@@ -8,13 +8,11 @@ import pytest
 
 from motion.body.model import BodyModel, read_body
 from motion.skeleton import JOINT_COUNT, REST_JOINTS, joint_index
-from renderer.look import AVATARS, BACKGROUND, default_body
+from renderer.look import AVATARS, default_body
 from tests.motion.random_clips import clip_of
 from tools.avatars.anny_source import AnnyPerson, read_person
 from tools.avatars.assembly import build_body
 from tools.avatars.recipes import RECIPES
-from tools.avatars.sample_poses import SAMPLE_POSES
-from tools.avatars.sheet import COLUMNS, avatar_sheet
 
 
 @pytest.fixture(scope="module")
@@ -46,17 +44,6 @@ def test_the_shipped_body_matches_its_recipe(name: str) -> None:
 
 def test_every_avatar_has_a_recipe() -> None:
     assert [recipe.name for recipe in RECIPES] == list(AVATARS)
-
-
-def test_a_sheet_shows_the_body_in_every_pose() -> None:
-    size = 64
-    sheet = np.asarray(avatar_sheet(default_body(), "upper body", size=size)).astype(int)
-    rows = -(-len(SAMPLE_POSES) // COLUMNS)
-    assert sheet.shape == (rows * size, COLUMNS * size, 3)
-    tiles = sheet.reshape(rows, size, COLUMNS, size, 3).swapaxes(1, 2).reshape(-1, size, size, 3)
-    shown = np.abs(tiles - BACKGROUND).max(axis=3) > 20
-    assert shown[: len(SAMPLE_POSES)].mean(axis=(1, 2)).min() > 0.1
-    assert len(np.unique(tiles, axis=0)) >= len(SAMPLE_POSES) - 3  # three move only the face
 
 
 def _forearm_thickness(body: BodyModel, joint: str, turned: float) -> np.ndarray:

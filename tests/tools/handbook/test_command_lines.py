@@ -20,25 +20,6 @@ def test_every_command_on_a_page_is_valid(page: Path) -> None:
             pytest.fail(f"motionjury {' '.join(words)}: {error.format_message()}")
 
 
-def test_calls_are_found_in_scripts() -> None:
-    page = """```sh
-for take in one two; do
-    motionjury import "$take.bvh" \\
-        --condition ours my-study
-done
-motionjury report my-study | head -3 && echo done
-```
-```text
-motionjury is no call here
-```
-"""
-
-    assert calls(page) == [
-        ["import", "$take.bvh", "--condition", "ours", "my-study"],
-        ["report", "my-study"],
-    ]
-
-
 @pytest.mark.parametrize(
     "call",
     [

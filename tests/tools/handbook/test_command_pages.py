@@ -8,8 +8,6 @@ from tools.handbook.command_pages import (
     HEADINGS,
     INDEX,
     PAGES,
-    block,
-    blocks,
     by_hand,
     commands,
     pages,
@@ -33,17 +31,6 @@ def test_a_page_says_what_the_code_says(name: str) -> None:
     assert WRITTEN[name] == pages(WRITTEN)[name], "run 'make pages'"
 
 
-@pytest.mark.parametrize("name", commands())
-def test_a_page_lists_every_option_of_help(name: str) -> None:
-    shown = commands()[name].get_help()
-    page = WRITTEN[name.split()[0]]
-    options = set(re.findall(r"^  (?:-\w, )?(--[\w-]+)", shown, re.MULTILINE)) - {"--help"}
-
-    listed = set(re.findall(r"^\| `(--[\w-]+)", blocks(page)[f"motionjury {name}"], re.MULTILINE))
-
-    assert listed == options
-
-
 @pytest.mark.parametrize("name", COMMANDS)
 @pytest.mark.parametrize("heading", HEADINGS)
 def test_every_page_has_a_handwritten_introduction(name: str, heading: str) -> None:
@@ -53,15 +40,3 @@ def test_every_page_has_a_handwritten_introduction(name: str, heading: str) -> N
 
     assert below is not None
     assert len(below[1].split()) >= LEAST_WORDS
-
-
-def test_handwritten_text_stays_and_removed_subcommands_disappear() -> None:
-    parts = [block(name, "old words") for name in ("motionjury figure", "motionjury figure dance")]
-    page = "\n\n".join(["# `motionjury figure`", *parts, "My words.\n"])
-
-    after = pages({"figure": page})["figure"]
-
-    assert "My words." in after
-    assert "old words" not in after
-    assert "dance" not in after
-    assert "    motionjury figure" in after
