@@ -17,8 +17,8 @@ from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 from analysis.planning.grid import Cell
 from analysis.planning.plan import TARGET_POWER, Plan
 from analysis.planning.power import Power
-from analysis.report.figures.panels import Hints, Panel, PanelFigure, draw_sheet
-from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, as_file, series_style
+from analysis.report.figures.panels import Panel, PanelFigure, draw_sheet
+from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, Hints, as_file, series_style
 from analysis.report.texts import paragraphs
 from analysis.report.wording import count, share
 from motion.files import replacing, write_frame
@@ -117,7 +117,7 @@ def power_figure(plan: Plan) -> Figure:
         legend.append(_ring([], [], label="the study as it stands"))
     columns = min(3, len(plan.request.effects))
     panel_figure = PanelFigure(
-        descriptions=dict.fromkeys(panels, ()),
+        titles=[*panels],
         draw=draw,
         height=_HEIGHT,
         columns=columns,

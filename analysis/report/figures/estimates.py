@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final, NamedTuple, TypeVar
 
 from matplotlib.axes import Axes
@@ -13,13 +13,14 @@ from matplotlib.patches import Patch
 
 from analysis.report import wording
 from analysis.report.content import FigureText, Picture
-from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
+from analysis.report.figures.panels import Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import (
     BLUE,
     INK,
     LABEL_SIZE,
     LINE,
     PAPER,
+    Hints,
     Scale,
     annotate_row,
     diverging_colour,
@@ -27,7 +28,7 @@ from analysis.report.figures.style import (
     text_colour,
 )
 from analysis.results.conditions import RankedCondition, RatedCondition
-from analysis.stats.clustered_mean import Estimate, Interval
+from analysis.stats.clustered_mean import Interval
 
 ResultT = TypeVar("ResultT", RankedCondition, RatedCondition)
 
@@ -39,218 +40,6 @@ _WIDTHS: Final = (0.73, 0.27)
 
 _NUMBERED_WIDTH: Final = 0.155
 """Smallest width of a part with a number in it, in inches."""
-
-
-class Part(NamedTuple):
-    """One part of a bar: its percentage, its colour, and the text shown on hover."""
-
-    percent: float
-    colour: str
-    hint: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Bar:
-    """One row of a panel.
-
-    Attributes
-    ----------
-    start : float
-        The bar's left end, in percent.
-    parts : tuple of Part
-        In the order of the legend; () without answers.
-    estimate : Estimate
-        Shown next to the bar, with its interval.
-    formatted : callable
-        Formats numbers of the estimate.
-    """
-
-    start: float = 0.0
-    parts: tuple[Part, ...] = ()
-    estimate: Estimate = field(default_factory=Estimate)
-    formatted: Callable[[float], str] = wording.number
-
-    @property
-    def estimate_words(self) -> str:
-        """The estimate in words; '' without answers."""
-        return self.formatted(self.estimate.estimate) if self.parts else ""
-
-    @property
-    def interval_words(self) -> str:
-        """The interval in words, 'no interval', or '' without answers."""
-        interval = wording.interval(self.estimate, self.formatted) or "no interval"
-        return interval if self.parts else ""
-
-
-def condition_bars(
-    conditions: Sequence[ResultT], names: Collection[str], bar: Callable[[ResultT], Bar]
-) -> tuple[dict[str, list[Bar]], list[Row]]:
-    """Return the bars of conditions by question, and their rows, in the order of `names`."""
-    by_name = {(c.condition, c.question): bar(c) for c in conditions if c.n}
-    questions = dict.fromkeys(c.question for c in conditions)
-    panels = {
-        question: [by_name.get((name, question), Bar()) for name in names] for question in questions
-    }
-    counts = {name: max(c.n for c in conditions if c.condition == name) for name in names}
-    return panels, [Row(wording.condition(name), f"n = {n}") for name, n in counts.items()]
-
-
-def bar_pictures(
-    panels: Mapping[str, Sequence[Bar]],
-    rows: Sequence[Row],
-    legend: Mapping[str, str],
-    bar_scale: Scale,
-    estimate_scale: Scale,
-    text: FigureText,
-) -> tuple[Picture, ...]:
-    """Draw bars with estimates, on as many sheets as they need.
-
-    Parameters
-    ----------
-    panels : mapping of str to sequence of Bar
-        By question; every panel has as many bars as there are rows.
-    rows : sequence of Row
-        From the top.
-    legend : mapping of str to str
-        The names of the parts and their colours.
-    bar_scale, estimate_scale : Scale
-        The axes of both halves of a panel.
-    text : FigureText
-        The text around the figure.
-    """
-
-    def draw(panel: Panel, question: str) -> Hints:
-        left, right = panel.axes
-        inches = (panel.inches - _ANNOTATION_WIDTH) * _WIDTHS[0] - 0.1
-        hints: Hints = {}
-        for number, (row, bar) in enumerate(zip(rows, panels[question], strict=True)):
-            gid = f"bar{panel.prefix}-{number}"
-            for part_gid, hint in _draw_bar(left, number, bar, bar_scale, gid, inches).items():
-                hints[part_gid] = f"{row.name}, {hint}"
-            estimate = bar.estimate
-            right.plot([estimate.low, estimate.high], [number] * 2, color=INK, linewidth=1.3)
-            right.plot([estimate.estimate], [number], "o", markersize=4.2, color=INK, clip_on=False)
-            annotate_row(right, number, bar.estimate_words, bar.interval_words, bold=True)
-        bar_scale.apply(left, inches)
-        estimate_scale.apply(right, inches)
-        return hints
-
-    descriptions = {
-        question: [
-            f"{row.name}: {_description(bar, estimate_scale.label)}"
-            for row, bar in zip(rows, bars, strict=True)
-        ]
-        for question, bars in panels.items()
-    }
-    keys = [Patch(color=colour, label=name) for name, colour in legend.items()]
-    figure = PanelFigure(
-        descriptions=descriptions, draw=draw, rows=rows, widths=_WIDTHS, legend=keys
-    )
-    return panel_pictures(figure, text)
-
-
-def _draw_bar(axes: Axes, row: int, bar: Bar, scale: Scale, gid: str, inches: float) -> Hints:
-    """Draw one bar and return the hints of its parts."""
-    low, high = scale.limits or (0.0, 100.0)
-    if not bar.parts:
-        axes.text((low + high) / 2, row, "no answers", ha="center", va="center", fontsize=7.5)
-    hints: Hints = {}
-    left = bar.start
-    for level, part in enumerate(bar.parts):
-        part_gid = f"{gid}-{level}"
-        [patch] = axes.barh(row, part.percent, left=left, height=0.66, color=part.colour)
-        patch.set_gid(part_gid)
-        hints[part_gid] = part.hint
-        if part.percent / (high - low) * inches >= _NUMBERED_WIDTH:
-            _write(axes, left + part.percent / 2, row, f"{part.percent:.0f}", part.colour, 7.0)
-        left += part.percent
-    return hints
-
-
-def _write(
-    axes: Axes, x: float, y: float, text: str, background: str, size: float, *, bold: bool = False
-) -> None:
-    axes.text(
-        x,
-        y,
-        text,
-        ha="center",
-        va="center_baseline",
-        color=text_colour(background),
-        fontsize=size,
-        fontweight="bold" if bold else "normal",
-    )
-
-
-def _description(bar: Bar, measure: str) -> str:
-    if not bar.parts:
-        return "no answers"
-    parts = ", ".join(part.hint for part in bar.parts)
-    return f"{parts}, {measure} {bar.estimate_words} {bar.interval_words}"
-
-
-class MatrixCell(NamedTuple):
-    """The win share of a row's condition, with its interval in words, and whether it differs."""
-
-    share: float
-    words: str
-    is_significant: bool
-
-
-def matrix_pictures(
-    questions: Mapping[str, Mapping[tuple[str, str], MatrixCell]],
-    conditions: Sequence[str],
-    text: FigureText,
-) -> tuple[Picture, ...]:
-    """Draw a matrix per question: the share of the row's condition against the column's.
-
-    Parameters
-    ----------
-    questions : mapping of str to mapping of (str, str) to MatrixCell
-        By question, and then by the conditions of row and column.
-    conditions : sequence of str
-        The conditions of rows and columns, in order; columns have the numbers of the rows.
-    text : FigureText
-        The text around the figure.
-    """
-    count = len(conditions)
-
-    def draw(panel: Panel, question: str) -> Hints:
-        axes, hints = panel.axes[0], Hints()
-        size = min(LABEL_SIZE, 24 * panel.inches / count)
-        for spine in axes.spines.values():
-            spine.set_visible(False)
-        axes.set_xlim(-0.5, count - 0.5)
-        axes.set_xticks(range(count), labels=[str(k + 1) for k in range(count)])
-        axes.tick_params(axis="x", length=0, top=True, labeltop=True, labelbottom=False, pad=2)
-        for row, condition in enumerate(conditions):
-            axes.text(row, row, "–", ha="center", va="center", fontsize=size)
-            for column, opponent in enumerate(conditions):
-                cell = questions[question].get((condition, opponent))
-                if cell is None:
-                    continue
-                colour = diverging_colour(1 - cell.share)
-                [patch] = axes.barh(row, 1, 1, left=column - 0.5, color=colour, edgecolor=PAPER)
-                gid = f"cell{panel.prefix}-{row}-{column}"
-                patch.set_gid(gid)
-                hints[gid] = f"{wording.against(condition, opponent)}: {cell.words}"
-                share = wording.share(cell.share)
-                _write(axes, column, row, share, colour, size, bold=cell.is_significant)
-        return hints
-
-    rank = {name: number for number, name in enumerate(conditions)}
-    descriptions = {
-        question: [
-            f"{wording.against(condition, opponent)}: {cell.words}"
-            for (condition, opponent), cell in cells.items()
-            if rank[condition] < rank[opponent]
-        ]
-        for question, cells in questions.items()
-    }
-    rows = [Row(f"{n} {wording.condition(name)}") for n, name in enumerate(conditions, start=1)]
-    columns = 2 if count <= 6 else 1
-    figure = PanelFigure(descriptions=descriptions, draw=draw, rows=rows, columns=columns)
-    return panel_pictures(figure, text)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -304,6 +93,182 @@ def dot_of(
     )
 
 
+class Part(NamedTuple):
+    """One part of a bar: its percentage, its colour, and the text shown on hover."""
+
+    percent: float
+    colour: str
+    hint: str
+
+
+class Bar(NamedTuple):
+    """A bar's parts in the order of the legend, an estimate next to it, and its left end."""
+
+    parts: Sequence[Part] = ()
+    dot: Dot = Dot()
+    start: float = 0.0
+
+
+def bar_of(
+    parts: Iterable[Part],
+    estimate: Interval,
+    formatted: Callable[[float], str] = wording.number,
+    start: float = 0.0,
+) -> Bar:
+    """Return a bar with its estimate in words."""
+    ends = wording.interval(estimate, formatted) or "no interval"
+    return Bar(tuple(parts), dot_of(estimate, formatted, below=ends), start)
+
+
+def condition_bars(
+    conditions: Sequence[ResultT], names: Collection[str], bar: Callable[[ResultT], Bar]
+) -> tuple[dict[str, list[Bar]], list[Row]]:
+    """Return the bars of conditions by question, and their rows, in the order of `names`."""
+    by_name = {(c.condition, c.question): bar(c) for c in conditions if c.n}
+    questions = dict.fromkeys(c.question for c in conditions)
+    panels = {
+        question: [by_name.get((name, question), Bar()) for name in names] for question in questions
+    }
+    counts = {name: max(c.n for c in conditions if c.condition == name) for name in names}
+    return panels, [Row(wording.condition(name), f"n = {n}") for name, n in counts.items()]
+
+
+def bar_pictures(
+    panels: Mapping[str, Sequence[Bar]],
+    rows: Sequence[Row],
+    legend: Mapping[str, str],
+    bar_scale: Scale,
+    estimate_scale: Scale,
+    text: FigureText,
+) -> tuple[Picture, ...]:
+    """Draw bars with estimates, on as many sheets as they need.
+
+    Parameters
+    ----------
+    panels : mapping of str to sequence of Bar
+        By question; every panel has as many bars as there are rows.
+    rows : sequence of Row
+        From the top.
+    legend : mapping of str to str
+        The names of the parts and their colours.
+    bar_scale, estimate_scale : Scale
+        The axes of both halves of a panel.
+    text : FigureText
+        The text around the figure.
+    """
+
+    def draw(panel: Panel, question: str) -> Hints:
+        left, right = panel.axes
+        inches = (panel.inches - _ANNOTATION_WIDTH) * _WIDTHS[0] - 0.1
+        hints: Hints = {}
+        for number, (row, bar) in enumerate(zip(rows, panels[question], strict=True)):
+            gid = f"bar{panel.prefix}-{number}"
+            said = _draw_bar(left, number, bar, bar_scale, gid, inches)
+            if bar.parts:
+                _draw_dot(right, number, bar.dot, f"{gid}-estimate", INK, "o")
+                said[f"{gid}-estimate"] = f"{estimate_scale.label} {bar.dot.hint}"
+            hints |= {gid: f"{row.name}: {hint}" for gid, hint in said.items()}
+            annotate_row(right, number, bar.dot.words, bar.dot.below, bold=True)
+        bar_scale.apply(left, inches)
+        estimate_scale.apply(right, inches)
+        return hints
+
+    keys = [Patch(color=colour, label=name) for name, colour in legend.items()]
+    return panel_pictures(
+        PanelFigure(titles=[*panels], draw=draw, rows=rows, widths=_WIDTHS, legend=keys), text
+    )
+
+
+def _draw_bar(axes: Axes, row: int, bar: Bar, scale: Scale, gid: str, inches: float) -> Hints:
+    """Draw one bar and return the hints of its parts."""
+    low, high = scale.limits or (0.0, 100.0)
+    if not bar.parts:
+        middle = (low + high) / 2
+        axes.text(middle, row, "no answers", ha="center", va="center", fontsize=7.5, gid=gid)
+        return {gid: "no answers"}
+    hints: Hints = {}
+    left = bar.start
+    for level, part in enumerate(bar.parts):
+        part_gid = f"{gid}-{level}"
+        [patch] = axes.barh(row, part.percent, left=left, height=0.66, color=part.colour)
+        patch.set_gid(part_gid)
+        hints[part_gid] = part.hint
+        if part.percent / (high - low) * inches >= _NUMBERED_WIDTH:
+            _write(axes, left + part.percent / 2, row, f"{part.percent:.0f}", part.colour, 7.0)
+        left += part.percent
+    return hints
+
+
+def _write(
+    axes: Axes, x: float, y: float, text: str, background: str, size: float, *, bold: bool = False
+) -> None:
+    axes.text(
+        x,
+        y,
+        text,
+        ha="center",
+        va="center_baseline",
+        color=text_colour(background),
+        fontsize=size,
+        fontweight="bold" if bold else "normal",
+    )
+
+
+class MatrixCell(NamedTuple):
+    """The win share of a row's condition, with its interval in words, and whether it differs."""
+
+    share: float
+    words: str
+    is_significant: bool
+
+
+def matrix_pictures(
+    questions: Mapping[str, Mapping[tuple[str, str], MatrixCell]],
+    conditions: Sequence[str],
+    text: FigureText,
+) -> tuple[Picture, ...]:
+    """Draw a matrix per question: the share of the row's condition against the column's.
+
+    Parameters
+    ----------
+    questions : mapping of str to mapping of (str, str) to MatrixCell
+        By question, and then by the conditions of row and column.
+    conditions : sequence of str
+        The conditions of rows and columns, in order; columns have the numbers of the rows.
+    text : FigureText
+        The text around the figure.
+    """
+    count = len(conditions)
+
+    def draw(panel: Panel, question: str) -> Hints:
+        axes, hints = panel.axes[0], Hints()
+        size = min(LABEL_SIZE, 24 * panel.inches / count)
+        for spine in axes.spines.values():
+            spine.set_visible(False)
+        axes.set_xlim(-0.5, count - 0.5)
+        axes.set_xticks(range(count), labels=[str(k + 1) for k in range(count)])
+        axes.tick_params(axis="x", length=0, top=True, labeltop=True, labelbottom=False, pad=2)
+        for row, condition in enumerate(conditions):
+            axes.text(row, row, "–", ha="center", va="center", fontsize=size)
+            for column, opponent in enumerate(conditions):
+                cell = questions[question].get((condition, opponent))
+                if cell is None:
+                    continue
+                colour = diverging_colour(1 - cell.share)
+                [patch] = axes.barh(row, 1, 1, left=column - 0.5, color=colour, edgecolor=PAPER)
+                gid = f"cell{panel.prefix}-{row}-{column}"
+                patch.set_gid(gid)
+                hints[gid] = f"{wording.against(condition, opponent)}: {cell.words}"
+                share = wording.share(cell.share)
+                _write(axes, column, row, share, colour, size, bold=cell.is_significant)
+        return hints
+
+    rows = [Row(f"{n} {wording.condition(name)}") for n, name in enumerate(conditions, start=1)]
+    columns = 2 if count <= 6 else 1
+    figure = PanelFigure(titles=[*questions], draw=draw, rows=rows, columns=columns)
+    return panel_pictures(figure, text)
+
+
 def dot_pictures(
     panels: Mapping[str, Sequence[Dot | Sequence[Dot]]],
     rows: Sequence[Row],
@@ -333,37 +298,27 @@ def dot_pictures(
         for title, dots in panels.items()
     }
 
-    def words(row: Row, index: int, dot: Dot) -> str:
-        return f"{row.name}, {series[index]}: {dot.hint}" if series else f"{row.name}: {dot.hint}"
-
     def draw(panel: Panel, title: str) -> Hints:
         axes, hints = panel.axes[0], Hints()
         for number, (row, dots) in enumerate(zip(rows, dots_by_row[title], strict=True)):
             for index, dot in enumerate(dots):
-                gid = f"dot{panel.prefix}-{number}" + (f"-{index}" if series else "")
+                gid = f"dot{panel.prefix}-{number}-{index}"
                 shift = (index - (len(dots) - 1) / 2) / (len(dots) + 1)
                 colour, marker = series_style(index) if series else (BLUE, "o")
                 _draw_dot(axes, number + shift, dot, gid, colour, marker)
-                hints[gid] = words(row, index, dot)
+                name = f"{row.name}, {series[index]}" if series else row.name
+                hints[gid] = f"{name}: {dot.hint}"
                 annotate_row(axes, number, dot.words, dot.below)
             if number and (series or dots[0].is_overall):
                 axes.axhline(number - 0.5, color=LINE, linewidth=0.7, zorder=0)
         scale.apply(axes, panel.inches)
         return hints
 
-    descriptions = {
-        title: [
-            words(row, index, dot)
-            for row, dots in zip(rows, all_dots, strict=True)
-            for index, dot in enumerate(dots)
-        ]
-        for title, all_dots in dots_by_row.items()
-    }
     height = len(rows) * max(0.27, 0.13 * len(series) + 0.1) if series else 0.0
-    figure = PanelFigure(
-        descriptions=descriptions, draw=draw, rows=rows, height=height, legend=series_legend(series)
+    legend = series_legend(series)
+    return panel_pictures(
+        PanelFigure(titles=[*panels], draw=draw, rows=rows, height=height, legend=legend), text
     )
-    return panel_pictures(figure, text)
 
 
 def series_legend(names: Sequence[str]) -> list[Line2D]:

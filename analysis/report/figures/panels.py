@@ -6,7 +6,7 @@ Matplotlib's constrained layout places the panels; a figure gets the height that
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
@@ -26,6 +26,7 @@ from analysis.report.figures.style import (
     TITLE_SIZE,
     WIDTH,
     Drawing,
+    Hints,
     fit_text,
     make_picture,
     missing_glyphs,
@@ -45,9 +46,6 @@ _LEGEND_COLUMN: Final = 1.4
 
 _LEGEND_KEY: Final = 0.38
 """Width of a key of a legend and the space around it, in inches."""
-
-Hints = dict[str, str]
-"""Texts shown on hover, by the gid of the part of a figure."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,10 +103,10 @@ class PanelFigure:
 
     Attributes
     ----------
-    descriptions : mapping of str to sequence of str
-        The rows of each panel in words, with their numbers, by the panel's title.
+    titles : sequence of str
+        The titles of the panels.
     draw : callable
-        Draws the panel with a title, and returns its hints.
+        Draws the panel with a title, and returns its hints, which are also its text alternative.
     rows : sequence of Row
         From the top, the same in every panel; () for none.
     height : float
@@ -121,7 +119,7 @@ class PanelFigure:
         Labelled artists.
     """
 
-    descriptions: Mapping[str, Sequence[str]]
+    titles: Sequence[str]
     draw: Callable[[Panel, str], Hints]
     rows: Sequence[Row] = ()
     height: float = 0.0
@@ -139,7 +137,7 @@ class PanelFigure:
 
 def panel_pictures(figure: PanelFigure, text: FigureText) -> tuple[Picture, ...]:
     """Draw a figure on as many sheets as it needs."""
-    titles = list(figure.descriptions)
+    titles = figure.titles
     legend_height = 0.3 * math.ceil(len(figure.legend) * _LEGEND_COLUMN / WIDE.width) + 0.2
     height = figure.panel_height(WIDE) + _MARGIN_HEIGHT
     lines = max(1, int((WIDE.max_height - legend_height) / height))
@@ -152,10 +150,7 @@ def panel_pictures(figure: PanelFigure, text: FigureText) -> tuple[Picture, ...]
             caption = f"{text.caption} ({number} of {len(sheets)})"
             sheet_text = replace(text, name=f"{text.name}-{number}", caption=caption)
         wide, narrow = (draw_sheet(figure, shown, sheet) for sheet in (WIDE, NARROW))
-        description = " ".join(
-            f"{wording.heading(title)}. {'; '.join(figure.descriptions[title])}." for title in shown
-        )
-        pictures.append(make_picture(wide, narrow, sheet_text, description))
+        pictures.append(make_picture(wide, narrow, sheet_text))
     return tuple(pictures)
 
 
@@ -175,7 +170,7 @@ def draw_sheet(content: PanelFigure, titles: Sequence[str], sheet: Format = WIDE
     lines = math.ceil(len(titles) / columns)
     panel_height, axes_per_panel = content.panel_height(sheet), len(content.widths)
     inches = (sheet.width - (sheet.label_width if content.rows else 0.6)) / columns - 0.15
-    hints: Hints = {}
+    hints: dict[str, Hints] = {}
     with mpl.rc_context(STYLE):
         layout = ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.06)
         figure = Figure(figsize=(sheet.width, lines * (panel_height + 2) + 2), layout=layout)
@@ -197,7 +192,7 @@ def draw_sheet(content: PanelFigure, titles: Sequence[str], sheet: Format = WIDE
                 if content.rows and number:
                     axes.sharex(first_axes)
             panel = Panel(tuple(all_axes), str(number), inches, is_first=column == 0)
-            hints |= content.draw(panel, title)
+            hints[wording.heading(title)] = content.draw(panel, title)
         for unused in grid[-1, (len(titles) - (lines - 1) * columns) * axes_per_panel :]:
             unused.remove()
         _add_legend(figure, content.legend, sheet)

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from textwrap import wrap
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -262,15 +262,18 @@ _ID: Final = re.compile(r'(id="|href="#|url\(#)')
 _COLOUR: Final = re.compile("|".join(PAGE_COLOURS))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Drawing:
-    """A figure, and the hints shown on hover by the gid of their artist."""
+Hints = dict[str, str]
+"""Texts shown on hover, by the gid of the part of a figure."""
+
+
+class Drawing(NamedTuple):
+    """A figure, and its hints by the title of their panel."""
 
     figure: Figure
-    hints: Mapping[str, str]
+    hints: Mapping[str, Hints]
 
 
-def make_picture(wide: Drawing, narrow: Drawing, text: FigureText, description: str) -> Picture:
+def make_picture(wide: Drawing, narrow: Drawing, text: FigureText) -> Picture:
     """Return a figure for the page and for the folder of figures.
 
     Parameters
@@ -279,18 +282,10 @@ def make_picture(wide: Drawing, narrow: Drawing, text: FigureText, description: 
         For the page and the files, and for the page on a narrow screen; drawn under `STYLE`.
     text : FigureText
         The text around it.
-    description : str
-        The figure and its numbers in words, for readers who cannot see it.
     """
-    svgs = (
-        inline_svg(drawing, name=name, title=text.title, description=description, css_class=css)
-        for drawing, name, css in (
-            (wide, text.name, "wide"),
-            (narrow, f"{text.name}-narrow", "narrow"),
-        )
-    )
     return Picture(
-        svg=Markup("").join(svgs),
+        svg=inline_svg(wide, text.name, text.title, "wide")
+        + inline_svg(narrow, f"{text.name}-narrow", text.title, "narrow"),
         caption=text.caption,
         data=text.data,
         name=text.name,
@@ -298,10 +293,11 @@ def make_picture(wide: Drawing, narrow: Drawing, text: FigureText, description: 
     )
 
 
-def inline_svg(
-    drawing: Drawing, *, name: str, title: str, description: str, css_class: str
-) -> Markup:
-    """Return a drawing as an ``svg`` element for an HTML page; its ids begin with `name`."""
+def inline_svg(drawing: Drawing, name: str, title: str, css_class: str) -> Markup:
+    """Return a drawing as an ``svg`` element for an HTML page; its ids begin with `name`.
+
+    The hints are also its text alternative.
+    """
     stream = io.StringIO()
     with mpl.rc_context({**STYLE, "svg.hashsalt": name}), missing_glyphs():
         drawing.figure.savefig(
@@ -312,15 +308,18 @@ def inline_svg(
         )
     svg = stream.getvalue()
     svg = svg[svg.index("<svg") :].strip()
-    for gid, hint in drawing.hints.items():
-        group = f'<g id="{gid}">'
-        svg = svg.replace(group, f"{group}<title>{escape(hint)}</title>", 1)
+    described = []
+    for panel, hints in drawing.hints.items():
+        described.append(f"{panel}. {'; '.join(hints.values())}.")
+        for gid, hint in hints.items():
+            group = f'<g id="{gid}">'
+            svg = svg.replace(group, f"{group}<title>{escape(hint)}</title>", 1)
     svg = _ID.sub(lambda match: f"{match[1]}{name}-", svg)
     svg = _COLOUR.sub(lambda match: PAGE_COLOURS[match[0]], svg)
     end_of_tag = svg.index(">") + 1
     words = (
         f'<title id="{name}-title">{escape(title)}</title>'
-        f'<desc id="{name}-desc">{escape(description)}</desc>'
+        f'<desc id="{name}-desc">{escape(" ".join(described))}</desc>'
     )
     svg = svg[:end_of_tag] + words + svg[end_of_tag:]
     attributes = (

@@ -10,8 +10,8 @@ from typing import Final
 from analysis.report import wording
 from analysis.report.content import FigureText, Picture, Section, Subject, Table
 from analysis.report.figures.estimates import Dot, dot_of, dot_pictures, series_legend
-from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
-from analysis.report.figures.style import LINE, PAPER, Scale, fit_text, series_style
+from analysis.report.figures.panels import Panel, PanelFigure, Row, panel_pictures
+from analysis.report.figures.style import LINE, PAPER, Hints, Scale, fit_text, series_style
 from analysis.report.sections.metric_table import ARROWS
 from analysis.report.sections.metrics import PAPER_OF, PAPER_TABLES, is_detail
 from analysis.report.texts import figure_text, paragraphs, sentence, table
@@ -214,17 +214,9 @@ def agreement_pictures(
             axes.set_ylabel(fit_text(preference, _SCATTER_HEIGHT, size=7), fontsize=7, labelpad=2)
         return hints
 
-    descriptions = {
-        metric.metric: [
-            f"{wording.condition(place.condition)} {wording.quantity(place.score)} with preference "
-            f"{wording.number(place.preference)}"
-            for place in metric.places
-        ]
-        for metric in metrics
-    }
     legend = series_legend([wording.condition(name) for name in conditions])
     figure = PanelFigure(
-        descriptions=descriptions, draw=draw, height=_SCATTER_HEIGHT, columns=3, legend=legend
+        titles=[*by_name], draw=draw, height=_SCATTER_HEIGHT, columns=3, legend=legend
     )
     return panel_pictures(figure, text)
 

@@ -14,15 +14,17 @@ from analysis.report.figures.estimates import (
     Bar,
     Dot,
     Part,
+    bar_of,
     bar_pictures,
     condition_bars,
     dot_of,
     dot_pictures,
 )
-from analysis.report.figures.panels import Hints, Panel, PanelFigure, Row, panel_pictures
+from analysis.report.figures.panels import Panel, PanelFigure, Row, panel_pictures
 from analysis.report.figures.style import (
     LINE,
     SMALL_SIZE,
+    Hints,
     Scale,
     place_colours,
     scale_colours,
@@ -143,15 +145,12 @@ def distribution_pictures(
 
 def _rating_bar(rated: RatedCondition) -> Bar:
     shares = [(score, count, 100 * count / rated.n) for score, count in rated.counts.items()]
-    return Bar(
-        parts=tuple(
-            Part(percent, colour, f"score {score}: {count} of {rated.n} ratings ({percent:.0f}%)")
-            for (score, count, percent), colour in zip(
-                shares, scale_colours(len(shares)), strict=True
-            )
-        ),
-        estimate=rated,
+    coloured = zip(shares, scale_colours(len(shares)), strict=True)
+    parts = (
+        Part(percent, colour, f"score {score}: {count} of {rated.n} ratings ({percent:.0f}%)")
+        for (score, count, percent), colour in coloured
     )
+    return bar_of(parts, rated)
 
 
 def _cumulative_pictures(conditions: Sequence[RatedCondition], suffix: str) -> tuple[Picture, ...]:
@@ -159,6 +158,7 @@ def _cumulative_pictures(conditions: Sequence[RatedCondition], suffix: str) -> t
     scores = tuple(conditions[0].counts)
     by_name = {(c.condition, c.question): c for c in conditions}
     names = tuple(dict.fromkeys(c.condition for c in conditions))
+    questions = tuple(dict.fromkeys(c.question for c in conditions))
     scale = Scale(
         limits=(scores[0] - 0.1, scores[-1] + 0.1),
         ticks={score: str(score) for score in scores[:: max(1, len(scores) // 10)]},
@@ -166,34 +166,30 @@ def _cumulative_pictures(conditions: Sequence[RatedCondition], suffix: str) -> t
     )
 
     def draw(panel: Panel, question: str) -> Hints:
-        axes = panel.axes[0]
+        [axes], hints = panel.axes, Hints()
         for index, name in enumerate(names):
             if rated := by_name.get((name, question)):
-                axes.add_line(_curve(index, rated.at_least))
+                gid = f"curve{panel.prefix}-{index}"
+                axes.add_line(_curve(index, rated.at_least, gid=gid))
+                shares = (
+                    f"{share:.0f}% at least {score}" for score, share in rated.at_least.items()
+                )
+                hints[gid] = f"{wording.condition(name)}: {', '.join(shares)}"
         scale.apply(axes, panel.inches)
         axes.set_ylim(0, 104)
         axes.set_yticks([0, 50, 100], labels=["0", "50", "100%"] if panel.is_first else [""] * 3)
         axes.tick_params(axis="y", length=0, labelsize=SMALL_SIZE)
         axes.grid(axis="y", color=LINE, linewidth=0.5)
-        return {}
+        return hints
 
-    descriptions = {
-        question: [
-            f"{wording.condition(c.condition)}: "
-            + ", ".join(f"{percent:.0f}% at least {score}" for score, percent in c.at_least.items())
-            for c in conditions
-            if c.question == question
-        ]
-        for question in dict.fromkeys(c.question for c in conditions)
-    }
-    legend = [_curve(index, {}, wording.condition(name)) for index, name in enumerate(names)]
+    legend = [_curve(index, {}, label=wording.condition(name)) for index, name in enumerate(names)]
     return panel_pictures(
-        PanelFigure(descriptions=descriptions, draw=draw, height=1.9, legend=legend),
+        PanelFigure(titles=questions, draw=draw, height=1.9, legend=legend),
         figure_text("cumulative", suffix=suffix),
     )
 
 
-def _curve(index: int, at_least: Mapping[int, float], label: str = "") -> Line2D:
+def _curve(index: int, at_least: Mapping[int, float], *, label: str = "", gid: str = "") -> Line2D:
     colour, marker = series_style(index)
     return Line2D(
         *(list(at_least), list(at_least.values())),
@@ -203,6 +199,7 @@ def _curve(index: int, at_least: Mapping[int, float], label: str = "") -> Line2D
         markersize=4,
         linewidth=1.3,
         label=label,
+        gid=gid,
     )
 
 
@@ -285,13 +282,11 @@ def _place_pictures(
 
 def _ranking_bar(ranked: RankedCondition, places: int) -> Bar:
     coloured = zip(ranked.rank_percent.items(), place_colours(places), strict=False)
-    return Bar(
-        parts=tuple(
-            Part(percent, colour, f"{ordinal(place)} in {percent:.0f}% of {ranked.n} rankings")
-            for (place, percent), colour in coloured
-        ),
-        estimate=ranked.mean_rank,
+    parts = (
+        Part(percent, colour, f"{ordinal(place)} in {percent:.0f}% of {ranked.n} rankings")
+        for (place, percent), colour in coloured
     )
+    return bar_of(parts, ranked.mean_rank)
 
 
 def _are_tied(conditions: Sequence[RankedCondition]) -> bool:

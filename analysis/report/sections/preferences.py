@@ -10,7 +10,14 @@ from typing import Final, TypeVar
 
 from analysis.report import wording
 from analysis.report.content import FigureText, Picture, Section, Subject, Table, headline_section
-from analysis.report.figures.estimates import Bar, MatrixCell, Part, bar_pictures, matrix_pictures
+from analysis.report.figures.estimates import (
+    Bar,
+    MatrixCell,
+    Part,
+    bar_of,
+    bar_pictures,
+    matrix_pictures,
+)
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import DIVERGING, Scale
 from analysis.report.sections.conditions import (
@@ -339,14 +346,14 @@ def _bar(group: PreferenceGroup, row: PreferenceRow | None) -> Bar:
         return Bar()
     percents, names = row.percentages, group.levels(*row.names)
     parts = zip(percents, DIVERGING, row.levels, names, strict=True)
-    return Bar(
-        start=-(percents[0] + percents[1] + percents[2] / 2),
-        parts=tuple(
+    return bar_of(
+        (
             Part(percent, colour, f"{level}: {count} of {row.result.n} answers ({percent:.0f}%)")
             for percent, colour, count, level in parts
         ),
-        estimate=row.result.win_share,
-        formatted=wording.share,
+        row.result.win_share,
+        wording.share,
+        start=-(percents[0] + percents[1] + percents[2] / 2),
     )
 
 

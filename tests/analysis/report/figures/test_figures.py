@@ -19,10 +19,10 @@ from analysis.metrics.scores import Better
 from analysis.report.content import FigureText, Picture
 from analysis.report.figures import panels
 from analysis.report.figures.estimates import (
-    Bar,
     Dot,
     MatrixCell,
     Part,
+    bar_of,
     bar_pictures,
     dot_pictures,
     matrix_pictures,
@@ -72,7 +72,7 @@ def test_marks_distinguish_descriptive_rows_and_totals() -> None:
         (picture,) = dot_pictures({"emotion": dots}, [Row("anger"), Row("all")], SCALE, TEXT)
 
     svg = drawn(picture)
-    hollow, full = (svg.find(id=f"forest-dot0-{row}") for row in (0, 1))
+    hollow, full = (svg.find(id=f"forest-dot0-{row}-0") for row in (0, 1))
     assert "var(--paper" in str(hollow)
     assert "var(--paper" not in str(full)
     assert {"anger", "all", "Rehearsal", "win share"} <= {t.get_text() for t in svg("text")}
@@ -133,9 +133,8 @@ def line_picture() -> Picture:
         axes = figure.subplots()
         axes.plot([0, 1], [0, 1], gid="line")
         axes.set_title("条件 a < b & c")
-        drawing = Drawing(figure=figure, hints={"line": "<i>1</i> < 2"})
-        text = FigureText(name="one", title="", caption="")
-        return make_picture(drawing, drawing, text, "")
+        drawing = Drawing(figure=figure, hints={"": {"line": "<i>1</i> < 2"}})
+        return make_picture(drawing, drawing, FigureText(name="one", title="", caption=""))
 
 
 def test_every_script_is_drawn_and_special_characters_are_not_markup() -> None:
@@ -168,7 +167,7 @@ def figures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     """Return the figures that are drawn, wide and narrow, before they are written."""
     kept: list[Figure] = []
 
-    def make_picture(wide: Drawing, narrow: Drawing, text: FigureText, description: str) -> Picture:
+    def make_picture(wide: Drawing, narrow: Drawing, text: FigureText) -> Picture:
         kept.extend([wide.figure, narrow.figure])
         return Picture(svg=Markup(""), caption="")
 
@@ -222,11 +221,11 @@ def rows(count: int) -> tuple[Row, ...]:
     [(1, 1, (LONG, LONG)), (2, 12, (LONG, LONG)), (3, 2, ("aufnahmen", "other"))],
 )
 def test_bars(figures: list[Figure], questions: int, count: int, ends: tuple[str, str]) -> None:
-    bar = Bar(
+    bar = bar_of(
+        (Part(percent=20.0, colour=colour, hint="") for colour in DIVERGING),
+        Estimate(estimate=0.98, low=0.9, high=1.0),
+        lambda value: f"{11.5 + value:.2f}",
         start=-60,
-        parts=tuple(Part(percent=20.0, colour=colour, hint="") for colour in DIVERGING),
-        estimate=Estimate(estimate=0.98, low=0.9, high=1.0),
-        formatted=lambda value: f"{11.5 + value:.2f}",
     )
     bar_pictures(
         {f"question {k} {LONG}": (bar,) * count for k in range(questions)},

@@ -38,7 +38,7 @@ def test_tooltips_and_the_text_alternative_have_every_number(
     reports: Reports, section: Section
 ) -> None:
     picture = named_picture(section, "preferences")
-    assert len(hints(picture)) == 3 * 2 * 5
+    assert len(hints(picture)) == 3 * 2 * 6
     for comparison in results(reports("all pairs")).comparisons:
         a, b = comparison.a, comparison.b
         levels = (f"clearly {a}", f"slightly {a}", "no difference")
@@ -179,7 +179,7 @@ def test_without_degrees_of_preference_none_are_named(analyse: Analyse) -> None:
     (section,) = headline(analyse("mismatch", table.assign(response=table["response"].clip(2, 4))))
     assert not [text for text in words(named_picture(section, "own-speech")) if "clearly" in text]
     said = " ".join(hints(named_picture(section, "own-speech")))
-    assert "slightly" not in said and ", own speech: " in said
+    assert "slightly" not in said and ": own speech: " in said
     assert "clear and slight" not in named_table(section, "own-speech").caption
 
 
