@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -13,7 +12,7 @@ from typing import Final, NamedTuple, TypeVar
 import numpy as np
 
 from analysis.evaluators.feature_networks import ClipFeatures, Network, clip_features
-from analysis.measurement.kept_arrays import KeptArrays, Kind
+from analysis.measurement.kept_arrays import kept_array
 from analysis.measurement.presets import Preset
 from analysis.measurement.recorded_spread import RecordedSpread
 from analysis.metrics.kinematics import GESTURE_JOINTS, JointMotion, packed_joints
@@ -28,7 +27,7 @@ from motion.errors import InputError
 from motion.formats import read_clip, read_recorded
 from motion.formats.beat_tracks import face_beside
 from motion.resample import resample
-from motion.skeleton import JOINT_COUNT, joint_index
+from motion.skeleton import joint_index
 
 Excerpt = tuple[Path, float, float]
 """A recording, and the start and end of an excerpt in seconds; infinity for its end."""
@@ -36,11 +35,11 @@ Excerpt = tuple[Path, float, float]
 _Source = TypeVar("_Source")
 _Data = TypeVar("_Data")
 
-JOINTS: Final = Kind("joints", "1", (None, JOINT_COUNT + 1, 3))
-FEATURES: Final = Kind("features", "1", (None, None))
-ONSETS: Final = Kind("onsets", "2", (None,))
-LANDMARKS: Final = Kind("landmarks", "1", (None, None, 3))
-DEPTHS: Final = Kind("depths", "1", (None,))
+JOINTS: Final = "joints-1"
+FEATURES: Final = "features-1"
+ONSETS: Final = "onsets-2"
+LANDMARKS: Final = "landmarks-1"
+DEPTHS: Final = "depths-1"
 
 FACE_RATE: Final = 15.0
 """Frames per second of faces and their landmarks; S2UE's and DiffSHEG's."""
@@ -206,8 +205,6 @@ class Reader:
         About files that could not be used.
     notes : list of str
         On files that were read.
-    kept : KeptArrays
-        The arrays computed from files.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -215,7 +212,6 @@ class Reader:
         self._last: tuple[Path, MotionClip] | None = None
         self.skipped: list[InputError] = []
         self.notes: list[str] = []
-        self.kept = KeptArrays(setup.kept)
 
     def clip(self, path: Path) -> MeasuredClip | None:
         """Return the data of a motion file; None if it is unusable."""
@@ -241,7 +237,8 @@ class Reader:
             excerpt = audio.cut(start, audio.duration if math.isinf(end) else end)
             return np.append(speech_onsets(excerpt), excerpt.duration).astype(np.float32)
 
-        *times, duration = self.kept.array(ONSETS, (recording,), f"{start!r} {end!r}", compute)
+        excerpt = f"{start!r} {end!r}"
+        *times, duration = kept_array(self._setup.kept, ONSETS, (recording,), excerpt, compute)
         return Onsets(np.array(times, np.float64), float(duration))
 
     def _measured(self, path: Path) -> MeasuredClip:
@@ -262,10 +259,7 @@ class Reader:
         if setup.penetrable is not None:
             body = setup.penetrable
             depths = self._kept(
-                DEPTHS,
-                path,
-                f"{file_sha256(body)} {motion}",
-                lambda clip: penetrable_body(body).depths(clip),
+                DEPTHS, path, f"{motion}", lambda clip: penetrable_body(body).depths(clip), body
             )
         return MeasuredClip(
             joints=JointMotion.of(joints),
@@ -286,10 +280,17 @@ class Reader:
         return self._last[1]
 
     def _kept(
-        self, kind: Kind, path: Path, settings: str, compute: Callable[[MotionClip], Floats32]
+        self,
+        kind: str,
+        path: Path,
+        settings: str,
+        compute: Callable[[MotionClip], Floats32],
+        *others: Path,
     ) -> Floats32:
-        files = self._setup.motion.files(path)
-        return self.kept.array(kind, files, settings, lambda: compute(self._read(path)))
+        files = (*self._setup.motion.files(path), *others)
+        return kept_array(
+            self._setup.kept, kind, files, settings, lambda: compute(self._read(path))
+        )
 
     def _features(self, network: Network, path: Path) -> ClipFeatures:
         motion = self._setup.motion
@@ -304,14 +305,14 @@ class Reader:
             return Landmarks(reason="no body is given whose face could have landmarks")
         if "face" in setup.motion.frozen:
             return Landmarks(reason="the study holds the face still")
-        rate = setup.face_rate
-        settings = f"{rate!r} {setup.motion} {file_sha256(body.path, body.expression_matrix)}"
+        rate, matrix = setup.face_rate, body.expression_matrix
         try:
             positions = self._kept(
                 LANDMARKS,
                 path,
-                settings,
+                f"{rate!r} {setup.motion}",
                 lambda clip: _landmarks_on(body).positions(resample(clip, rate)),
+                *((body.path,) if matrix is None else (body.path, matrix)),
             )
         except InputError as error:
             return Landmarks(reason=error.what)
@@ -333,12 +334,3 @@ def penetrable_body(body: Path) -> PenetrableBody:
 @lru_cache(maxsize=2)
 def _landmarks_on(body: LandmarkBody) -> FaceLandmarks:
     return FaceLandmarks.of(read_body(body.path, expression_matrix=body.expression_matrix))
-
-
-@lru_cache(maxsize=8)
-def file_sha256(*files: Path | None) -> str:
-    """Return a hash of the content of the given files, computed once per process."""
-    digest = hashlib.sha256()
-    for file in files:
-        digest.update(b"" if file is None else file.read_bytes())
-    return digest.hexdigest()

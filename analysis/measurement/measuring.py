@@ -17,7 +17,6 @@ from analysis.measurement.condition_scores import (
     network_scores,
     recorded_conditions,
 )
-from analysis.measurement.kept_arrays import forget_unused
 from analysis.measurement.measured_clips import (
     Excerpt,
     LandmarkBody,
@@ -92,8 +91,7 @@ def study_metrics(
     file_rate : float, optional
         Frames per second of all motion files, in place of the stated rate.
     kept : Path, optional
-        Folder that keeps joint positions, features and the like between runs. Arrays with this
-        run's settings that it does not use are removed.
+        Folder that keeps joint positions, features and the like between runs.
     processes : int
         How many segments are measured in parallel.
     on_progress : callable, optional
@@ -157,7 +155,6 @@ def study_metrics(
         )
         measured = collect(run(partial(segment_scores, setup=setup), segments))
     skipped += {str(e): e for segment in measured for e in segment.skipped}.values()
-    forget_unused(frozenset[Path]().union(*(segment.kept for segment in measured)))
     recordings_shown = recorded_conditions(clips, segments)
     by_network = [
         network_scores(network, clips, measured, recordings_shown, emotions or {})

@@ -18,7 +18,6 @@ from analysis.measurement.measured_clips import (
     Onsets,
     Reader,
     Setup,
-    file_sha256,
 )
 from analysis.measurement.recorded_spread import ClipExtent, RecordedSpread
 from analysis.metrics.beat_alignment import beat_alignment
@@ -39,6 +38,7 @@ from analysis.metrics.self_penetration import self_penetration
 from motion.arrays import Floats, Floats32
 from motion.audio_analysis import DETECTOR
 from motion.errors import InputError
+from motion.files import sha256_of
 from motion.formats.beat_tracks import SemanticSpan, read_semantic_scores, semantic_weights
 from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
 from motion.resample import frame_positions
@@ -112,8 +112,6 @@ class SegmentScores:
         About files that could not be used.
     notes : tuple of str
         On files that were read.
-    kept : frozenset of Path
-        The kept arrays that this segment uses.
     """
 
     segment: str
@@ -121,7 +119,6 @@ class SegmentScores:
     recorded: ClipMeasurements | None
     skipped: tuple[InputError, ...]
     notes: tuple[str, ...]
-    kept: frozenset[Path]
 
 
 def segment_scores(files: SegmentFiles, setup: Setup) -> SegmentScores:
@@ -151,7 +148,6 @@ def segment_scores(files: SegmentFiles, setup: Setup) -> SegmentScores:
         recorded=None if recorded is None else _measurements(recorded, setup),
         skipped=tuple(reader.skipped),
         notes=tuple(reader.notes),
-        kept=frozenset(reader.kept.used),
     )
 
 
@@ -224,7 +220,7 @@ def _clip_metrics(
         yield from _joint_errors(positions, recorded.joints.relative, setup)
         yield from _landmark_errors(clip, recorded, setup)
     if setup.penetrable is not None and clip.depths is not None and len(clip.depths):
-        body = f"{setup.penetrable.stem}, file {file_sha256(setup.penetrable)[:16]}"
+        body = f"{setup.penetrable.stem}, file {sha256_of(setup.penetrable)[:16]}"
         yield from self_penetration(clip.depths, body=body)
 
 

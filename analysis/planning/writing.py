@@ -18,7 +18,7 @@ from analysis.planning.grid import Cell
 from analysis.planning.plan import TARGET_POWER, Plan
 from analysis.planning.power import Power
 from analysis.report.figures.panels import Panel, PanelFigure, draw_sheet
-from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, Hints, as_file, series_style
+from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, as_file, series_style
 from analysis.report.texts import paragraphs
 from analysis.report.wording import count, share
 from motion.files import replacing, write_frame
@@ -100,14 +100,14 @@ def power_figure(plan: Plan) -> Figure:
     }
     per_comparison = " in each comparison" if plan.request.per_comparison else ""
 
-    def draw(panel: Panel, title: str) -> Hints:
+    def draw(panel: Panel, title: str) -> tuple[str, ...]:
         (axes,) = panel.axes
         _panel(axes, plan, *panels[title])
         axes.set_xlabel(f"participants{per_comparison}", fontsize=7.5)
         if panel.is_first:
             axes.set_ylabel("How often a true difference\nis found (± 2 errors)", fontsize=8)
         axes.tick_params(labelleft=panel.is_first, left=panel.is_first)
-        return {}
+        return ()
 
     legend = [
         _line(place, [], [], label=count(items, "segment"))

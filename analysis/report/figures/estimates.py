@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple, TypeVar
 
@@ -20,7 +20,6 @@ from analysis.report.figures.style import (
     LABEL_SIZE,
     LINE,
     PAPER,
-    Hints,
     Scale,
     annotate_row,
     diverging_colour,
@@ -52,8 +51,8 @@ class Dot:
         The estimate and its interval; NaN if missing.
     words, below : str
         Text next to the mark: the estimate, and smaller text below it.
-    hint : str
-        All of this in words, shown on hover.
+    in_full : str
+        All of this in words, for readers who cannot see it.
     is_descriptive : bool
         Whether there are too few data for a test or an interval; the mark is hollow.
     is_overall : bool
@@ -65,7 +64,7 @@ class Dot:
     high: float = math.nan
     words: str = ""
     below: str = ""
-    hint: str = ""
+    in_full: str = ""
     is_descriptive: bool = False
     is_overall: bool = False
 
@@ -78,9 +77,9 @@ def dot_of(
     below: str = "",
     missing: str = "not known",
 ) -> Dot:
-    """Return the mark of an estimate; its hint ends in `more`, or is `missing` without one."""
+    """Return the mark of an estimate; in full it ends in `more`, or is `missing` without one."""
     if interval is None or math.isnan(interval.estimate):
-        return Dot(words="–", hint=missing)
+        return Dot(words="–", in_full=missing)
     words = formatted(interval.estimate)
     ends = wording.interval(interval, formatted) or f"no interval: {interval.reason}"
     return Dot(
@@ -89,16 +88,16 @@ def dot_of(
         high=interval.high,
         words=words,
         below=below,
-        hint=f"{words} {ends}{more}",
+        in_full=f"{words} {ends}{more}",
     )
 
 
 class Part(NamedTuple):
-    """One part of a bar: its percentage, its colour, and the text shown on hover."""
+    """One part of a bar: its percentage, its colour, and the answers in words."""
 
     percent: float
     colour: str
-    hint: str
+    words: str
 
 
 class Bar(NamedTuple):
@@ -157,21 +156,20 @@ def bar_pictures(
         The text around the figure.
     """
 
-    def draw(panel: Panel, question: str) -> Hints:
+    def draw(panel: Panel, question: str) -> Iterator[str]:
         left, right = panel.axes
         inches = (panel.inches - _ANNOTATION_WIDTH) * _WIDTHS[0] - 0.1
-        hints: Hints = {}
         for number, (row, bar) in enumerate(zip(rows, panels[question], strict=True)):
-            gid = f"bar{panel.prefix}-{number}"
-            said = _draw_bar(left, number, bar, bar_scale, gid, inches)
+            words = "no answers"
+            _draw_bar(left, number, bar, bar_scale, inches)
             if bar.parts:
-                _draw_dot(right, number, bar.dot, f"{gid}-estimate", INK, "o")
-                said[f"{gid}-estimate"] = f"{estimate_scale.label} {bar.dot.hint}"
-            hints |= {gid: f"{row.name}: {hint}" for gid, hint in said.items()}
-            annotate_row(right, number, bar.dot.words, bar.dot.below, bold=True)
+                _draw_dot(right, number, bar.dot, INK, "o")
+                annotate_row(right, number, bar.dot.words, bar.dot.below, bold=True)
+                parts = ", ".join(part.words for part in bar.parts)
+                words = f"{parts}, {estimate_scale.label} {bar.dot.in_full}"
+            yield f"{row.name}: {words}"
         bar_scale.apply(left, inches)
         estimate_scale.apply(right, inches)
-        return hints
 
     keys = [Patch(color=colour, label=name) for name, colour in legend.items()]
     return panel_pictures(
@@ -179,24 +177,16 @@ def bar_pictures(
     )
 
 
-def _draw_bar(axes: Axes, row: int, bar: Bar, scale: Scale, gid: str, inches: float) -> Hints:
-    """Draw one bar and return the hints of its parts."""
+def _draw_bar(axes: Axes, row: int, bar: Bar, scale: Scale, inches: float) -> None:
     low, high = scale.limits or (0.0, 100.0)
     if not bar.parts:
-        middle = (low + high) / 2
-        axes.text(middle, row, "no answers", ha="center", va="center", fontsize=7.5, gid=gid)
-        return {gid: "no answers"}
-    hints: Hints = {}
+        axes.text((low + high) / 2, row, "no answers", ha="center", va="center", fontsize=7.5)
     left = bar.start
-    for level, part in enumerate(bar.parts):
-        part_gid = f"{gid}-{level}"
-        [patch] = axes.barh(row, part.percent, left=left, height=0.66, color=part.colour)
-        patch.set_gid(part_gid)
-        hints[part_gid] = part.hint
+    for part in bar.parts:
+        axes.barh(row, part.percent, left=left, height=0.66, color=part.colour)
         if part.percent / (high - low) * inches >= _NUMBERED_WIDTH:
             _write(axes, left + part.percent / 2, row, f"{part.percent:.0f}", part.colour, 7.0)
         left += part.percent
-    return hints
 
 
 def _write(
@@ -240,8 +230,8 @@ def matrix_pictures(
     """
     count = len(conditions)
 
-    def draw(panel: Panel, question: str) -> Hints:
-        axes, hints = panel.axes[0], Hints()
+    def draw(panel: Panel, question: str) -> Iterator[str]:
+        [axes] = panel.axes
         size = min(LABEL_SIZE, 24 * panel.inches / count)
         for spine in axes.spines.values():
             spine.set_visible(False)
@@ -255,13 +245,10 @@ def matrix_pictures(
                 if cell is None:
                     continue
                 colour = diverging_colour(1 - cell.share)
-                [patch] = axes.barh(row, 1, 1, left=column - 0.5, color=colour, edgecolor=PAPER)
-                gid = f"cell{panel.prefix}-{row}-{column}"
-                patch.set_gid(gid)
-                hints[gid] = f"{wording.against(condition, opponent)}: {cell.words}"
+                axes.barh(row, 1, 1, left=column - 0.5, color=colour, edgecolor=PAPER)
                 share = wording.share(cell.share)
                 _write(axes, column, row, share, colour, size, bold=cell.is_significant)
-        return hints
+                yield f"{wording.against(condition, opponent)}: {cell.words}"
 
     rows = [Row(f"{n} {wording.condition(name)}") for n, name in enumerate(conditions, start=1)]
     columns = 2 if count <= 6 else 1
@@ -298,21 +285,19 @@ def dot_pictures(
         for title, dots in panels.items()
     }
 
-    def draw(panel: Panel, title: str) -> Hints:
-        axes, hints = panel.axes[0], Hints()
+    def draw(panel: Panel, title: str) -> Iterator[str]:
+        [axes] = panel.axes
         for number, (row, dots) in enumerate(zip(rows, dots_by_row[title], strict=True)):
             for index, dot in enumerate(dots):
-                gid = f"dot{panel.prefix}-{number}-{index}"
                 shift = (index - (len(dots) - 1) / 2) / (len(dots) + 1)
                 colour, marker = series_style(index) if series else (BLUE, "o")
-                _draw_dot(axes, number + shift, dot, gid, colour, marker)
-                name = f"{row.name}, {series[index]}" if series else row.name
-                hints[gid] = f"{name}: {dot.hint}"
+                _draw_dot(axes, number + shift, dot, colour, marker)
                 annotate_row(axes, number, dot.words, dot.below)
+                name = f"{row.name}, {series[index]}" if series else row.name
+                yield f"{name}: {dot.in_full}"
             if number and (series or dots[0].is_overall):
                 axes.axhline(number - 0.5, color=LINE, linewidth=0.7, zorder=0)
         scale.apply(axes, panel.inches)
-        return hints
 
     height = len(rows) * max(0.27, 0.13 * len(series) + 0.1) if series else 0.0
     legend = series_legend(series)
@@ -329,7 +314,7 @@ def series_legend(names: Sequence[str]) -> list[Line2D]:
     ]
 
 
-def _draw_dot(axes: Axes, y: float, dot: Dot, gid: str, colour: str, marker: str) -> None:
+def _draw_dot(axes: Axes, y: float, dot: Dot, colour: str, marker: str) -> None:
     linewidth = 0.9 if dot.is_descriptive else 1.4
     axes.plot([dot.low, dot.high], [y] * 2, color=colour, linewidth=linewidth)
     if not math.isnan(dot.estimate):
@@ -342,5 +327,4 @@ def _draw_dot(axes: Axes, y: float, dot: Dot, gid: str, colour: str, marker: str
             markeredgecolor=colour,
             linestyle="none",
             clip_on=False,
-            gid=gid,
         )

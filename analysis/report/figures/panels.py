@@ -6,7 +6,7 @@ Matplotlib's constrained layout places the panels; a figure gets the height that
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
@@ -26,7 +26,6 @@ from analysis.report.figures.style import (
     TITLE_SIZE,
     WIDTH,
     Drawing,
-    Hints,
     fit_text,
     make_picture,
     missing_glyphs,
@@ -89,10 +88,9 @@ class Row(NamedTuple):
 
 
 class Panel(NamedTuple):
-    """The place of a panel: its axes, gid prefix, width in inches, and whether it is leftmost."""
+    """The place of a panel: its axes, its width in inches, and whether it is leftmost."""
 
     axes: Sequence[Axes]
-    prefix: str
     inches: float
     is_first: bool
 
@@ -106,7 +104,7 @@ class PanelFigure:
     titles : sequence of str
         The titles of the panels.
     draw : callable
-        Draws the panel with a title, and returns its hints, which are also its text alternative.
+        Draws the panel with a title, and yields it in words, for readers who cannot see it.
     rows : sequence of Row
         From the top, the same in every panel; () for none.
     height : float
@@ -120,7 +118,7 @@ class PanelFigure:
     """
 
     titles: Sequence[str]
-    draw: Callable[[Panel, str], Hints]
+    draw: Callable[[Panel, str], Iterable[str]]
     rows: Sequence[Row] = ()
     height: float = 0.0
     widths: tuple[float, ...] = (1.0,)
@@ -170,7 +168,7 @@ def draw_sheet(content: PanelFigure, titles: Sequence[str], sheet: Format = WIDE
     lines = math.ceil(len(titles) / columns)
     panel_height, axes_per_panel = content.panel_height(sheet), len(content.widths)
     inches = (sheet.width - (sheet.label_width if content.rows else 0.6)) / columns - 0.15
-    hints: dict[str, Hints] = {}
+    described = []
     with mpl.rc_context(STYLE):
         layout = ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.06)
         figure = Figure(figsize=(sheet.width, lines * (panel_height + 2) + 2), layout=layout)
@@ -191,8 +189,8 @@ def draw_sheet(content: PanelFigure, titles: Sequence[str], sheet: Format = WIDE
                 _label_rows(axes, content.rows, sheet, is_labelled=is_labelled)
                 if content.rows and number:
                     axes.sharex(first_axes)
-            panel = Panel(tuple(all_axes), str(number), inches, is_first=column == 0)
-            hints[wording.heading(title)] = content.draw(panel, title)
+            words = content.draw(Panel(tuple(all_axes), inches, is_first=column == 0), title)
+            described.append(f"{wording.heading(title)}. {'; '.join(words)}.")
         for unused in grid[-1, (len(titles) - (lines - 1) * columns) * axes_per_panel :]:
             unused.remove()
         _add_legend(figure, content.legend, sheet)
@@ -200,7 +198,7 @@ def draw_sheet(content: PanelFigure, titles: Sequence[str], sheet: Format = WIDE
         if mark := wording.figure_mark():
             figure.suptitle(mark, x=0.0, ha="left", color=MARK, fontsize=7.5, fontweight="bold")
         _fit_height(figure, layout, panel_height)
-    return Drawing(figure=figure, hints=hints)
+    return Drawing(figure, " ".join(described))
 
 
 def _label_rows(axes: Axes, rows: Sequence[Row], sheet: Format, *, is_labelled: bool) -> None:

@@ -262,15 +262,11 @@ _ID: Final = re.compile(r'(id="|href="#|url\(#)')
 _COLOUR: Final = re.compile("|".join(PAGE_COLOURS))
 
 
-Hints = dict[str, str]
-"""Texts shown on hover, by the gid of the part of a figure."""
-
-
 class Drawing(NamedTuple):
-    """A figure, and its hints by the title of their panel."""
+    """A figure, and the same with its numbers in words, for readers who cannot see it."""
 
     figure: Figure
-    hints: Mapping[str, Hints]
+    description: str
 
 
 def make_picture(wide: Drawing, narrow: Drawing, text: FigureText) -> Picture:
@@ -294,10 +290,7 @@ def make_picture(wide: Drawing, narrow: Drawing, text: FigureText) -> Picture:
 
 
 def inline_svg(drawing: Drawing, name: str, title: str, css_class: str) -> Markup:
-    """Return a drawing as an ``svg`` element for an HTML page; its ids begin with `name`.
-
-    The hints are also its text alternative.
-    """
+    """Return a drawing as an ``svg`` element for an HTML page; its ids begin with `name`."""
     stream = io.StringIO()
     with mpl.rc_context({**STYLE, "svg.hashsalt": name}), missing_glyphs():
         drawing.figure.savefig(
@@ -308,18 +301,12 @@ def inline_svg(drawing: Drawing, name: str, title: str, css_class: str) -> Marku
         )
     svg = stream.getvalue()
     svg = svg[svg.index("<svg") :].strip()
-    described = []
-    for panel, hints in drawing.hints.items():
-        described.append(f"{panel}. {'; '.join(hints.values())}.")
-        for gid, hint in hints.items():
-            group = f'<g id="{gid}">'
-            svg = svg.replace(group, f"{group}<title>{escape(hint)}</title>", 1)
     svg = _ID.sub(lambda match: f"{match[1]}{name}-", svg)
     svg = _COLOUR.sub(lambda match: PAGE_COLOURS[match[0]], svg)
     end_of_tag = svg.index(">") + 1
     words = (
         f'<title id="{name}-title">{escape(title)}</title>'
-        f'<desc id="{name}-desc">{escape(" ".join(described))}</desc>'
+        f'<desc id="{name}-desc">{escape(drawing.description)}</desc>'
     )
     svg = svg[:end_of_tag] + words + svg[end_of_tag:]
     attributes = (

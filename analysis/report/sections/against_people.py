@@ -11,7 +11,7 @@ from analysis.report import wording
 from analysis.report.content import FigureText, Picture, Section, Subject, Table
 from analysis.report.figures.estimates import Dot, dot_of, dot_pictures, series_legend
 from analysis.report.figures.panels import Panel, PanelFigure, Row, panel_pictures
-from analysis.report.figures.style import LINE, PAPER, Hints, Scale, fit_text, series_style
+from analysis.report.figures.style import LINE, PAPER, Scale, fit_text, series_style
 from analysis.report.sections.metric_table import ARROWS
 from analysis.report.sections.metrics import PAPER_OF, PAPER_TABLES, is_detail
 from analysis.report.texts import figure_text, paragraphs, sentence, table
@@ -176,11 +176,10 @@ def agreement_pictures(
     ]
     margin = 0.09 * (max(ends) - min(ends)) or 0.5
 
-    def draw(panel: Panel, name: str) -> Hints:
-        [axes], metric, hints = panel.axes, by_name[name], Hints()
-        for number, place in enumerate(metric.places):
+    def draw(panel: Panel, name: str) -> Iterator[str]:
+        [axes], metric = panel.axes, by_name[name]
+        for place in metric.places:
             colour, marker = series_style(conditions.index(place.condition))
-            gid = f"place{panel.prefix}-{number}"
             # If nearness counts, the distance from recorded motion is shown.
             is_near = metric.better == "near the reference"
             score = abs(place.score - metric.recorded) if is_near else place.score
@@ -193,11 +192,10 @@ def agreement_pictures(
                 color=colour,
                 markeredgecolor=PAPER,
                 markeredgewidth=0.5,
-                gid=gid,
             )
-            hints[gid] = (
-                f"{wording.condition(place.condition)}: {metric.metric} "
-                f"{wording.quantity(place.score)}, preference {wording.number(place.preference)}"
+            yield (
+                f"{wording.condition(place.condition)} {wording.quantity(place.score)} "
+                f"with preference {wording.number(place.preference)}"
             )
         axes.margins(x=0.09)
         if metric.better != "higher":
@@ -212,7 +210,6 @@ def agreement_pictures(
         axes.set_xlabel(fit_text(label, panel.inches - 0.4, size=7), fontsize=7, labelpad=2)
         if panel.is_first:
             axes.set_ylabel(fit_text(preference, _SCATTER_HEIGHT, size=7), fontsize=7, labelpad=2)
-        return hints
 
     legend = series_legend([wording.condition(name) for name in conditions])
     figure = PanelFigure(

@@ -24,7 +24,6 @@ from analysis.report.figures.panels import Panel, PanelFigure, Row, panel_pictur
 from analysis.report.figures.style import (
     LINE,
     SMALL_SIZE,
-    Hints,
     Scale,
     place_colours,
     scale_colours,
@@ -165,31 +164,29 @@ def _cumulative_pictures(conditions: Sequence[RatedCondition], suffix: str) -> t
         label="score or higher",
     )
 
-    def draw(panel: Panel, question: str) -> Hints:
-        [axes], hints = panel.axes, Hints()
+    def draw(panel: Panel, question: str) -> Iterator[str]:
+        [axes] = panel.axes
         for index, name in enumerate(names):
             if rated := by_name.get((name, question)):
-                gid = f"curve{panel.prefix}-{index}"
-                axes.add_line(_curve(index, rated.at_least, gid=gid))
+                axes.add_line(_curve(index, rated.at_least))
                 shares = (
                     f"{share:.0f}% at least {score}" for score, share in rated.at_least.items()
                 )
-                hints[gid] = f"{wording.condition(name)}: {', '.join(shares)}"
+                yield f"{wording.condition(name)}: {', '.join(shares)}"
         scale.apply(axes, panel.inches)
         axes.set_ylim(0, 104)
         axes.set_yticks([0, 50, 100], labels=["0", "50", "100%"] if panel.is_first else [""] * 3)
         axes.tick_params(axis="y", length=0, labelsize=SMALL_SIZE)
         axes.grid(axis="y", color=LINE, linewidth=0.5)
-        return hints
 
-    legend = [_curve(index, {}, label=wording.condition(name)) for index, name in enumerate(names)]
+    legend = [_curve(index, {}, wording.condition(name)) for index, name in enumerate(names)]
     return panel_pictures(
         PanelFigure(titles=questions, draw=draw, height=1.9, legend=legend),
         figure_text("cumulative", suffix=suffix),
     )
 
 
-def _curve(index: int, at_least: Mapping[int, float], *, label: str = "", gid: str = "") -> Line2D:
+def _curve(index: int, at_least: Mapping[int, float], label: str = "") -> Line2D:
     colour, marker = series_style(index)
     return Line2D(
         *(list(at_least), list(at_least.values())),
@@ -199,7 +196,6 @@ def _curve(index: int, at_least: Mapping[int, float], *, label: str = "", gid: s
         markersize=4,
         linewidth=1.3,
         label=label,
-        gid=gid,
     )
 
 

@@ -26,11 +26,13 @@ from tests.motion.random_clips import clip_of
 from tests.support.fingerprint import fingerprint
 
 # After an intended change, raise the version in the module and update the numbers here.
-JOINTS = {"1": [-0.7307, 0.09075]}
-ONSETS = {"2": [-3.59122]}
-FEATURES = {"1": {"gesture": [-0.016127], "body": [0.174932, -0.160979], "both": [0.005965]}}
-LANDMARKS = {"1": [0.006724]}
-DEPTHS = {"1": [-0.041798]}
+JOINTS = {"joints-1": [-0.7307, 0.09075]}
+ONSETS = {"onsets-2": [-3.59122]}
+FEATURES = {
+    "features-1": {"gesture": [-0.016127], "body": [0.174932, -0.160979], "both": [0.005965]}
+}
+LANDMARKS = {"landmarks-1": [0.006724]}
+DEPTHS = {"depths-1": [-0.041798]}
 
 
 def moving(count: int = 120) -> MotionClip:
@@ -83,7 +85,7 @@ def test_changed_cached_values_require_a_new_version() -> None:
         ((landmarks(),), measured_clips.LANDMARKS, LANDMARKS),
         ((depths_of_arms(),), measured_clips.DEPTHS, DEPTHS),
     ):
-        assert fingerprint(*arrays) == pytest.approx(expected[kind.version], abs=1e-5), kind.name
+        assert fingerprint(*arrays) == pytest.approx(expected[kind], abs=1e-5), kind
 
 
 @pytest.mark.parametrize(
@@ -94,5 +96,5 @@ def test_changed_network_features_require_a_new_version(kind: str, channels: Cha
     arrays = [evaluator.embed(moving())]
     if evaluator.labels:
         arrays.append(evaluator.classify(moving()))
-    expected = FEATURES[measured_clips.FEATURES.version][channels]
+    expected = FEATURES[measured_clips.FEATURES][channels]
     assert fingerprint(*arrays) == pytest.approx(expected, abs=1e-5)

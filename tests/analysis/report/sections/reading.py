@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from functools import cache
+from typing import cast
 
 from bs4 import BeautifulSoup, Tag
+from matplotlib.patches import Rectangle
 
 from analysis.report.content import Picture, Section, Table
 
@@ -30,11 +32,6 @@ def words(picture: Picture) -> list[str]:
     return [text.get_text() for text in drawn(picture)("text")]
 
 
-def hints(picture: Picture) -> list[str]:
-    """Return the tooltips of a figure's parts, without the figure's title."""
-    return [title.get_text() for title in drawn(picture)("title")][1:]
-
-
 def told(picture: Picture) -> str:
     """Return a figure's text alternative."""
     found = drawn(picture).desc
@@ -42,17 +39,13 @@ def told(picture: Picture) -> str:
     return found.get_text()
 
 
-def bar(picture: Picture, row: int, count: int) -> tuple[list[tuple[float, float]], list[float]]:
-    """Return start, end and percentage of a bar's parts."""
-    parts = []
-    for level in range(count):
-        part = drawn(picture).find(id=f"{picture.name}-bar0-{row}-{level}")
-        assert isinstance(part, Tag)
-        assert part.path is not None
-        places = [float(x) for x in re.findall(r"[ML] ([-\d.]+)", str(part.path["d"]))]
-        parts.append((min(places), max(places)))
-    widths = [right - left for left, right in parts]
-    return parts, [100 * width / sum(widths) for width in widths]
+def bar(picture: Picture, row: int) -> list[tuple[float, float]]:
+    """Return the left end and the width of each part of a bar of the first panel."""
+    assert picture.figure is not None
+    parts = cast(list[Rectangle], picture.figure.axes[0].patches)
+    return [
+        (part.get_x(), part.get_width()) for part in parts if round(part.get_center()[1]) == row
+    ]
 
 
 def present(section: Section | None) -> Section:
