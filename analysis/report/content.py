@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from analysis.metrics.scores import StudyMetrics
     from analysis.results.known_values import KnownValue
     from analysis.stats.clustered_mean import Estimate
+    from motion.segment import Segment
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -203,16 +204,6 @@ Origin = Literal["participants", "rehearsal", "table", "none"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Excerpt:
-    """One segment of speech; unknown fields are empty."""
-
-    emotion: str = ""
-    speaker: str = ""
-    transcript: str = ""
-    seconds: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
 class Still:
     """One video frame.
 
@@ -285,8 +276,8 @@ class Subject:
         Whether a condition can move differently to the same speech, if stated.
     scale_labels : mapping of str to tuple of str
         By question, the labels of its scale, worst first.
-    excerpts : mapping of str to Excerpt
-        By segment.
+    excerpts : mapping of str to Segment
+        By name.
     notes : tuple of str
         Further remarks for the reader.
     frozen : tuple of str
@@ -318,7 +309,7 @@ class Subject:
     broken: str | None = None
     generative: Mapping[str, bool] = field(default_factory=dict)
     scale_labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    excerpts: Mapping[str, Excerpt] = field(default_factory=dict)
+    excerpts: Mapping[str, Segment] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     frozen: tuple[str, ...] = ()
     study_sha256: str = ""

@@ -33,10 +33,11 @@ from analysis.results.heterogeneity import (
     heterogeneity,
 )
 from analysis.results.mixed_models import MOST_SCORES, RatingModel, rating_model
+from analysis.results.pairwise import Equivalent
 from analysis.results.strengths import RANKING, PlackettLuceWorths, StrengthDifference, fit_worths
 from analysis.stats.agreement import Concordance, Retest
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.one_sample_tests import Equivalence, equivalence_of, equivalence_of_means
+from analysis.stats.one_sample_tests import equivalence_of
 from analysis.stats.rankings import (
     Friedman,
     PairwiseRanks,
@@ -97,20 +98,6 @@ class RatedCondition(RatingSummary, ConditionKey):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RatedEquivalent(Equivalence, PairKey):
-    """Equivalence by participants' means, which treats the segments as fixed.
-
-    Attributes
-    ----------
-    two_way : Equivalence
-        Equivalence by the mean difference of paired ratings, which treats segments as a sample too;
-        the headline.
-    """
-
-    two_way: Equivalence
-
-
-@dataclass(frozen=True, kw_only=True)
 class RatingResults:
     """All of them.
 
@@ -122,8 +109,8 @@ class RatingResults:
         See `ByQuestion`.
     contrasts : tuple of RatingContrast
         In the order of sets, questions and conditions.
-    equivalence : tuple of RatedEquivalent
-        Equivalence of participants' mean ratings; empty if no margin was stated.
+    equivalence : tuple of Equivalent
+        By differences of paired ratings; empty if no margin was stated.
     heterogeneity : tuple of PairHeterogeneity
         Differences of paired ratings by emotion, speaker and segment.
     """
@@ -133,7 +120,7 @@ class RatingResults:
     contrasts: tuple[RatingContrast, ...]
     agreement: ByQuestion[Agreement]
     test_retest: ByQuestion[Retest]
-    equivalence: tuple[RatedEquivalent, ...]
+    equivalence: tuple[Equivalent, ...]
     heterogeneity: tuple[PairHeterogeneity, ...]
 
 
@@ -147,7 +134,7 @@ def rating_results(
     analysed = left_out.analysed
     conditions: list[RatedCondition] = []
     contrasts: list[RatingContrast] = []
-    equivalents: list[RatedEquivalent] = []
+    equivalents: list[Equivalent] = []
     effects: list[PairHeterogeneity] = []
     models: dict[tuple[str | None, str], RatingModel] = {}
     for set_name, question, answers in split_by_question(table, analysed):
@@ -169,7 +156,8 @@ def rating_results(
             contrast = _contrast(key, answers, mean_difference(cells, a, b), model)
             contrasts.append(contrast)
             if margin is not None:
-                equivalents.append(_equivalent(key, answers, contrast.difference, margin))
+                equivalent = equivalence_of(contrast.difference, margin)
+                equivalents.append(Equivalent(**vars(key), **vars(equivalent)))
             differences = cells.means[:, a] - cells.means[:, b]
             paired = ~np.isnan(differences)
             effects += heterogeneity(
@@ -208,18 +196,6 @@ def _contrast(
             codes(pair, "segment"),
         ),
         remark=model.reason or model.remark,
-    )
-
-
-def _equivalent(
-    key: PairKey, answers: pd.DataFrame, difference: Estimate, margin: float
-) -> RatedEquivalent:
-    """Test the means of participants who rated both conditions, and paired ratings."""
-    means = answers.groupby(["participant", "condition"], observed=True)["value"].mean().unstack()
-    return RatedEquivalent(
-        **vars(key),
-        **vars(equivalence_of_means((means[key.a] - means[key.b]).dropna().to_numpy(), margin)),
-        two_way=equivalence_of(difference, margin),
     )
 
 

@@ -39,7 +39,7 @@ MOST_PAIRED: Final = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Equivalent(Equivalence, PairKey):
-    """Whether a's win share differs from one half by less than the margin."""
+    """Whether a's win share differs from one half, or two mean ratings, by less than the margin."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,10 +155,7 @@ def _decided_by(comparisons: Sequence[Comparison]) -> Literal["comparisons", "st
 
 def _equivalent(comparison: Comparison, margin: float) -> Equivalent:
     return Equivalent(
-        set=comparison.set,
-        a=comparison.a,
-        b=comparison.b,
-        question=comparison.question,
+        **{name: getattr(comparison, name) for name in ("set", "a", "b", "question")},
         **vars(equivalence_of(comparison.win_share, margin, null=0.5)),
     )
 

@@ -14,7 +14,7 @@ from PIL import Image
 
 from analysis.measurement.presets import PRESETS, REPORT
 from analysis.metrics.scores import StudyMetrics
-from analysis.report.content import Excerpt, Origin, Still, Subject
+from analysis.report.content import Origin, Still, Subject
 from analysis.report.sections.metrics import PAPER_OF
 from motion.audio import read_audio
 from motion.errors import InputError
@@ -61,15 +61,7 @@ def study_subject(
         },
         broken=study.catch.condition if study.catch.trials else None,
         scale_labels=_scale_labels(study),
-        excerpts={
-            segment.name: Excerpt(
-                emotion=segment.emotion,
-                speaker=segment.speaker,
-                transcript=segment.transcript,
-                seconds=segment.duration,
-            )
-            for segment in segments
-        },
+        excerpts={segment.name: segment for segment in segments},
         notes=(*study_notes(study), *notes),
         frozen=study.freeze,
         study_sha256=sha256_of(folder.definition),

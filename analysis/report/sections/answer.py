@@ -19,7 +19,7 @@ from analysis.results.conditions import RankingResults, RatedDifference, RatingR
 from analysis.results.grouping import ResultKey, Row
 from analysis.results.pairwise import MismatchResults, PairwiseResults
 from analysis.results.preference import FEWEST, Comparison, Decision, MatchedCondition
-from analysis.results.report import Results, TableReport
+from analysis.results.report import TableReport
 from analysis.results.strengths import StrengthDifference
 
 MOST: Final = 4
@@ -199,7 +199,11 @@ def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
         "significant": [v for v in by_size if v.outcome == "significant"],
         "undecided": [v for v in in_order if v.outcome == "not significant"],
         "most": MOST,
-        "equivalent": _equivalent_pairs(results),
+        "equivalent": [
+            pair
+            for pair in getattr(results, "equivalence", ())
+            if pair.verdict.startswith("equivalent")
+        ],
         "excluded": report.participants.recruited - report.participants.attentive,
         "exploratory": sum(rule.removed for rule in report.rules if rule.exploratory),
         "segments": report.segments,
@@ -222,14 +226,6 @@ def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
             if effect.remark
         ],
     }
-
-
-def _equivalent_pairs(results: Results) -> list[ResultKey]:
-    """Return the pairs that differ by less than the margin, with segments as a sample too."""
-    if not isinstance(results, PairwiseResults | RatingResults):
-        return []
-    tests = [(pair, getattr(pair, "two_way", pair)) for pair in results.equivalence]
-    return [pair for pair, test in tests if test.verdict.startswith("equivalent")]
 
 
 def _omnibus_tests(report: TableReport) -> list[str]:
@@ -273,14 +269,14 @@ def limits_section(report: TableReport, subject: Subject) -> Section:
 def _study_facts(report: TableReport, subject: Subject) -> dict[str, object]:
     results, excerpts = report.results, subject.excerpts.values()
     emotions = Counter(excerpt.emotion for excerpt in excerpts if excerpt.emotion)
-    seconds = [excerpt.seconds for excerpt in excerpts if excerpt.seconds is not None]
+    seconds = sum(excerpt.duration for excerpt in excerpts)
     speech = [
         wording.count(count, noun)
         for count, noun in ((len(subject.speakers), "speaker"), (len(emotions), "emotion"))
         if count
     ]
     if seconds:
-        speech.append(f"{wording.quantity(sum(seconds))} s in all")
+        speech.append(f"{wording.quantity(seconds)} s in all")
     outcomes = [verdict.outcome for verdict in verdicts(report)]
     fewest = min(emotions.values()) if len(emotions) > 1 else 0
     return {

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from analysis.report.content import Excerpt, Section, Subject
+from analysis.report.content import Section, Subject
 from analysis.report.page import headline_sections
 from analysis.results.report import TableReport
+from motion.segment import Segment
+
+SEGMENT = Segment(
+    name="s0", wav="s0.wav", start=0.0, end=4.0, speaker="scott", emotion="anger", transcript=""
+)
 
 
 def subject_of(report: TableReport, **changes: Any) -> Subject:
@@ -17,7 +22,7 @@ def subject_of(report: TableReport, **changes: Any) -> Subject:
         "protocol": report.protocol,
         "conditions": report.conditions_shown,
         "questions": dict.fromkeys(report.questions, "Which fits {emotion} better?"),
-        "excerpts": {"s0": Excerpt(emotion="anger", speaker="scott", seconds=4.0)},
+        "excerpts": {"s0": SEGMENT},
         "study_sha256": "abc",
         "seed": 7,
     }

@@ -10,7 +10,6 @@ import pytest
 from analysis.answers.participants import Flow
 from analysis.report.sections.answer import answer, certainty
 from analysis.report.sections.participants import flow_line, flow_section
-from analysis.results.conditions import RatingResults
 from analysis.results.pairwise import PairwiseResults
 from tests.analysis.report.sections.reading import present
 from tests.analysis.report.subjects import subject_of
@@ -74,23 +73,6 @@ def test_undecided_comparisons_are_not_called_equal_unless_a_margin_was_stated(
     assert "no evidence that two conditions are equally good" in certainty_words
     assert within.endswith("; equivalent within 0.2: twin and ours on emotion.")
     assert "Equivalent" not in further
-
-
-def test_ratings_are_equivalent_only_if_segments_are_taken_as_a_sample_too(tmp_path: Path) -> None:
-    table = rating_table(("ours", "twin"), participants=30)
-    swapped = table["participant"].str[1:].astype(int) % 2 == 1
-    other = table["condition"].map({"ours": "twin", "twin": "ours"})
-    table["condition"] = table["condition"].mask(swapped, other)
-    report = report_of(table, "rating", tmp_path, margin=1.0)
-    assert isinstance(report.results, RatingResults)
-    [pair] = report.results.equivalence
-    undecided = replace(pair, two_way=replace(pair.two_way, verdict="undecided"))
-    by_means_alone = replace(report.results, equivalence=(undecided,))
-
-    assert pair.verdict == pair.two_way.verdict == "equivalent"
-    assert "equivalent within 1" in answer(report, subject_of(report))[0]
-    seen = replace(report, results=by_means_alone)
-    assert "equivalent" not in answer(seen, subject_of(seen))[0]
 
 
 def test_if_everybody_agrees_the_sign_test_decides_and_is_mentioned_once(

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from analysis.answers.exclusion_rules import watched_less
-from analysis.report.content import Excerpt, Section, Still, Subject
+from analysis.report.content import Section, Still, Subject
 from analysis.report.sections.answer import answer, certainty, limits_section, methods_section
 from analysis.report.sections.participants import (
     MOST_LOOKS,
@@ -24,7 +24,7 @@ from analysis.results.known_values import KnownValue, match_values
 from analysis.results.pairwise import PairwiseResults
 from analysis.stats.multiple_testing import Look, looks_before
 from tests.analysis.report.sections.reading import present
-from tests.analysis.report.subjects import subject_of
+from tests.analysis.report.subjects import SEGMENT, subject_of
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table, report_of
 
 SENTENCE = "Results were looked at 2 times before these answers were complete, at 2 and 4 finished"
@@ -173,7 +173,7 @@ def stills(*conditions: str, **settings: Any) -> Section | None:
         protocol="rating",
         conditions=("ours", "theirs"),
         questions={},
-        excerpts={"s1": Excerpt(transcript="Put them into <detention>.")},
+        excerpts={"s1": replace(SEGMENT, transcript="Put them into <detention>.")},
         stills=shown,
         **settings,
     )
