@@ -321,7 +321,7 @@ def booktabs(table: Table, *, remark: str = "") -> str:
     """
     is_long = len(table.rows) > LONGEST
     ends = list(accumulate(span for _, span in table.groups))
-    body = (
+    return (
         _latex_environment()
         .get_template("table.tex")
         .render(
@@ -336,7 +336,6 @@ def booktabs(table: Table, *, remark: str = "") -> str:
             ],
         )
     )
-    return "\n".join([*_requirements(body, is_long=is_long), body])
 
 
 @cache
@@ -363,14 +362,3 @@ def as_latex(text: str) -> str:
 @cache
 def _escapes() -> dict[int, str]:
     return str.maketrans(tomllib.loads(template_file("latex.toml")))
-
-
-def _requirements(body: str, *, is_long: bool) -> list[str]:
-    """Return comments that name the packages the table needs."""
-    packages = "booktabs,longtable" if is_long else "booktabs,graphicx"
-    lines = [rf"% Needs \usepackage{{{packages}}} and \usepackage[T1]{{fontenc}}."]
-    if "textquotesingle" in body:
-        lines.append(r"% Needs \usepackage{textcomp} before LaTeX 2020.")
-    if any(ord(character) > 0x17F for character in body):
-        lines.append("% Some names need LuaLaTeX or XeLaTeX and a font that has their letters.")
-    return lines

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal, TypeVar
+from typing import Final, Literal, TypeVar, cast
 
 import numpy as np
 import pandas as pd
@@ -23,7 +23,7 @@ from analysis.results.mixed_models import sided
 from analysis.stats.clustered_mean import UNTESTED, Estimate, clustered_mean
 from analysis.stats.f_tests import FTest, between_groups, between_segments
 from analysis.stats.multiple_testing import holm
-from motion.arrays import Floats, Indices
+from motion.arrays import Floats
 
 By = Literal["emotion", "speaker", "segment"]
 
@@ -52,54 +52,6 @@ class Cell(Estimate):
     level: str
     descriptive: bool
     p_holm: float = math.nan
-
-
-def cells(
-    values: Floats,
-    levels: Indices,
-    names: Sequence[str],
-    participants: Indices,
-    segments: Indices,
-    *,
-    null: float,
-    limits: tuple[float, float] = (-math.inf, math.inf),
-) -> tuple[Cell, ...]:
-    """Estimate an effect within each level that has answers.
-
-    Parameters
-    ----------
-    values : ndarray, shape (N,)
-        One per answer; their mean is the effect.
-    levels : ndarray of int, shape (N,)
-        Index in `names` of each answer's emotion, segment or speaker.
-    names : sequence of str
-        The levels' names.
-    participants, segments : ndarray of int, shape (N,)
-        The participant and the segment of each answer.
-    null : float
-        The mean if there is no effect.
-    limits : (float, float)
-        The range of possible values.
-
-    Returns
-    -------
-    tuple of Cell
-        In the order of `names`.
-    """
-    order = np.argsort(levels, kind="stable")
-    present, starts = np.unique(levels[order], return_index=True)
-    effects = []
-    for level, rows in zip(present, np.split(order, starts[1:]), strict=True):
-        mean = clustered_mean(
-            values[rows], participants[rows], segments[rows], null=null, limits=limits
-        )
-        count = mean.segments
-        if descriptive := count <= FEW:
-            untested = f"{count} segment{'s' * (count > 1)}: {UNTESTED}"
-            remark = "; ".join(filter(None, (untested, mean.remark)))
-            mean = replace(mean, p_value=math.nan, remark=remark)
-        effects.append(Cell(**vars(mean), level=names[level], descriptive=descriptive))
-    return tuple(effects)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,11 +130,16 @@ def heterogeneity(
         known = codes(answers, by) >= 0
         part, effects = answers[known], values[known]
         levels = codes(part, by)
-        if len(np.unique(levels)) < 2:
+        rows_of_levels = pd.Series(levels).groupby(levels).indices
+        if len(rows_of_levels) < 2:
             continue
         participants, segments = codes(part, "participant"), codes(part, "segment")
-        names = [str(name) for name in part[by].cat.categories]
-        levels_of = cells(effects, levels, names, participants, segments, null=null, limits=limits)
+        means = {
+            str(part[by].cat.categories[cast(int, level)]): clustered_mean(
+                effects[rows], participants[rows], segments[rows], null=null, limits=limits
+            )
+            for level, rows in rows_of_levels.items()
+        }
         test = (
             between_segments(effects, participants, segments)
             if by == "segment"
@@ -193,9 +150,18 @@ def heterogeneity(
             by=by,
             measure=measure,
             null=null,
-            levels=tuple(sorted(levels_of, key=lambda cell: cell.level)),
+            levels=tuple(_cell(level, means[level]) for level in sorted(means)),
             test=DifferenceTest(**vars(test)),
         )
+
+
+def _cell(level: str, mean: Estimate) -> Cell:
+    count = mean.segments
+    if descriptive := count <= FEW:
+        untested = f"{count} segment{'s' * (count > 1)}: {UNTESTED}"
+        remark = "; ".join(filter(None, (untested, mean.remark)))
+        mean = replace(mean, p_value=math.nan, remark=remark)
+    return Cell(**vars(mean), level=level, descriptive=descriptive)
 
 
 def preference_heterogeneity(

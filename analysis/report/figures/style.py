@@ -193,8 +193,6 @@ class Scale:
         Positions and labels of ticks; None for round numbers.
     label : str
         The axis label.
-    ends : (str, str)
-        Labels of its two directions, in place of `label`; ('', '') for none.
     line : float or None
         Position of a line across all rows.
     """
@@ -202,7 +200,6 @@ class Scale:
     limits: tuple[float, float] | None = None
     ticks: Mapping[float, str] | None = None
     label: str = ""
-    ends: tuple[str, str] = ("", "")
     line: float | None = None
 
     def apply(self, axes: Axes, inches: float) -> None:
@@ -215,24 +212,8 @@ class Scale:
         else:
             axes.set_xticks(list(self.ticks), labels=list(self.ticks.values()))
         axes.tick_params(axis="x", labelsize=SMALL_SIZE, pad=1.5)
-        axes.set_xlabel(self.label, fontsize=size, labelpad=2.0)
-        ends = zip((0.0, 1.0), ("left", "right"), self.ends, reversed(self.ends), strict=True)
-        for x, alignment, end, other in ends:
-            if not end:
-                continue
-            # Half of the width, or what a short word at the other end leaves.
-            left = inches - sum(_width(c, False) for c in other) * size / POINTS_PER_INCH
-            words = fit_text(end, max(inches / 2 - 0.2, left - 0.5), size=size, lines=2)
-            axes.annotate(
-                f"{words} →" if x else f"← {words}",
-                (x, 0),
-                xycoords="axes fraction",
-                xytext=(0, -13),
-                textcoords="offset points",
-                ha=alignment,
-                va="top",
-                fontsize=size,
-            )
+        label = fit_text(self.label, inches, size=size, lines=2)
+        axes.set_xlabel(label, fontsize=size, labelpad=2.0)
         if self.line is not None:
             axes.axvline(self.line, color=SOFT, linewidth=0.7, zorder=0)
 

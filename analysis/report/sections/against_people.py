@@ -41,7 +41,7 @@ _PANELS: Final = {"Over conditions: Kendall's τ-b": "kendall", "Within conditio
 _CORRELATION: Final = Scale(
     limits=(-1.05, 1.05),
     ticks={-1: "−1", -0.5: "−.5", 0: "0", 0.5: ".5", 1: "1"},
-    ends=("disagrees", "agrees"),
+    label="← disagrees, agrees →",
     line=0.0,
 )
 

@@ -31,7 +31,7 @@ from analysis.report.figures.style import (
 )
 from analysis.report.sections.metric_table import first_and_second
 from analysis.report.texts import figure_text, table
-from analysis.report.wording import SIGNIFICANCE, ordinal, ranks, reason_for_no_figure, set_suffix
+from analysis.report.wording import ordinal, ranks, reason_for_no_figure, set_suffix
 from analysis.results.conditions import (
     RankedCondition,
     RankingResults,
@@ -39,7 +39,7 @@ from analysis.results.conditions import (
     RatingContrast,
     RatingResults,
 )
-from analysis.results.strengths import ConditionStrength, StrengthDifference, StrengthModel
+from analysis.results.strengths import ConditionStrength, StrengthModel
 
 MOST_PAIRS: Final = 15
 """Most pairs of conditions whose differences are drawn."""
@@ -235,7 +235,9 @@ def _ranking_section(results: RankingResults, set_name: str | None, suffix: str)
         standings_table(worths, "worths"),
     ]
     if contrasts:
-        tables.append(contrasts_table(contrasts, worths, "worths"))
+        tables.append(
+            table("contrasts", contrasts, fitted=worths, estimates="worths", decisive=True)
+        )
     if posthoc:
         tables.append(table("posthoc", posthoc))
     text = figure_text("worths", suffix=suffix)
@@ -342,28 +344,3 @@ def standings_table(standings: Mapping[str, StrengthModel], kind: str) -> Table:
         for standing in sorted(fit.conditions, key=lambda c: (math.isnan(c.estimate), -c.estimate))
     ]
     return table(kind, rows, fitted=standings)
-
-
-def contrasts_table(
-    contrasts: Sequence[StrengthDifference],
-    standings: Mapping[str, StrengthModel],
-    kind: str,
-    *,
-    decisive: bool = True,
-) -> Table:
-    """Return how much stronger the first of every pair is, and whether the report decides by it."""
-    shared = any(_share_ranks(contrast, standings[contrast.question]) for contrast in contrasts)
-    return table(
-        "contrasts", contrasts, fitted=standings, estimates=kind, shared=shared, decisive=decisive
-    )
-
-
-def _share_ranks(contrast: StrengthDifference, standings: StrengthModel) -> bool:
-    """Return whether two significantly different conditions have overlapping ranks."""
-    ends = [
-        (c.best, c.worst)
-        for c in standings.conditions
-        if c.condition in contrast.names and c.best and c.worst
-    ]
-    overlap = len(ends) == 2 and max(best for best, _ in ends) <= min(worst for _, worst in ends)
-    return contrast.p_holm < SIGNIFICANCE and overlap

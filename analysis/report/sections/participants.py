@@ -28,9 +28,6 @@ _STAGES: Final = (
     ("silent", "− no answer"),
 )
 
-MOST_LOOKS: Final = 100
-"""Most rows of the table of looks; ``results.json`` has all of them."""
-
 
 def flow_section(report: TableReport, subject: Subject) -> Section | None:
     """Return who took part, and who was excluded by which rule and why."""
@@ -115,7 +112,7 @@ def looks_section(report: TableReport) -> Section | None:
         anchor="looks",
         heading="Looks at results before the end",
         paragraphs=paragraphs("participants.looks_before", looks=looks, sentence=_looked(report)),
-        tables=(table("looks", looks.looks[-MOST_LOOKS:], all=len(looks.looks)),),
+        tables=(table("looks", looks.looks),),
     )
 
 

@@ -21,7 +21,6 @@ from analysis.report.figures.estimates import (
 from analysis.report.figures.panels import Row
 from analysis.report.figures.style import DIVERGING, Scale
 from analysis.report.sections.conditions import (
-    contrasts_table,
     standings_table,
     strength_pictures,
     strongest_first,
@@ -263,8 +262,12 @@ def _pairwise_section(results: PairwiseResults, group: PreferenceGroup, suffix: 
         tables.append(standings_table(strengths, "strengths"))
         if len({name for contrast in contrasts for name in contrast.names}) > 2:
             tables.append(
-                contrasts_table(
-                    contrasts, strengths, "strengths", decisive=results.decided_by == "strengths"
+                table(
+                    "contrasts",
+                    contrasts,
+                    fitted=strengths,
+                    estimates="strengths",
+                    decisive=results.decided_by == "strengths",
                 )
             )
     return headline_section(
@@ -333,7 +336,7 @@ def preference_pictures(group: PreferenceGroup, text: FigureText) -> tuple[Pictu
         Scale(
             limits=(-limit, limit),
             ticks={-50: "50%", 0: "0", 50: "50%"},
-            ends=(group.first.removeprefix("the "), group.second.removeprefix("the ")),
+            label=f"← {group.first}, {group.second} →",
             line=0,
         ),
         _SHARES,

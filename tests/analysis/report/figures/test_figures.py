@@ -219,11 +219,8 @@ def rows(count: int) -> tuple[Row, ...]:
     return tuple(Row(f"{k} {LONG}", "n = 1234") for k in range(count))
 
 
-@pytest.mark.parametrize(
-    ("questions", "count", "ends"),
-    [(1, 1, (LONG, LONG)), (2, 12, (LONG, LONG)), (3, 2, ("aufnahmen", "other"))],
-)
-def test_bars(figures: list[Figure], questions: int, count: int, ends: tuple[str, str]) -> None:
+@pytest.mark.parametrize(("questions", "count"), [(1, 1), (2, 12)])
+def test_bars(figures: list[Figure], questions: int, count: int) -> None:
     bar = bar_of(
         (Part(percent=20.0, colour=colour, words="") for colour in DIVERGING),
         Estimate(estimate=0.98, low=0.9, high=1.0),
@@ -234,14 +231,11 @@ def test_bars(figures: list[Figure], questions: int, count: int, ends: tuple[str
         {f"question {k} {LONG}": (bar,) * count for k in range(questions)},
         rows(count),
         {f"slightly {k} {LONG}": colour for k, colour in enumerate(DIVERGING)},
-        Scale(limits=(-60, 60), ticks={-60: "60%", 0: "0", 60: "60%"}, ends=ends),
+        Scale(limits=(-60, 60), ticks={-60: "60%", 0: "0", 60: "60%"}, label=f"{LONG}, {LONG}"),
         Scale(limits=(0, 1), ticks={0: "0", 0.5: ".5", 1: "1"}, label="win share"),
         TEXT,
     )
     check(figures)
-    # A short word leaves its room to the other end, whose words are not broken.
-    at_the_left = {text.get_text() for figure in figures for text in figure.findobj(Text)}
-    assert ends[0] == LONG or f"← {ends[0]}" in at_the_left
 
 
 @pytest.mark.parametrize(("questions", "count"), [(1, 3), (4, 12)])
@@ -265,7 +259,7 @@ def test_several_dots_in_a_row(figures: list[Figure]) -> None:
     dot_pictures(
         {"over conditions": [dots] * 20, "within conditions": [dots] * 20},
         [Row(f"{k} {LONG}") for k in range(20)],
-        Scale(limits=(-1, 1), ends=("disagrees", "agrees")),
+        Scale(limits=(-1, 1), label="agrees"),
         TEXT,
         series=[f"question {k} {LONG}" for k in range(3)],
     )
