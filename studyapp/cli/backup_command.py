@@ -63,9 +63,8 @@ def restore_command(archive: Path, folder: Path) -> None:
     study.
     """
     with progress("Restoring", "file") as on_file:
-        restored = restore(archive, StudyFolder(folder), Clock(), on_file=on_file)
-    manifest = restored.manifest
-    click.echo(f"Restored {_contents(manifest)}, to {folder} and {restored.database}")
+        manifest, database = restore(archive, StudyFolder(folder), Clock(), on_file=on_file)
+    click.echo(f"Restored {_contents(manifest)}, to {folder} and {database}")
     click.echo("'motionjury check' names speech and videos that the backup did not hold.")
     click.echo(
         f"Participants who were erased or withdrew after {manifest.made_at:%Y-%m-%d %H:%M:%S} UTC "

@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 import tempfile
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -31,29 +30,13 @@ _UNFINISHED: Final = ".unfinished-restore-"
 _OWNER_ONLY: Final = frozenset({DATABASE, "pseudonyms.key", "invitations.csv"})
 
 
-@dataclass(frozen=True, kw_only=True)
-class Restored:
-    """A restored study.
-
-    Attributes
-    ----------
-    manifest : Manifest
-        The manifest of the backup.
-    database : str
-        The address of its database, without a password.
-    """
-
-    manifest: Manifest
-    database: str
-
-
 def restore(
     archive: Path,
     folder: StudyFolder,
     clock: Clock,
     *,
     on_file: OnFile = lambda _done, _total: None,
-) -> Restored:
+) -> tuple[Manifest, str]:
     """Restore the study in `archive` to `folder`, and its answers to the current database.
 
     Everything is first unpacked, checked and migrated to the current schema in a temporary folder,
@@ -63,6 +46,13 @@ def restore(
     ----------
     folder : StudyFolder
         New or empty, except for folders of media if the backup has none.
+
+    Returns
+    -------
+    manifest : Manifest
+        The manifest of the backup.
+    database : str
+        The address of the database, without a password.
 
     Raises
     ------
@@ -93,7 +83,7 @@ def _restore(
     unpacked: StudyFolder,
     clock: Clock,
     on_file: OnFile,
-) -> Restored:
+) -> tuple[Manifest, str]:
     url = database_url_of(folder.root)
     require_empty(url)
     manifest = read_archive(
@@ -112,7 +102,7 @@ def _restore(
         _note_restored(database, manifest, clock)
     compact(copy)
     _move_into_place(folder, unpacked, manifest, url)
-    return Restored(manifest=manifest, database=display_address(url))
+    return manifest, display_address(url)
 
 
 def _note_restored(database: Database, manifest: Manifest, clock: Clock) -> None:

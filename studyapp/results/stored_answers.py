@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import groupby
 from operator import itemgetter
@@ -133,23 +131,6 @@ def stored_answers(
         Add the columns that only exports have. Some of them can identify people, so other labs
         do not get them.
     """
-    with _garbage_collection_paused():
-        return _read(session, withdrawn, in_full)
-
-
-@contextmanager
-def _garbage_collection_paused() -> Iterator[None]:
-    """Keep the garbage collector from visiting all rows repeatedly; they have no cycles."""
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
-            gc.enable()
-
-
-def _read(session: Session, withdrawn: bool, in_full: bool) -> StoredAnswers:
     chosen = select_sessions(withdrawn)
     return StoredAnswers(
         study_sessions=_study_sessions(session, in_full),

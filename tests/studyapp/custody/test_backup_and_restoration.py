@@ -206,7 +206,7 @@ def test_a_study_moves_from_sqlite_to_postgresql_and_back(
     monkeypatch.setenv("DATABASE_URL", url)
     password = url.split(":")[2].split("@")[0]
 
-    address = restore(made.path, new, study.clock).database
+    _, address = restore(made.path, new, study.clock)
     again = back_up(new, study.backups / "again.zip", study.clock, media=True)
     with pytest.raises(InputError, match="the database is not empty"):
         restore(made.path, StudyFolder(tmp_path / "third"), study.clock)
