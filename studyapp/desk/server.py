@@ -134,7 +134,7 @@ def raise_alarms_of_studies(lab: Lab) -> None:
         try:
             served = study.served()
             channels = None if served is None else AlarmChannels.of(served.study)
-            if served is not None and channels is not None and channels.is_any:
+            if served is not None and channels is not None and channels.ways:
                 raise_alarms(study.database, served, lab.clock, channels.send)
         except (InputError, SQLAlchemyError) as error:
             LOG.error("Alarms of %s: %s", study.name, type(error).__name__)

@@ -13,11 +13,12 @@ import smtplib
 import ssl
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from email.message import EmailMessage
 from email.utils import localtime, make_msgid
+from functools import partial
 from typing import Final, Literal, Self
 from urllib.parse import unquote, urlsplit
 
@@ -46,24 +47,11 @@ SMTP: Final = "MOTIONJURY_SMTP"
 SECONDS: Final = 20.0
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class AlarmChannels:
-    """Where the alarms of one study go.
+    """The ways that the alarms of one study go: what each is called, and sends a text by it."""
 
-    Attributes
-    ----------
-    study : str
-        Its name.
-    webhook, smtp : str
-        See `WEBHOOK` and `SMTP`; empty where there is none.
-    mail : tuple of str
-        Addresses of researchers.
-    """
-
-    study: str
-    webhook: str
-    smtp: str
-    mail: tuple[str, ...]
+    ways: Mapping[str, Callable[[str], None]]
 
     @classmethod
     def of(cls, study: Study) -> Self:
@@ -74,40 +62,30 @@ class AlarmChannels:
         InputError
             If the environment names no usable address, or there is nothing to send mail with.
         """
-        channels = cls(
-            study=study.name,
-            webhook=_address(WEBHOOK, ("https", "http")),
-            smtp=_address(SMTP, ("smtps", "smtp")),
-            mail=study.alarms.mail,
-        )
-        if channels.mail and not channels.smtp:
+        webhook, server = _address(WEBHOOK, ("https", "http")), _address(SMTP, ("smtps", "smtp"))
+        if study.alarms.mail and not server:
             raise InputError(
                 "alarms are to be mailed, and no mail server is named",
                 where="alarms.mail in study.toml",
                 remedy=f"Set {SMTP}, such as smtps://name:password@mail.example.org",
             )
-        return channels
-
-    @property
-    def is_any(self) -> bool:
-        """Whether alarms go anywhere."""
-        return bool(self.webhook or self.mail)
+        ways: dict[str, Callable[[str], None]] = {}
+        if webhook:
+            ways["the webhook"] = partial(_post, webhook, study.name)
+        if study.alarms.mail:
+            ways["mail"] = partial(_mail, server, study)
+        return cls(ways)
 
     def send(self, text: str) -> bool:
-        """Send `text` by every channel there is; return whether one of them succeeded.
+        """Send `text` by every way there is; return whether one of them succeeded.
 
         A failure is logged without address and password.
         """
         # Imported here: a server that raises no alarm need not load it.
         import httpx
 
-        channels: list[tuple[str, Callable[[str], None]]] = []
-        if self.webhook:
-            channels.append(("the webhook", self._post))
-        if self.mail:
-            channels.append(("mail", self._mail))
         succeeded = False
-        for name, send in channels:
+        for name, send in self.ways.items():
             try:
                 send(text)
                 succeeded = True
@@ -121,38 +99,39 @@ class AlarmChannels:
                 LOG.error("An alarm could not be sent by %s (%s)", name, type(error).__name__)
         return succeeded
 
-    def _post(self, text: str) -> None:
-        import httpx
 
-        message = {"study": self.study, "text": text}
-        httpx.post(self.webhook, json=message, timeout=SECONDS).raise_for_status()
+def _post(address: str, study: str, text: str) -> None:
+    import httpx
 
-    def _mail(self, text: str) -> None:
-        server = urlsplit(self.smtp)
-        name, password = unquote(server.username or ""), unquote(server.password or "")
-        message = EmailMessage()
-        message["From"] = name if "@" in name else self.mail[0]
-        message["To"] = ", ".join(self.mail)
-        message["Subject"] = f"Motion Jury: {self.study}"
-        # Without these two, some servers refuse a mail, or take it for spam.
-        message["Date"] = localtime()
-        message["Message-ID"] = make_msgid(domain=message["From"].rpartition("@")[2])
-        message.set_content(text)
-        tls = ssl.create_default_context()
-        host = server.hostname or ""
-        if server.scheme == "smtps":
-            connection: smtplib.SMTP = smtplib.SMTP_SSL(
-                host, server.port or 465, timeout=SECONDS, context=tls
-            )
-        else:
-            connection = smtplib.SMTP(host, server.port or 587, timeout=SECONDS)
-        with connection:
-            if server.scheme == "smtp" and name:
-                # Passwords are only sent encrypted.
-                connection.starttls(context=tls)
-            if name:
-                connection.login(name, password)
-            connection.send_message(message)
+    message = {"study": study, "text": text}
+    httpx.post(address, json=message, timeout=SECONDS).raise_for_status()
+
+
+def _mail(address: str, study: Study, text: str) -> None:
+    server = urlsplit(address)
+    name, password = unquote(server.username or ""), unquote(server.password or "")
+    message = EmailMessage()
+    message["From"] = name if "@" in name else study.alarms.mail[0]
+    message["To"] = ", ".join(study.alarms.mail)
+    message["Subject"] = f"Motion Jury: {study.name}"
+    # Without these two, some servers refuse a mail, or take it for spam.
+    message["Date"] = localtime()
+    message["Message-ID"] = make_msgid(domain=message["From"].rpartition("@")[2])
+    message.set_content(text)
+    tls, host = ssl.create_default_context(), server.hostname or ""
+    if server.scheme == "smtps":
+        connection: smtplib.SMTP = smtplib.SMTP_SSL(
+            host, server.port or 465, timeout=SECONDS, context=tls
+        )
+    else:
+        connection = smtplib.SMTP(host, server.port or 587, timeout=SECONDS)
+    with connection:
+        if server.scheme == "smtp" and name:
+            # Passwords are only sent encrypted.
+            connection.starttls(context=tls)
+        if name:
+            connection.login(name, password)
+        connection.send_message(message)
 
 
 def _address(variable: str, schemes: tuple[str, ...]) -> str:

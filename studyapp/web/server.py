@@ -198,7 +198,7 @@ def serve_application(
 def _watch_for_alarms(app: Flask) -> None:
     """Send the alarms of the study of `app`, unless it is a rehearsal."""
     site = site_of(app)
-    if site.clock.speed == 1.0 and (channels := AlarmChannels.of(site.study)).is_any:
+    if site.clock.speed == 1.0 and (channels := AlarmChannels.of(site.study)).ways:
         watch_for_alarms(
             lambda: raise_alarms(site.database, site.served, site.clock, channels.send)
         )
