@@ -118,82 +118,66 @@ def share(
     draft = out.with_name(f".{out.name}-draft")
     shutil.rmtree(draft, ignore_errors=True)
     on_step("reading answers")
-    source = _read_source(folder, origin)
-    look = record_look(folder, folder.study(), source.answers, way="export", reason=reason)
+    study = folder.study()
+    with snapshot(folder, origin) as session:
+        if session is None:
+            raise missing_answers(folder, origin)
+        answers = answers_in(session, origin)
+        full, excluded = stored_answers(session, in_full=True), exclusions(study, answers)
+        key = PseudonymKey.read_or_make(folder.pseudonym_key)
+        exported = exported_tables(session, full, key, excluded)
+        versions = session.scalars(select(StudyVersion).order_by(StudyVersion.number)).all()
+    tables = {table.about.name: table for table in exported}
+    look = record_look(folder, study, answers, way="export", reason=reason)
+    people = tables["participants"].frame
+    # Participants who withdrew are only counted, by the report.
+    staying = people[people["state"] != "withdrawn"].reset_index(drop=True)
     try:
         on_step("copying the study")
-        shared = _write_folder(folder, draft, source, origin, videos, free_text)
+        remarks = copy_study(folder, study, StudyFolder(draft / STUDY), videos=videos)
+        _write_answers(StudyFolder(draft / STUDY), study, answers, versions, origin)
+        if origin == "rehearsal" and folder.rehearsal_truth.exists():
+            shutil.copyfile(folder.rehearsal_truth, draft / STUDY / folder.rehearsal_truth.name)
+        _write_sources(draft / "sourcedata", folder, study, versions)
+        described = _write_bids(draft, study, tables, staying)
+        form = tables["form"].frame
+        _write_form(draft / "phenotype", study, form, staying, free_text=free_text)
+        _write_about(draft, study, origin, people=len(staying))
+        book: dict[str, Any] = codebook(folder, study, origin, described)
+        write_text(draft / "sourcedata" / "codebook.md", codebook_page(book))
         if out.exists():
             out.rmdir()
         draft.replace(out)
     finally:
         shutil.rmtree(draft, ignore_errors=True)
-    remarks = (*shared.remarks, look) if look else shared.remarks
-    return replace(shared, study=out / STUDY, remarks=remarks)
+    return Shared(
+        study=out / STUDY,
+        participants=len(staying),
+        remarks=tuple(filter(None, (*remarks, look))),
+    )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Source:
-    """One state of the database."""
-
-    answers: Answers
-    tables: Mapping[str, ExportedTable]
-    versions: Sequence[StudyVersion]
-
-
-def _read_source(folder: StudyFolder, origin: Source) -> _Source:
-    with snapshot(folder, origin) as session:
-        if session is None:
-            raise missing_answers(folder, origin)
-        answers = answers_in(session, origin)
-        excluded = exclusions(folder.study(), answers)
-        key = PseudonymKey.read_or_make(folder.pseudonym_key)
-        return _Source(
-            answers=answers,
-            tables={
-                table.about.name: table
-                for table in exported_tables(
-                    session, stored_answers(session, in_full=True), key, excluded
-                )
-            },
-            versions=session.scalars(select(StudyVersion).order_by(StudyVersion.number)).all(),
-        )
-
-
-def _write_folder(
-    folder: StudyFolder,
-    root: Path,
-    source: _Source,
-    origin: Source,
-    videos: bool,
-    free_text: bool,
-) -> Shared:
-    study, tables = folder.study(), source.tables
-    remarks = copy_study(folder, study, StudyFolder(root / STUDY), videos=videos)
-    _write_answers(StudyFolder(root / STUDY), study, source, origin)
-    if origin == "rehearsal" and folder.rehearsal_truth.exists():
-        shutil.copyfile(folder.rehearsal_truth, root / STUDY / folder.rehearsal_truth.name)
+def _write_sources(
+    out: Path, folder: StudyFolder, study: Study, versions: Sequence[StudyVersion]
+) -> None:
+    """Write what BIDS has no place for: videos, versions and results."""
     if folder.stimuli.exists():
         segments = folder.segments_of(study)
-        write_stimuli_list(root / "sourcedata" / "stimuli.tsv", folder, study, segments)
-    _write_versions(root / "sourcedata", source.versions)
-    write_text(root / "sourcedata" / "environment.json", as_json(environment()))
-    people = tables["participants"].frame
-    # Participants who withdrew are only counted, by the report.
-    staying = people[people["state"] != "withdrawn"].reset_index(drop=True)
-    described = _write_bids(root, study, tables, staying)
-    _write_form(root / "phenotype", study, tables["form"].frame, staying, free_text=free_text)
-    _write_about(root, study, origin, people=len(staying))
-    book: dict[str, Any] = codebook(folder, study, origin, described)
-    write_text(root / "sourcedata" / "codebook.md", codebook_page(book))
+        write_stimuli_list(out / "stimuli.tsv", folder, study, segments)
+    _write_versions(out, versions)
+    write_text(out / "environment.json", as_json(environment()))
     if folder.report.joinpath("results.json").exists():
-        results = root / "sourcedata" / "results.json"
-        shutil.copyfile(folder.report / "results.json", results)
-    return Shared(study=root / STUDY, participants=len(staying), remarks=tuple(remarks))
+        shutil.copyfile(folder.report / "results.json", out / "results.json")
 
 
-def _write_answers(copy: StudyFolder, study: Study, source: _Source, origin: Source) -> None:
-    stored = source.answers.stored
+def _write_answers(
+    copy: StudyFolder,
+    study: Study,
+    answers: Answers,
+    versions: Sequence[StudyVersion],
+    origin: Source,
+) -> None:
+    stored = answers.stored
     if stored is None:
         return
     present = stored.study_sessions[has_current_design(stored.study_sessions)]
@@ -202,7 +186,7 @@ def _write_answers(copy: StudyFolder, study: Study, source: _Source, origin: Sou
         copy.shared_answers,
         drop_current_looks(study, stored),
         origin=origin,
-        stated=next((each.definition for each in source.versions if each.number == first), None),
+        stated=next((each.definition for each in versions if each.number == first), None),
         stated_version=first,
     )
 
