@@ -7,7 +7,7 @@ from shlex import quote
 
 import click
 
-from motion.errors import InputError, counted
+from motion.errors import counted
 from studyapp.cli.arguments import FILE, FOLDER, refuse_options, study_folder
 from studyapp.cli.output import sign_of_life
 from studyapp.researchers.audit import read_reason
@@ -70,12 +70,6 @@ def command(
     their answers to the form (_form), how each video was watched (_watching), refused requests
     (_refusals) and changes to the study (_log). Participants have pseudonyms.
     """
-    if reason is not None and (rehearsal or withdrawn):
-        raise InputError(
-            "only looks at analysed answers are logged with a reason",
-            where="--reason",
-            remedy="Omit it",
-        )
     checked_reason = "" if reason is None else read_reason(reason)
     if shared_folder is not None:
         refuse_options(("--out", "--withdrawn", "--with-recruiter-ids"), "--folder")

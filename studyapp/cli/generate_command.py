@@ -11,7 +11,7 @@ import click
 from generators.registry import generator_names, settings_type
 from generators.settings import File, Folder, Setting, settings_of
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
-from motion.errors import InputError, counted
+from motion.errors import InputError, counted, listed
 from motion.segment import EMOTIONS
 from studyapp.cli.arguments import (
     EXISTING_FILE,
@@ -56,17 +56,13 @@ def _setting_options() -> Iterator[click.Option]:
             by_name.setdefault(setting.key, {})[generator] = setting
     for name, settings in by_name.items():
         types = {setting.type for setting in settings.values()}
-        descriptions = {generator: setting.description for generator, setting in settings.items()}
-        same = len(set(descriptions.values())) == 1
+        takers: dict[str, list[str]] = {}
+        for generator, setting in settings.items():
+            takers.setdefault(setting.description, []).append(generator)
         yield click.Option(
             [f"--{name.replace('_', '-')}"],
             type=_param_type(types.pop()) if len(types) == 1 else click.STRING,
-            help=" ".join(
-                dict.fromkeys(
-                    description if same else f"For {generator}: {description}"
-                    for generator, description in descriptions.items()
-                )
-            ),
+            help=" ".join(f"For {listed(names)}: {words}" for words, names in takers.items()),
         )
 
 

@@ -167,17 +167,9 @@ def _format_value(score: ConditionScore | None) -> str:
 
 
 def _reasons(scores: Sequence[ConditionScore]) -> Iterator[str]:
-    """Yield each reason for a missing score, and each remark, with the scores that have it."""
-    everywhere = {score.condition for score in scores}
-    by_sentence: dict[str, dict[str, list[str]]] = {}
+    """Yield each reason for a missing score, and each remark, with the metrics that have it."""
+    names: dict[str, dict[str, None]] = {}
     for score in scores:
         for sentence in filter(None, (score.reason, score.remark)):
-            by_name = by_sentence.setdefault(sentence, {})
-            by_name.setdefault(score.name, []).append(score.condition)
-    for sentence, by_name in by_sentence.items():
-        by_conditions: dict[tuple[str, ...], list[str]] = {}
-        for name, conditions in by_name.items():
-            by_conditions.setdefault(tuple(conditions), []).append(name)
-        for affected, names in by_conditions.items():
-            where = "" if set(affected) == everywhere else f"{', '.join(affected)}: "
-            yield f"{where}{', '.join(names)}: {sentence}"
+            names.setdefault(sentence, {})[score.name] = None
+    return (f"{', '.join(each)}: {sentence}" for sentence, each in names.items())

@@ -26,12 +26,10 @@ from studyapp.study.folder import StudyFolder, format_size
 from studyapp.study.settings.exclusions import EXCLUSION_SECTIONS, ExclusionSection
 from studyapp.study.settings.sections import explain_errors
 
-_NEEDED: Final = ("--responses", "--protocol", "--out")
 _TABLE_OPTIONS: Final = (
-    *_NEEDED,
+    *("--responses", "--protocol", "--out"),
     *("--max-catch-failures", "--margin", "--family", "--scale", "--exclude"),
 )
-"""Options of a table, with those that it needs."""
 
 
 @click.command("report")
@@ -142,11 +140,8 @@ def command(
             "a table, which has no rehearsal, no log of looks and no motion",
         )
         if responses is None or protocol is None or out is None:
-            missing = [name for name in _NEEDED if name not in given_options()]
             raise InputError(
-                "there is nothing to report"
-                if len(missing) == len(_NEEDED)
-                else f"{', '.join(missing)} is missing for the report of a table",
+                "there is nothing to report",
                 remedy="Give a study folder, or a table with --responses FILE --protocol NAME "
                 "--out DIR",
             )

@@ -262,15 +262,11 @@ def source_notation(generator: str) -> str:
     return f"{generator}:{details}" if details else generator
 
 
-def make_condition(
-    generator: str | None, options: Mapping[str, Any], folder: Path = Path()
-) -> Condition:
+def make_condition(generator: str, options: Mapping[str, Any], folder: Path = Path()) -> Condition:
     """Return the condition that options describe.
 
     Parameters
     ----------
-    generator : str or None
-        None for imported motion.
     options : mapping
         Options of `SettingsCommand`; None where one is not given.
     folder : Path
@@ -281,24 +277,15 @@ def make_condition(
     InputError
         If an option belongs to another generator, or its value is unusable.
     """
+    types = {setting.key: setting.type for setting in settings_of(settings_type(generator))}
     values: dict[str, Any] = {"generator": generator}
-    unused = {name: value for name, value in options.items() if value is not None}
-    for setting in () if generator is None else settings_of(settings_type(generator)):
-        value = unused.pop(setting.key, None)
-        if value is None:
-            continue
+    for key, value in options.items():
         if isinstance(value, Path):
-            value = _path_from(folder, value)
-        elif isinstance(value, str) and value.isdecimal():
-            value = int(value) if int in (setting.type, *get_args(setting.type)) else value
-        values[setting.key] = value
-    for option in unused:
-        takers = [name for name in generator_names() if option in settings_type(name).model_fields]
-        raise InputError(
-            f"--{option.replace('_', '-')} belongs to a learned generator, not to "
-            f"{generator or 'imported motion'}",
-            remedy=f"Leave it out, or give --generator {' or '.join(takers)}",
-        )
+            values[key] = _path_from(folder, value)
+        elif isinstance(value, str) and value.isdecimal() and int in get_args(types.get(key)):
+            values[key] = int(value)
+        elif value is not None:
+            values[key] = value
     try:
         return Condition.model_validate(values)
     except ValidationError as error:

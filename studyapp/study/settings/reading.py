@@ -55,12 +55,6 @@ def read_text(path: Path) -> str:
             where=path,
             remedy="Create a study with 'motionjury init FOLDER', or check the folder's name",
         ) from None
-    except OSError as error:
-        raise InputError(
-            f"the file cannot be read ({error.strerror})",
-            where=path,
-            remedy="Check the permissions of the file and of its folder",
-        ) from error
     except UnicodeDecodeError as error:
         raise InputError(
             f"the file is not UTF-8 text (byte {error.start})",

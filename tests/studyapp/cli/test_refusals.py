@@ -78,7 +78,7 @@ REFUSED: dict[str, dict[str, str]] = {
     },
     "report": {
         "": "there is nothing to report",
-        "--responses a.csv --out new": "--protocol is missing",
+        "--responses a.csv --out new": "--responses FILE --protocol NAME",
         "--responses none.csv --out new --protocol rating": "no such file",
         "study --out new --margin 1": "--out, --margin cannot be given with a study",
     },
