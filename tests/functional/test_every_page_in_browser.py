@@ -28,7 +28,6 @@ from tests.functional.browsing import IN_A_BROWSER, follow, press, watched_page
 from tests.functional.page_checks import (
     LAPTOP,
     SIZES,
-    barriers,
     examination,
     expect_to_fit_a_phone,
     expect_videos,
@@ -324,24 +323,6 @@ def test_every_error_page_is_accessible(browser: Browser, tmp_path: Path) -> Non
         expect_heading(page, "takes no new participants")
         examine(page, "closed")
         page.context.close()
-
-
-def test_the_accessibility_check_finds_a_barrier(browser: Browser) -> None:
-    page = browser.new_page()
-    style = "@media (prefers-color-scheme: dark) { h1 { color: #eee; } }"
-    page.set_content(
-        f"<html lang=en><head><title>Title</title><style>{style}</style></head>"
-        "<main><h1>Heading</h1><select><option>Choice</select></main>"
-    )
-
-    problems = barriers(page)
-
-    assert [each.split(" at ")[0] for each in problems] == [
-        "dark: color-contrast",
-        "light: select-name",
-    ]
-    assert participants_barriers(page)[1:] == ["another look in the dark"]
-    page.close()
 
 
 CHECKLISTS = {

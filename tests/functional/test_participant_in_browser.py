@@ -219,44 +219,6 @@ def test_keys_play_the_focused_video_and_answer_the_next_question(page: Page, ad
     expect(page.locator("[name=rhythm][value='0']")).to_be_checked()
 
 
-def test_a_lost_connection_loses_no_answer(page: Page, address: str, database: Database) -> None:
-    begin_study(page, address)
-    watch(page)
-    answer(page)
-    # The next videos have come: only the answers are left to be sent.
-    expect(page.locator("#ahead")).to_contain_text("next page ready")
-
-    page.context.set_offline(True)
-    page.locator("#next").click()
-    expect(page.locator("#problem")).to_contain_text("The connection is lost")
-    assert answers_of(page, database) == []
-    page.context.set_offline(False)
-
-    expect_trial(page, 2)
-    assert len(answers_of(page, database)) == 2
-
-
-def test_two_independent_windows_do_no_harm(page: Page, address: str, database: Database) -> None:
-    page.context.add_init_script("delete window.BroadcastChannel")
-    begin_study(page, address)
-    second = page.context.new_page()
-    second.goto(page.url)
-    for window in (page, second):
-        window.bring_to_front()
-        watch(window)
-        answer(window)
-    page.bring_to_front()
-    page.locator("#next").click()
-    expect_trial(page, 2)
-
-    second.bring_to_front()
-    choose(second, "rhythm", 2)
-    second.locator("#next").click()
-
-    expect_trial(second, 2)
-    assert answers_of(page, database) == [(1, "emotion", -1), (1, "rhythm", -1)]
-
-
 def test_playback_on_a_busy_page_counts_with_its_frames(
     page: Page, address: str, database: Database
 ) -> None:
@@ -339,38 +301,9 @@ def test_a_broken_or_stalled_video_can_be_reloaded_in_place(
     wait_until(page, lambda: any(report["stalls"] for report in reports))
     assert sum(report["stalled_seconds"] for report in reports) > 4
 
-    video = player(page, "B").locator("video")
-    video.evaluate("video => { video.currentTime = 0.8; }")
-    page.locator(".trouble summary").click()
-    page.get_by_role("button", name="Reload B").click()
-    expect(video).to_have_attribute("src", re.compile("again=2"))
-    expect(video).to_have_js_property("currentTime", 0.3)
-    expect_missing(page, WATCHED)
     page.unroute_all(behavior="ignoreErrors")
     page.reload()
     expect_missing(page, WATCHED)
-
-
-def test_a_report_whose_response_is_lost_counts_once_after_a_reload(
-    page: Page, address: str, database: Database
-) -> None:
-    begin_study(page, address)
-    arrived: list[str] = []
-
-    def lose_the_answer(route: Route) -> None:
-        route.fetch()
-        arrived.append(route.request.url.rsplit("/", 1)[1])
-
-    page.route("**/watched/**", lose_the_answer)
-    play_button(page, "A").click()
-    expect_missing(page, B_IS_LEFT)
-    wait_until(page, lambda: arrived)
-    page.unroute_all(behavior="ignoreErrors")
-    page.reload()
-
-    expect_missing(page, B_IS_LEFT)
-    wait_until(page, lambda: played(database, arrived[0]) > 0.9)
-    assert played(database, arrived[0]) < 1.05
 
 
 def test_delayed_blocked_and_repeated_reports_count_once_and_block_nobody_for_long(

@@ -25,16 +25,11 @@ REFUSED: dict[str, dict[str, str]] = {
     },
     "corpus": {
         "new --sentences 12": "sentences",
-        "new --held-out-speakers 8": "speakers",
-        "new --takes 99": "takes",
     },
     "import": {
         "a.bvh study --condition x --speech a.wav": "--speaker and --emotion",
         "a.bvh study --condition x --segment 10": "--segment",
-        "a.bvh study --condition x --emotion neutral": "--emotion",
-        "a.bvh study --condition x --fps 0": "--fps",
         "a.bvh study --condition x --joints none.toml": "none.toml: No such file or directory",
-        "a.bvh study --condition x --emotion boredom": "'boredom' is not one of",
         "a.bvh study --condition x --speech torn.wav --speaker a --emotion neutral": "torn.wav",
     },
     "init": {
@@ -58,7 +53,6 @@ REFUSED: dict[str, dict[str, str]] = {
     "metrics": {
         "": "give either a study or --generated",
         "--generated motion --out scores.xlsx": ".csv, .json, .parquet",
-        "--generated motion --preset best": "'best' is not one of",
         "--generated motion --preset genea --evaluator emage=none.bin": "no such file",
     },
     "plan": {
@@ -68,10 +62,8 @@ REFUSED: dict[str, dict[str, str]] = {
     },
     "publish-media": {
         "study https://example.org/bucket": "not the name of a bucket",
-        "study s3://Bucket_1": "not the name of a bucket",
         "study s3://bucket/../other": "not the name of a bucket",
         "study s3://bucket --endpoint http://s3.example.org": "only load videos over https",
-        "study s3://bucket --address study.example.org": "not the address of a study",
     },
     "recruit": {
         "study invite --count 1 --address study.example.org": "not the address of a study",
@@ -84,8 +76,6 @@ REFUSED: dict[str, dict[str, str]] = {
     },
     "train": {
         "static": "No such command 'static'",
-        "evaluator dance --data .": "'dance' is not one of",
-        "evaluator motion": "Missing option '--data'",
         "evaluator motion --data nowhere": "nowhere: there is no such folder",
         "evaluator face --data . --channels both": "--channels is for the kind motion",
         "evaluator motion --data . --learning-rate 0": "0<x<=1",
@@ -94,8 +84,6 @@ REFUSED: dict[str, dict[str, str]] = {
     "serve": {
         "study --prefix /one --address https://x.org/two": "does not end with the prefix",
         "study --prefix /one --address x.org/one": "not the address of a study",
-        "study --prefix /one --address https://x.org/one?a=b": "not the address of a study",
-        "study --prefix /one --address ftp://x.org/one": "not the address of a study",
         "study --accel-redirect videos/": "not an internal location of nginx",
     },
     "export": {
@@ -103,16 +91,10 @@ REFUSED: dict[str, dict[str, str]] = {
         "study --rehearsal": "nothing has been rehearsed",
         "study --out new.xlsx": "neither in .csv nor in .parquet",
         "study --folder new --with-recruiter-ids": "cannot be given with --folder",
-        "study --folder new --out x.csv": "cannot be given with --folder",
         "study --with-videos": "cannot be given with tables, only with --folder",
     },
     "exclude": {
-        "study 1": "Missing option '--reason'",
         "study 1 --reason asleep": "there is no database of answers yet",
-    },
-    "researchers": {"study list Eve": "unexpected extra argument"},
-    "preview": {
-        "motion/a.npz --as bvh --out new --avatar nobody": "'nobody' is not one of",
     },
 }
 

@@ -60,7 +60,6 @@ def test_margin_and_family_are_options_for_tables(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("protocol", "arguments", "error"),
     [
-        ("pairwise", ("--family", "against=nobody"), "names nobody"),
         ("pairwise", ("--scale", "1-5"), "is not a scale of a pairwise table"),
         ("rating", ("--scale", "5"), "is not a scale of a rating table"),
         ("rating", ("--scale", "2-5"), "on the scale from 2 to 5"),

@@ -35,16 +35,6 @@ def place(number: int) -> Place:
     return Place(arm="a-b", design="d", number=number)
 
 
-def test_a_failed_transaction_stores_nothing(database: Database) -> None:
-    with pytest.raises(ZeroDivisionError), database.writing() as session:
-        session.add(place(0))
-        session.flush()
-        _ = 1 / 0
-
-    with database.reading() as session:
-        assert session.scalars(select(Place)).all() == []
-
-
 def test_sqlite_commits_are_synced_to_disk(tmp_path: Path) -> None:
     engine = sqlite_engine(make_url(sqlite_url(tmp_path / "new.db")), changes=True)
     with engine.connect() as connection:
