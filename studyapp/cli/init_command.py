@@ -8,13 +8,12 @@ from typing import Any, get_args
 import click
 
 from motion.errors import InputError
-from motion.files import write_text
 from studyapp.cli.arguments import FOLDER
 from studyapp.study.folder import StudyFolder
 from studyapp.study.interview import MAX_MINUTES, MAX_PARTICIPANTS, read_pay, require_stated_pay
 from studyapp.study.settings.presentation import Framing, Language
 from studyapp.study.settings.recruitment import Channel
-from studyapp.study.study_file import TEMPLATES, render_study_file
+from studyapp.study.study_file import TEMPLATES, write_study
 from studyapp.study.study_options import StudyOptions, read_conditions
 
 
@@ -102,12 +101,9 @@ def command(
         **options,
     )
     require_stated_pay(study)
-    text = render_study_file(study, where=study_folder.definition)
-    write_text(study_folder.definition, text)
-    lines = (line.split("#")[0].strip() for line in text.splitlines())
+    made = write_study(study_folder.definition, study)
     step = "import speech with 'motionjury import'"
-    if "videos = true" in lines:
-        own = (study.conditions or {}).values()
+    if any(condition.videos for condition in made.conditions.values()) or made.catch.videos:
         videos = "put your videos into videos/CONDITION/SEGMENT.mp4, then run 'motionjury check'"
-        step = videos if own and all(each.videos for each in own) else f"{step}, {videos}"
+        step = videos if made.only_finished else f"{step}, {videos}"
     click.echo(f"{study_folder.definition} is ready. Next: {step}.")

@@ -79,16 +79,8 @@ def create(folder: StudyFolder, address: str, live: bool, yes: bool) -> None:
 @command.subcommand("publish")
 @yes
 def publish(folder: StudyFolder, yes: bool) -> None:
-    """Publish the study on Prolific, which reserves the money for it."""
+    """Publish the study on Prolific, which reserves the money that 'create' shows."""
     _channel(folder, "prolific")
-    with _client() as client:
-        study = client.study(prolific.study_id(folder))
-    places, reward = study.total_available_places or 0, Decimal(study.reward or 0) / CENTS
-    currency = folder.study().recruitment.currency
-    click.echo(
-        f"{counted(places, 'place')} at {format_amount(reward, currency)} each: "
-        f"{format_amount(places * reward, currency)} in total, without Prolific's fee."
-    )
     _echo_pay_warnings(folder)
     if yes:
         _move(folder, "PUBLISH")
@@ -305,21 +297,12 @@ def _show_mturk(folder: StudyFolder, *, live: bool) -> None:
             for hit in map(client.hit, mturk.hits_of(folder, live=live))
         ],
     )
-    _judge_assignments(folder, client, live=live)
-
-
-def _judge_assignments(
-    folder: StudyFolder, client: mturk.MTurkClient, *, live: bool
-) -> list[tuple[mturk.Assignment, PaymentDecision]]:
-    """Print what to do about each assignment, and return it."""
-    judged = mturk.judged_assignments(folder, client, live=live)
-    _echo_verdicts("assignment", [(assignment.id, decision) for assignment, decision in judged])
-    return judged
 
 
 def _approve_on_mturk(folder: StudyFolder, *, live: bool, yes: bool) -> None:
     client = mturk.connect(live=live)
-    judged = _judge_assignments(folder, client, live=live)
+    judged = mturk.judged_assignments(folder, client, live=live)
+    _echo_verdicts("assignment", [(assignment.id, decision) for assignment, decision in judged])
     if yes:
         click.echo(f"Approved {counted(mturk.approve(client, judged), 'assignment')}.")
 

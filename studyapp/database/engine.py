@@ -290,16 +290,11 @@ def _explain_failures(url: str) -> Iterator[None]:
             remedy="Give an address such as sqlite:////folder/responses.db, and install its driver",
         ) from error
     except DatabaseError as error:
-        remedy = "Check that the server runs, and the name, password and database in the address"
-        if _address(url).get_backend_name() == "sqlite":
-            remedy = (
-                "Check that the path is right and writable, and that its disk has space; if the "
-                "file is damaged, restore a backup"
-            )
         raise InputError(
             f"the database cannot be opened: {error.orig}",
             where=display_address(url),
-            remedy=remedy,
+            remedy="Check the address, and that the server runs or the file and its disk can be "
+            "written; if a file is damaged, restore a backup",
         ) from error
 
 

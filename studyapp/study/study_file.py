@@ -108,7 +108,12 @@ def new_study(path: Path, **options: Any) -> Study:
     InputError
         As `render_study_file`.
     """
-    text = render_study_file(StudyOptions(**options), where=path)
+    return write_study(path, StudyOptions(**options))
+
+
+def write_study(path: Path, options: StudyOptions) -> Study:
+    """Write a commented study file as `options` say, and return the study."""
+    text = render_study_file(options, where=path)
     write_text(path, text)
     return parse_text(text, where=path)
 

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from generators.registry import generator_names, needs_source, settings_type
 from generators.settings import File, settings_of
-from motion.errors import InputError, counted, listed
+from motion.errors import InputError, listed
 from motion.segment import check_name
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.settings.presentation import Framing, Language
@@ -86,11 +86,6 @@ class StudyOptions:
 MAX_VIDEOS_PER_PAGE: Final = 8
 """Motions that one page can show."""
 
-MIN_CONDITIONS: Final = 2
-
-_WITH_CATCH: Final = ("pairwise", "mismatch")
-"""Protocols whose templates have catch trials."""
-
 
 def condition_variables(
     protocol: str,
@@ -107,26 +102,14 @@ def condition_variables(
         The condition that all others are compared with, or that is not ranked.
     catch_videos : bool
         Whether there will be finished videos of a broken motion.
-
-    Raises
-    ------
-    InputError
-        If there are too few or too many conditions, or the reference is not one of them.
     """
     names = [check_name(name, "condition") for name in conditions]
-    if len(names) < MIN_CONDITIONS:
-        raise InputError("one condition cannot be compared", remedy="Name at least two")
-    if reference is not None and reference not in names:
-        raise InputError(
-            f"the reference {reference!r} is not one of the conditions",
-            remedy=f"Use one of {', '.join(names)}",
-        )
     has_motion = any(not condition.videos for condition in conditions.values())
     variables: dict[str, Any] = {
         "names": names,
         "conditions": conditions_text(conditions),
         "nothing_breaks": not has_motion and not catch_videos,
-        **_catch_variables(protocol, conditions, reference, catch_videos=catch_videos),
+        **({"videos": True} if catch_videos else {}),
     }
     if not has_motion:
         # Nothing in a finished video can be held still.
@@ -138,34 +121,8 @@ def condition_variables(
             variables["layout"] = "players"
     elif protocol in ("rating", "ranking"):
         shown = [name for name in names if name != reference or protocol == "rating"]
-        if not 2 <= len(shown) <= MAX_VIDEOS_PER_PAGE:
-            raise InputError(
-                f"a page would show {counted(len(shown), 'motion')}, but it can show 2 to "
-                f"{MAX_VIDEOS_PER_PAGE}",
-                remedy="Name other conditions, or create the study and edit its parts",
-            )
         variables["shown"] = shown
     return variables
-
-
-def _catch_variables(
-    protocol: str,
-    conditions: Mapping[str, Condition],
-    reference: str | None,
-    *,
-    catch_videos: bool,
-) -> dict[str, str | bool]:
-    """Return the keys of catch trials that differ from the template's."""
-    names = list(conditions)
-    default = GROUND_TRUTH if GROUND_TRUTH in names else (reference or names[0])
-    judged = [name for name in names if protocol != "ranking" or name != reference]
-    if catch_videos:
-        return {"videos": True, **({"against": judged[0]} if default not in judged else {})}
-    with_motion = [name for name in judged if not conditions[name].videos]
-    if protocol in _WITH_CATCH and with_motion and default not in with_motion:
-        # Only motion can be broken.
-        return {"against": with_motion[0]}
-    return {}
 
 
 def conditions_text(conditions: Mapping[str, Condition]) -> str:
@@ -245,13 +202,7 @@ def _read_weight_files(generator: str, text: str, required: Sequence[str]) -> li
             f"the generator {generator!r} is a network and needs its weights",
             remedy=f"Give {source_notation(generator)}, its {listed(required)}",
         )
-    paths = [Path(file.strip()).expanduser() for file in files]
-    for path in paths:
-        if not path.is_file():
-            raise InputError(
-                f"the file of weights {path} does not exist", remedy="Give the path of the file"
-            )
-    return paths
+    return [Path(file.strip()).expanduser() for file in files]
 
 
 def source_notation(generator: str) -> str:

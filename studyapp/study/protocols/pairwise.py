@@ -118,6 +118,11 @@ class PairwiseStudy(Study):
         return tuple(name for name in self.conditions if name != self.reference)
 
     @property
+    def judged(self) -> tuple[str, ...]:
+        """All conditions, the reference first."""
+        return (self.reference, *self.others)
+
+    @property
     def has_reference_arms(self) -> bool:
         """Whether each comparison with the reference has its own participants."""
         return self.comparisons == "with_reference"
@@ -141,8 +146,7 @@ class PairwiseStudy(Study):
     def arms(self) -> tuple[Arm, ...]:
         """One arm per comparison with the reference, or one for all pairs."""
         if not self.has_reference_arms:
-            conditions = (self.reference, *self.others)
-            return (Arm(name="all", conditions=conditions, places=self.participants),)
+            return (Arm(name="all", conditions=self.judged, places=self.participants),)
         return tuple(
             Arm(
                 name=comparison_name(self.reference, other),
@@ -216,7 +220,7 @@ class PairwiseStudy(Study):
 
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
         """Say how many pairs the segments allow, and why not more."""
-        practice, pairs = self._count_pairs(segments)
+        _, pairs = self._count_pairs(segments)
         available = Counter(segment.emotion for segment in segments)
         notes = [
             f"with {counted(len(segments), 'segment')} of "
@@ -229,11 +233,6 @@ class PairwiseStudy(Study):
                 f"each participant judges {counted(pairs, 'pair')} instead of {self.trials}, "
                 f"because the study has {counted(len(segments), 'segment')} and shows each "
                 f"{'once' if self._rounds == 1 else f'{self._rounds} times'}"
-            )
-        if practice < self.practice:
-            notes.append(
-                f"it has {counted(practice, 'practice trial')} instead of {self.practice}, for the "
-                "same reason"
             )
         share = int(pairs / self._rounds // max(1, len(available)))
         short = [f"{emotion} ({count})" for emotion, count in available.items() if count < share]

@@ -95,6 +95,11 @@ class RankingStudy(GroupedStudy):
         return problems
 
     @property
+    def judged(self) -> tuple[str, ...]:
+        """All conditions but the reference."""
+        return tuple(name for name in self.conditions if name != self.reference)
+
+    @property
     def roles(self) -> Mapping[str, str]:
         """The roles of the reference and of catch trials."""
         return ({self.reference: "reference"} if self.reference else {}) | dict(super().roles)

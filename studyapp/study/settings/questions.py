@@ -269,14 +269,11 @@ class Form(Section):
         if any(question.eligible for stage in others for question in self.questions_at(stage)):
             raise ValueError(f"eligible is only allowed under {listed(SCREENING_STAGES)}")
         for question in self.comprehension:
-            if not question.required or not question.eligible:
+            right, wrong = set(question.eligible), set(question.choices) - set(question.eligible)
+            if not (question.required and right and wrong):
                 raise ValueError(
                     f"the comprehension question {question.name!r} must be required, and eligible "
-                    "must name its right choices"
-                )
-            if set(question.eligible) == set(question.choices):
-                raise ValueError(
-                    f"the comprehension question {question.name!r} has no wrong choice"
+                    "must name its right choices, but not all choices"
                 )
         return self
 

@@ -346,11 +346,17 @@ class Study(Section, ABC):
         return []
 
     @property
+    def judged(self) -> tuple[str, ...]:
+        """The conditions that participants judge, the reference first."""
+        return tuple(self.conditions)
+
+    @property
     def catch_against(self) -> str:
-        """The condition that catch trials show beside the flawed motion."""
+        """The condition that catch trials show beside the flawed motion; only motion is broken."""
         if self.catch.against is not None:
             return self.catch.against
-        return GROUND_TRUTH if self.has_recording else self.arms[0].conditions[0]
+        usable = [n for n in self.judged if self.catch.videos or not self.conditions[n].videos]
+        return GROUND_TRUTH if GROUND_TRUTH in usable else (*usable, *self.judged)[0]
 
     @property
     def has_recording(self) -> bool:

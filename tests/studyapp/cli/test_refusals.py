@@ -37,12 +37,11 @@ REFUSED: dict[str, dict[str, str]] = {
         "new --condition ours=magic --condition b=files": "unknown source 'magic'",
         "new --condition a=mismatched --condition b=files": "needs the condition",
         "new --condition a=files --condition a=files": "given twice",
-        "new --condition a=files": "one condition cannot be compared",
+        "new --condition a=files": "needs at least 2, not 1",
         "new --condition a=diffsheg --condition b=files": "needs its weights",
-        "new --condition a=diffsheg:none.pt --condition b=files": "weights none.pt does not exist",
-        "new --condition a=files --condition b=files --reference c": "not one of the conditions",
+        "new --condition a=files --condition b=files --reference c": "is not a condition",
         "new --template ranking --condition a=files --condition b=files --reference a": (
-            "would show 1 motion"
+            "needs at least 2, not 1"
         ),
         "new --template rating --trials 5": "has no key 'trials'",
         "new --recruit prolific": "must be told the pay and the minutes",

@@ -70,7 +70,6 @@ def test_inconsistent_studies_are_refused(
             [
                 "with 2 segments of anger, a participant can judge 2 pairs",
                 "2 pairs instead of 24, because the study has 2 segments",
-                "it has 2 practice trials instead of 3",
             ],
         ),
         (
