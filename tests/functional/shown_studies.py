@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from studyapp.study.study_file import read_texts
 from tests.support.studies.finished_study import (
     REASONS,
     Keys,
@@ -58,14 +59,8 @@ FORMS: Final = tomllib.loads(ELIGIBILITY + CONSENT + DEMOGRAPHICS + SCALE + MORE
     "form"
 ]
 
-RANKED: Final = [
-    question("realism", "Which motion looks most like that of a real person?"),
-    question("expression_synchrony", "In which video does the face fit the speech best?"),
-    question("gesture_synchrony", "In which video do the gestures fit the speech best?"),
-    question(
-        "diversity", "Which motion is the most varied, as long as it stays smooth and natural?"
-    ),
-]
+RATED: Final = read_texts("rating")["questions"]
+RANKED: Final = [question(q["name"], q["text"]) for q in read_texts("ranking")["questions"]]
 THREE: Final = ("ours", "theirs", "real")
 FOUR: Final = ("ours", "theirs", "calm", "lively")
 FIVE: Final = (*FOUR, "still")
@@ -96,28 +91,7 @@ STUDIES: Final[Mapping[str, Keys]] = {
         "conditions": brought(*FOUR),
         "sets": [group("all", *FOUR, groups=1), group("fewer", *FOUR[:3], groups=1)],
         "questions": [
-            question(
-                "naturalness",
-                "How natural does the motion look?",
-                labels=[
-                    "not natural at all",
-                    "hardly believable",
-                    "acceptable",
-                    "good",
-                    "very good",
-                ],
-            ),
-            question(
-                "synchrony",
-                "How do face and body move with the speech?",
-                labels=[
-                    "hardly at all, or at random",
-                    "they move a little",
-                    "they move, but without expression",
-                    "they move with some expression",
-                    "they move with fitting expression",
-                ],
-            ),
+            *(question(each["name"], each["text"], labels=each["labels"]) for each in RATED),
             question("quality", "How good is it?", scale="mean_opinion", reasons=REASONS),
         ],
     },

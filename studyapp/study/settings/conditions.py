@@ -183,12 +183,8 @@ def with_sources(conditions: Mapping[str, Condition], names: set[str]) -> dict[s
 
 def generated(conditions: Mapping[str, Condition]) -> dict[str, Condition]:
     """Return every condition with a generator, sources first."""
-    ordered: dict[str, Condition] = {}
-    for name in conditions:
-        for source in reversed(_sources(conditions, name)):
-            if conditions[source].generator is not None:
-                ordered.setdefault(source, conditions[source])
-    return ordered
+    ordered = sorted(conditions, key=lambda name: len(_sources(conditions, name)))
+    return {name: conditions[name] for name in ordered if conditions[name].generator is not None}
 
 
 def _sources(conditions: Mapping[str, Condition], name: str) -> tuple[str, ...]:

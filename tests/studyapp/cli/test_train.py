@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -63,16 +62,6 @@ def test_a_network_is_trained_and_damaged_files_are_counted(recorded: Path, tmp_
     assert (tmp_path / "new" / "m.run" / "curves.png").stat().st_size > 1000
 
 
-def test_a_damaged_face_file_is_named_where_no_clip_has_a_face(tmp_path: Path) -> None:
-    data = tmp_path / "faceless"
-    data.mkdir()
-    write_clip(data / "a.npz", replace(swinging("anger", 0), arkit=None))
-    (data / "a.json").write_text("{")
-    given = ("motion", "--data", data, "--channels", "expression", "--config", "tiny")
-    shown = run("train", "evaluator", *given, "--out", tmp_path / "m.safetensors", status=1)
-    assert "note: a.json, next to a.npz, is left out" in shown
-
-
 @short_training()
 def test_a_network_that_learned_nothing_is_reported(recorded: Path, tmp_path: Path) -> None:
     given = ("motion", "--data", recorded, "--config", "tiny", "--steps", 1, "--seed", 3)
@@ -112,8 +101,6 @@ def test_a_network_trained_on_a_corpus_moves_like_its_speakers(
         "Weights are those with the smallest noise and reconstruction loss of held-out windows."
         in more
     )
-    other = run(*given, "--steps", 5, "--ablation", "reverse", status=1)
-    assert "the run that was started here is another one" in other
 
     speech = sorted(recordings.glob("2/*.wav"))[0]
     speaker = speech.stem.split("_")[1]
@@ -126,9 +113,3 @@ def test_a_network_trained_on_a_corpus_moves_like_its_speakers(
     assert clip.provenance["dataset"] == "beat"
     assert clip.arkit is not None
     assert clip.arkit.max() > 0
-    stranger = run(
-        *("generate", "--generator", "diffsheg", "--checkpoint", out, "--speaker", "nobody"),
-        *("--speech", speech, "--out", tmp_path / "others"),
-        status=1,
-    )
-    assert "knows no speaker 'nobody'" in stranger
