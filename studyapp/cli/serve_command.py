@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from contextlib import closing
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -33,7 +32,6 @@ from studyapp.database.engine import (
     record_database,
     refuse_second_database,
 )
-from studyapp.desk.lab import ACCOUNTS
 from studyapp.desk.server import open_desk, run_desk
 from studyapp.recruitment.invitations import make_test_participation
 from studyapp.researchers.audit import COMMAND_LINE
@@ -41,7 +39,7 @@ from studyapp.researchers.links import first_owner_link, offer_new_password
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.web.mounting import checked_prefix, path_to_try
-from studyapp.web.server import THREADS, WORKERS, run_server
+from studyapp.web.server import WORKERS, run_server
 
 _server_options = together(
     click.option(
@@ -53,12 +51,6 @@ _server_options = together(
     ),
     click.option("--port", default=8000, type=click.IntRange(1, 65535)),
     click.option("--workers", default=WORKERS, type=click.IntRange(1, 64)),
-    click.option(
-        "--threads",
-        default=THREADS,
-        type=click.IntRange(1, 512),
-        help="Requests that each worker handles at once; slow connections do not count.",
-    ),
     public_address(help="The public address, behind a proxy; printed links start with it."),
 )
 """The options of a server that is started here."""
@@ -93,7 +85,7 @@ _server_options = together(
     "--try",
     "as_test",
     is_flag=True,
-    help="Print and open a link for a test run, which takes no place and is never analysed.",
+    help="Print a link for a test run, which takes no place and is never analysed.",
 )
 @click.option(
     "--new-version",
@@ -153,8 +145,6 @@ def _print_links(folder: StudyFolder, url: str, *, as_test: bool) -> None:
         participation = make_test_participation(folder.root, served, Clock(), by=COMMAND_LINE)
         link = url + path_to_try(participation)
         click.echo(f"Take part as a test at {link} (once; it is never analysed).")
-        if os.environ.get("DISPLAY") or sys.platform == "darwin":
-            click.launch(link)
     database = Database.open(database_url_of(folder.root))
     if not _print_owners_link(database, url, "the study's"):
         click.echo(f"Watch the study at {url}/research/.")
@@ -259,13 +249,6 @@ def deploy_command(
         kind, title = "study", study.study().title
     else:
         kind, title = "desk", place.name
-        is_new = next(folder.iterdir(), None) is None
-        if not (is_new or (folder / ACCOUNTS).exists() or next(folder.glob("*/study.toml"), None)):
-            raise InputError(
-                "this folder is neither a study nor a desk",
-                where=folder.resolve(),
-                remedy="Name a study's folder, a folder of studies, or an empty one for a new desk",
-            )
         # A desk has a host of its own, and keeps answers in the studies' own folders.
         refused = {"--prefix": bool(prefix), "--database": database != DATABASES[0]}
         refuse_options([name for name, is_refused in refused.items() if is_refused], "a desk")

@@ -25,7 +25,7 @@ from studyapp.study.settings.recruitment import Recruitment
 from studyapp.web.app import LARGEST_REQUEST, StudyWeb, health_pages
 from studyapp.web.protection import protect
 from studyapp.web.research.pages import fail
-from studyapp.web.server import THREADS, WORKERS, listen, serve_application
+from studyapp.web.server import WORKERS, listen, serve_application
 from studyapp.web.site import attach
 from studyapp.web.worker import StudyWorker
 
@@ -81,7 +81,6 @@ def run_desk(
     port: int,
     workers: int = WORKERS,
     *,
-    threads: int = THREADS,
     origin: str = "",
     on_ready: Callable[[], None] | None = None,
 ) -> None:
@@ -93,7 +92,7 @@ def run_desk(
         Holds the studies as sub-folders.
     origin : str
         What public addresses begin with; empty if unknown.
-    host, port, workers, threads, on_ready
+    host, port, workers, on_ready
         See `studyapp.web.server.run_server`.
 
     Raises
@@ -123,9 +122,7 @@ def run_desk(
     with listen(host, port) as listener:
         # The workers find the newest schema and need not make it all at once.
         open_desk(folder).database.close()
-        serve_application(
-            make, listener, workers, threads=threads, worker=DeskWorker, on_ready=on_ready
-        )
+        serve_application(make, listener, workers, worker=DeskWorker, on_ready=on_ready)
 
 
 def raise_alarms_of_studies(lab: Lab) -> None:

@@ -179,7 +179,7 @@ def hit_request(study: Study, address: str, *, made_before: int, live: bool) -> 
         "Title": study.title[:128],
         "Description": recruited.description or study.title,
         "Keywords": recruited.keywords,
-        "Reward": recruited.reward,
+        "Reward": f"{recruited.dollars:.2f}",
         "MaxAssignments": count_places(study),
         "LifetimeInSeconds": recruited.hours_to_accept * 3600,
         "AssignmentDurationInSeconds": minutes * 60 * TIMES_AS_LONG,

@@ -79,7 +79,6 @@ def run_server(
     port: int,
     workers: int = WORKERS,
     *,
-    threads: int = THREADS,
     accel_prefix: str | None = None,
     prefix: str = "",
     database_url: str | None = None,
@@ -99,8 +98,6 @@ def run_server(
         Where to listen.
     workers : int
         Processes.
-    threads : int
-        Requests that each process answers side by side.
     database_url, rehearsal_speed, accel_prefix, prefix, origin
         See `studyapp.web.app.create_app`.
     new_version : bool
@@ -144,7 +141,7 @@ def run_server(
         # Before the workers start, so that they need not all make schema and version at once.
         with closing(Database.open(url)) as database:
             open_study(database, served, Clock(), new_version=new_version)
-        serve_application(make, listener, workers, threads=threads, on_ready=on_ready)
+        serve_application(make, listener, workers, on_ready=on_ready)
 
 
 def serve_application(
@@ -152,7 +149,6 @@ def serve_application(
     listener: socket.socket,
     workers: int,
     *,
-    threads: int,
     worker: type[StudyWorker] = StudyWorker,
     on_ready: Callable[[], None] | None,
 ) -> None:
@@ -166,14 +162,14 @@ def serve_application(
         See `listen`; gunicorn closes it.
     worker : type
         The kind of worker.
-    workers, threads, on_ready
+    workers, on_ready
         See `run_server`.
     """
     options = {
         "bind": f"fd://{listener.detach()}",
         "workers": workers,
         "worker_class": worker,
-        "threads": threads,
+        "threads": THREADS,
         "worker_connections": CONNECTIONS,
         "preload_app": False,
         # Addresses hold participants' tokens.

@@ -8,7 +8,7 @@ from typing import Final, Literal
 
 from pydantic import Field
 
-from studyapp.study.settings.sections import CODE, CURRENCY, DOLLARS, HOST, MONEY, Section
+from studyapp.study.settings.sections import CODE, CURRENCY, HOST, MONEY, Section
 
 PROLIFIC_PLACEHOLDERS: Final = (
     "?PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}"
@@ -143,7 +143,7 @@ class MTurk(Section):
         How long the HIT is offered, and when unreviewed assignments are paid automatically.
     """
 
-    reward: str = Field("", pattern=DOLLARS)
+    reward: str = Field("", pattern=MONEY)
     description: str = Field("", max_length=2000)
     keywords: str = Field("video, animation, opinion", max_length=1000)
     hours_to_accept: int = Field(72, ge=1, le=8760)

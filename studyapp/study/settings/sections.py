@@ -15,7 +15,6 @@ COLOUR: Final = "^#[0-9a-fA-F]{6}$"
 MAIL_ADDRESS: Final = r"^[^@\s,]+@[^@\s,]+$"
 MONEY: Final = r"^(\d{1,6}(\.\d{2})?)?$"
 CURRENCY: Final = r"^([A-Z]{3})?$"
-DOLLARS: Final = r"^(\d{1,4}\.\d{2})?$"
 CODE: Final = r"^[A-Za-z0-9_-]*$"
 HOST: Final = r"^([a-z0-9-]+(\.[a-z0-9-]+)+)?$"
 
@@ -26,7 +25,6 @@ PATTERNS: Final = {
     MAIL_ADDRESS: 'must be an e-mail address such as "ada@example.org"',
     MONEY: 'must be an amount such as "2.50"',
     CURRENCY: 'must be the three letters of a currency such as "EUR"',
-    DOLLARS: 'must be an amount with cents such as "2.50"',
     CODE: "may contain only letters, digits, '_' and '-'",
     HOST: 'must be the name of a host such as "study.example.org"',
 }

@@ -28,7 +28,6 @@ def started(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         on_ready()
 
     monkeypatch.setattr(serve_command, "run_server", start)
-    monkeypatch.delenv("DISPLAY", raising=False)
     return started_with
 
 
@@ -97,8 +96,6 @@ def test_a_folder_of_studies_gets_the_files_of_a_desk(tiny_study: Path, tmp_path
 
     unit = (tmp_path / "server" / "serve.service").read_text("utf-8")
     assert 'motionjury desk "/srv/motionjury/lab" --port 8000' in unit
-    message = refused("deploy", tiny_study / "speech", *host, "--out", tmp_path / "none")
-    assert "neither a study nor a desk" in message
     for option in (("--prefix", "/one"), ("--database", "postgresql")):
         message = refused("deploy", lab, *host, *there, *option, "--out", tmp_path / "none")
         assert f"{option[0]} cannot be given with a desk" in message

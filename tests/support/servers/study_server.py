@@ -17,7 +17,7 @@ from typing import Final
 
 from motion.errors import InputError
 from studyapp.rehearsal.server import free_port
-from studyapp.web.server import THREADS, WORKERS, run_server
+from studyapp.web.server import WORKERS, run_server
 from tests.support.servers.processes import children, cpu_seconds, is_running
 
 HOST: Final = "127.0.0.1"
@@ -46,12 +46,11 @@ class StudyServer:
         *,
         database_url: str,
         workers: int,
-        threads: int,
         speed: float,
     ) -> None:
         self.port = free_port()
         self.log = log
-        self._arguments = [str(folder), *map(str, (self.port, workers, threads, speed))]
+        self._arguments = [str(folder), *map(str, (self.port, workers, speed))]
         # An address may hold a password, and a command line can be read by everybody.
         self._environment = {**os.environ, "DATABASE_URL": database_url}
         self._workers = workers
@@ -169,7 +168,6 @@ def study_server(
     *,
     database_url: str,
     workers: int = WORKERS,
-    threads: int = THREADS,
     speed: float = SPEED,
 ) -> Iterator[StudyServer]:
     """Serve the study in `folder` during the block.
@@ -182,14 +180,12 @@ def study_server(
         Where everything that the server writes goes.
     database_url : str
         Where answers go.
-    workers, threads : int
+    workers : int
         As of `motionjury serve`.
     speed : float
         How much faster than real the server's clock runs.
     """
-    server = StudyServer(
-        folder, log, database_url=database_url, workers=workers, threads=threads, speed=speed
-    )
+    server = StudyServer(folder, log, database_url=database_url, workers=workers, speed=speed)
     try:
         server.start()
         yield server
@@ -199,7 +195,7 @@ def study_server(
 
 def _serve(arguments: list[str]) -> None:
     """Be the server."""
-    folder, port, workers, threads, speed = arguments
+    folder, port, workers, speed = arguments
     threading.Thread(target=_end_with_the_measurement, daemon=True).start()
     try:
         run_server(
@@ -207,7 +203,6 @@ def _serve(arguments: list[str]) -> None:
             HOST,
             int(port),
             int(workers),
-            threads=int(threads),
             database_url=os.environ["DATABASE_URL"],
             rehearsal_speed=float(speed),
         )
