@@ -51,7 +51,7 @@ REFUSED: dict[str, dict[str, str]] = {
     },
     "metrics": {
         "": "give either a study or --generated",
-        "--generated motion --out scores.xlsx": ".csv, .json, .parquet",
+        "--generated motion --out scores.xlsx": ".csv or .parquet",
         "--generated motion --preset genea --evaluator emage=none.bin": "no such file",
     },
     "plan": {
