@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from threading import Lock
-from typing import Any, Final
+from typing import Any
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session, selectinload
@@ -157,11 +157,6 @@ def people(session: Session, truth: Truth) -> tuple[Person, ...]:
     )
 
 
-ANSWERED: Final = "acknowledged answers, stored once and as they were given"
-LEFT: Final = "left for good"
-BACK: Final = "came back after leaving and finished"
-
-
 @dataclass(frozen=True)
 class Check:
     """A count by the participants, compared with the study's.
@@ -219,8 +214,8 @@ def checks(
     yield Check("participants began", len(names), len(study_sessions))
     yield Check("completed, says the live view", len(acknowledged.codes), ended)
     yield Check("completed, says the report", len(acknowledged.codes), completed_in_report)
-    yield Check(LEFT, dropped_out, left)
-    yield Check(BACK, len(acknowledged.returned), back_and_done)
+    yield Check("left for good", dropped_out, left)
+    yield Check("came back after leaving and finished", len(acknowledged.returned), back_and_done)
     yield Check(
         "were shown the code that is stored, each another one",
         len(acknowledged.codes),
@@ -237,6 +232,6 @@ def answer_checks(session: Session, acknowledged: Mapping[AnswerPlace, int]) -> 
     for trial, question, stimulus, value in session.execute(query.join(Response.trial)):
         stored.setdefault((trial, question, stimulus or 0), []).append(value)
     kept = sum(stored.get(place) == [value] for place, value in acknowledged.items())
-    yield Check(ANSWERED, len(acknowledged), kept)
+    yield Check("acknowledged answers, stored once and as they were given", len(acknowledged), kept)
     twice = sum(len(values) - 1 for values in stored.values())
     yield Check("answers stored twice", 0, twice)

@@ -6,13 +6,15 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from scipy.stats import binom
+
 from analysis.results.known_values import (
     KnownDifference,
     KnownValue,
     match_differences,
     match_values,
 )
-from analysis.stats.clustered_mean import Estimate
+from analysis.stats.clustered_mean import LEVEL, Estimate
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.monitoring.study_sessions import progress_of_sessions
@@ -145,6 +147,23 @@ class Recovery:
     def missed(self) -> int:
         """The number of intervals that miss the true value."""
         return self.intervals - sum(estimate.covers(known.value) for known, estimate in self.values)
+
+    @property
+    def chance(self) -> float:
+        """How often so many intervals miss the true value with a sound design; or none, if none.
+
+        Each interval then misses with probability 1 minus its level (Binomial). Answers of the same
+        people to several questions are correlated, which makes many misses at once more common.
+        """
+        if not self.missed:
+            return float(LEVEL**self.intervals)
+        return float(binom.sf(self.missed - 1, self.intervals, 1 - LEVEL))
+
+    @property
+    def unanswered(self) -> tuple[KnownDifference, ...]:
+        """The comparisons whose better condition was not found, those with a wrong sign first."""
+        signs = ("wrong", "undecided")
+        return tuple(each for sign in signs for each in self.differences if each.sign == sign)
 
 
 def recover(folder: StudyFolder) -> Recovery:

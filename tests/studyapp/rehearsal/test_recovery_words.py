@@ -3,13 +3,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from analysis.report.wording import labelled
-from analysis.results.known_values import NO_RANK_INTERVAL, KnownDifference, KnownValue
+from analysis.results.known_values import KnownDifference, KnownValue
 from analysis.stats.clustered_mean import Estimate
 from studyapp.rehearsal.bookkeeping import Check, Person
 from studyapp.rehearsal.recovered import KindRecovered, Recovery, kinds_recovered
 from studyapp.rehearsal.recovery_page import (
-    difference_in_words,
-    exclusions_in_words,
     recovery_lines,
     recovery_page,
     values_in_words,
@@ -62,16 +60,26 @@ def kinds() -> tuple[KindRecovered, ...]:
 
 
 def test_a_design_that_cannot_answer_is_distinguished_from_bad_luck() -> None:
+    unlucky = replace(UNDECIDED, truth=0.3)
+    ranked = replace(
+        UNDECIDED,
+        measure="mean_rank",
+        estimate=Estimate(estimate=0.05, participants=25, reason="too few ranks"),
+    )
+    wrong = replace(UNDECIDED, truth=-0.1, decided=True)
+
+    _, signs, *lines = recovery_lines(
+        replace(RECOVERY, differences=(UNDECIDED, unlucky, ranked, wrong))
+    )
+
+    assert signs == "4 comparisons: 1 found with the wrong sign and 3 undecided."
+    assert lines[0].startswith("  Fit: Ours and theirs: the analysis finds +.05, but the true")
     assert (
         "the design cannot answer this question. With 25 participants, the interval is ±.20, but "
-        "the true difference is +.10: see 'motionjury plan'" in difference_in_words(UNDECIDED)
+        "the true difference is +.10: see 'motionjury plan'" in lines[1]
     )
-    assert "undecided this time" in difference_in_words(replace(UNDECIDED, truth=0.3))
-    ranked = Estimate(estimate=0.05, participants=25, reason=NO_RANK_INTERVAL)
-    assert (
-        "undecided (the test of worths is not significant). The true difference is"
-        in difference_in_words(replace(UNDECIDED, measure="mean_rank", estimate=ranked))
-    )
+    assert "undecided this time" in lines[2]
+    assert "undecided (too few ranks). The true difference is" in lines[3]
 
 
 def test_each_kind_is_counted_as_excluded_missed_or_wrongly_excluded() -> None:
@@ -80,12 +88,12 @@ def test_each_kind_is_counted_as_excluded_missed_or_wrongly_excluded() -> None:
     assert (attentive.came, attentive.analysed, attentive.wrongly_excluded) == (3, 2, 1)
     assert (careless.excluded_by, careless.missed) == ({"catch": 1}, 1)
     assert (left.completed, left.excluded, left.silent, left.missed) == (0, 1, 1, 0)
-    said = list(exclusions_in_words(kinds()))
-    assert said[0] == (
+    *_, first, _, second, _ = recovery_lines(replace(RECOVERY, kinds=kinds()))
+    assert first == (
         "Exclusion: of 4 who answered badly or left, 2 are excluded, 1 gave no answer and 1 is "
         "analysed anyway; of 3 others, 1 is wrongly excluded."
     )
-    assert "careless: 2 came, 1 analysed, 1 excluded by catch" in said[2]
+    assert second == "  careless: 2 came, 1 analysed, 1 excluded by catch"
 
 
 def test_misses_and_miscounts_are_reported_in_tables_and_page() -> None:
