@@ -10,7 +10,7 @@ from typing import Any, Final, Literal
 
 import pandas as pd
 from sqlalchemy import ColumnElement, Select, case, exists, func, select
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from motion.arrays import Bools
 from studyapp.database.tables.researchers import Look
@@ -132,40 +132,47 @@ def stored_answers(
         do not get them.
     """
     chosen = select_sessions(withdrawn)
+    answers = select(
+        Response.trial_id.label("trial"),
+        Response.question,
+        func.coalesce(Response.stimulus, 0).label("stimulus"),
+        Response.value,
+        *((Response.reasons, Response.answered_at) if in_full else ()),
+    ).join(Trial, Trial.id == Response.trial_id)
+    stimuli = (
+        select(
+            TrialStimulus.trial_id.label("trial"),
+            TrialStimulus.number,
+            TrialStimulus.condition,
+            TrialStimulus.segment,
+            func.coalesce(TrialStimulus.speech, "").label("speech"),
+        )
+        .join(Trial, Trial.id == TrialStimulus.trial_id)
+        .where(TrialStimulus.number > 0)
+    )
+    trials = select(
+        Trial.id.label("trial"),
+        Trial.study_session_id.label("study_session"),
+        Trial.position,
+        Trial.kind,
+        Trial.part,
+        Trial.segment,
+        Trial.emotion,
+        Trial.speaker,
+        Trial.expected,
+        Trial.instructed,
+        Trial.seconds,
+        *((Trial.shown_at,) if in_full else ()),
+    )
+    place = (Trial.study_session_id, Trial.position)
+    numbers = dict.fromkeys(("expected", "instructed", "seconds"), "float64")
     return StoredAnswers(
         study_sessions=_study_sessions(session, in_full),
-        trials=_trials(session, chosen, in_full).merge(
-            _watched(session, chosen), on="trial", how="left"
-        ),
-        answers=_frame(
-            session,
-            select(
-                Response.trial_id.label("trial"),
-                Response.question,
-                func.coalesce(Response.stimulus, 0).label("stimulus"),
-                Response.value,
-                *((Response.reasons, Response.answered_at) if in_full else ()),
-            )
-            .join(Trial, Trial.id == Response.trial_id)
-            .join(StudySession, StudySession.id == Trial.study_session_id)
-            .where(chosen)
-            .order_by(StudySession.id, Trial.position, Response.id),
-        ),
-        stimuli=_frame(
-            session,
-            _in_answered_trials(
-                select(
-                    TrialStimulus.trial_id.label("trial"),
-                    TrialStimulus.number,
-                    TrialStimulus.condition,
-                    TrialStimulus.segment,
-                    func.coalesce(TrialStimulus.speech, "").label("speech"),
-                )
-                .join(Trial, Trial.id == TrialStimulus.trial_id)
-                .where(TrialStimulus.number > 0),
-                chosen,
-            ).order_by(TrialStimulus.trial_id, TrialStimulus.number),
-        ),
+        trials=_frame(session, trials, chosen, *place)
+        .astype(numbers)
+        .merge(_watched(session, chosen), on="trial", how="left"),
+        answers=_frame(session, answers, chosen, *place, Response.id),
+        stimuli=_frame(session, stimuli, chosen, TrialStimulus.trial_id, TrialStimulus.number),
         looks=_looks(session),
         more_places=current_intake(session).more_places,
         screened_out=count_screened_out(session),
@@ -251,30 +258,6 @@ def _study_sessions(session: Session, in_full: bool) -> pd.DataFrame:
     return frame.astype(dict.fromkeys(booleans, bool))
 
 
-def _trials(session: Session, chosen: ColumnElement[bool], in_full: bool) -> pd.DataFrame:
-    frame = _frame(
-        session,
-        _in_answered_trials(
-            select(
-                Trial.id.label("trial"),
-                Trial.study_session_id.label("study_session"),
-                Trial.position,
-                Trial.kind,
-                Trial.part,
-                Trial.segment,
-                Trial.emotion,
-                Trial.speaker,
-                Trial.expected,
-                Trial.instructed,
-                Trial.seconds,
-                *((Trial.shown_at,) if in_full else ()),
-            ),
-            chosen,
-        ).order_by(Trial.study_session_id, Trial.position),
-    )
-    return frame.astype(dict.fromkeys(("expected", "instructed", "seconds"), "float64"))
-
-
 def _in_answered_trials(
     query: Select[*tuple[object, ...]], chosen: ColumnElement[bool]
 ) -> Select[*tuple[object, ...]]:
@@ -284,10 +267,15 @@ def _in_answered_trials(
     )
 
 
-def _frame(session: Session, query: Select[*tuple[object, ...]]) -> pd.DataFrame:
+def _frame(
+    session: Session,
+    query: Select[*tuple[object, ...]],
+    chosen: ColumnElement[bool],
+    *order: InstrumentedAttribute[Any],
+) -> pd.DataFrame:
     names = [column.key for column in query.selected_columns]
     blocks = []
-    result = session.execute(query)
+    result = session.execute(_in_answered_trials(query, chosen).order_by(*order))
     while rows := result.fetchmany(BATCH_ROWS):
         blocks.append(pd.DataFrame(rows, columns=names))
     return pd.concat(blocks, ignore_index=True) if blocks else pd.DataFrame(columns=names)
