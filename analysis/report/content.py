@@ -124,13 +124,8 @@ class FigureText:
     data: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
-class PlayablePair:
-    """Two motions that play side by side, in `element`, with a table of their metrics if any."""
-
-    element: Markup
-    caption: str
-    table: Table | None
+PlayablePair = tuple[Markup, str, Table | None]
+"""Two motions that play side by side: their element, a caption, and their metrics if any."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 import pandas as pd
@@ -35,7 +35,7 @@ from analysis.stats.agreement import (
     krippendorff_alpha,
     retest_agreement,
 )
-from analysis.stats.clustered_mean import Estimate, Interval, clustered_mean
+from analysis.stats.clustered_mean import Estimate, clustered_mean
 from analysis.stats.intraclass import Intraclass, intraclass_correlation
 from analysis.stats.rankings import Placements, placements, rank_summaries
 from motion.arrays import Ints
@@ -44,8 +44,8 @@ Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeadlineNumber(Estimate):
-    """A win share of a, a share of preferences for a's own speech, or a's mean rating or rank.
+class Sensitivity:
+    """How much one headline number depends on exclusions.
 
     Attributes
     ----------
@@ -53,29 +53,11 @@ class HeadlineNumber(Estimate):
         None if the table has no sets.
     question : str
         The question's name.
-    a, b : str
-        The condition, and the one that it is compared with; b is empty if there is none.
-    measure : {'win_share', 'own_speech', 'mean_rating', 'mean_rank'}
-        The kind of number; a share counts ties as one half.
-    """
-
-    set: str | None
-    question: str
-    a: str
-    b: str = ""
-    measure: Measure
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sensitivity:
-    """How much one headline number depends on exclusions.
-
-    Attributes
-    ----------
-    set, question, measure
-        As in `HeadlineNumber`.
     conditions : tuple of str
         The condition, or a and b.
+    measure : {'win_share', 'own_speech', 'mean_rating', 'mean_rank'}
+        A win share of a, a share of preferences for the own speech, or a mean rating or rank; a
+        share counts ties as one half.
     analysed : Estimate
         The estimate as it is reported.
     as_planned : Estimate
@@ -99,27 +81,21 @@ class Sensitivity:
         return str(self.analysed) == str(self.as_planned)
 
 
-def headline_numbers(table: AnswerTable, answers: pd.DataFrame) -> tuple[HeadlineNumber, ...]:
-    """Return the headline numbers of a selection of a table's answers.
+def headline_numbers(table: AnswerTable, answers: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """Yield the headline numbers of a selection of a table's answers.
 
-    Pages show them before the end of a study: estimates and intervals, without p.
+    Pages show them before the end of a study.
 
-    Returns
-    -------
-    tuple of HeadlineNumber
+    Yields
+    ------
+    dict
+        The fields of an `Estimate`; set, question, a, b ('' for a single condition) and measure.
         In the order of sets, questions and conditions.
     """
-    return tuple(
-        HeadlineNumber(
-            **vars(estimate),
-            set=key.set,
-            question=key.question,
-            a=key.names[0],
-            b="".join(key.names[1:]),
-            measure=MEASURES[table.protocol],
-        )
-        for key, estimate in _estimates(table, answers)
-    )
+    for key, estimate in _estimates(table, answers):
+        a, b = (*key.names, "")[:2]
+        subject = {"set": key.set, "question": key.question, "a": a, "b": b}
+        yield vars(estimate) | subject | {"measure": MEASURES[table.protocol]}
 
 
 def sensitivity(table: AnswerTable, left_out: LeftOut) -> tuple[Sensitivity, ...]:
@@ -210,32 +186,6 @@ class Agreement(Alpha):
     icc: Intraclass
 
 
-@dataclass(frozen=True, kw_only=True)
-class AgreedSoFar(Interval):
-    """Agreement of participants on one question, with one another and with themselves.
-
-    Attributes
-    ----------
-    set : str or None
-        None if the study has no sets.
-    question : str
-        The question's name.
-    measure : {'alpha', 'w'}
-        Krippendorff's alpha for ordered answers; for rankings, Kendall's W.
-    n, participants : int
-        Number of answers (for rankings, of orders) and of participants.
-    retest : Retest or None
-        Practice trials against their repeats; None for rankings, which have no repeats.
-    """
-
-    set: str | None
-    question: str
-    measure: Literal["alpha", "w"]
-    n: int
-    participants: int
-    retest: Retest | None = None
-
-
 def agreement_of(answers: pd.DataFrame) -> Agreement:
     """Return the agreement of participants on segments' conditions or comparisons.
 
@@ -289,41 +239,42 @@ def _signed_values(answers: pd.DataFrame) -> Ints:
     return answers["value"].to_numpy().astype(np.int64)
 
 
-def agreed_so_far(table: AnswerTable, left_out: LeftOut) -> tuple[AgreedSoFar, ...]:
-    """Return the agreement of the analysed participants, question by question.
+def agreed_so_far(table: AnswerTable, left_out: LeftOut) -> Iterator[dict[str, Any]]:
+    """Yield the agreement of the analysed participants, question by question.
 
     It does not reveal what they prefer: it would be the same if all answers were reversed.
+
+    Yields
+    ------
+    dict
+        The fields of an `Interval`; set and question; measure, 'alpha' (Krippendorff's, for ordered
+        answers) or 'w' (Kendall's, for rankings); n answers (orders) and participants; retest, None
+        for rankings, which have no repeats.
     """
     with_practice = {
         (set_name, question): part
         for set_name, question, part in split_by_question(table, left_out.kept)
     }
-    agreements = []
     for set_name, question, answers in split_by_question(table, left_out.analysed):
         agreement: Agreement | Concordance
         if table.protocol == "ranking":
             rankings = placements_of(answers)
-            agreement, retest = concordance(rankings), None
+            agreement, measure, retest = concordance(rankings), "w", None
             n, participants = len(rankings.ranks), len(np.unique(rankings.participants))
         else:
-            agreement = agreement_of(answers)
+            agreement, measure = agreement_of(answers), "alpha"
             retest = retest_of(with_practice[set_name, question])
             n, participants = agreement.n, agreement.participants
-        agreements.append(
-            AgreedSoFar(
-                set=set_name,
-                question=question,
-                measure="alpha" if retest else "w",
-                estimate=agreement.estimate,
-                low=agreement.low,
-                high=agreement.high,
-                n=n,
-                participants=participants,
-                reason="" if agreement.has_interval else agreement.reason,
-                retest=retest,
-            )
-        )
-    return tuple(agreements)
+        yield {
+            **{name: getattr(agreement, name) for name in ("estimate", "low", "high")},
+            "reason": "" if agreement.has_interval else agreement.reason,
+            "set": set_name,
+            "question": question,
+            "measure": measure,
+            "n": n,
+            "participants": participants,
+            "retest": retest,
+        }
 
 
 def placements_of(answers: pd.DataFrame) -> Placements:

@@ -41,8 +41,8 @@ class Document(BaseModel):
     answered, analysed : int
         Participants with at least one analysable answer, and those whom no rule excludes.
     rows : tuple of dict
-        Plain data of `analysis.results.headline.AgreedSoFar` for each question, or of each
-        `HeadlineNumber`; with the `task` of the analysis, and an empty `set` if there is one.
+        Rows of `analysis.results.headline.agreed_so_far` or `headline_numbers`, with the `task` of
+        the analysis; `set` is empty without sets.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)

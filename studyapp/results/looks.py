@@ -6,13 +6,13 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing, suppress
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, Literal
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from analysis.results.headline import AgreedSoFar, HeadlineNumber, agreed_so_far, headline_numbers
+from analysis.results.headline import agreed_so_far, headline_numbers
 from analysis.results.report import plain
 from analysis.stats.multiple_testing import NOT_LOGGED, Look, LooksBefore, looks_before
 from motion.errors import InputError
@@ -118,9 +118,7 @@ def study_state(study: Study, stored: StoredAnswers) -> StudyState:
     )
 
 
-SUMMARIES: Final[
-    Mapping[str, Callable[[AnalysedTask], Iterable[AgreedSoFar] | Iterable[HeadlineNumber]]]
-] = {
+SUMMARIES: Final[Mapping[str, Callable[[AnalysedTask], Iterable[dict[str, Any]]]]] = {
     "agreement": lambda task: agreed_so_far(task.table, task.left_out),
     "results": lambda task: headline_numbers(task.table, task.left_out.analysed),
 }
@@ -155,11 +153,10 @@ def figures_so_far(folder: StudyFolder, what: str) -> Document:
     )
 
 
-def _row(task: str, number: AgreedSoFar | HeadlineNumber) -> dict[str, Any]:
+def _row(task: str, number: Mapping[str, Any]) -> dict[str, Any]:
     """Return a number for pages, without its p value, which assumes that there is no early look."""
-    names = [field.name for field in fields(number) if field.name != "p_value"]
-    row = {name: plain(getattr(number, name)) for name in names}
-    return row | {"task": task, "set": number.set or ""}
+    row = {name: plain(value) for name, value in number.items() if name != "p_value"}
+    return row | {"task": task, "set": number["set"] or ""}
 
 
 PROCESSOR_SECONDS: Final = 120

@@ -93,15 +93,14 @@ def dot_of(
 
 
 class Part(NamedTuple):
-    """One part of a bar: its percentage, its colour, and the answers in words."""
+    """One part of a bar: its percentage, and the answers in words."""
 
     percent: float
-    colour: str
     words: str
 
 
 class Bar(NamedTuple):
-    """A bar's parts in the order of the legend, an estimate next to it, and its left end."""
+    """A bar's parts, the first ones of the legend, an estimate next to it, and its left end."""
 
     parts: Sequence[Part] = ()
     dot: Dot = Dot()
@@ -161,7 +160,7 @@ def bar_pictures(
         inches = (panel.inches - _ANNOTATION_WIDTH) * _WIDTHS[0] - 0.1
         for number, (row, bar) in enumerate(zip(rows, panels[question], strict=True)):
             words = "no answers"
-            _draw_bar(left, number, bar, bar_scale, inches)
+            _draw_bar(left, number, bar, [*legend.values()], bar_scale, inches)
             if bar.parts:
                 _draw_dot(right, number, bar.dot, INK, "o")
                 annotate_row(right, number, bar.dot.words, bar.dot.below, bold=True)
@@ -177,15 +176,17 @@ def bar_pictures(
     )
 
 
-def _draw_bar(axes: Axes, row: int, bar: Bar, scale: Scale, inches: float) -> None:
+def _draw_bar(
+    axes: Axes, row: int, bar: Bar, colours: Sequence[str], scale: Scale, inches: float
+) -> None:
     low, high = scale.limits or (0.0, 100.0)
     if not bar.parts:
         axes.text((low + high) / 2, row, "no answers", ha="center", va="center", fontsize=7.5)
     left = bar.start
-    for part in bar.parts:
-        axes.barh(row, part.percent, left=left, height=0.66, color=part.colour)
+    for part, colour in zip(bar.parts, colours, strict=False):
+        axes.barh(row, part.percent, left=left, height=0.66, color=colour)
         if part.percent / (high - low) * inches >= _NUMBERED_WIDTH:
-            _write(axes, left + part.percent / 2, row, f"{part.percent:.0f}", part.colour, 7.0)
+            _write(axes, left + part.percent / 2, row, f"{part.percent:.0f}", colour, 7.0)
         left += part.percent
 
 

@@ -228,8 +228,8 @@ def _answer_facts(report: TableReport, subject: Subject) -> dict[str, object]:
     }
 
 
-def _omnibus_tests(report: TableReport) -> list[str]:
-    """Return the tests of all conditions together, if strengths or worths are tested."""
+def _omnibus_tests(report: TableReport) -> list[Row[Any]]:
+    """Return the models with a test of all conditions, if strengths or worths are tested."""
     match report.results:
         case PairwiseResults(decided_by="strengths", bradley_terry=strengths):
             models: list[Row[Any]] = [*strengths.rows()]
@@ -237,13 +237,7 @@ def _omnibus_tests(report: TableReport) -> list[str]:
             models = [*worths.rows()]
         case _:
             return []
-    return [
-        f"on {wording.name(row.question)}"
-        + (f" in set “{wording.name(row.set)}”" if row.set else "")
-        + f" ({wording.f_test(row.result.omnibus)})"
-        for row in models
-        if not math.isnan(row.result.omnibus.p_value)
-    ]
+    return [row for row in models if not math.isnan(row.result.omnibus.p_value)]
 
 
 def methods_section(report: TableReport, subject: Subject) -> Section:

@@ -143,12 +143,10 @@ def distribution_pictures(
 
 
 def _rating_bar(rated: RatedCondition) -> Bar:
-    shares = [(score, count, 100 * count / rated.n) for score, count in rated.counts.items()]
-    coloured = zip(shares, scale_colours(len(shares)), strict=True)
-    parts = (
-        Part(percent, colour, f"score {score}: {count} of {rated.n} ratings ({percent:.0f}%)")
-        for (score, count, percent), colour in coloured
-    )
+    parts = []
+    for score, count in rated.counts.items():
+        percent = 100 * count / rated.n
+        parts.append(Part(percent, f"score {score}: {count} of {rated.n} ratings ({percent:.0f}%)"))
     return bar_of(parts, rated)
 
 
@@ -267,7 +265,7 @@ def _place_pictures(
     on_first = [c for c in conditions if c.question == conditions[0].question]
     best_first = sorted(on_first, key=lambda c: c.mean_rank.estimate)
     names = dict.fromkeys(c.condition for c in (*best_first, *conditions))
-    panels, rows = condition_bars(conditions, names, lambda c: _ranking_bar(c, places))
+    panels, rows = condition_bars(conditions, names, _ranking_bar)
     return bar_pictures(
         panels,
         rows,
@@ -278,13 +276,14 @@ def _place_pictures(
     )
 
 
-def _ranking_bar(ranked: RankedCondition, places: int) -> Bar:
-    coloured = zip(ranked.rank_percent.items(), place_colours(places), strict=False)
-    parts = (
-        Part(percent, colour, f"{ordinal(place)} in {percent:.0f}% of {ranked.n} rankings")
-        for (place, percent), colour in coloured
+def _ranking_bar(ranked: RankedCondition) -> Bar:
+    return bar_of(
+        [
+            Part(percent, f"{ordinal(place)} in {percent:.0f}% of {ranked.n} rankings")
+            for place, percent in ranked.rank_percent.items()
+        ],
+        ranked.mean_rank,
     )
-    return bar_of(parts, ranked.mean_rank)
 
 
 def _are_tied(conditions: Sequence[RankedCondition]) -> bool:

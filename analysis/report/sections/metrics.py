@@ -14,7 +14,7 @@ from typing import Final
 
 from analysis.metrics.scores import ConditionScore, MetricResult, StudyMetrics
 from analysis.report import wording
-from analysis.report.content import PlayablePair, Section, Subject, Table
+from analysis.report.content import Section, Subject, Table
 from analysis.report.sections.metric_table import ARROWS, Systems, TableColumn, metric_table
 from analysis.report.texts import paragraphs, table, template_file
 from analysis.results.heterogeneity import PreferredPair
@@ -171,10 +171,10 @@ def played_pairs_section(subject: Subject) -> Section | None:
         paragraphs=paragraphs("metrics.played_pairs") if motion.pairs else (),
         bullets=motion.left_out,
         playable=tuple(
-            PlayablePair(
-                element=element,
-                caption=_caption(pair, subject),
-                table=_metrics_of_pair(pair, subject.metrics, subject.protocol),
+            (
+                element,
+                _caption(pair, subject),
+                _metrics_of_pair(pair, subject.metrics, subject.protocol),
             )
             for pair, element in motion.pairs
         ),

@@ -347,13 +347,15 @@ def preference_pictures(group: PreferenceGroup, text: FigureText) -> tuple[Pictu
 def _bar(group: PreferenceGroup, row: PreferenceRow | None) -> Bar:
     if row is None or not row.result.n:
         return Bar()
-    percents, names = row.percentages, group.levels(*row.names)
-    parts = zip(percents, DIVERGING, row.levels, names, strict=True)
+    percents = row.percentages
+    parts = [
+        Part(percent, f"{level}: {count} of {row.result.n} answers ({percent:.0f}%)")
+        for percent, count, level in zip(
+            percents, row.levels, group.levels(*row.names), strict=True
+        )
+    ]
     return bar_of(
-        (
-            Part(percent, colour, f"{level}: {count} of {row.result.n} answers ({percent:.0f}%)")
-            for percent, colour, count, level in parts
-        ),
+        parts if group.is_graded else parts[1:-1],
         row.result.win_share,
         wording.share,
         start=-(percents[0] + percents[1] + percents[2] / 2),

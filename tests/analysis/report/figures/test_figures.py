@@ -222,7 +222,7 @@ def rows(count: int) -> tuple[Row, ...]:
 @pytest.mark.parametrize(("questions", "count"), [(1, 1), (2, 12)])
 def test_bars(figures: list[Figure], questions: int, count: int) -> None:
     bar = bar_of(
-        (Part(percent=20.0, colour=colour, words="") for colour in DIVERGING),
+        [Part(20.0, "")] * 5,
         Estimate(estimate=0.98, low=0.9, high=1.0),
         lambda value: f"{11.5 + value:.2f}",
         start=-60,

@@ -173,7 +173,7 @@ def test_without_degrees_of_preference_none_are_named(analyse: Analyse) -> None:
     (section,) = headline(analyse("mismatch", table.assign(response=table["response"].clip(2, 4))))
     assert not [text for text in words(named_picture(section, "own-speech")) if "clearly" in text]
     said = told(named_picture(section, "own-speech"))
-    assert "slightly" not in said and ", own speech: " in said
+    assert "slightly" not in said and ": own speech: " in said
     assert "clear and slight" not in named_table(section, "own-speech").caption
 
 
