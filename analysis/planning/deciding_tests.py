@@ -1,26 +1,20 @@
-"""The tests by which a report decides, and quick approximations for many studies at once.
+"""The tests by which a report decides, for many studies at once.
 
-Where the report tests a mean, the quick test is the same. Where it fits a model, the quick test
-replaces it: the two nearly always agree, and their difference is measured on some studies.
+Ratings, and preferences of few participants or segments, are tested as in the report. A mean of
+graded preferences replaces the mixed model, and a fit to all studies at once that of each one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
-import pandas as pd
 
-from analysis.planning.part import Part
-from analysis.results.mixed_models import SidedAnswers, net_preference
+from analysis.planning.part import Part, Trials
 from analysis.results.preference import FEWEST
 from analysis.stats.clustered_mean import Clusters, clustered_variance, t_p_value
 from analysis.stats.multiple_testing import holm_rows
-from analysis.stats.strength_differences import difference_tests
-from analysis.stats.strength_models import plackett_luce
 from motion.arrays import Floats, Indices
 
 LEVEL: Final = 0.05
@@ -29,154 +23,16 @@ LEVEL: Final = 0.05
 ROUNDS: Final = 8
 """Number of random families in which each block is corrected."""
 
+LIKE_A_MODEL: Final = 1.5
+"""Factor of the degrees of freedom with which a mean of graded preferences finds as much as the
+mixed model, whose likelihood ratio is compared with a chi-square."""
 
-@dataclass(frozen=True, eq=False)
-class DecidingTests:
-    """The tests of one block of a part.
-
-    Attributes
-    ----------
-    part : Part
-        The part that is tested.
-    """
-
-    part: Part
-
-    @cached_property
-    def pairs(self) -> Sequence[tuple[int, int]]:
-        """The two conditions of each test."""
-        return self.part.trials.pairs
-
-    @cached_property
-    def by_model(self) -> tuple[bool, ...]:
-        """Whether a model decides each test; else a clustered mean does."""
-        if self.part.kind == "ratings":
-            return (False,) * len(self.pairs)
-        if self.part.kind == "rankings":
-            return (True,) * len(self.pairs)
-        return tuple(self._groups(rows) >= FEWEST for rows in self._rows)
-
-    @cached_property
-    def _rows(self) -> list[Indices]:
-        return [self.part.trials.of_pair(a, b) for a, b in self.pairs]
-
-    def _groups(self, rows: Indices) -> int:
-        """Return the number of participants or of items in these trials, whichever is smaller."""
-        trials = self.part.trials
-        return min(len(np.unique(codes[rows])) for codes in (trials.participants, trials.items))
-
-    def quick(self, answers: Floats) -> BlockTests:
-        """Test all studies in `answers`, which come from `simulate_answers`."""
-        tests = [
-            self._clustered(answers, rows, pair, modelled)
-            for rows, pair, modelled in zip(self._rows, self.pairs, self.by_model, strict=True)
-        ]
-        means, p_values = (np.column_stack(column) for column in zip(*tests, strict=True))
-        return BlockTests(p_values=p_values, signs=np.sign(means))
-
-    def exact(self, answers: Floats) -> BlockTests:
-        """Test each study in `answers` by the models that decide in the report."""
-        results = self.quick(answers)
-        for study, study_answers in enumerate(answers):
-            if self.part.kind == "rankings":
-                results.p_values[study], results.signs[study] = self._worth_tests(study_answers)
-                continue
-            for test, (rows, modelled) in enumerate(zip(self._rows, self.by_model, strict=True)):
-                if modelled:
-                    net = net_preference(self._sided(study_answers, rows))
-                    results.p_values[study, test] = net.p_value
-                    results.signs[study, test] = np.sign(net.estimate)
-        return results
-
-    def _clustered(
-        self, answers: Floats, rows: Indices, pair: tuple[int, int], modelled: bool
-    ) -> tuple[Floats, Floats]:
-        participants, items = self.part.trials.participants[rows], self.part.trials.items[rows]
-        if self.part.kind == "pairs":
-            # The report's win share; for a model, graded scores, which approximate it better.
-            preferences = answers[:, rows]
-            return clustered_tests(
-                preferences if modelled else np.sign(preferences) / 2, participants, items
-            )
-        scores = _savage_scores(answers) if modelled else answers
-        a, b = pair
-        return clustered_tests(scores[..., a] - scores[..., b], participants, items)
-
-    def _sided(self, preferences: Floats, rows: Indices) -> SidedAnswers:
-        trials, signed = self.part.trials, preferences[rows].astype(np.int64)
-        left, right = trials.sides
-        on_right = (left > right)[rows]
-        return SidedAnswers(
-            responses=3 + np.where(on_right, signed, -signed),
-            on_right=on_right,
-            participants=trials.participants[rows],
-            segments=trials.items[rows],
-        )
-
-    def _worth_tests(self, ranks: Floats) -> tuple[Floats, Floats]:
-        """Return p values and signs of the differences of worths."""
-        trials = self.part.trials
-        count, width = ranks.shape
-        names = [str(number) for number in range(width)]
-        fit = plackett_luce(
-            pd.DataFrame(
-                {
-                    "ranking": np.repeat(np.arange(count), width),
-                    "participant": np.repeat(trials.participants, width),
-                    "segment": np.repeat(trials.items, width),
-                    "condition": np.tile(names, count),
-                    "rank": ranks.ravel(),
-                }
-            ),
-            names,
-        )
-        first, second = np.array(self.pairs).T
-        signs = np.sign(fit.strengths[first] - fit.strengths[second])
-        if fit.two_way is None:
-            return np.full(len(self.pairs), np.nan), signs
-        return difference_tests(fit.strengths, fit.two_way)[first, second], signs
+_STEPS: Final = 50
+_CLOSE: Final = 1e-6
 
 
-def clustered_tests(values: Floats, participants: Indices, items: Indices) -> tuple[Floats, Floats]:
-    """Test whether the means of many studies of one design are zero.
-
-    The same as `analysis.stats.clustered_mean.clustered_mean` of each row.
-
-    Parameters
-    ----------
-    values : ndarray, shape (studies, N)
-        Answers, 0 for no preference.
-    participants, items : ndarray of int, shape (N,)
-        The participant and the item of each answer.
-
-    Returns
-    -------
-    tuple of ndarray, shape (studies,)
-        The means, and the two-sided p values; NaN if a study has no test.
-    """
-    if not values.shape[1]:
-        missing = np.full(len(values), np.nan)
-        return missing, missing
-    clusters = Clusters.of(participants, items)
-    means = values.mean(axis=1)
-    influences = (values - means[:, None]).T / values.shape[1]
-    variance = clustered_variance(influences, clusters.participants, clusters.segments)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        t = np.abs(means) / np.sqrt(variance.variance)
-    p_values = t_p_value(t, variance.df)
-    p_values[np.ptp(values, axis=1) == 0] = np.nan
-    return means, p_values
-
-
-def _savage_scores(ranks: Floats) -> Floats:
-    """Return Savage scores of ranks, the best highest, in place of a Plackett-Luce model."""
-    steps = np.cumsum(1 / np.arange(ranks.shape[-1], 0, -1))
-    return np.asarray(-steps[ranks.astype(np.intp) - 1], np.float64)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class BlockTests:
-    """P values and signs of tests, study by study.
+class BlockTests(NamedTuple):
+    """The tests of one block of a part, study by study.
 
     Attributes
     ----------
@@ -189,13 +45,110 @@ class BlockTests:
     p_values: Floats
     signs: Floats
 
-    @classmethod
-    def joined(cls, results: Sequence[BlockTests]) -> BlockTests:
-        """Return the results of all studies together."""
-        return cls(
-            p_values=np.concatenate([each.p_values for each in results]),
-            signs=np.concatenate([each.signs for each in results]),
-        )
+
+def block_tests(part: Part, answers: Floats) -> BlockTests:
+    """Test each pair of conditions in all studies in `answers`, as `simulate_answers` gives."""
+    trials = part.trials
+    if part.kind == "rankings":
+        return worth_tests(answers, trials)
+    tests = []
+    for a, b in trials.pairs:
+        rows, freedom = trials.of_pair(a, b), 1.0
+        participants, items = trials.participants[rows], trials.items[rows]
+        if part.kind == "ratings":
+            values = answers[..., a] - answers[..., b]
+        else:
+            values = answers[:, rows]
+            if min(len(np.unique(codes)) for codes in (participants, items)) < FEWEST:
+                values = np.sign(values) / 2
+            else:
+                freedom = LIKE_A_MODEL
+        tests.append(clustered_tests(values, participants, items, freedom))
+    means, p_values = (np.column_stack(column) for column in zip(*tests, strict=True))
+    return BlockTests(p_values=p_values, signs=np.sign(means))
+
+
+def clustered_tests(
+    values: Floats, participants: Indices, items: Indices, freedom: float = 1.0
+) -> tuple[Floats, Floats]:
+    """Test whether the means of many studies of one design are zero.
+
+    The same as `analysis.stats.clustered_mean.clustered_mean` of each row.
+
+    Parameters
+    ----------
+    values : ndarray, shape (studies, N)
+        Answers, 0 for no preference.
+    participants, items : ndarray of int, shape (N,)
+        The participant and the item of each answer.
+    freedom : float
+        Factor of the degrees of freedom.
+
+    Returns
+    -------
+    tuple of ndarray, shape (studies,)
+        The means, and the two-sided p values; NaN if a study has no test.
+    """
+    if not values.shape[1]:
+        missing = np.full(len(values), np.nan)
+        return missing, missing
+    means = values.mean(axis=1)
+    influences = (values - means[:, None]).T / values.shape[1]
+    p_values = _p_values(means, influences, Clusters.of(participants, items), freedom)
+    p_values[np.ptp(values, axis=1) == 0] = np.nan
+    return means, p_values
+
+
+def worth_tests(rankings: Floats, trials: Trials) -> BlockTests:
+    """Test the differences of Plackett and Luce's worths in many studies of complete rankings.
+
+    The same as `analysis.stats.strength_models.plackett_luce` of each study, but that the prior for
+    conditions that never lost is always used, and that all rankings have equal weight.
+
+    Parameters
+    ----------
+    rankings : ndarray, shape (studies, N, conditions)
+        Ranks from 1, without ties.
+    trials : Trials
+        The participant and the item of each ranking.
+    """
+    places = rankings.astype(np.intp) - 1
+    order = places.argsort(axis=2)
+    worths = np.zeros((len(places), trials.conditions))
+    own = np.arange(trials.conditions)
+    # The place down to which two conditions both remain to be chosen.
+    shared = np.minimum(places[..., None], places[..., None, :])
+    for _ in range(_STEPS):
+        weights, chance = np.exp(worths), 1 / (1 + np.exp(-worths))
+        of_places = np.take_along_axis(np.broadcast_to(weights[:, None], places.shape), order, 2)
+        remaining = of_places[..., ::-1].cumsum(axis=2)[..., ::-1]
+        chosen = np.take_along_axis((1 / remaining).cumsum(axis=2), places, 2) * weights[:, None]
+        both = np.take_along_axis((remaining**-2).cumsum(axis=2)[..., None, :], shared, 3)
+        information = -weights[:, :, None] * weights[:, None] * both.sum(axis=1)
+        information[:, own, own] += chosen.sum(axis=1) + chance * (1 - chance)
+        score = (1 - chosen).sum(axis=1) + 0.5 - chance
+        step = np.linalg.solve(information, score[..., None])[..., 0]
+        worths += np.clip(step, -1, 1)
+        if np.abs(step).max(initial=0.0) < _CLOSE:
+            break
+    influences = np.linalg.solve(information, (1 - chosen).swapaxes(1, 2))
+    clusters = Clusters.of(trials.participants, trials.items)
+    first, second = np.array(trials.pairs).T
+    differences = worths[:, first] - worths[:, second]
+    p_values = [
+        _p_values(difference, (influences[:, a] - influences[:, b]).T, clusters)
+        for difference, a, b in zip(differences.T, first, second, strict=True)
+    ]
+    return BlockTests(p_values=np.column_stack(p_values), signs=np.sign(differences))
+
+
+def _p_values(
+    estimates: Floats, influences: Floats, clusters: Clusters, freedom: float = 1.0
+) -> Floats:
+    """Return the p values of many estimates, shape (studies,), by influences (N, studies)."""
+    variance = clustered_variance(influences, clusters.participants, clusters.segments)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return t_p_value(estimates / np.sqrt(variance.variance), freedom * variance.df)
 
 
 def decided_by_holm(
@@ -211,7 +164,7 @@ def decided_by_holm(
         The family's other blocks, corrected together with each block: for each part, p values of
         simulated blocks, and how many of them to draw.
     seed : int
-        Seed for drawing the other blocks; use the same for results that are compared.
+        Seed for drawing the other blocks.
     """
     generator = np.random.default_rng(seed)
     blocks, tests = p_values.shape
@@ -228,7 +181,7 @@ def decided_by_holm(
 
 
 def detection_shares(
-    results: BlockTests, decided: Floats, true: Sequence[bool], *, effect: float
+    signs: Floats, decided: Floats, true: Sequence[bool], *, effect: float
 ) -> Floats:
     """Return the share of a block's true differences that are found, shape (blocks,).
 
@@ -237,10 +190,12 @@ def detection_shares(
 
     Parameters
     ----------
+    signs, decided : ndarray, shape (blocks, tests)
+        Which condition comes out better, and the probability that the test is significant.
     true : sequence of bool
         Which tests compare conditions that differ if there is an effect.
     """
     if not effect:
         return np.asarray(decided.mean(axis=1), np.float64)
-    detected = np.where(results.signs > 0, decided, 0.0)[:, np.array(true, bool)]
+    detected = np.where(signs > 0, decided, 0.0)[:, np.array(true, bool)]
     return np.asarray(detected.mean(axis=1), np.float64)

@@ -22,34 +22,28 @@ from motion.arrays import Floats, Indices
 Kind = Literal["pairs", "ratings", "rankings"]
 
 THRESHOLDS: Final = (0.45, 1.6)
-"""Latent differences from which answers are slight, and clear."""
+"""Latent differences, in logits, from which answers are slight, and clear."""
+
+PREFERENCE_THRESHOLDS: Final = {2: (0.0,), 3: THRESHOLDS[:1], 5: THRESHOLDS}
+"""Thresholds of a graded preference, by the number of its levels."""
 
 RATING_THRESHOLDS: Final = (-1.6, -0.45, 0.45, 1.6)
 """Thresholds between five ratings on the latent scale."""
 
-PARTICIPANT_SD: Final = 0.6
-ITEM_SD: Final = 0.45
-"""Assumed standard deviations of the difference of two conditions, in logits."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Opinions:
-    """How people answer: assumed, or estimated from a pilot.
+    """How people are assumed to answer.
 
     Attributes
     ----------
     participant_sd, item_sd : float
         Standard deviation, over participants and over items, of the difference between two
         conditions, in logits.
-    slight, clear : float
-        Thresholds, in logits, from which a latent difference, noise included, is answered as
-        slight and as clear; ``0 < slight < clear``.
     """
 
-    participant_sd: float = PARTICIPANT_SD
-    item_sd: float = ITEM_SD
-    slight: float = THRESHOLDS[0]
-    clear: float = THRESHOLDS[1]
+    participant_sd: float = 0.6
+    item_sd: float = 0.45
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -200,7 +194,7 @@ def simulate_answers(
     if part.kind == "pairs":
         latent = _differences(trials, opinions, effect, studies, generator)
         latent += generator.logistic(size=latent.shape)
-        return grade_preferences(latent, preference_thresholds(part.levels, opinions))
+        return grade_preferences(latent, PREFERENCE_THRESHOLDS[part.levels])
     worth = _worths(trials, opinions, effect, studies, generator)
     if part.kind == "rankings":
         worth += generator.gumbel(size=worth.shape)
@@ -252,11 +246,6 @@ def _differences(
     return np.asarray(worth[:, rows, first] - worth[:, rows, second], np.float64)
 
 
-def preference_thresholds(levels: int, opinions: Opinions) -> tuple[float, ...]:
-    """Return the thresholds of a graded preference on the latent scale, in logits."""
-    return {2: (0.0,), 3: (opinions.slight,), 5: (opinions.slight, opinions.clear)}[levels]
-
-
 def rating_thresholds(levels: int) -> tuple[float, ...]:
     """Return the thresholds between the points of a rating scale, in logits.
 
@@ -277,7 +266,7 @@ def describe_effect(part: Part, opinions: Opinions, effect: float) -> str:
     """Return in words how people answer if one condition is better by `effect` logits."""
     spread = math.hypot(opinions.participant_sd, opinions.item_sd)
     if part.kind == "pairs":
-        tie = preference_thresholds(part.levels, opinions)[0]
+        tie = PREFERENCE_THRESHOLDS[part.levels][0]
         wins = _mean(expit(effect + spread * _NODES - tie))
         losses = _mean(expit(-effect - spread * _NODES - tie))
         return f"{wins:.0%} wins, {losses:.0%} losses"

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cache
 from itertools import product
 from typing import Final
 
 import numpy as np
 from scipy.stats import norm
 
-from analysis.planning.grid import Cell, Runner, Task, estimate_minutes, limit_effort
 from analysis.planning.part import Opinions, Size, describe_effect
-from analysis.planning.power import Effort, Power
+from analysis.planning.power import STUDIES, Power, simulate_power
 
 TARGET_POWER: Final = 0.8
 """The power at which a plan aims."""
@@ -48,14 +48,12 @@ class Request:
         Where `opinions` come from, in words.
     excluded : float
         Share of participants who will be excluded.
-    effort : Effort
-        How much is simulated.
-    minutes : float
-        Approximate time limit, on two processors.
     seed : int
         The same seed gives the same numbers.
     notes : tuple of str
         Further sentences about the study.
+    studies : int
+        Simulated studies of each size and effect.
     """
 
     size: Callable[[int, int], Size]
@@ -67,10 +65,25 @@ class Request:
     opinions: Opinions
     source: str
     excluded: float
-    effort: Effort
-    minutes: float
     seed: int
     notes: tuple[str, ...] = ()
+    studies: int = STUDIES
+
+    def powers(self, size: Size, effect: float) -> tuple[Power, ...]:
+        """Simulate the studies of one size, and return the power of each part.
+
+        The noise is the same for every effect, so that powers rise smoothly with it.
+        """
+        seed = (self.seed, *size.numbers)
+        return simulate_power(size.parts, self.opinions, effect, seed, self.studies)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """The power of a study of one size for one effect, by part."""
+
+    size: Size
+    powers: tuple[Power, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,8 +124,6 @@ class Plan:
         Number of tests that are corrected together, by part.
     smallest : tuple of Smallest
         The smallest difference of each part; empty if there is no study yet.
-    cut : str
-        A sentence about effort that was cut; empty if none was.
     """
 
     request: Request
@@ -120,7 +131,6 @@ class Plan:
     meanings: dict[tuple[str, float], str]
     tests: dict[str, int]
     smallest: tuple[Smallest, ...]
-    cut: str
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -136,28 +146,18 @@ class Plan:
         )
 
 
-def plan(request: Request, runner: Runner) -> Plan:
-    """Simulate everything requested."""
+def plan(request: Request, show: Callable[[int, int], None] | None = None) -> Plan:
+    """Simulate everything requested; `show` gets the numbers of finished and of all cells."""
     sizes = {(p, i): request.size(p, i) for i, p in product(request.items, request.participants)}
-    requested = [
-        Task(
-            size=size,
-            effect=effect,
-            opinions=request.opinions,
-            effort=request.effort,
-            seed=request.seed,
-        )
-        for size in sizes.values()
-        for effect in request.effects
-    ]
-    tasks = limit_effort(requested, request.minutes)
-    cells = runner.cells(tasks)
+    cells: list[Cell] = []
+    for size, effect in product(sizes.values(), request.effects):
+        cells.append(Cell(size=size, powers=request.powers(size, effect)))
+        if show is not None:
+            show(len(cells), len(sizes) * len(request.effects))
     smallest: tuple[Smallest, ...] = ()
     if request.current is not None:
-        size = sizes.get(request.current) or request.size(*request.current)
-        # The search spends at most as much effort as any cell.
-        task = replace(min(tasks, key=lambda task: task.effort.quick), size=size)
-        smallest = _smallest(task, cells, replace(runner, show=None))
+        own_size = sizes.get(request.current) or request.size(*request.current)
+        smallest = _smallest(request, own_size, cells)
     first = next(iter(sizes.values()))
     return Plan(
         request=request,
@@ -172,27 +172,26 @@ def plan(request: Request, runner: Runner) -> Plan:
             for part in first.parts
         },
         smallest=smallest,
-        cut=_cut(request, requested, tasks),
     )
 
 
-def _smallest(task: Task, cells: Sequence[Cell], runner: Runner) -> tuple[Smallest, ...]:
-    """Search for the smallest difference that a study of the size of `task` finds, by part."""
+def _smallest(request: Request, size: Size, cells: Sequence[Cell]) -> tuple[Smallest, ...]:
+    """Search for the smallest difference that a study of one size finds, by part."""
+    powers = cache(lambda effect: request.powers(size, effect))
     smallest = []
-    for number, part in enumerate(task.size.parts):
+    for number, part in enumerate(size.parts):
 
         def power_at(effect: float, number: int = number) -> float:
-            (cell,) = runner.cells([replace(task, effect=effect)])
-            return cell.powers[number].power
+            return powers(effect)[number].power
 
-        known = [cell.powers[number] for cell in cells if cell.size.numbers == task.size.numbers]
-        powers = {power.effect: power.power for power in known if power.effect > 0}
-        effect, reason = smallest_effect(powers or {_FIRST: power_at(_FIRST)}, power_at)
+        known = [cell.powers[number] for cell in cells if cell.size.numbers == size.numbers]
+        found = {power.effect: power.power for power in known if power.effect > 0}
+        effect, reason = smallest_effect(found or {_FIRST: power_at(_FIRST)}, power_at)
         smallest.append(
             Smallest(
                 part=part.name,
                 effect=effect,
-                in_answers="" if reason else describe_effect(part, task.opinions, effect),
+                in_answers="" if reason else describe_effect(part, request.opinions, effect),
                 reason=reason,
             )
         )
@@ -200,21 +199,6 @@ def _smallest(task: Task, cells: Sequence[Cell], runner: Runner) -> tuple[Smalle
 
 
 _FIRST: Final = 0.4
-
-
-def _cut(request: Request, requested: Sequence[Task], tasks: Sequence[Task]) -> str:
-    if tasks[0].effort == requested[0].effort:
-        return ""
-    effort = tasks[0].effort
-    minutes = estimate_minutes(tasks)
-    warning = (
-        f", which still takes about {math.ceil(minutes)}" if minutes > 1.2 * request.minutes else ""
-    )
-    return (
-        f"Each power rests on {effort.quick:,} simulated studies instead of "
-        f"{request.effort.quick:,}, and on at most {effort.exact} fitted models, to take about "
-        f"{request.minutes:g} minutes{warning}."
-    )
 
 
 def smallest_effect(

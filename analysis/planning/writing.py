@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
+from matplotlib.ticker import NullLocator
 
-from analysis.planning.grid import Cell
-from analysis.planning.plan import TARGET_POWER, Plan
+from analysis.planning.plan import TARGET_POWER, Cell, Plan
 from analysis.planning.power import Power
 from analysis.report.figures.panels import Panel, PanelFigure, draw_sheet
-from analysis.report.figures.style import FORMATS, INK, LINE, SOFT, as_file, series_style
+from analysis.report.figures.style import FORMATS, LINE, SOFT, as_file, series_style
 from analysis.report.texts import paragraphs
 from analysis.report.wording import count, share
 from motion.files import replacing, write_frame
-
-CELLS: Final = ".simulated"
-"""Folder next to a plan's files that keeps simulated cells."""
 
 _WIDE: Final = 32
 
@@ -58,10 +54,7 @@ def power_table(plan: Plan) -> pd.DataFrame:
                 "in_answers": plan.meanings[power.part, power.effect],
                 "power": round(power.power, 4),
                 "error": round(power.error, 4),
-                "power_if_alone": round(power.alone, 4),
                 "power_uncorrected": round(power.uncorrected, 4),
-                "studies": power.studies,
-                "modelled": power.modelled,
                 "reason": power.reason,
             }
             table.append(part | row)
@@ -110,56 +103,38 @@ def power_figure(plan: Plan) -> Figure:
         return ()
 
     legend = [
-        _line(place, [], [], label=count(items, "segment"))
+        Line2D([], [], label=count(items, "segment"), **_line_style(place))
         for place, items in enumerate(plan.request.items)
     ]
-    if _own_size(plan) is not None:
-        legend.append(_ring([], [], label="the study as it stands"))
-    columns = min(3, len(plan.request.effects))
     panel_figure = PanelFigure(
         titles=[*panels],
         draw=draw,
         height=_HEIGHT,
-        columns=columns,
+        columns=min(3, len(plan.request.effects)),
         legend=legend,
     )
     return draw_sheet(panel_figure, list(panels)).figure
 
 
-def _own_size(plan: Plan) -> tuple[int, int] | None:
-    """Return participants and segments of the study as it stands, if that size is drawn."""
-    request, current = plan.request, plan.request.current
-    if current is None or current[0] not in request.participants or current[1] not in request.items:
-        return None
-    return current
-
-
 def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
     axes.axhline(TARGET_POWER, color=SOFT, linewidth=0.8, linestyle=(0, (2, 2)), zorder=1)
-    participants, own_size = sorted(set(plan.request.participants)), _own_size(plan)
+    participants = plan.request.participants
     for place, items in enumerate(plan.request.items):
         powers = [plan.power(number, count, items, effect) for count in participants]
-        values = [power.power for power in powers]
-        colour, _ = series_style(place)
-        axes.add_line(_line(place, participants, values))
         # Two standard errors, within [0, 1].
-        margins = [
-            [min(2 * power.error, power.power) for power in powers],
-            [min(2 * power.error, 1 - power.power) for power in powers],
-        ]
-        axes.errorbar(participants, values, yerr=margins, fmt="none", ecolor=colour, elinewidth=0.8)
-        if own_size is not None and own_size[1] == items:
-            count = own_size[0]
-            ringed = [
-                power for power, each in zip(values, participants, strict=True) if each == count
-            ]
-            axes.add_line(_ring([count] * len(ringed), ringed))
+        below = [min(2 * power.error, power.power) for power in powers]
+        above = [min(2 * power.error, 1 - power.power) for power in powers]
+        axes.errorbar(
+            participants,
+            [power.power for power in powers],
+            yerr=[below, above],
+            elinewidth=0.8,
+            **_line_style(place),
+        )
     axes.set_ylim(0, 1)
     axes.set_yticks([0, 0.2, 0.4, 0.6, 0.8, 1], ["0", ".2", ".4", ".6", ".8", "1"])
     axes.set_xscale("log")
-    axes.xaxis.set_major_locator(FixedLocator(participants))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xticks(participants, [str(count) for count in participants])
     margin = 1.12
     axes.set_xlim(participants[0] / margin, participants[-1] * margin)
@@ -167,39 +142,17 @@ def _panel(axes: Axes, plan: Plan, number: int, effect: float) -> None:
     axes.set_axisbelow(True)
 
 
-def _line(
-    place: int, participants: Sequence[float], powers: Sequence[float], label: str = ""
-) -> Line2D:
+def _line_style(place: int) -> dict[str, Any]:
     colour, marker = series_style(place)
-    return Line2D(
-        participants,
-        powers,
-        color=colour,
-        marker=marker,
-        markersize=4,
-        linestyle=_DASHES[place % len(_DASHES)],
-        linewidth=1.3,
-        clip_on=False,
-        zorder=3,
-        label=label,
-    )
-
-
-def _ring(participants: Sequence[float], powers: Sequence[float], label: str = "") -> Line2D:
-    """Return a ring around the powers of the study as it stands."""
-    return Line2D(
-        participants,
-        powers,
-        marker="o",
-        markersize=9,
-        markerfacecolor="none",
-        markeredgecolor=INK,
-        markeredgewidth=0.9,
-        linestyle="none",
-        clip_on=False,
-        zorder=4,
-        label=label,
-    )
+    return {
+        "color": colour,
+        "marker": marker,
+        "markersize": 4,
+        "linestyle": _DASHES[place % len(_DASHES)],
+        "linewidth": 1.3,
+        "clip_on": False,
+        "zorder": 3,
+    }
 
 
 LITTLE: Final = 0.08
@@ -207,9 +160,6 @@ LITTLE: Final = 0.08
 
 SEEN: Final = 0.2
 """Powers below this do not show yet what more participants add."""
-
-APART: Final = 0.05
-"""Powers that differ by more than this are worth a sentence."""
 
 
 def plan_sentences(plan: Plan) -> tuple[str, ...]:
@@ -221,7 +171,7 @@ def plan_sentences(plan: Plan) -> tuple[str, ...]:
     ]
     tested = sorted({count for count in plan.tests.values() if count > 1})
     assumed = paragraphs("plan.assumed", request=plan.request, together=[*map(str, tested)])
-    return (*by_part, *assumed, *plan.request.notes, *([plan.cut] if plan.cut else []))
+    return (*by_part, *assumed, *plan.request.notes)
 
 
 def with_error(power: Power) -> str:
@@ -258,8 +208,6 @@ def _of_part(plan: Plan, number: int, part: str) -> tuple[str, ...]:
         smallest=[effect for effect in plan.smallest if effect.part == part],
         saturated=[*_saturated(plan, number)][:1],
         cheapest=[*_cheapest(plan, cells, part)],
-        alone=_alone(plan, number),
-        tests=plan.tests[part],
     )
 
 
@@ -316,11 +264,3 @@ def _cheapest(
         else:
             cell, power = max(known, key=lambda pair: pair[1].power)
         yield _logits(plan, part, effect), cell, power, bool(enough)
-
-
-def _alone(plan: Plan, number: int) -> Power | None:
-    """Return the power that differs most from that of a difference in one block of tests alone."""
-    size = plan.request.current or (plan.request.participants[0], plan.request.items[0])
-    powers = [cell.powers[number] for cell in plan.cells if cell.size.numbers == size]
-    differing = [power for power in powers if power.power - power.alone > APART]
-    return max(differing, key=lambda power: power.power - power.alone, default=None)

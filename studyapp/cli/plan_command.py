@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import click
 
-from studyapp.cli.arguments import Number, processes_option, study_folder
+from studyapp.cli.arguments import Number, study_folder
 from studyapp.cli.output import echo_note, echo_table, progress
 from studyapp.rehearsal import SPEED
 from studyapp.study.folder import StudyFolder
@@ -55,14 +54,7 @@ class _NumberListType(click.ParamType[tuple[Any, ...]]):
     metavar="X,…",
     help="Differences between conditions to try, in logits.  [default: 0.2,0.4,0.6]",
 )
-@click.option(
-    "--pilot",
-    type=click.Path(exists=True, path_type=Path),
-    help="A study folder with answers, or a table of answers for 'motionjury report --responses'; "
-    "variances and exclusion rates are estimated from it.",
-)
-@processes_option
-def command(folder: StudyFolder, processes: int, **options: Any) -> None:
+def command(folder: StudyFolder, **options: Any) -> None:
     """Simulate a study to find how many participants and segments it needs.
 
     Simulated participants answer the study in FOLDER in several sizes, and the report's own tests
@@ -73,7 +65,7 @@ def command(folder: StudyFolder, processes: int, **options: Any) -> None:
     from studyapp.planning.plan import plan_study
 
     with progress("simulating", "cell") as show:
-        plan = plan_study(folder, **options, processes=processes, show=show)
+        plan = plan_study(folder, **options, show=show)
     out = folder.root / "plan"
     click.echo("\n".join((*power_lines(plan), "", *plan_sentences(plan), "")))
     click.echo(f"The figure is {out / 'power.png'}, the numbers are {out / 'power.csv'}")

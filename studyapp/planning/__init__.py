@@ -1,1 +1,1 @@
-"""Planning a study: sample size, power, and pilots."""
+"""Planning a study: sample size and power."""

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -8,10 +7,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from analysis.planning.grid import Runner, Task, estimate_minutes, limit_effort
 from analysis.planning.part import Opinions
 from analysis.planning.plan import Plan, Request, plan, smallest_effect
-from analysis.planning.power import Effort
 from analysis.planning.writing import plan_sentences, write_plan
 from tests.analysis.planning.sketch import Sketch
 
@@ -26,68 +23,26 @@ REQUEST = Request(
     opinions=Opinions(),
     source="Assumed",
     excluded=0.1,
-    effort=Effort(quick=200, exact=40),
-    minutes=2.0,
     seed=1,
+    studies=200,
 )
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Plan:
-    return plan(REQUEST, Runner(folder=tmp_path_factory.mktemp("cells")))
+def made() -> Plan:
+    return plan(REQUEST)
 
 
-TASK = Task(
-    size=REQUEST.size(8, 6), effect=0.5, opinions=Opinions(), effort=Effort(quick=100), seed=1
-)
-
-
-def test_finished_simulations_are_reused_and_progress_is_shown(tmp_path: Path) -> None:
+def test_powers_depend_on_the_seed_alone_and_progress_is_shown(made: Plan) -> None:
     progress: list[tuple[int, int]] = []
-    runner = Runner(folder=tmp_path, show=lambda done, total: progress.append((done, total)))
-    (first,) = runner.cells([TASK])
-    kept = next(tmp_path.iterdir())
-    rows = json.loads(kept.read_text("utf-8"))
-    rows[0]["power"] = 0.123
-    kept.write_text(json.dumps(rows), "utf-8")
+    small = replace(REQUEST, participants=(10,), items=(6,))
 
-    again, _ = runner.cells([TASK, replace(TASK, effect=0.2)])
+    again = plan(small, lambda done, total: progress.append((done, total)))
 
-    assert again.powers[0].power == 0.123
-    assert progress == [(0, 1), (1, 1), (1, 2), (2, 2)]
-    kept.write_text("{broken", "utf-8")
-    (fresh,) = runner.cells([TASK])
-    assert fresh.powers == first.powers
-
-
-def test_cells_depend_on_seed_effect_and_design() -> None:
-    others = (
-        replace(TASK, seed=2),
-        replace(TASK, effect=0.4),
-        replace(TASK, size=REQUEST.size(9, 6)),
-        replace(TASK, opinions=Opinions(item_sd=0.2)),
-    )
-
-    assert len({TASK.key, *(other.key for other in others)}) == 5
-    assert replace(TASK, size=REQUEST.size(8, 6)).key == TASK.key
-
-
-def test_fewer_studies_are_simulated_if_they_would_take_too_long() -> None:
-    tasks = [replace(TASK, effort=Effort())] * 10
-
-    assert limit_effort(tasks, estimate_minutes(tasks) * 1.01) == tasks
-    less = limit_effort(tasks, estimate_minutes(tasks) / 2)
-    assert less[0].effort.quick == 1000
-    assert estimate_minutes(less) < estimate_minutes(tasks)
-
-
-def test_a_shortened_plan_says_so(tmp_path: Path) -> None:
-    short = replace(REQUEST, minutes=1e-6, effort=Effort(quick=500))
-
-    result = plan(short, Runner(folder=tmp_path))
-
-    assert "400 simulated studies instead of 500" in result.cut
-    assert plan_sentences(result)[-1] == result.cut
+    assert again.power(0, 10, 6, 0.5) == made.power(0, 10, 6, 0.5)
+    assert progress == [(1, 2), (2, 2)]
+    other = replace(small, seed=2)
+    assert other.powers(other.size(10, 6), 0.5) != made.cells[1].powers
 
 
 def test_sentences_state_power_and_limits(made: Plan) -> None:
@@ -177,7 +132,7 @@ def test_the_smallest_difference_is_interpolated_or_has_a_reason(
 
 def test_two_plans_are_the_same_bytes(made: Plan, tmp_path: Path) -> None:
     first = write_plan(made, tmp_path / "one")
-    again = write_plan(plan(REQUEST, Runner(folder=tmp_path / "cells")), tmp_path / "two")
+    again = write_plan(plan(REQUEST), tmp_path / "two")
 
     assert [path.name for path in first] == [*("power.csv", "power.pdf", "power.png", "power.svg")]
     for one, other in zip(first, again, strict=True):
@@ -193,7 +148,7 @@ def test_two_plans_are_the_same_bytes(made: Plan, tmp_path: Path) -> None:
 def test_a_size_without_a_test_has_a_dash_and_a_reason(tmp_path: Path) -> None:
     alone = replace(REQUEST, participants=(1, 10), items=(1,), current=(10, 1))
 
-    result = plan(alone, Runner(folder=tmp_path))
+    result = plan(alone)
     text = "\n".join(plan_sentences(result))
     write_plan(result, tmp_path / "out")
 

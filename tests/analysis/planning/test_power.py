@@ -4,38 +4,29 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from analysis.planning import grid
 from analysis.planning.deciding_tests import (
-    BlockTests,
-    DecidingTests,
+    block_tests,
     clustered_tests,
     decided_by_holm,
     detection_shares,
+    worth_tests,
 )
-from analysis.planning.grid import Task, simulate_cell
 from analysis.planning.part import Opinions, Part, simulate_answers
-from analysis.planning.power import Effort, Power, simulate_power
+from analysis.planning.power import Power, simulate_power
 from analysis.results.mixed_models import SidedAnswers, net_preference
 from analysis.stats.clustered_mean import clustered_mean
-from analysis.stats.multiple_testing import holm, holm_rows
+from analysis.stats.multiple_testing import holm
+from analysis.stats.strength_differences import difference_tests
+from analysis.stats.strength_models import plackett_luce
 from tests.analysis.planning.sketch import Sketch
 
 ALIKE = Opinions(participant_sd=0.3, item_sd=0.3)
-QUICK = Effort(quick=400, exact=40)
 
 PAIRS = Sketch(kind="pairs", own_participants=True)
 RATINGS, RANKINGS = Sketch(kind="ratings", conditions=3), Sketch(kind="rankings", conditions=3)
-
-# After an intended change, raise the version in the module and update the numbers here.
-POWERS_OF_VERSION = {
-    "3": {
-        "pairs": [0.65625, 0.59, 0.71, 0.073482],
-        "ratings": [0.51, 0.51, 0.65, 0.039911],
-        "rankings": [0.43875, 0.385625, 0.7, 0.058083],
-    }
-}
 
 
 def part(sketch: Sketch, participants: int, items: int) -> Part:
@@ -45,7 +36,7 @@ def part(sketch: Sketch, participants: int, items: int) -> Part:
 
 def power(sketch: Sketch, participants: int, items: int, effect: float) -> Power:
     parts = (part(sketch, participants, items),)
-    return simulate_power(parts, ALIKE, effect, QUICK, (1, 2))[0]
+    return simulate_power(parts, ALIKE, effect, (1, 2), studies=400)[0]
 
 
 @pytest.mark.parametrize("sketch", [PAIRS, RATINGS, RANKINGS], ids=lambda sketch: sketch.kind)
@@ -61,49 +52,78 @@ def test_power_grows_with_the_effect_and_false_positives_stay_at_the_level(
 
 def test_more_tests_are_corrected_more() -> None:
     six = power(replace(PAIRS, questions=6), 12, 10, 0.6)
-    rankings = power(replace(RANKINGS, questions=3), 12, 10, 0.9)
 
-    assert six.alone <= six.power < six.uncorrected
+    assert six.power < six.uncorrected
     assert six.uncorrected == pytest.approx(power(PAIRS, 12, 10, 0.6).power)
-    assert rankings.alone < rankings.power < rankings.uncorrected
 
 
-@pytest.mark.parametrize(("participants", "items", "by_model"), [(10, 30, False), (20, 20, True)])
-def test_the_win_share_decides_for_few_participants_and_the_mixed_model_for_many(
-    participants: int, items: int, by_model: bool
-) -> None:
-    pairs = part(PAIRS, participants, items)
+def test_the_win_share_decides_for_few_participants() -> None:
+    pairs = part(PAIRS, 10, 30)
     people, segments = pairs.trials.participants, pairs.trials.items
-    tests = DecidingTests(pairs)
     answers = simulate_answers(pairs, ALIKE, 0.4, 4, np.random.default_rng(1))
-    on_right = np.asarray(pairs.trials.left) > np.asarray(pairs.trials.right)
 
-    decided = tests.exact(answers)
+    tested = block_tests(pairs, answers)
 
-    assert tests.by_model == (by_model,)
-    for study, given in enumerate(answers.astype(int)):
-        sided = SidedAnswers(
-            responses=3 + np.where(on_right, given, -given),
-            on_right=on_right,
-            participants=people,
-            segments=segments,
+    for study, given in enumerate(answers):
+        alone = clustered_mean((np.sign(given) + 1) / 2, people, segments)
+        assert tested.p_values[study, 0] == pytest.approx(alone.p_value)
+        assert tested.signs[study, 0] == np.sign(alone.estimate - 0.5)
+
+
+@pytest.mark.slow
+def test_the_mean_preference_finds_about_as_much_as_the_mixed_model() -> None:
+    pairs = part(PAIRS, 25, 24)
+    left, right = pairs.trials.sides
+    answers = simulate_answers(pairs, Opinions(), 0.4, 200, np.random.default_rng(1))
+    tested = block_tests(pairs, answers)
+    fits = [
+        net_preference(
+            SidedAnswers(
+                responses=3 + np.where(left > right, given, -given).astype(np.int64),
+                on_right=left > right,
+                participants=pairs.trials.participants,
+                segments=pairs.trials.items,
+            )
         )
-        alone = net_preference(sided) if by_model else clustered_mean(sided.wins, people, segments)
-        assert decided.p_values[study, 0] == pytest.approx(alone.p_value)
-        assert decided.signs[study, 0] == np.sign(sided.signed.sum())
+        for given in answers
+    ]
+
+    found = (np.array([fit.p_value for fit in fits]) < 0.05) & ([fit.estimate > 0 for fit in fits])
+    quick = (tested.p_values[:, 0] < 0.05) & (tested.signs[:, 0] > 0)
+    assert np.mean(quick == found) > 0.9
+    assert quick.mean() == pytest.approx(found.mean(), abs=0.05)
 
 
-def test_the_quick_tests_bias_is_corrected() -> None:
-    rankings = part(RANKINGS, 15, 8)
-    tests = DecidingTests(rankings)
-    answers = simulate_answers(rankings, ALIKE, 0.6, 300, np.random.default_rng(9))
-    exact = tests.exact(answers)
-    plain = float(np.mean(holm_rows(exact.p_values)[:, :2] < 0.05))
+def test_rankings_are_decided_by_the_worths_of_each_study() -> None:
+    rankings = part(RANKINGS, 22, 8)
+    names = ("0", "1", "2")
+    answers = simulate_answers(rankings, Opinions(), 0.8, 20, np.random.default_rng(1))
+    tested = worth_tests(answers, rankings.trials)
+    shown = pd.DataFrame(
+        {
+            "ranking": np.repeat(np.arange(22 * 8), 3),
+            "participant": np.repeat(rankings.trials.participants, 3),
+            "segment": np.repeat(rankings.trials.items, 3),
+            "condition": np.tile(names, 22 * 8),
+        }
+    )
 
-    result = simulate_power((rankings,), ALIKE, 0.6, Effort(quick=600, exact=100), (4,))[0]
+    for study, ranks in enumerate(answers):
+        fit = plackett_luce(shown.assign(rank=ranks.ravel()), names)
+        assert fit.two_way is not None
+        p_values = difference_tests(fit.strengths, fit.two_way)[[0, 0, 1], [1, 2, 2]]
+        assert tested.p_values[study] == pytest.approx(p_values, abs=0.02, rel=0.1)
+        assert tested.signs[study, 0] == np.sign(fit.strengths[0] - fit.strengths[1])
 
-    assert result.modelled >= 40
-    assert result.power == pytest.approx(plain, abs=3 * np.hypot(result.error, 0.03))
+
+def test_a_condition_that_wins_every_ranking_is_found() -> None:
+    rankings = part(RANKINGS, 10, 8)
+    ranks = np.tile([[1.0, 2, 3], [1, 3, 2]], (40, 1))[None]
+
+    tested = worth_tests(ranks, rankings.trials)
+
+    assert tested.p_values[0, 0] < 0.001
+    assert tested.signs[0, :2].tolist() == [1, 1]
 
 
 POWERS = {
@@ -120,32 +140,10 @@ def test_the_power_of_scores_is_near_that_of_a_crossed_mixed_model(
     effect: float,
 ) -> None:
     for participants, items, known in POWERS[effect]:
-        tests = DecidingTests(part(PAIRS, participants, items))
-        drawn = simulate_answers(tests.part, Opinions(), effect, 2000, np.random.default_rng(1))
-        result = tests.quick(drawn)
+        parts = (part(PAIRS, participants, items),)
+        (result,) = simulate_power(parts, Opinions(), effect, (1,), studies=2000)
 
-        assert np.mean((result.p_values < 0.05) & (result.signs > 0)) == pytest.approx(
-            known, abs=0.05
-        )
-
-
-@pytest.mark.parametrize(
-    "sketch",
-    [replace(PAIRS, questions=2), RATINGS, replace(RANKINGS, questions=2)],
-    ids=lambda sketch: sketch.kind,
-)
-def test_changed_simulations_require_a_new_version(sketch: Sketch) -> None:
-    task = Task(
-        size=sketch.size(20, 20, excluded=0.0),
-        effect=0.5,
-        opinions=Opinions(),
-        effort=Effort(quick=100, exact=20),
-        seed=3,
-    )
-    (result,) = simulate_cell(task)
-    assert [result.power, result.alone, result.uncorrected, result.error] == pytest.approx(
-        POWERS_OF_VERSION[grid.VERSION][sketch.kind], abs=1e-6
-    )
+        assert result.power == pytest.approx(known, abs=0.05)
 
 
 def test_many_studies_are_tested_as_each_of_them_would_be() -> None:
@@ -193,8 +191,7 @@ def test_a_block_is_corrected_with_the_rest_of_its_family(
 
 
 def test_a_difference_counts_as_found_only_in_the_right_direction() -> None:
-    tested = BlockTests(p_values=np.zeros((2, 2)), signs=np.array([[1.0, 1.0], [-1.0, 1.0]]))
-    decided = np.ones((2, 2))
+    signs, decided = np.array([[1.0, 1.0], [-1.0, 1.0]]), np.ones((2, 2))
 
-    assert detection_shares(tested, decided, (True, False), effect=0.4).tolist() == [1.0, 0.0]
-    assert detection_shares(tested, decided, (True, False), effect=0.0).tolist() == [1.0, 1.0]
+    assert detection_shares(signs, decided, (True, False), effect=0.4).tolist() == [1.0, 0.0]
+    assert detection_shares(signs, decided, (True, False), effect=0.0).tolist() == [1.0, 1.0]
