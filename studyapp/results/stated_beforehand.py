@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final
 
-import pandas as pd
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from analysis.answers.exclusion_rules import ExclusionRule, excluded_by_hand
-from motion.errors import InputError, listed
+from analysis.report.texts import paragraphs
+from motion.errors import InputError
 from studyapp.database.tables.study_session import StudyVersion
 from studyapp.results.stored_answers import Answers
-from studyapp.study.settings.exclusions import ExclusionSection
 from studyapp.study.settings.reading import parse_text
 from studyapp.study.settings.study import Study
-
-UNREADABLE: Final = (
-    "The study file of the first participant cannot be read: what it stated is not known, and no "
-    "exclusion rule, margin or family counts as planned."
-)
 
 
 def stated_study(session: Session, version: int) -> Study | None:
@@ -65,75 +57,44 @@ def exclusions_of(study: Study, answers: Answers) -> StudyExclusions:
     participant cannot be read, none were.
     """
     stated = planned = study.settled_exclusions
-    changes: tuple[str, ...] = ()
+    is_known = answers.origin != "participants" or answers.stated is not None
     if answers.origin == "participants":
-        if answers.stated is None:
-            planned, changes = (), (UNREADABLE,)
-        else:
-            planned = answers.stated.settled_exclusions
-            changes = _changes(planned, stated)
-    by_hand = () if answers.stored is None else _decisions(answers.stored.study_sessions)
-    planned_names = {rule.shorthand() for rule in planned}
+        planned = () if answers.stated is None else answers.stated.settled_exclusions
+    old, new = ([rule.shorthand() for rule in rules] for rules in (planned, stated))
+    after_look: list[bool] = []
+    if answers.stored is not None:
+        sessions = answers.stored.study_sessions
+        after_look = sessions.loc[
+            sessions["excluded_because"] != "", "excluded_after_look"
+        ].tolist()
     return StudyExclusions(
         rules=(
             *(
-                rule.to_rule()
-                if rule.shorthand() in planned_names
-                else rule.to_rule().as_exploratory()
-                for rule in stated
+                rule.to_rule() if name in old else rule.to_rule().as_exploratory()
+                for name, rule in zip(new, stated, strict=True)
             ),
-            *((excluded_by_hand(),) if by_hand else ()),
+            *((excluded_by_hand(),) if after_look else ()),
         ),
         planned=tuple(rule.to_rule() for rule in planned),
-        notes=(*changes, *by_hand),
+        notes=paragraphs(
+            "beforehand.exclusions",
+            is_known=is_known,
+            added=[rule for rule in new if rule not in old],
+            removed=[rule for rule in old if rule not in new],
+            by_hand=len(after_look),
+            after_look=sum(after_look),
+        ),
     )
 
 
-def _decisions(study_sessions: pd.DataFrame) -> tuple[str, ...]:
-    """Say how many participants researchers exclude by hand, and when they decided it."""
-    excluded = study_sessions["excluded_because"] != ""
-    count = int(excluded.sum())
-    after_look = int(study_sessions.loc[excluded, "excluded_after_look"].sum())
-    if not count:
-        return ()
-    people = "1 participant" if count == 1 else f"{count} participants"
-    seen = "before anybody had looked at results"
-    if after_look:
-        whom = "" if after_look == count else f"{after_look} of them "
-        seen = f"{whom}after somebody had looked at results"
-    return (f"Researchers excluded {people} by hand, {seen}.",)
-
-
-def _changes(
-    before: Sequence[ExclusionSection], stated: Sequence[ExclusionSection]
-) -> tuple[str, ...]:
-    old, new = ([rule.shorthand() for rule in rules] for rules in (before, stated))
-    added = [rule for rule in new if rule not in old]
-    removed = [rule for rule in old if rule not in new]
-    notes = []
-    if added:
-        notes.append(
-            f"Exclusion by {listed(added)} was added to the study file after the first participant "
-            "arrived: it is exploratory."
-        )
-    if removed:
-        notes.append(
-            f"Exclusion by {listed(removed)} was removed from the study file after the first "
-            "participant arrived."
-        )
-    return tuple(notes)
-
-
-def change_notes(study: Study, before: Study | None) -> Iterator[str]:
-    """Yield a note on each setting of the report that changed after the first participant arrived.
+def change_notes(study: Study, before: Study | None) -> tuple[str, ...]:
+    """Return a note on each setting of the report that changed after the first participant arrived.
 
     `before` is the study as its first participant saw it, if known; otherwise the notes of
     `exclusions_of` say that nothing counts as planned.
     """
-    for key in ("margin", "family"):
-        value = getattr(study, key)
-        if value is not None and before is not None and getattr(before, key) != value:
-            name = f"The margin of {value:g}" if key == "margin" else f"The {key} “{value}”"
-            yield (
-                f"{name} was set after the first participant arrived: its tests are exploratory."
-            )
+    changed = {
+        key: None if before is None or getattr(before, key) == value else value
+        for key, value in (("margin", study.margin), ("family", study.family))
+    }
+    return paragraphs("beforehand.settings", **changed)

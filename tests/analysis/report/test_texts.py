@@ -26,6 +26,7 @@ SOURCES = "\n".join(
         *REPORT.rglob("*.py"),
         *Path("analysis/planning").glob("*.py"),
         Path("studyapp/rehearsal/recovery_page.py"),
+        Path("studyapp/results/stated_beforehand.py"),
     )
 )
 
