@@ -86,16 +86,6 @@ def test_recorded_motion_has_a_variance_but_no_distance() -> None:
     assert score_of(alone, "ours", variance).value > 0
 
 
-def test_clips_that_the_network_cannot_embed_are_counted_with_reasons() -> None:
-    own = clips(10, seed=1) | {"short": ClipFeatures(reason="the clip is too short")}
-    found = feature_scores(network(), {"ours": own}, clips(10))
-    score = score_of(found, "ours", names.FGD)
-    assert (score.scored, score.clips) == (10, 11)
-    assert "left out: the clip is too short (1 of 11 clips)" in score.remark
-    none = feature_scores(network(), {"ours": {"short": own["short"]}}, clips(10))
-    assert "the clip is too short (1 of 1 clips)" in score_of(none, "ours", names.FGD).reason
-
-
 def test_predicted_emotions_are_counted_in_a_confusion_matrix() -> None:
     emotions = {"s00": "anger", "s01": "anger", "s02": "fear", "s03": "joy"}
     found = feature_scores(

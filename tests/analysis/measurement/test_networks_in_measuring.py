@@ -112,9 +112,13 @@ def test_clips_without_usable_features_are_left_out_with_their_reasons(
     write_clip(study["ours"]["s0"], waving(seconds=1.0))
     write_clip(study["ours"]["s1"], waving(amplitude=0.0))
     found = study_metrics(study, {}, recorded=study["truth"], evaluators=[path])
-    remark = score_of(found, "ours", names.FGD).remark
-    assert "shorter than a window (1 of 6 clips)" in remark
-    assert "the network's features are not finite (1 of 6 clips)" in remark
+    score = score_of(found, "ours", names.FGD)
+    assert (score.scored, score.clips) == (4, 6)
+    assert "shorter than a window (1 of 6 clips)" in score.remark
+    assert "the network's features are not finite (1 of 6 clips)" in score.remark
+    of_one = {"ours": {"s0": study["ours"]["s0"]}}
+    none = study_metrics(of_one, {}, recorded=study["truth"], evaluators=[path])
+    assert "shorter than a window (1 of 1 clips)" in score_of(none, "ours", names.FGD).reason
 
 
 def test_two_networks_of_one_kind_differ_by_their_hash(

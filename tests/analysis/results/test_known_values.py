@@ -14,12 +14,8 @@ from tests.analysis.results.made_tables import ranking_table, report_of
 @pytest.mark.parametrize(
     ("truth", "estimate", "sign"),
     [
-        (0.1, 0.2, "right"),
-        (-0.1, -0.2, "right"),
-        (-0.1, 0.2, "wrong"),
-        (0.1, 0.05, "undecided"),
-        (0.0, 0.05, "equal"),
-        (0.0, 0.3, "wrong"),
+        *((0.1, 0.2, "right"), (-0.1, -0.2, "right"), (-0.1, 0.2, "wrong")),
+        *((0.1, 0.05, "undecided"), (0.0, 0.05, "equal"), (0.0, 0.3, "wrong")),
     ],
 )
 def test_conclusions_match_known_differences(truth: float, estimate: float, sign: str) -> None:

@@ -10,7 +10,6 @@ from tests.analysis.report.sections.conftest import Analyse, Reports, Sections
 from tests.analysis.report.sections.reading import (
     SCALE,
     bar,
-    check_texts,
     named_picture,
     named_table,
     told,
@@ -135,8 +134,3 @@ def test_mean_ranks_first_places_and_worths_share_a_section(
         one.condition: one.estimate for one in worths.conditions
     }
     assert "rank " in told(named_picture(ranking_section, "worths"))
-
-
-@pytest.mark.parametrize("name", ["rating", "ranking"])
-def test_no_cell_or_note_says_nan(name: str, sections: Sections) -> None:
-    check_texts(sections(name))

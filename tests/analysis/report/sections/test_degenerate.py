@@ -9,7 +9,7 @@ from analysis.report.content import FigureText, Section
 from analysis.report.sections.heterogeneity import effects, heterogeneity_section
 from analysis.report.sections.preferences import pairwise_groups, preference_pictures
 from analysis.results.pairwise import PairwiseResults
-from tests.analysis.report.sections.conftest import Analyse
+from tests.analysis.report.sections.conftest import Analyse, Sections
 from tests.analysis.report.sections.reading import check_texts, drawn, present, told
 from tests.analysis.report.subjects import headline, subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table
@@ -60,9 +60,11 @@ def test_a_comparison_without_analysed_answers_says_so_among_the_others(analyse:
     assert "other against static: no answers" in told(picture)
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_no_cell_or_note_says_nan(protocol: str, analyse: Analyse) -> None:
-    check_texts(headline(analyse(protocol, TABLES[protocol](participants=1, segments=3))))
+@pytest.mark.parametrize("name", ["all pairs", "against one", "rating", "ranking", "mismatch"])
+def test_no_cell_or_note_says_nan(name: str, analyse: Analyse, sections: Sections) -> None:
+    check_texts(sections(name))
+    if name in PROTOCOLS:
+        check_texts(headline(analyse(name, TABLES[name](participants=1, segments=3))))
 
 
 def test_effects_are_split_by_emotion_and_few_segments_are_descriptive(

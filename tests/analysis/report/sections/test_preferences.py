@@ -13,7 +13,6 @@ from analysis.results.report import TableReport
 from tests.analysis.report.sections.conftest import Analyse, Reports, Sections
 from tests.analysis.report.sections.reading import (
     bar,
-    check_texts,
     named_picture,
     named_table,
     told,
@@ -175,8 +174,3 @@ def test_without_degrees_of_preference_none_are_named(analyse: Analyse) -> None:
     said = told(named_picture(section, "own-speech"))
     assert "slightly" not in said and ": own speech: " in said
     assert "clear and slight" not in named_table(section, "own-speech").caption
-
-
-@pytest.mark.parametrize("name", ["all pairs", "against one", "mismatch"])
-def test_no_cell_or_note_says_nan(name: str, sections: Sections) -> None:
-    check_texts(sections(name))
