@@ -161,8 +161,6 @@ def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
     path = Path(path)
     if not path.is_file():
         raise InputError("there is no such audio file", where=path, remedy="Check the path")
-    if not path.stat().st_size:
-        raise InputError("the file is empty", where=path, remedy="Export or copy it again")
     _check_whole_wav(path)
     try:
         with av.open(str(path), options=dict(WHOLE_FORMATS)) as container:
@@ -180,12 +178,8 @@ def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
             where=path,
             remedy="Give a WAV, FLAC, MP3, OGG or M4A file that plays in a media player",
         ) from error
-    if not samples.size:
-        raise InputError(
-            "the file holds no sample of audio", where=path, remedy="Export or copy it again"
-        )
     notes = _ending_notes(path, format_names)
-    peak = float(np.abs(samples).max())
+    peak = float(np.abs(samples).max(initial=0))
     if 1 < peak < math.inf:
         samples = samples / np.float32(peak)
         notes += (f"{path.name} peaks at {peak:.2f} of full scale; scaled down to 1",)

@@ -142,15 +142,10 @@ class MotionClip:
         usable = np.abs(values) <= np.float64(largest)
         if not usable.all():
             index = tuple(map(int, np.argwhere(~usable)[0]))
-            if np.isfinite(values[index]):
-                raise InputError(
-                    f"{name} holds {values[index]:.3g} at index {index}",
-                    remedy="Give radians (not degrees), metres and coefficients; repair damaged "
-                    "frames",
-                )
             raise InputError(
-                f"{name} holds a value that is not a number at index {index}",
-                remedy="Repair or cut the frames that hold NaN or infinity",
+                f"{name} holds {values[index]:.3g} at index {index}",
+                remedy="Give finite radians (not degrees), metres and coefficients; repair or cut "
+                "damaged frames",
             )
         array = np.array(values, dtype=np.float32)
         array.setflags(write=False)

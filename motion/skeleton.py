@@ -1,6 +1,7 @@
 """SMPL-X's 55 joints: names, tree, forward kinematics, and rest positions.
 
-``skeleton.csv`` has each joint's name, the index of its parent, and its rest position in metres.
+``skeleton.csv`` has each joint's name, the index of its parent, its rest position in metres, and
+the rotation of fingers in a relaxed hand.
 Source: Pavlakos et al. 2019, "Expressive Body Capture" (SMPL-X); order as in its model files.
 """
 
@@ -89,35 +90,10 @@ REST_JOINTS.setflags(write=False)
 FINGERS: Final = slice(joint_index("left_index1"), JOINT_COUNT)
 """The finger joints among the 55."""
 
-_FLEXION: Final = {
-    "index": (0.30, 0.44, 0.25),
-    "middle": (0.34, 0.50, 0.28),
-    "pinky": (0.42, 0.52, 0.30),
-    "ring": (0.38, 0.54, 0.30),
-}
-"""Flexion of the three joints of each finger of a relaxed hand, in radians."""
+RELAXED_HANDS: Final[Floats32] = np.array(
+    [[float(row[f"relaxed_{axis}"]) for axis in "xyz"] for row in _ROWS[FINGERS]], np.float32
+)
+"""Shape (30, 3): the finger joints of both hands at rest, axis-angle in radians. Fingers are bent
+towards the palm and next to each other; in T-pose they are spread."""
 
-_SPREAD: Final = {"index": 0.09, "middle": -0.05, "pinky": -0.17, "ring": -0.12}
-"""Radians by which each left finger turns about y towards the others; in T-pose they are spread."""
-
-_THUMB_ROTATIONS: Final = ((-0.02, 0.26, 0.29), (0.05, 0.10, -0.05), (0.05, 0.10, -0.05))
-"""Rotations of the left thumb's joints, axis-angle in radians: next to the index finger."""
-
-
-def _relaxed_hands() -> Floats32:
-    # With the arms out and the palms down, fingers bend about z: left ones turn downwards with a
-    # negative angle, right ones, as their mirror images, with a positive one.
-    left = np.zeros((len(LEFT_HAND_JOINTS), 3), np.float32)
-    for number, name in enumerate(LEFT_HAND_JOINTS):
-        finger, phalanx = name.removeprefix("left_")[:-1], int(name[-1]) - 1
-        if finger == "thumb":
-            left[number] = _THUMB_ROTATIONS[phalanx]
-        else:
-            left[number] = (0, 0 if phalanx else _SPREAD[finger], -_FLEXION[finger][phalanx])
-    hands = np.concatenate([left, left * [1, -1, -1]]).astype(np.float32)
-    hands.setflags(write=False)
-    return hands
-
-
-RELAXED_HANDS: Final = _relaxed_hands()
-"""Shape (30, 3): the finger joints of both hands at rest, axis-angle in radians."""
+RELAXED_HANDS.setflags(write=False)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
-from decimal import Decimal
 from pathlib import Path
 from typing import Final, get_args
 
@@ -45,8 +43,6 @@ PROLIFIC: Final[Mapping[str, Mapping[str, int]]] = {
 """The least that Prolific allows per hour and what it recommends, by currency, from its payment
 principles (researcher-help.prolific.com)."""
 
-_NUMBER: Final = re.compile(r"\d+(?:[.,]\d{1,2})?")
-
 
 def pay_findings(study: Study, needed: int | None) -> Iterator[Finding]:
     """Yield the hourly rate, and the minimums that it does not reach.
@@ -67,7 +63,6 @@ def pay_findings(study: Study, needed: int | None) -> Iterator[Finding]:
     if amount is None:
         yield make_finding("pay-not-stated")
         return
-    yield from _payment_text_findings(study, amount)
     durations = {
         "they are told": stated,
         "they are expected to need": needed,
@@ -108,17 +103,6 @@ def _minimum_findings(study: Study, paid: float) -> Iterator[Finding]:
                 name, paid=format_amount(paid, currency), floor=format_amount(floor, currency)
             )
             return
-
-
-def _payment_text_findings(study: Study, amount: Decimal) -> Iterator[Finding]:
-    """Yield a payment text that states amounts, but not the paid one."""
-    stated = [Decimal(number.replace(",", ".")) for number in _NUMBER.findall(study.page.payment)]
-    if stated and amount not in stated:
-        yield make_finding(
-            "payment-text-differs",
-            stated=study.page.payment,
-            paid=format_amount(amount, study.recruitment.currency),
-        )
 
 
 def page_findings(study: Study) -> Iterator[Finding]:

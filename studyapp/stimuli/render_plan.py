@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Self
 
 from motion.body.model import BodyModel
-from motion.clip import MotionClip
 from motion.files import digest
 from motion.placement import stand_on_ground
 from motion.segment import Segment
@@ -68,7 +67,8 @@ class RenderPlan:
         look = study_look(folder, study)
         matrix = look.expression_matrix
         framed = [clip for (name, _), clip in shown.items() if name != study.catch.condition]
-        camera = study_camera(framed, look, model)
+        standing = [stand_on_ground(clip, model.joints(clip.betas)) for clip in framed]
+        camera = frame_clips(standing, model, look)
         chosen = () if look.background == BACKGROUND else (look.background,)
         size = body.stat().st_size
         general = replace(look, expression_matrix=None)  # the file counts, not its path
@@ -223,9 +223,3 @@ def _mismatched(
 
 def _clip_file(condition: str, name: str) -> str:
     return f"videos/clips/{condition}/{name}.mp4"
-
-
-def study_camera(clips: Iterable[MotionClip], look: Look, body: BodyModel) -> Camera:
-    """Return the camera for `clips`, which have still frozen channels and no catch motion."""
-    standing = [stand_on_ground(clip, body.joints(clip.betas)) for clip in clips]
-    return frame_clips(standing, body, look)

@@ -107,7 +107,7 @@ def sound_with_a_gap(path: Path) -> None:
         ("half.flac", half_of_a_sound, "the file is damaged"),
         ("half.m4a", half_of_a_sound, "the file is damaged"),
         ("gap.wav", sound_with_a_gap, "not a number"),
-        ("empty.wav", Path.touch, "the file is empty"),
+        ("empty.wav", Path.touch, "the file is damaged"),
         ("words.wav", lambda path: path.write_text("words " * 99), "cannot be read as audio"),
         ("start.wav", lambda path: path.write_bytes(b"RIFF\x24\x00\x00\x00WAVEfmt "), "audio"),
         ("bytes.wav", lambda path: path.write_bytes(bytes(range(256)) * 20), "audio"),

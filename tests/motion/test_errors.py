@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from motion.errors import InputError, listed
+from motion.errors import InputError
 
 
 @pytest.mark.parametrize("end", [".", "..", ". ", ".\n"])
@@ -15,11 +15,3 @@ def test_a_message_has_place_problem_and_remedy_with_single_full_stops(end: str)
 
     assert str(error) == "study.toml: it was said: the file is damaged. Get it again. Do so."
     assert (error.what[-5:], error.remedy) == ("again", "Do so")
-
-
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [([], ""), (["a"], "a"), (["a", "b"], "a and b"), (("a", "b", "c"), "a, b and c")],
-)
-def test_words_are_joined_as_in_a_sentence(words: list[str], sentence: str) -> None:
-    assert listed(words) == sentence

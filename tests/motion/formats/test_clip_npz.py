@@ -121,7 +121,7 @@ BAD_POSES[2, 7] = np.nan
         ({"poses": np.zeros((4, 75))}, r"poses has shape \(4, 75\)"),
         ({"poses": None} | PARTS | {"pose_body": np.zeros((4, 60))}, r"pose_body has shape"),
         ({"poses": np.array([["a"] * 165])}, "'poses' holds no numbers"),
-        ({"poses": BAD_POSES}, r"not a number at index \(2, 2, 1\)"),
+        ({"poses": BAD_POSES}, r"nan at index \(2, 2, 1\)"),
         ({"expressions": np.zeros((4, 101))}, "expressions has shape"),
         ({"betas": np.arange(8.0).reshape(4, 2)}, "betas change"),
         ({"mocap_frame_rate": None}, "no frame rate"),
@@ -160,11 +160,6 @@ def test_truncated_and_damaged_archives_are_refused_by_name(tmp_path: Path) -> N
     ):
         read_clip(path)
     path.write_bytes(content[:60] + bytes(440) + content[500:])
-    with pytest.raises(InputError, match=r"a\.npz: the archive is damaged"):
-        read_clip(path)
-    header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (4,".ljust(117) + b"\n"
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("poses.npy", b"\x93NUMPY\x01\x00v\x00" + header)
     with pytest.raises(InputError, match=r"a\.npz: the archive is damaged"):
         read_clip(path)
 

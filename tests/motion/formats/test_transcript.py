@@ -50,11 +50,7 @@ def test_words_of_plain_text_are_spread_over_the_speech(tmp_path: Path, audio: A
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        (
-            "a.csv",
-            "word,start,end\nlate,5,6\n",
-            "belongs to other speech: it has 1 words until 6.0 s",
-        ),
+        ("a.csv", "word,start,end\nlate,5,6\n", "other speech: it has 1 words until 6.0 s"),
         ("a.lab", "word " * 60, "belongs to other speech: it has 60 words"),
         ("a.csv", "word,from,to\na,0,1\n", "has no words"),
         ("a.csv", "word,start,end\na,x,1\n", r"line 2.*has no time"),

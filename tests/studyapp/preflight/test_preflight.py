@@ -90,6 +90,7 @@ def test_overlong_videos_and_missing_speech_are_reported(
 
 
 EXCLUDED = "excluded from the analysis, in this order: "
+FACELESS = {"video.framing": "face", "video.avatar": "mannequin"}
 FAILED_CATCH = {"rule": "catch", "more_than": 3}
 RULES = [{"rule": "time", "below": 8}, {"rule": "incomplete"}]
 NUMBERED = (
@@ -108,16 +109,8 @@ NUMBERED = (
         ("warning", "may fail 3 of 1 catch trials", {"exclusions": [FAILED_CATCH]}),
         ("note", f"{EXCLUDED}nobody", {"catch.trials": 0, "exclusions": []}),
         ("note", f"{EXCLUDED}{NUMBERED}", {"catch.trials": 0, "exclusions": RULES}),
-        (
-            "warning",
-            "frame the hands, but freeze holds it still",
-            {"video.framing": "hands", "freeze": ["hands"]},
-        ),
-        (
-            "warning",
-            "frame the face, but the study's body has no face",
-            {"video.framing": "face", "video.avatar": "mannequin"},
-        ),
+        ("warning", "frame the hands, but", {"video.framing": "hands", "freeze": ["hands"]}),
+        ("warning", "the study's body has no face", FACELESS),
         ("error", "not an expression matrix", {"video.expression_matrix": "face.npy"}),
     ],
 )
