@@ -5,8 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Collection
 from dataclasses import dataclass
-from types import TracebackType
-from typing import Final, Self
+from typing import Final
 
 from renderer.video_jobs import Outcome
 from studyapp.stimuli.render_plan import RenderPlan
@@ -40,7 +39,7 @@ class RenderCount:
 
 
 class RenderRecord:
-    """The finished videos; leaving the ``with`` block writes them.
+    """The finished videos, which are written at the start and now and then.
 
     Parameters
     ----------
@@ -61,19 +60,7 @@ class RenderRecord:
         self._left_out = 0
         self._all_frames = sum(map(self._frame_count, pending))
         self._frames = 0
-        self._written = 0.0
-
-    def __enter__(self) -> Self:
-        self._write()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._write()
+        self.write()
 
     def add(self, outcome: Outcome) -> None:
         """Record the outcome of one video."""
@@ -81,7 +68,7 @@ class RenderRecord:
         if outcome.error is None:
             self._finished.add(outcome.name)
             if time.monotonic() - self._written > _WRITE_SECONDS:
-                self._write()
+                self.write()
         elif outcome.because_of is None:
             self._failures.append(f"{outcome.name}: {outcome.error}")
         else:
@@ -107,7 +94,8 @@ class RenderRecord:
     def _frame_count(self, video: ClipVideo | PairVideo) -> int:
         return round(video.duration * self._plan.look.frame_rate)
 
-    def _write(self) -> None:
+    def write(self) -> None:
+        """Write the record."""
         write_stimuli(
             self._plan.folder.stimuli,
             Stimuli(

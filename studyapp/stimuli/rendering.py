@@ -20,8 +20,7 @@ from studyapp.study.media import ClipVideo, Media, PairVideo, recorded_stimuli
 
 # Bytes per frame and pixel of one clip: twice those of a gesturing upper body.
 _FRAMES: Final = 0.07
-_CLIP: Final = 0.02
-_PAIR: Final = 0.03
+_VIDEO: Final = 0.03
 _SOUND: Final = 20_000
 """Bytes per second of sound and container."""
 
@@ -102,17 +101,18 @@ def _render(
         work="rendering",
         remedy="Free up space, or make smaller videos (video.size in study.toml)",
     )
+    record = RenderRecord(plan, [*clips, *pairs])
+
+    def on_done(outcome: Outcome) -> None:
+        frames.release(outcome)
+        record.add(outcome)
+        on_progress(*record.progress())
+
     try:
-        with RenderRecord(plan, [*clips, *pairs]) as record:
-
-            def on_done(outcome: Outcome) -> None:
-                frames.release(outcome)
-                record.add(outcome)
-                on_progress(*record.progress())
-
-            on_progress(*record.progress())
-            run_jobs(jobs, processes=processes, cluster=cluster, on_done=on_done)
+        on_progress(*record.progress())
+        run_jobs(jobs, processes=processes, cluster=cluster, on_done=on_done)
     finally:
+        record.write()
         frames.remove_unneeded()
         _remove_drafts(folder.videos)
     return record.count()
@@ -148,21 +148,15 @@ def _expected_bytes(
     *,
     segments_at_once: int,
 ) -> float:
-    """Return the bytes that videos and frames may take more than the files they replace."""
+    """Return the bytes that new videos and frames may take."""
     pixels = plan.look.size**2 * plan.look.frame_rate
-    video_bytes = sum(
-        seconds * (pixels * each + _SOUND)
-        for each, videos in ((_CLIP, clips), (_PAIR, pairs))
-        for seconds in (video.duration for video in videos)
-    )
-    replaced = (plan.folder.root / video.file for video in (*clips, *pairs))
-    video_bytes -= sum(file.stat().st_size for file in replaced if file.is_file())
+    video_bytes = sum(video.duration * (pixels * _VIDEO + _SOUND) for video in (*clips, *pairs))
     frame_bytes: Counter[str] = Counter()
     for clip in clips:
         if plan.needed_frames(clip):
             frame_bytes[clip.segment] += round(clip.duration * pixels * _FRAMES)
     largest = frame_bytes.most_common(segments_at_once)
-    return max(0.0, video_bytes) + sum(size for _, size in largest)
+    return video_bytes + sum(size for _, size in largest)
 
 
 def _jobs_in_order(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Self
@@ -55,13 +54,11 @@ class FigureMaterial:
         camera = face_camera(clips, self.plan.model, self.plan.camera)
         return replace(self, camera=camera), level
 
-    @contextmanager
-    def stage(self, size: int) -> Iterator[Stage]:
-        """Yield the study's stage with `size` × `size` pixels, made even and within limits."""
+    def stage(self, size: int) -> Stage:
+        """Return the study's stage with `size` × `size` pixels, made even and within limits."""
         even_size = min(max(64, size + size % 2), MAX_PIXELS)
         look = replace(self.plan.look, size=even_size)
-        with Stage(self.plan.body, self.camera, look) as stage:
-            yield stage
+        return Stage(self.plan.body, self.camera, look)
 
     def segment(self, name: str) -> Segment:
         """Return a segment by name."""
