@@ -19,12 +19,6 @@ from motion.skeleton import JOINT_COUNT
 
 FRAME_RATE: Final = 30.0
 WIDTH: Final = 265
-_JAW_AND_EYES: Final = slice(0, 9)
-_PELVIS: Final = slice(9, 12)
-_BODY: Final = slice(12, 75)
-_HANDS: Final = slice(75, 165)
-_EXPRESSION: Final = slice(165, 265)
-
 MOTION_X_WIDTH: Final = 322
 
 
@@ -87,10 +81,12 @@ def motion_x_clip(rows: NDArray[Any], frame_rate: float) -> MotionClip:
 
 def _clip(rows: NDArray[Any], frame_rate: float) -> MotionClip:
     """Return TalkSHOW's rows, shape (T, 265), as a clip; they hold no translation and no betas."""
-    parts = (rows[:, part] for part in (_PELVIS, _BODY, _JAW_AND_EYES, _HANDS))
+    jaw_and_eyes, pelvis, body, hands, expression = np.split(rows, [9, 12, 75, 165], axis=1)
     return MotionClip(
-        poses=np.concatenate(list(parts), axis=1).reshape(len(rows), JOINT_COUNT, 3),
+        poses=np.concatenate([pelvis, body, jaw_and_eyes, hands], axis=1).reshape(
+            -1, JOINT_COUNT, 3
+        ),
         trans=np.zeros((len(rows), 3), np.float32),
         frame_rate=frame_rate,
-        expressions=rows[:, _EXPRESSION],
+        expressions=expression,
     )

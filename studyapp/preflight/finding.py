@@ -14,7 +14,7 @@ from typing import Final, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
-from motion.errors import InputError
+from motion.errors import InputError, counted
 
 Severity = Literal["error", "warning", "note"]
 SEVERITIES: Final[tuple[Severity, ...]] = get_args(Severity)
@@ -134,8 +134,7 @@ class CheckRecord(BaseModel):
     @property
     def summary(self) -> str:
         """The numbers of errors and warnings, in words."""
-        counts = ((self.errors, "error"), (self.warnings, "warning"))
-        return ", ".join(f"{count} {word}{'' if count == 1 else 's'}" for count, word in counts)
+        return f"{counted(self.errors, 'error')}, {counted(self.warnings, 'warning')}"
 
 
 def make_record(study: str, findings: Sequence[Finding]) -> CheckRecord:
@@ -151,33 +150,34 @@ def make_record(study: str, findings: Sequence[Finding]) -> CheckRecord:
 
 
 def text_lines(findings: Sequence[Finding], *, everything: bool = False) -> Iterator[str]:
-    """Yield the lines to print, findings of one kind together and the worst first.
+    """Yield the lines to print, findings of one kind together.
 
     Parameters
     ----------
+    findings : sequence of Finding
+        The worst first.
     everything : bool
         Print notes too, and all findings of a kind instead of the first few.
     """
     by_kind: dict[str, list[Finding]] = {}
     for finding in findings:
         by_kind.setdefault(finding.name, []).append(finding)
-    for severity in SEVERITIES if everything else SEVERITIES[:-1]:
-        for name, similar in by_kind.items():
-            if similar[0].severity != severity:
-                continue
-            abridged = not everything and len(similar) > MOST_SIMILAR + 1
-            printed = similar[:MOST_SIMILAR] if abridged else similar
-            yield f"{severity}: {name}"
-            for remedy, group in groupby(printed, key=lambda finding: finding.remedy):
-                for finding in group:
-                    named = not finding.where or finding.where in finding.what
-                    yield from _wrap(
-                        finding.what if named else f"{finding.where}: {finding.what}", "  "
-                    )
-                yield from _wrap(remedy, "  > ")
-            if abridged:
-                yield f"  and {len(similar) - len(printed)} more like these (--verbose prints them)"
-            yield ""
+    for name, similar in by_kind.items():
+        severity = similar[0].severity
+        if severity == "note" and not everything:
+            continue
+        printed = similar if everything else similar[:MOST_SIMILAR]
+        yield f"{severity}: {name}"
+        for remedy, group in groupby(printed, key=lambda finding: finding.remedy):
+            for finding in group:
+                named = not finding.where or finding.where in finding.what
+                yield from _wrap(
+                    finding.what if named else f"{finding.where}: {finding.what}", "  "
+                )
+            yield from _wrap(remedy, "  > ")
+        if len(similar) > len(printed):
+            yield f"  and {len(similar) - len(printed)} more like these (--verbose prints them)"
+        yield ""
 
 
 def _wrap(sentence: str, indent: str) -> list[str]:
