@@ -10,24 +10,13 @@ import click
 
 from renderer.figures.strip import MAX_MOMENTS, Moment
 from studyapp.cli.arguments import FILE, Number, study_folder
-from studyapp.cli.output import echo_note, progress
+from studyapp.cli.output import progress
 from studyapp.study.folder import StudyFolder
 
 if TYPE_CHECKING:
     from studyapp.stimuli.figures.paper_figures import PaperFigure
 
 _ENDINGS = (".pdf", ".png")
-
-
-def _labelled_motion(text: str) -> tuple[Path, str]:
-    """Return a motion file and its label in the figure."""
-    path, label = Path(text), ""
-    if not path.is_file():
-        name, _, label = text.rpartition("=")
-        path = Path(name)
-    if not path.is_file():
-        raise click.BadParameter(f"there is no file {text!r}")
-    return path, label.strip() or path.stem
 
 
 segment = click.option("--segment", required=True, help="The segment to show.")
@@ -131,33 +120,21 @@ def strip(
 @study_folder
 @segment
 @conditions
-@click.option(
-    "--motion",
-    "motions",
-    type=_labelled_motion,
-    multiple=True,
-    metavar="FILE[=LABEL]",
-    help="A motion file for the segment, such as another seed, and its label; can be repeated. "
-    "Without --condition, only these are shown.",
-)
 @moments(required=True)
 @inches(3.3)
 @clear
 @closeup
 @output
-def overlay(
-    folder: StudyFolder, output: Path | None, motions: tuple[tuple[Path, str], ...], **options: Any
-) -> None:
-    """Write a picture of several moments or variations on top of each other.
+def overlay(folder: StudyFolder, output: Path | None, **options: Any) -> None:
+    """Write a picture of several moments or conditions on top of each other.
 
-    Several moments make a trail that fades with age; several conditions or motion files are tinted
-    in different colours.
+    Several moments make a trail that fades with age; several conditions are tinted in different
+    colours.
     """
     from studyapp.stimuli.figures.paper_figures import write_overlay
 
     figure = _figure(folder, "overlay", output, options)
-    for note in write_overlay(figure, motions=motions):
-        echo_note(note)
+    write_overlay(figure)
     click.echo(f"The overlay is {' and '.join(map(str, figure.outputs))}")
 
 

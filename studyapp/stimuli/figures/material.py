@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Final, Self
 
 from motion.audio import SPEECH_RATE, Audio, read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats import read_clip, read_recorded
+from motion.formats import read_clip
 from motion.segment import Segment
 from renderer.clip_video import Stage
 from renderer.figures.panels import align_faces, face_camera
@@ -18,7 +17,6 @@ from renderer.figures.strip import MAX_MOMENTS, Moment
 from renderer.framing import Camera
 from renderer.shown_clip import as_shown
 from studyapp.stimuli.render_plan import RenderPlan
-from studyapp.stimuli.shown_motion import licensed_hands
 from studyapp.study.folder import StudyFolder
 
 MAX_PIXELS: Final = 2160
@@ -83,25 +81,20 @@ class FigureMaterial:
         parts = [text.partition("=") for text in texts]
         names = [_require_known(name, "condition", shown) for name, _, _ in parts]
         labels = [label.strip() or study.display_names[name] for name, _, label in parts]
-        require_distinct(names)
-        require_distinct(labels)
+        for text in (*names, *labels):
+            if max(names.count(text), labels.count(text)) > 1:
+                raise InputError(
+                    f"{text!r} occurs twice in this figure", remedy="Use different labels"
+                )
         return dict(zip(names, labels, strict=True))
 
     def clip(self, segment: Segment, condition: str) -> MotionClip:
         """Return the motion as participants see it."""
         name = _require_known(condition, "condition", self.plan.conditions)
         path = self.plan.folder.clip(name, segment.name)
-        return self._shown(read_clip(path), path, segment)
-
-    def variation(self, segment: Segment, path: Path) -> tuple[MotionClip, list[str]]:
-        """Return motion for `segment` from any file, as participants would see it, and notes."""
-        hands = licensed_hands(self.plan.folder, self.plan.study)
-        clip, notes = read_recorded(path, mean_hands=hands)
-        return self._shown(clip, path, segment), notes
-
-    def _shown(self, clip: MotionClip, path: Path, segment: Segment) -> MotionClip:
         plan = self.plan
         rate = plan.look.frame_rate
+        clip = read_clip(path)
         return as_shown(clip, plan.model, path, segment.duration, plan.study.freeze, rate)
 
     def speech(self, segment: Segment, sample_rate: int = SPEECH_RATE) -> Audio:
@@ -129,13 +122,6 @@ class FigureMaterial:
                     remedy=f"Give times from 0 to {segment.duration:.2f} s",
                 )
         return tuple(sorted(moments, key=lambda moment: moment.seconds))
-
-
-def require_distinct(names: Sequence[str]) -> None:
-    """Raise `InputError` if a name or label occurs twice in a figure."""
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"{name!r} occurs twice in this figure", remedy="Use different labels")
 
 
 def _require_known(name: str, kind: str, known: Sequence[str]) -> str:

@@ -20,7 +20,7 @@ from renderer.figures.panels import FULL_BOX, Box, aspect_of, common_box, croppe
 from renderer.figures.plate import DOTS_PER_INCH, check_ending
 from renderer.figures.strip import Moment, StripLayout, draw_strip, loud_moments
 from renderer.shown_clip import frame_at
-from studyapp.stimuli.figures.material import FigureMaterial, require_distinct
+from studyapp.stimuli.figures.material import FigureMaterial
 from studyapp.study.folder import StudyFolder
 
 
@@ -147,27 +147,14 @@ def write_strip(figure: PaperFigure, *, count: int, wave: bool) -> None:
     draw_strip(layout, panels, speech, clear=figure.clear).save(figure.outputs)
 
 
-def write_overlay(figure: PaperFigure, *, motions: Sequence[tuple[Path, str]]) -> list[str]:
-    """Write a picture of several moments, or of variations at one moment; return notes on motion.
-
-    Parameters
-    ----------
-    figure : PaperFigure
-        Several conditions are variations, several moments a trail.
-    motions : sequence of (Path, str)
-        Motion files for the segment that are variations too, such as other seeds, with labels.
-    """
+def write_overlay(figure: PaperFigure) -> None:
+    """Write a picture of several moments, which make a trail, or of several conditions."""
     material = FigureMaterial.read(figure.folder)
     segment = material.segment(figure.segment)
-    labels = material.labels(figure.conditions) if figure.conditions or not motions else {}
-    require_distinct([*labels.values(), *(label for _, label in motions)])
-    colours_for(len(labels) + len(motions))
+    labels = material.labels(figure.conditions)
+    colours_for(len(labels))
     moments = material.ordered_moments(segment, figure.moments)
     clips = {label: material.clip(segment, name) for name, label in labels.items()}
-    notes: list[str] = []
-    for path, label in motions:
-        clips[label], notes_on_file = material.variation(segment, path)
-        notes += notes_on_file
     poses = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
     material, box, poses = _view(material, figure, poses)
     width = round(figure.inches * DOTS_PER_INCH)
@@ -182,7 +169,6 @@ def write_overlay(figure: PaperFigure, *, motions: Sequence[tuple[Path, str]]) -
     background = material.plan.look.background
     page = draw_overlay(picture, list(clips), caption, clear=figure.clear, background=background)
     page.save(figure.outputs)
-    return notes
 
 
 def _view(
