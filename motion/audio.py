@@ -72,7 +72,7 @@ class Audio:
     Raises
     ------
     InputError
-        If the samples are empty, not finite, not mono or the rate is not positive.
+        If the samples are empty, not finite or not mono.
     """
 
     samples: Floats32
@@ -88,10 +88,6 @@ class Audio:
         if not np.isfinite(samples).all():
             raise InputError(
                 "the audio holds a sample that is not a number", remedy="Export the audio again"
-            )
-        if self.sample_rate <= 0:
-            raise InputError(
-                f"sample rate {self.sample_rate} is not usable", remedy="Give samples per second"
             )
         samples.setflags(write=False)
         object.__setattr__(self, "samples", samples)

@@ -19,7 +19,6 @@ from motion.errors import InputError
 from motion.files import replacing
 
 _PROGRAM: Final = "espeak-ng"
-_TIME_LIMIT: Final = 60.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,7 +105,7 @@ def synthesiser_version() -> str:
         If espeak-ng is not installed.
     """
     process = subprocess.run(  # noqa: S603
-        [_program(), "--version"], capture_output=True, check=True, timeout=_TIME_LIMIT, text=True
+        [_program(), "--version"], capture_output=True, check=True, text=True
     )
     # The rest is the path of its data on this machine.
     return process.stdout.split("Data at")[0].strip()
@@ -137,15 +136,11 @@ def _run(program: str, text: str, prosody: SpokenProsody, speaker: str, wav: Pat
     try:
         # The command is a list of fixed options, and the text goes through standard input.
         subprocess.run(  # noqa: S603
-            command, input=markup.encode(), capture_output=True, check=True, timeout=_TIME_LIMIT
+            command, input=markup.encode(), capture_output=True, check=True
         )
     except subprocess.CalledProcessError as error:
         complaint = error.stderr.decode(errors="replace").strip().rstrip(".")
         raise InputError(
             f"{_PROGRAM} could not speak with voice {speaker!r}: {complaint}",
             remedy=f"Choose a voice from: {_PROGRAM} --voices",
-        ) from error
-    except subprocess.TimeoutExpired as error:
-        raise InputError(
-            f"{_PROGRAM} took longer than {_TIME_LIMIT:.0f} s", remedy="Give a shorter text"
         ) from error

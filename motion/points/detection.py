@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.arrays import Floats
-from motion.audio import LONGEST
 from motion.errors import InputError
 
 _LONGEST_GAP: Final = 0.25
@@ -214,12 +213,6 @@ def _frames(video: Path) -> Iterator[tuple[float, int, int, NDArray[np.uint8]]]:
             stream.thread_type = "AUTO"
             rate = min(float(stream.average_rate or FASTEST), FASTEST)
             total = round((container.duration or 0) / av.time_base * rate)
-            if total > LONGEST * rate:
-                raise InputError(
-                    f"the video lasts more than {LONGEST // 3600} hours",
-                    where=video,
-                    remedy="Cut it into shorter files",
-                )
             for frame in container.decode(stream):
                 time = float(frame.time or 0)
                 start = time if start is None else start

@@ -150,9 +150,7 @@ def test_a_cut_starts_exactly_and_pads_a_short_end_with_silence() -> None:
     assert not cut.samples[8000:].any()
 
 
-@pytest.mark.parametrize(
-    ("samples", "rate"), [(np.zeros(0), 16000), (np.zeros((2, 9)), 16000), (np.zeros(9), 0)]
-)
-def test_unusable_samples_are_refused(samples: np.ndarray, rate: int) -> None:
+@pytest.mark.parametrize("samples", [np.zeros(0), np.zeros((2, 9))])
+def test_unusable_samples_are_refused(samples: np.ndarray) -> None:
     with pytest.raises(InputError):
-        Audio(samples, rate)
+        Audio(samples, 16000)
