@@ -12,6 +12,7 @@ import tomllib
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import torch
@@ -19,9 +20,12 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file
 from torch import Tensor, nn
 
-from motion.errors import InputError, listed
+from motion.errors import InputError
 
 Network = TypeVar("Network", bound=nn.Module)
+
+_LONGEST_PROBLEM: Final = 300
+"""Characters of torch's list of the weights that do not fit."""
 
 
 def read_saved(file: Path) -> object:
@@ -125,37 +129,19 @@ def fill(
     Raises
     ------
     InputError
-        If weights are missing, unknown, or of another shape; the message names them.
+        If weights are missing, unknown, or of another shape.
     """
-    expected = network.state_dict()
-    problems = [
-        f"{len(names)} {problem} ({', '.join(names[:3])}{', …' if len(names) > 3 else ''})"
-        for problem, names in _mismatches(expected, weights)
-        if names
-    ]
-    if problems:
+    types = {name: weight.dtype for name, weight in network.state_dict().items()}
+    typed = {name: weight.to(types.get(name)) for name, weight in weights.items()}
+    try:
+        network.load_state_dict(typed, assign=True)
+    except RuntimeError as error:
+        problem = shorten(str(error).partition("\n")[2], _LONGEST_PROBLEM)
         raise InputError(
-            f"this is not {description}: {listed(problems)}", where=file, remedy=remedy
-        )
-    typed = {name: weight.to(expected[name].dtype) for name, weight in weights.items()}
-    network.load_state_dict(typed, assign=True)
+            f"this is not {description}: {problem}", where=file, remedy=remedy
+        ) from error
     network.requires_grad_(False).eval()
     return network
-
-
-def _mismatches(
-    expected: Mapping[str, Tensor], weights: Mapping[str, Tensor]
-) -> Sequence[tuple[str, list[str]]]:
-    reshaped = [
-        f"{name} {tuple(weights[name].shape)} instead of {tuple(weight.shape)}"
-        for name, weight in expected.items()
-        if name in weights and weights[name].shape != weight.shape
-    ]
-    return (
-        ("missing", [name for name in expected if name not in weights]),
-        ("unknown", [name for name in weights if name not in expected]),
-        ("of another shape", reshaped),
-    )
 
 
 if TYPE_CHECKING:

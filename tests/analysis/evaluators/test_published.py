@@ -132,7 +132,7 @@ def test_files_other_than_the_presets_checkpoint_are_refused(
         ("ted", tmp_path / "none.bin", "no such file"),
         ("ted", tmp_path / "cut.bin", "not a file of network weights"),
         ("ted", tmp_path / "list.bin", "no named weights"),
-        ("ted", tmp_path / "small.bin", r"\(32, 30, 3\) instead of \(32, 27, 3\)"),
+        ("ted", tmp_path / "small.bin", r"\[32, 30, 3\].*\[32, 27, 3\]"),
         ("emage", ted, "encoder.layers.0.0.residual.0.mask"),
     ):
         with pytest.raises(InputError, match=said):

@@ -63,8 +63,8 @@ def test_another_network_is_refused_with_its_mismatched_weights(tmp_path: Path) 
     with pytest.raises(InputError, match="it has no 'prior' and 'denoiser'"):
         load_motion(tmp_path / "alone.pt")
     torch.save({"prior": part, "denoiser": part}, tmp_path / "prior.pt")
-    with pytest.raises(InputError, match=r"not AMUSE's motion prior: .*\(282,\) instead of \(333,"):
+    with pytest.raises(InputError, match=r"not AMUSE's motion prior: Missing key"):
         load_motion(tmp_path / "prior.pt")
     torch.save({"other.weight": torch.zeros(2)}, tmp_path / "speech.pt")
-    with pytest.raises(InputError, match=r"not AMUSE's speech model: .* missing"):
+    with pytest.raises(InputError, match=r"not AMUSE's speech model: Missing key"):
         load_speech(tmp_path / "speech.pt")
