@@ -17,7 +17,6 @@ from motion.errors import InputError
 from renderer.figures.plate import (
     DOTS_PER_INCH,
     FAINT_INK,
-    INK,
     LETTERS,
     Plate,
     fitted,
@@ -209,6 +208,8 @@ def _draw_time(
     wave: float,
 ) -> None:
     """Draw the time axis, the wave on it, and a line from each column to its moment."""
+    from matplotlib.ticker import MaxNLocator
+
     room = page.width - layout.margin
     axes = page.area(layout.margin, words_at, room, axis_at + wave - words_at)
     axes.set_xlim(0, speech.duration)
@@ -218,7 +219,6 @@ def _draw_time(
         times = np.linspace(0, speech.duration, len(loud))
         middle = axis_at + wave / 2
         axes.fill_between(times, middle - loud, middle + loud, color="#9aa0a6", linewidth=0)
-    axes.plot([0, speech.duration], [axis_at + wave] * 2, color=INK, linewidth=0.8, clip_on=False)
     for centre, moment in zip(centres, layout.moments, strict=True):
         at = (centre - layout.margin) / room * speech.duration
         axes.plot(
@@ -228,23 +228,14 @@ def _draw_time(
             linewidth=0.6,
             clip_on=False,
         )
-    step = _tick_step(speech.duration, room)
-    for tick in np.arange(0, speech.duration + 1e-6, step):
-        x = layout.margin + tick / speech.duration * room
-        is_last = tick + step > speech.duration
-        page.write(
-            x,
-            axis_at + wave + pixels(LETTERS) * 0.35,
-            f"{tick:g} s" if is_last else f"{tick:g}",
-            ha="left" if tick == 0 else "right" if x > page.width - pixels(LETTERS) else "center",
-            va="top",
-            fontsize=LETTERS - 2,
-            color=FAINT_INK,
-        )
-        axes.plot(
-            [tick, tick], [axis_at + wave, axis_at + wave - 8], color=INK, linewidth=0.6,
-            clip_on=False,
-        )  # fmt: skip
+    axes.set_axis_on()
+    axes.spines[["left", "top", "right"]].set_visible(False)
+    axes.yaxis.set_visible(False)
+    # A label at the right end would leave the page.
+    count = min(10, int(room / pixels(3 * LETTERS)))
+    axes.xaxis.set_major_locator(MaxNLocator(count, prune="upper"))
+    axes.xaxis.set_major_formatter("{x:g} s")
+    axes.tick_params(labelsize=LETTERS - 2, labelcolor=FAINT_INK, pad=2)
 
 
 def _envelope(samples: np.ndarray) -> np.ndarray:
@@ -252,9 +243,3 @@ def _envelope(samples: np.ndarray) -> np.ndarray:
     parts = np.array_split(np.abs(samples), min(_WAVE_COLUMNS, len(samples)))
     peaks = np.array([part.max() for part in parts])
     return peaks / max(float(peaks.max()), 1e-9)
-
-
-def _tick_step(duration: float, room: float) -> float:
-    """Return the seconds between at most ten ticks whose labels fit into `room` pixels."""
-    limit = min(10, room / pixels(2.5 * LETTERS))
-    return next((step for step in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20) if duration / step <= limit), 60)
