@@ -184,36 +184,28 @@ def change_role(
         log_change(session, clock.now(), Event.ROLE_CHANGED, by=by, detail=detail)
 
 
-def remove_access(database: Database, clock: Clock, researcher_id: int, *, by: str) -> None:
-    """Remove a researcher's access and end their logins; their actions stay in the log.
+def set_access(
+    database: Database, clock: Clock, researcher_id: int, *, allowed: bool, by: str
+) -> None:
+    """Restore a researcher's access, with the old password, or remove it and end their logins.
+
+    Their actions stay in the log.
 
     Raises
     ------
     InputError
         If there is no such researcher, or no owner would remain.
     """
+    now = clock.now()
     with database.writing() as session:
         researcher = _lock_researcher(session, researcher_id)
-        _require_another_owner(session, researcher)
-        if researcher.disabled_at is None:
-            researcher.disabled_at = clock.now()
-            log_change(session, clock.now(), Event.SHUT_OUT, by=by, detail=researcher.name)
-        end_logins(session, researcher.id)
-
-
-def restore_access(database: Database, clock: Clock, researcher_id: int, *, by: str) -> None:
-    """Restore the access of a researcher, with the old password.
-
-    Raises
-    ------
-    InputError
-        If there is no such researcher.
-    """
-    with database.writing() as session:
-        researcher = _lock_researcher(session, researcher_id)
-        if researcher.disabled_at is not None:
-            researcher.disabled_at = None
-            log_change(session, clock.now(), Event.LET_IN_AGAIN, by=by, detail=researcher.name)
+        if not allowed:
+            _require_another_owner(session, researcher)
+            end_logins(session, researcher.id)
+        if (researcher.disabled_at is None) is not allowed:
+            researcher.disabled_at = None if allowed else now
+            event = Event.LET_IN_AGAIN if allowed else Event.SHUT_OUT
+            log_change(session, now, event, by=by, detail=researcher.name)
 
 
 def _lock_researcher(session: Session, researcher_id: int) -> Researcher:

@@ -11,7 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from analysis.answers.exclusion_rules import excluded_by_hand
 from motion.files import sha256_of
-from studyapp.results.export.columns import Column, TableColumns, fixed_values, preference_values
+from studyapp.results.export.columns import Column, TableColumns, declared
 from studyapp.results.stored_answers import Source
 from studyapp.study.design.allocation import PREFERENCES
 from studyapp.study.folder import StudyFolder
@@ -142,7 +142,8 @@ Labels = Mapping[str, str]
 
 def column_labels(study: Study, column: str) -> Labels:
     """Return the values of a column and what they mean; nothing where it has no fixed ones."""
-    if (fixed := fixed_values(column)) is not None:
+    fixed: Labels | None = declared()["values"].get(column)
+    if fixed is not None:
         return fixed
     if column == "arm":
         return {arm.name: f"compares {', '.join(arm.conditions)}" for arm in study.arms}
@@ -190,7 +191,7 @@ def answer_labels(study: Study, question: Question) -> Labels:
     if isinstance(study, MismatchStudy):
         levels = next(asked.levels for asked in study.questions if asked.name == question.name)
     # With fewer than five answers there is no strength.
-    words = preference_values(strength=levels == 5)
+    words = declared()["preferences"]["strong" if levels == 5 else "plain"]
     return {str(value): words[str(value)] for value in PREFERENCES[levels]}
 
 

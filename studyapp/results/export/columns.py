@@ -82,37 +82,25 @@ class TableColumns:
 
 
 @cache
-def _declared() -> Mapping[str, Any]:
+def declared() -> Mapping[str, Any]:
     """Return what `columns.toml` says."""
     return tomllib.loads(files(__package__).joinpath("columns.toml").read_text("utf-8"))
 
 
 def _table(name: str) -> TableColumns:
     """Return the columns of a table, as they are declared."""
-    declared = _declared()[name]
-    own = _declared()["several"] | declared["columns"]
+    spec = declared()[name]
+    own = declared()["several"] | spec["columns"]
     return TableColumns(
         name="" if name == "answers" else name,
-        title=declared["row"],
-        columns=tuple(Column(column, **own[column]) for column in declared["order"]),
+        title=spec["row"],
+        columns=tuple(Column(column, **own[column]) for column in spec["order"]),
     )
-
-
-def fixed_values(column: str) -> Mapping[str, str] | None:
-    """Return the values of a column that are the same in every study; None where none are."""
-    found: Mapping[str, str] | None = _declared()["values"].get(column)
-    return found
-
-
-def preference_values(*, strength: bool) -> Mapping[str, str]:
-    """Return what answers between two stimuli mean, by how far they are from 0."""
-    found: Mapping[str, str] = _declared()["preferences"]["strong" if strength else "plain"]
-    return found
 
 
 def bids_column(column: Column) -> Column:
     """Return `column` as BIDS names it; moments are seconds since the participant's consent."""
-    return replace(column, **_declared()["bids"].get(column.name, {}))
+    return replace(column, **declared()["bids"].get(column.name, {}))
 
 
 ANSWERS, PARTICIPANTS, FORM, WATCHING, REFUSALS, LOG, RECRUITER_IDS = map(

@@ -17,8 +17,7 @@ from studyapp.researchers.account import (
     Role,
     change_role,
     list_accounts,
-    remove_access,
-    restore_access,
+    set_access,
 )
 from studyapp.researchers.credentials import (
     TooManyAttemptsError,
@@ -269,13 +268,13 @@ def give_role(researcher_id: int) -> ResponseReturnValue:
 def shut_researcher_out(researcher_id: int) -> ResponseReturnValue:
     """Let a researcher log in no more."""
     site, by = current_site(), researcher().name
-    return _done(lambda: remove_access(site.database, site.clock, researcher_id, by=by))
+    return _done(lambda: set_access(site.database, site.clock, researcher_id, allowed=False, by=by))
 
 
 def let_researcher_in(researcher_id: int) -> ResponseReturnValue:
     """Let a researcher log in again."""
     site, by = current_site(), researcher().name
-    return _done(lambda: restore_access(site.database, site.clock, researcher_id, by=by))
+    return _done(lambda: set_access(site.database, site.clock, researcher_id, allowed=True, by=by))
 
 
 def _link(token: str) -> str:

@@ -16,7 +16,7 @@ from flask import Flask
 
 from studyapp.database.engine import Database
 from studyapp.desk.lab import Lab, LabStudy
-from studyapp.researchers.account import list_accounts, remove_access
+from studyapp.researchers.account import list_accounts, set_access
 from studyapp.researchers.links import invite, join, offer_new_password
 from studyapp.study.folder import StudyFolder
 from tests.studyapp.desk.conftest import Researcher
@@ -151,7 +151,7 @@ def test_an_existing_account_is_joined_only_with_its_password(
 
 def shut_out(lab: Lab, database: Database, name: str) -> None:
     (number,) = (each.id for each in list_accounts(database) if each.name == name)
-    remove_access(database, lab.clock, number, by="Grace")
+    set_access(database, lab.clock, number, allowed=False, by="Grace")
 
 
 def test_a_researcher_removed_from_the_desk_loses_its_studies(

@@ -13,8 +13,7 @@ from studyapp.database.engine import Database
 from studyapp.researchers.account import (
     change_role,
     list_accounts,
-    remove_access,
-    restore_access,
+    set_access,
 )
 from studyapp.researchers.audit import event_label, latest_changes
 from studyapp.researchers.credentials import MAX_ATTEMPTS_PER_NAME, TooManyAttemptsError
@@ -40,22 +39,22 @@ def test_the_last_owner_can_neither_leave_nor_change_role(door: Door) -> None:
     charles = door.join("Charles", "analyst")
 
     with pytest.raises(InputError, match=r"only owner.*somebody else"):
-        remove_access(door.database, door.clock, door.ada, by="Ada")
+        set_access(door.database, door.clock, door.ada, allowed=False, by="Ada")
     with pytest.raises(InputError, match="only owner"):
         change_role(door.database, door.clock, door.ada, "viewer", by="Ada")
     change_role(door.database, door.clock, charles, "owner", by="Ada")
-    remove_access(door.database, door.clock, door.ada, by="Charles")
+    set_access(door.database, door.clock, door.ada, allowed=False, by="Charles")
     with pytest.raises(InputError, match="only owner"):
-        remove_access(door.database, door.clock, charles, by="Charles")
+        set_access(door.database, door.clock, charles, allowed=False, by="Charles")
 
 
 def test_changing_access_or_role_logs_a_researcher_out_at_once(door: Door) -> None:
     number = door.join("Charles")
     login = door.enter("Charles")
-    remove_access(door.database, door.clock, number, by="Ada")
+    set_access(door.database, door.clock, number, allowed=False, by="Ada")
     assert door.who(login) is None
     door.turns_away("Charles")
-    restore_access(door.database, door.clock, number, by="Ada")
+    set_access(door.database, door.clock, number, allowed=True, by="Ada")
     assert door.who(login) is None
     login = door.enter("Charles")
 
@@ -126,7 +125,7 @@ def test_a_link_for_a_new_password_replaces_it_and_ends_all_logins(door: Door) -
 def test_removed_researchers_get_no_new_password(door: Door) -> None:
     out = door.join("Charles", "analyst")
     before = door.offer("Charles")
-    remove_access(door.database, door.clock, out, by="Ada")
+    set_access(door.database, door.clock, out, allowed=False, by="Ada")
 
     with pytest.raises(InputError, match="no access"):
         door.offer("Charles")
@@ -182,7 +181,9 @@ def test_a_link_used_twice_at_once_makes_one_account(door: Door) -> None:
 def test_owners_who_remove_each_other_at_once_leave_one(door: Door) -> None:
     owners = [door.ada, *(door.join(name, "owner") for name in ("Charles", "Mary"))]
 
-    raised = at_once(lambda one: remove_access(door.database, door.clock, one, by=""), owners)
+    raised = at_once(
+        lambda one: set_access(door.database, door.clock, one, allowed=False, by=""), owners
+    )
 
     assert raised == [InputError]
     assert sum(account.disabled_at is None for account in list_accounts(door.database)) == 1

@@ -17,7 +17,7 @@ from studyapp.database.tables.researchers import (
     ResearcherLogin,
 )
 from studyapp.researchers import credentials
-from studyapp.researchers.account import remove_access
+from studyapp.researchers.account import set_access
 from studyapp.researchers.credentials import (
     MAX_ATTEMPTS_PER_ADDRESS,
     MAX_ATTEMPTS_PER_NAME,
@@ -61,7 +61,7 @@ def test_logins_end_when_idle_and_after_a_maximum(
 def test_every_refusal_has_the_same_message_and_cost(
     door: Door, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    remove_access(door.database, door.clock, door.join("Charles"), by="Ada")
+    set_access(door.database, door.clock, door.join("Charles"), allowed=False, by="Ada")
     verified: list[str] = []
 
     def verify(hasher: PasswordHasher, password_hash: str, password: str) -> bool:
